@@ -1,0 +1,9 @@
+//! afmsweep: ensemble sweeps of atomic force microscope dynamics.
+
+pub mod contact;
+pub mod instrument;
+pub mod observe;
+pub mod report;
+pub mod scene;
+pub mod store;
+pub mod units;

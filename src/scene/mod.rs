@@ -1,0 +1,131 @@
+//! What the user wrote: the scene file, its sweep, and the cases it stands for.
+
+mod params;
+
+pub use params::*;
+
+use crate::observe::Observable;
+use std::path::PathBuf;
+
+/// A scene as read, checked and ready to plan.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// The TOML text as read.
+    pub source: String,
+    pub title: String,
+    /// The case before the sweep's values are put in.
+    pub base: Params,
+    pub sweep: Sweep,
+    pub run: Run,
+    pub output: Output,
+}
+
+/// The instances of a scene: a grid of axes, a list of samples, or the one base case.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sweep {
+    pub axes: Vec<Axis>,
+    pub layout: Layout,
+}
+
+/// How a sweep's axes make instances.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// Every combination; the last axis runs fastest. No axis: one instance.
+    #[default]
+    Grid,
+    /// All axes have one length; instance i takes the i-th value of each.
+    List,
+}
+
+/// One swept quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Path in the scene file, as `sample.youngs_modulus`.
+    pub path: String,
+    /// Name in the results file: the last two words of the path joined with `_`.
+    pub name: String,
+    /// What it is, for a label: `sample Young's modulus`.
+    pub long_name: String,
+    /// SI unit as the results file writes it: `Pa`, `J/m^2`, `m`, `1`.
+    pub units: String,
+    /// True where the values are spaced evenly in the logarithm.
+    pub log: bool,
+    /// SI values.
+    pub values: Vec<f64>,
+}
+
+/// `[run] start`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The free oscillation is already steady; the sample appears at the top of a swing.
+    Steady,
+    /// Zero initial conditions.
+    Rest,
+}
+
+/// `[run]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    pub start: Start,
+    /// Drive periods in all.
+    pub periods: u32,
+    /// The last so many of them are measured; 1 ..= periods.
+    pub measure: u32,
+    /// Relative error asked for.
+    pub accuracy: f64,
+    /// Lever modes to keep, overriding the plan.
+    pub modes: Option<usize>,
+    /// Steps per drive period, overriding the plan.
+    pub steps_per_period: Option<u32>,
+}
+
+/// `[output]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// In the order asked for, without repeats.
+    pub observables: Vec<Observable>,
+    pub waveforms: Option<WaveformRequest>,
+}
+
+/// `[output] waveforms`
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaveformRequest {
+    /// Instance numbers, each below the scene's number of instances.
+    pub instances: Vec<usize>,
+    pub samples_per_period: u32,
+    /// The last so many periods of the run.
+    pub periods: u32,
+}
+
+impl Sweep {
+    /// Number of instances; 1 without a sweep.
+    pub fn len(&self) -> usize {
+        match self.layout {
+            Layout::Grid => self.axes.iter().map(|axis| axis.values.len()).product(),
+            Layout::List => self.axes.first().map_or(1, |axis| axis.values.len()),
+        }
+    }
+
+    /// A sweep without instances does not exist.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Each axis' value index in instance `index` (row-major for a grid).
+    pub fn indices(&self, index: usize) -> Vec<usize> {
+        match self.layout {
+            Layout::List => vec![index; self.axes.len()],
+            Layout::Grid => {
+                let mut rest = index;
+                let mut indices = vec![0; self.axes.len()];
+                for (slot, axis) in indices.iter_mut().zip(&self.axes).rev() {
+                    *slot = rest % axis.values.len();
+                    rest /= axis.values.len();
+                }
+                indices
+            }
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! One fully resolved case: every quantity of a scene as a number in SI units.
+//!
+//! [`Params`] is what the rest of the program computes from; the scene file
+//! and its sweep only fill it in. `Params::default()` is the preset
+//! `ha-fung-chen-2005`: Table 1 and the run of section 4 of J.-L. Ha,
+//! R.-F. Fung, Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
+
+/// Everything one instance needs; lengths in m, stiffness in N/m, frequencies in Hz.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Params {
+    pub instrument: InstrumentParams,
+    pub sample: SampleParams,
+    pub contact: ContactParams,
+    pub drive: DriveParams,
+    pub approach: ApproachParams,
+}
+
+/// The rod, the lever and the tip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InstrumentParams {
+    pub actuator: ActuatorParams,
+    pub cantilever: CantileverParams,
+    pub tip: TipParams,
+}
+
+/// How the rod and the lever act on each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ActuatorModel {
+    /// Rod and lever act on each other (Hamilton form of the energies).
+    Coupled,
+    /// The rod moves as if alone and drives the lever, which does not act back.
+    Prescribed,
+    /// No rod: a base that moves as told, or not at all.
+    Rigid,
+    /// Equation (13) of the paper taken literally; for the replication study only.
+    AsPrinted,
+}
+
+/// The piezoelectric rod (Table 1, first column). SI units; `h33` in V/m, `beta33` in V m/C.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActuatorParams {
+    pub model: ActuatorModel,
+    pub youngs_modulus: f64,
+    pub density: f64,
+    pub h33: f64,
+    pub beta33: f64,
+    pub length: f64,
+    pub width: f64,
+    pub thickness: f64,
+    /// Infinite means undamped.
+    pub quality_factor: f64,
+}
+
+/// The lever: by its dimensions, by its thermal calibration, or mode by mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CantileverParams {
+    pub lever: Lever,
+    pub quality_factor: QualityFactor,
+}
+
+/// Three ways to say what the lever is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lever {
+    /// A uniform rectangular beam (Table 1, second column).
+    Dimensions { youngs_modulus: f64, density: f64, length: f64, width: f64, thickness: f64 },
+    /// The first mode's stiffness (N/m) and frequency (Hz) as measured, tip included;
+    /// higher modes follow from uniform-beam theory and no tip mass is added.
+    Calibrated { stiffness: f64, frequency: f64 },
+    /// Modes with tip participation 1; no tip mass is added.
+    Modes(Vec<LeverMode>),
+}
+
+/// One measured mode of a lever, tip participation 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeverMode {
+    /// N/m
+    pub stiffness: f64,
+    /// Hz
+    pub frequency: f64,
+    pub quality_factor: f64,
+    /// Push of the drive on this mode relative to a drive on the tip (or, for a moving
+    /// base, the mode's inertial participation); 1 by default.
+    pub drive: f64,
+}
+
+/// Quality factors of the lever's own modes, first mode first; infinite means undamped.
+#[derive(Clone, Debug, PartialEq)]
+pub enum QualityFactor {
+    /// The same for every mode.
+    All(f64),
+    /// One for each mode; the last one also serves the modes beyond the list. Never empty.
+    PerMode(Vec<f64>),
+}
+
+/// The rigid tip at the lever's end (Table 1, third column) and its apex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TipParams {
+    /// Distance l from the lever's end to the tip's centre, m.
+    pub half_length: f64,
+    pub mass: TipMass,
+    /// Apex radius R, m.
+    pub radius: f64,
+    /// Pa; infinite means rigid (the paper does not give it).
+    pub youngs_modulus: f64,
+    pub poisson_ratio: f64,
+}
+
+/// The tip's mass: given, or that of a pyramid of base `2 half_length` x `width`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TipMass {
+    /// kg
+    Given(f64),
+    /// Width and height in m, density in kg/m^3.
+    Pyramid { width: f64, height: f64, density: f64 },
+}
+
+/// The sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SampleParams {
+    /// Pa
+    pub youngs_modulus: f64,
+    pub poisson_ratio: f64,
+    pub adhesion: Adhesion,
+}
+
+/// Adhesion between tip and sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Adhesion {
+    /// `sample.surface_energy`: work of adhesion w, J/m^2.
+    Work(f64),
+    /// `sample.hamaker`: Hamaker constant H, J, with w = H / (12 pi D0^2) (DMT only).
+    Hamaker(f64),
+}
+
+/// What the scene asks for as contact law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LawChoice {
+    None,
+    Hertz,
+    Dmt,
+    Jkr,
+    /// Chosen for each instance by Tabor's parameter.
+    Auto,
+}
+
+/// The contact law and its own constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactParams {
+    pub law: LawChoice,
+    /// Decay length D0 of DMT's attraction outside contact, and z0 of Tabor's parameter, m.
+    pub decay_length: f64,
+}
+
+/// Where the drive acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DriveOn {
+    /// The rod's voltage, or the motion of a rigid base.
+    Actuator,
+    /// A force on the tip.
+    Tip,
+}
+
+/// How strong the drive is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveLevel {
+    /// V, on the rod.
+    Voltage(f64),
+    /// N, on the tip.
+    Force(f64),
+    /// m, of a rigid base.
+    BaseAmplitude(f64),
+    /// m, of the free tip in the steady state: the drive is scaled to it.
+    FreeAmplitude(f64),
+}
+
+/// The drive's frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveFrequency {
+    /// Hz
+    Hertz(f64),
+    /// The peak of the free tip's response nearest the lever's first mode.
+    Resonance,
+}
+
+/// The drive: a sine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveParams {
+    pub frequency: DriveFrequency,
+    pub on: DriveOn,
+    pub level: DriveLevel,
+}
+
+/// Where the sample stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ApproachParams {
+    /// Distance from the tip at rest to the surface, m; may be zero or negative.
+    pub gap: f64,
+}
+
+impl Default for ActuatorParams {
+    fn default() -> Self {
+        Self {
+            model: ActuatorModel::Coupled,
+            youngs_modulus: 2.216e10,
+            density: 8000.0,
+            h33: 5.45136e8,
+            beta33: 7.81e7,
+            length: 4000e-6,
+            width: 500e-6,
+            thickness: 500e-6,
+            quality_factor: f64::INFINITY,
+        }
+    }
+}
+
+impl Default for CantileverParams {
+    fn default() -> Self {
+        Self {
+            lever: Lever::Dimensions {
+                youngs_modulus: 7.03e10,
+                density: 2500.0,
+                length: 174e-6,
+                width: 39e-6,
+                thickness: 6.9e-6,
+            },
+            quality_factor: QualityFactor::All(f64::INFINITY),
+        }
+    }
+}
+
+impl Default for TipParams {
+    fn default() -> Self {
+        Self {
+            half_length: 5e-6,
+            mass: TipMass::Pyramid { width: 10e-6, height: 10e-6, density: 2500.0 },
+            radius: 30e-9,
+            youngs_modulus: f64::INFINITY,
+            poisson_ratio: 0.28,
+        }
+    }
+}
+
+impl Default for SampleParams {
+    fn default() -> Self {
+        Self { youngs_modulus: 1e5, poisson_ratio: 0.5, adhesion: Adhesion::Work(2e-3) }
+    }
+}
+
+impl Default for ContactParams {
+    fn default() -> Self {
+        Self { law: LawChoice::Auto, decay_length: 0.3e-9 }
+    }
+}
+
+impl Default for DriveParams {
+    fn default() -> Self {
+        Self {
+            frequency: DriveFrequency::Hertz(30e3),
+            on: DriveOn::Actuator,
+            level: DriveLevel::Voltage(15.0),
+        }
+    }
+}
+
+impl Default for ApproachParams {
+    fn default() -> Self {
+        Self { gap: 0.3e-9 }
+    }
+}
