@@ -2,6 +2,7 @@
 
 pub mod contact;
 pub mod instrument;
+pub mod kernel;
 pub mod observe;
 pub mod report;
 pub mod scene;

@@ -1,0 +1,53 @@
+//! Derjaguin, Muller & Toporov (1975): Hertz's force less a constant adhesion in contact, and
+//! its decay with distance outside; equations (17), (18) of Ha, Fung & Chen 2005 in the form
+//! that is continuous at first touch.
+
+use super::hertz::Hertz;
+use super::path::Path;
+use super::{Approach, Interaction, Kick, Lane};
+
+/// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
+#[derive(Clone, Copy, Debug)]
+pub struct Dmt<L> {
+    pub hertz: Hertz<L>,
+    pub adhesion: L,
+    pub inverse_decay: L,
+}
+
+impl<L: Lane> Dmt<L> {
+    /// Distance from the surface in decay lengths; 0 in contact.
+    #[inline(always)]
+    fn distance(&self, indentation: L) -> L {
+        (-indentation).max(L::splat(0.0)) * self.inverse_decay
+    }
+
+    /// Mean attraction along a piece of path: 1/((1 + x1)(1 + x2)) outside, 1 inside, by shares.
+    #[inline(always)]
+    fn attraction(&self, path: Path<L>, inside: L) -> L {
+        let one = L::splat(1.0);
+        let product = (one + self.distance(path.start)) * (one + self.distance(path.end));
+        self.adhesion * ((one - inside) / product + inside)
+    }
+}
+
+impl<L: Lane> Interaction<L> for Dmt<L> {
+    #[inline(always)]
+    fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
+        let one = L::splat(1.0);
+        let y = one / (one + self.distance(at.indentation));
+        let sample = self.hertz.sample(at.indentation) - self.adhesion * y * y;
+        let path = Path::around(at, sample);
+        let mean = self.hertz.mean(path);
+        let pull = self.attraction(path, mean.share);
+        let force = mean.force - pull;
+        // Slope of the attraction outside: -2 pull/(D0 + distance), in contact none.
+        let slope = mean.slope - L::splat(2.0) * pull * self.inverse_decay * y * (one - mean.share);
+        let impulse = force - force * slope * L::splat(1.0 / 12.0);
+        Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
+    }
+
+    #[inline(always)]
+    fn touching_at(&self, indentation: L) -> L {
+        self.hertz.touching_at(indentation)
+    }
+}

@@ -1,0 +1,61 @@
+//! Hertz (1882): f = K sqrt(R) d^1.5 in contact; equation (14) of Ha, Fung & Chen 2005.
+
+use super::path::Path;
+use super::{Approach, Interaction, Kick, Lane};
+
+/// `stiffness` is K sqrt(R) in kernel units: impulse per step of a unit indentation.
+#[derive(Clone, Copy, Debug)]
+pub struct Hertz<L> {
+    pub stiffness: L,
+}
+
+/// Mean force and mean slope (force per indentation) along a piece of path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mean<L> {
+    pub force: L,
+    pub slope: L,
+    pub share: L,
+}
+
+impl<L: Lane> Hertz<L> {
+    /// Force at one indentation.
+    #[inline(always)]
+    pub(super) fn sample(&self, indentation: L) -> L {
+        let inside = indentation.max(L::splat(0.0));
+        self.stiffness * inside * inside.sqrt()
+    }
+
+    /// Difference quotients of (2/5) d^2.5 and of d^1.5, in roots of the indentation so that
+    /// nothing vanishes where the tip turns round.
+    #[inline(always)]
+    pub(super) fn mean(&self, path: Path<L>) -> Mean<L> {
+        let zero = L::splat(0.0);
+        let a = path.start.max(zero).sqrt();
+        let b = path.end.max(zero).sqrt();
+        let share = path.share_inside();
+        let (aa, bb, ab) = (a * a, b * b, a * b);
+        let sum = aa + bb;
+        // The smallest normal f32 keeps 0/0 out where the tip is outside.
+        let scale = self.stiffness * share / (a + b).max(L::splat(1e-30));
+        let quartic = sum.mul_add(sum + ab, -(ab * ab));
+        Mean { force: L::splat(0.4) * quartic * scale, slope: (sum + ab) * scale, share }
+    }
+}
+
+impl<L: Lane> Interaction<L> for Hertz<L> {
+    #[inline(always)]
+    fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
+        if !L::any(at.may_touch()) {
+            return Kick::none();
+        }
+        let path = Path::around(at, self.sample(at.indentation));
+        let mean = self.mean(path);
+        let impulse = mean.force - mean.force * mean.slope * L::splat(1.0 / 12.0);
+        Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
+    }
+
+    #[inline(always)]
+    fn touching_at(&self, indentation: L) -> L {
+        L::select(L::splat(0.0).less(indentation), L::splat(1.0), L::splat(0.0))
+    }
+}

@@ -1,0 +1,125 @@
+//! Johnson, Kendall & Roberts (1971) with its memory; equation (16) of Ha, Fung & Chen 2005.
+//!
+//! In units of the fold, y^2 = a/a_s, the curve is D = y^4 - 4y, F = y^6/6 - y^3, y >= 1. With
+//! e = y - 1 and t = D + 3 it reads t = e^2 (e^2 + 4e + 6): no cancellation at the fold e = 0.
+
+use super::path::Path;
+use super::{Approach, Interaction, Kick, Lane};
+
+/// `unit_force` is pi w R as impulse per step; `inverse_unit` R/a_s^2 per unit of length.
+#[derive(Clone, Copy, Debug)]
+pub struct Jkr<L> {
+    pub unit_force: L,
+    pub inverse_unit: L,
+}
+
+/// e at first touch, D = 0: 4^(1/3) - 1.
+const TOUCH: f64 = 0.587_401_051_968_199_4;
+
+/// Solves e^2 (e^2 + 4e + 6) = t for e >= 0 (t below zero counts as the fold, e = 0).
+///
+/// The start is within 4 %; three Newton steps leave rounding only.
+#[inline(always)]
+fn root<L: Lane>(t: L) -> L {
+    let s = t.max(L::splat(1e-30)).sqrt();
+    // e sqrt(6 + 4e + e^2) = s: s/sqrt(6 + ...) for small s, sqrt(s) - 1 for large.
+    let q = s.sqrt();
+    let mut e = s / (L::splat(2.449_489_7) + L::splat(0.36) * q + s / (L::splat(0.75) + q));
+    for _ in 0..4 {
+        let p = (e + L::splat(4.0)).mul_add(e, L::splat(6.0));
+        let r = p.sqrt();
+        // Newton on e sqrt(p) - s, whose slope (2e^2 + 6e + 6)/sqrt(p) never vanishes.
+        let slope = (L::splat(2.0) * e + L::splat(6.0)).mul_add(e, L::splat(6.0));
+        e = e - (e * r - s) * r / slope;
+    }
+    e
+}
+
+/// Mean of F over D between two points of the curve, and its mean slope dF/dD.
+///
+/// Both are quotients of divided differences of polynomials in e; `h` runs through the complete
+/// homogeneous symmetric polynomials of (e1, e2).
+#[inline(always)]
+fn mean<L: Lane>(e1: L, e2: L) -> (L, L) {
+    // Antiderivative of F dD/de by powers 2 to 10, of F by powers 1 to 6.
+    const WORK: [f64; 9] =
+        [-5.0, -34.0 / 3.0, -25.0 / 3.0, 14.0 / 5.0, 28.0 / 3.0, 22.0 / 3.0, 3.0, 2.0 / 3.0, 1.0 / 15.0];
+    const FORCE: [f64; 6] = [-2.0, -0.5, 7.0 / 3.0, 2.5, 1.0, 1.0 / 6.0];
+    let mut power = e2;
+    let mut h = e1 + e2;
+    let mut work = L::splat(WORK[0]) * h;
+    let mut slope = h.mul_add(L::splat(FORCE[1]), L::splat(FORCE[0]));
+    let mut distance = L::splat(6.0) * h;
+    for k in 1..9 {
+        power = power * e2;
+        h = e1.mul_add(h, power);
+        work = h.mul_add(L::splat(WORK[k]), work);
+        if k < 5 {
+            slope = h.mul_add(L::splat(FORCE[k + 1]), slope);
+        }
+        if k == 1 {
+            distance = h.mul_add(L::splat(4.0), distance);
+        }
+        if k == 2 {
+            distance = distance + h;
+        }
+    }
+    // At the fold itself both differences vanish; their quotient there is -5/6.
+    let tiny = L::splat(1e-20);
+    let inverse = L::splat(1.0) / (distance + L::splat(6.0) * tiny);
+    ((work - L::splat(5.0) * tiny) * inverse, slope * inverse)
+}
+
+impl<L: Lane> Jkr<L> {
+    /// One evaluation with the mid-kick speed implied by `impulse`.
+    #[inline(always)]
+    fn evaluate(&self, at: Approach<L>, touching: L, impulse: L) -> Kick<L> {
+        let (zero, one, three) = (L::splat(0.0), L::splat(1.0), L::splat(3.0));
+        let path = Path::around(at, impulse);
+        let t1 = path.start.mul_add(self.inverse_unit, three);
+        let t2 = path.end.mul_add(self.inverse_unit, three);
+        let was = zero.less(touching);
+        // Already inside at the start of the piece: touched in the gap between two pieces.
+        let begins = L::either(was, zero.less(path.start));
+        let touches = L::both(L::not(begins), zero.less(path.end));
+        let holds = L::both(begins, zero.less(t1));
+        let lets_go = L::both(holds, t2.less(zero));
+        let stays = L::both(holds, L::not(lets_go));
+        let acting = L::either(holds, touches);
+        if !L::any(acting) {
+            return Kick::none();
+        }
+        let e1 = L::select(touches, L::splat(TOUCH), root(t1));
+        let e2 = L::select(lets_go, zero, root(t2));
+        // Shares of the path in contact: all of it, from touch on, or up to the fold.
+        let after_touch = (t2 - three) / (t2 - t1);
+        let before_fold = t1 / (t1 - t2);
+        let part = L::select(touches, after_touch, L::select(lets_go, before_fold, one));
+        let share = L::select(acting, part, zero);
+        let (force, slope) = mean(e1, e2);
+        let force = force * self.unit_force * share;
+        // The slope is infinite at the fold; a step cannot use more than it resolves.
+        let slope = (slope * self.unit_force * self.inverse_unit).max(L::splat(-0.5));
+        let corrected = force - force * slope * L::splat(1.0 / 12.0);
+        let impulse = L::select(stays, corrected, force);
+        let touching = L::select(L::either(stays, touches), one, zero);
+        Kick { impulse, contact: share, touching }
+    }
+}
+
+impl<L: Lane> Interaction<L> for Jkr<L> {
+    #[inline(always)]
+    fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
+        let zero = L::splat(0.0);
+        if !L::any(L::either(zero.less(touching), at.may_touch())) {
+            return Kick::none();
+        }
+        let guess = self.evaluate(at, touching, zero);
+        self.evaluate(at, touching, guess.impulse)
+    }
+
+    #[inline(always)]
+    fn touching_at(&self, indentation: L) -> L {
+        L::select(L::splat(0.0).less(indentation), L::splat(1.0), L::splat(0.0))
+    }
+}

@@ -1,0 +1,74 @@
+//! The laws as the kernel needs them: mean force along a straight piece of the tip's path.
+
+mod dmt;
+mod hertz;
+mod jkr;
+mod path;
+
+pub use dmt::Dmt;
+pub use hertz::Hertz;
+pub use jkr::Jkr;
+
+use super::Lane;
+
+/// The tip at one sample: indentation, its rate of change over the step before the kick, and its
+/// acceleration by everything but the contact force. Kernel units.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach<L> {
+    pub indentation: L,
+    pub speed: L,
+    pub acceleration: L,
+}
+
+impl<L: Lane> Approach<L> {
+    /// Whether this step's piece of path can reach an indentation above zero. Wide enough that
+    /// leaving the law out elsewhere changes no bit of the result.
+    #[inline(always)]
+    fn may_touch(self) -> L::Mask {
+        (-(self.speed.abs() + self.acceleration.abs())).less(self.indentation)
+    }
+}
+
+/// What the sample does to the tip during one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Kick<L> {
+    /// Change of tip travel per step; positive pushes away.
+    pub impulse: L,
+    /// Share of the step spent in contact, 0 to 1.
+    pub contact: L,
+    /// 1 in contact at the step's end, else 0.
+    pub touching: L,
+}
+
+/// One contact law with its constants in kernel units.
+pub trait Interaction<L: Lane>: Copy {
+    /// The kick of one step. `touching` is what the last kick returned.
+    fn kick(&self, approach: Approach<L>, touching: L) -> Kick<L>;
+    /// Whether an indentation at rest counts as contact, for the start of a run.
+    fn touching_at(&self, indentation: L) -> L;
+}
+
+impl<L: Lane> Kick<L> {
+    /// No force, out of contact.
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = L::splat(0.0);
+        Self { impulse: zero, contact: zero, touching: zero }
+    }
+}
+
+/// No sample at all.
+#[derive(Clone, Copy, Debug)]
+pub struct Nothing;
+
+impl<L: Lane> Interaction<L> for Nothing {
+    #[inline(always)]
+    fn kick(&self, _: Approach<L>, _: L) -> Kick<L> {
+        Kick::none()
+    }
+
+    #[inline(always)]
+    fn touching_at(&self, _: L) -> L {
+        L::splat(0.0)
+    }
+}

@@ -1,0 +1,31 @@
+//! What runs per step and per instance: the path-averaged kick.
+//!
+//! The instrument is linear between contacts, so its driven motion without a sample is known
+//! in closed form; only the deviation that the contact force excites is stepped. One step of
+//! length h is a kick by the contact force and the exact flow of every damped mode. The kick is
+//! the mean of the force along the tip's path from half a step before the sample to half a step
+//! after it, taken from the law's antiderivative, so that onset, pull-off, jumps and attractions
+//! much shorter than a step are weighed exactly instead of sampled. ARCHITECTURE.md derives the
+//! four corrections that make it fourth order away from such events.
+//!
+//! Everything here is generic over [`Lane`] and uses + - * / sqrt min max abs and select only,
+//! so that a shader can say the same in the same order.
+//!
+//! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
+
+pub mod contact;
+mod flow;
+mod lane;
+mod step;
+mod tally;
+
+pub use flow::{Flow, FlowMode, increments};
+pub use lane::Lane;
+pub use step::{Case, Decay, Free, Sample, State, Wave, period};
+pub use tally::{Tally, Wants};
+
+/// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
+pub const LENGTH: f64 = 1e-9;
+
+/// Most modes one instance may carry.
+pub const MODES_MAX: usize = 8;

@@ -1,0 +1,120 @@
+//! One step, and one drive period of steps.
+
+use super::contact::{Approach, Interaction, Kick};
+use super::{Flow, Lane, Tally, Wants};
+
+/// Cosine and sine of the drive's phase at a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Wave<L> {
+    pub cosine: L,
+    pub sine: L,
+}
+
+/// The free tip's travel at the samples of a period, kernel units: `cosine`, `sine` its
+/// amplitudes, `rate` the drive's phase per step.
+#[derive(Clone, Copy, Debug)]
+pub struct Free<L> {
+    pub cosine: L,
+    pub sine: L,
+    pub rate: L,
+}
+
+/// Free travel beyond the steady one (a start from rest), its speed per step and acceleration.
+#[derive(Clone, Copy, Debug)]
+pub struct Decay<L> {
+    pub travel: L,
+    pub speed: L,
+    pub acceleration: L,
+}
+
+/// What one instance is: lever, free motion, gap and law.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<L, I, const M: usize> {
+    pub flow: Flow<L, M>,
+    pub free: Free<L>,
+    pub gap: L,
+    pub law: I,
+}
+
+/// Where one instance is: deviation of each mode at a sample before its kick, and the memory.
+#[derive(Clone, Copy, Debug)]
+pub struct State<L, const M: usize> {
+    pub x: [L; M],
+    pub u: [L; M],
+    /// 1 in contact, else 0.
+    pub touching: L,
+}
+
+/// What a step saw.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<L> {
+    /// Free travel of the tip.
+    pub free: L,
+    /// Travel beyond the free one, corrected to fourth order.
+    pub deviation: L,
+    /// Indentation, corrected likewise.
+    pub indentation: L,
+    /// Speed of the tip's travel midway through the kick.
+    pub speed: L,
+    pub kick: Kick<L>,
+}
+
+impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
+    /// Kick at the sample, then exact flow to the next one.
+    #[inline(always)]
+    pub fn step(&self, state: &mut State<L, M>, wave: Wave<L>, decay: Option<Decay<L>>) -> Sample<L> {
+        let flow = &self.flow;
+        let free = &self.free;
+        let mut travel = free.cosine.mul_add(wave.cosine, free.sine * wave.sine);
+        let mut speed = free.rate * free.sine.mul_add(wave.cosine, -(free.cosine * wave.sine));
+        let mut acceleration = -(free.rate * free.rate * travel);
+        if let Some(decay) = decay {
+            travel = travel + decay.travel;
+            speed = speed + decay.speed;
+            acceleration = acceleration + decay.acceleration;
+        }
+        let mut deviation = L::splat(0.0);
+        for k in 0..M {
+            deviation = deviation + state.x[k];
+            speed = flow.rate[k].mul_add(state.u[k], speed);
+            acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
+            acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
+        }
+        let indentation = -(self.gap + travel + deviation);
+        let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
+        let kick = self.law.kick(approach, state.touching);
+        let impulse = kick.impulse;
+        state.touching = kick.touching;
+        for k in 0..M {
+            let u = flow.kick_u[k].mul_add(impulse, state.u[k]);
+            let x = flow.kick_x[k].mul_add(impulse, state.x[k]);
+            state.x[k] = x + flow.m00[k].mul_add(x, flow.m01[k] * u);
+            state.u[k] = u + flow.m10[k].mul_add(x, flow.m11[k] * u);
+        }
+        // A kick's corner against the smooth path it stands for.
+        let corner = impulse * L::splat(1.0 / 24.0);
+        Sample {
+            free: travel,
+            deviation: deviation + corner,
+            indentation: indentation - corner,
+            speed: (L::splat(0.5) * flow.kick_speed).mul_add(impulse, speed),
+            kick,
+        }
+    }
+}
+
+/// Steps through one drive period: `waves[n]` for the steps of harmonic n + 1, `decay` for the
+/// same steps where the run started from rest.
+pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
+    case: &Case<L, I, M>,
+    state: &mut State<L, M>,
+    waves: &[Vec<Wave<L>>],
+    decay: Option<&[Decay<L>]>,
+    wants: Wants,
+    tally: &mut Tally<L>,
+) {
+    for (index, wave) in waves[0].iter().enumerate() {
+        let sample = case.step(state, *wave, decay.map(|rows| rows[index]));
+        tally.add(&sample, waves, index, wants);
+    }
+}
