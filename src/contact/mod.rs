@@ -1,12 +1,267 @@
 //! Contact laws: static force-indentation curves in f64, closed forms.
 //!
-//! `f > 0` pushes the tip away; `delta > 0` is indentation, `-delta` the gap.
+//! Signs: `f > 0` pushes the tip away from the sample; `delta > 0` is indentation and
+//! `-delta` the gap; `K` is the combined modulus, `1/K = 3/4 [(1 - nu_t^2)/E_t + (1 - nu_s^2)/E_s]`;
+//! `w` is the work of adhesion (Ha, Fung & Chen 2005 call it surface energy, equations (14)-(18)).
+//!
+//! Energies count from far apart: `U = 0` there, and `dU/d delta = f`. As `delta` falls by what
+//! the tip rises, `f = -dU/dz` for a tip position `z` counted away from the sample.
+//!
+//! One law is one file: its struct, its formula, its source, and [`StaticLaw`] for it.
+//!
+//! | law | in contact | outside | memory |
+//! |---|---|---|---|
+//! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
+//! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
+//! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
+
+mod curve;
+mod dmt;
+mod hertz;
+mod jkr;
+mod tabor;
+mod warning;
+
+pub use curve::{Branch, Curve, Curves};
+pub use dmt::Dmt;
+pub use hertz::Hertz;
+pub use jkr::Jkr;
+pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
+pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
+
+use crate::scene::{Adhesion, LawChoice, Params};
+use std::f64::consts::PI;
 
 /// The law one instance uses (after `auto` has been decided).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Law {
     None,
     Hertz,
     Dmt,
     Jkr,
+}
+
+impl Law {
+    pub const ALL: [Law; 4] = [Law::None, Law::Hertz, Law::Dmt, Law::Jkr];
+
+    /// The word the scene file and the results file use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Law::None => "none",
+            Law::Hertz => "hertz",
+            Law::Dmt => "dmt",
+            Law::Jkr => "jkr",
+        }
+    }
+
+    /// True where the force depends on the past: two answers for one indentation.
+    pub fn has_memory(self) -> bool {
+        matches!(self, Law::Jkr)
+    }
+}
+
+impl std::fmt::Display for Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What every law answers. Only a law with memory looks at `in_contact`.
+///
+/// No input panics; a NaN comes back as NaN.
+pub trait StaticLaw {
+    /// Force on the tip, N, at indentation `delta` (m).
+    fn force(&self, delta: f64, in_contact: bool) -> f64;
+    /// Slope `df/d delta`, N/m; the contact's side of it at a kink. Minus infinity at JKR's fold.
+    fn stiffness(&self, delta: f64, in_contact: bool) -> f64;
+    /// Energy `U`, J, with `dU/d delta = f` and `U = 0` far apart.
+    fn energy(&self, delta: f64, in_contact: bool) -> f64;
+    /// Contact radius `a`, m; 0 out of contact.
+    fn contact_radius(&self, delta: f64, in_contact: bool) -> f64;
+    /// Indentation at which a contact ends on retraction, m (0 or below).
+    fn release(&self) -> f64 {
+        0.0
+    }
+    /// Indentation at which the force passes through 0 on the contact branch, m.
+    fn zero_force(&self) -> f64 {
+        0.0
+    }
+    /// Most negative static force, N (0 or below).
+    fn pull_off(&self) -> f64 {
+        0.0
+    }
+    /// Whether the tip is in contact at `delta`, given whether it was just before.
+    fn next_contact(&self, delta: f64, _was_in_contact: bool) -> bool {
+        delta > 0.0
+    }
+}
+
+/// No force at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct NoForce;
+
+impl StaticLaw for NoForce {
+    fn force(&self, _: f64, _: bool) -> f64 {
+        0.0
+    }
+    fn stiffness(&self, _: f64, _: bool) -> f64 {
+        0.0
+    }
+    fn energy(&self, _: f64, _: bool) -> f64 {
+        0.0
+    }
+    fn contact_radius(&self, _: f64, _: bool) -> f64 {
+        0.0
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Model {
+    None(NoForce),
+    Hertz(Hertz),
+    Dmt(Dmt),
+    Jkr(Jkr),
+}
+
+/// One instance's contact: the law decided, its constants worked out.
+///
+/// The fields are for reading; for other values build another one.
+///
+/// ```
+/// use afmsweep::contact::{Contact, Law};
+/// use afmsweep::scene::Params;
+///
+/// // Soft and sticky: Tabor's parameter is far beyond 5, so `auto` takes JKR.
+/// let contact = Contact::new(&Params::default());
+/// assert_eq!(contact.law, Law::Jkr);
+/// assert!((contact.force(75e-9, true) / 0.42e-9 - 1.0).abs() < 0.01);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    pub law: Law,
+    /// What the scene asked for.
+    pub choice: LawChoice,
+    /// Combined modulus K, Pa.
+    pub modulus: f64,
+    /// Tip radius R, m.
+    pub radius: f64,
+    /// Work of adhesion w, J/m^2, as given; [`Law::Hertz`] and [`Law::None`] leave it out.
+    pub work: f64,
+    /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
+    pub decay_length: f64,
+    /// Tabor's parameter.
+    pub tabor: f64,
+    model: Model,
+}
+
+impl Contact {
+    /// Decides the law and works out its constants.
+    ///
+    /// `auto` goes by Tabor's parameter (see [`AUTO_BOUNDARY`]); without adhesion it is Hertz, and
+    /// so is JKR. A Hamaker constant stands for `w = H/(12 pi D0^2)` under every law.
+    pub fn new(params: &Params) -> Self {
+        Self::for_load(params, f64::NAN)
+    }
+
+    /// As [`Contact::new`], where the largest load (N) is known beforehand: `auto` then also takes
+    /// Hertz where adhesion can pull with less than [`NEGLIGIBLE_ADHESION`] of that load.
+    ///
+    /// A load that is not a number leaves that rule out.
+    pub fn for_load(params: &Params, load: f64) -> Self {
+        let modulus = combined_modulus(params);
+        let radius = params.instrument.tip.radius;
+        let decay_length = params.contact.decay_length;
+        let work = work_of_adhesion(params);
+        let choice = params.contact.law;
+        let tabor = tabor_parameter(modulus, radius, work, decay_length);
+        let negligible = 2.0 * PI * work * radius < NEGLIGIBLE_ADHESION * load;
+        let law = match choice {
+            LawChoice::None => Law::None,
+            LawChoice::Hertz => Law::Hertz,
+            LawChoice::Dmt => Law::Dmt,
+            LawChoice::Jkr if work == 0.0 => Law::Hertz,
+            LawChoice::Jkr => Law::Jkr,
+            LawChoice::Auto if work == 0.0 || negligible => Law::Hertz,
+            LawChoice::Auto => tabor::fitting_law(tabor),
+        };
+        let model = match law {
+            Law::None => Model::None(NoForce),
+            Law::Hertz => Model::Hertz(Hertz::new(modulus, radius)),
+            Law::Dmt => Model::Dmt(Dmt::new(modulus, radius, work, decay_length)),
+            Law::Jkr => Model::Jkr(Jkr::new(modulus, radius, work)),
+        };
+        Self { law, choice, modulus, radius, work, decay_length, tabor, model }
+    }
+
+    /// The law with its constants.
+    pub fn law(&self) -> &dyn StaticLaw {
+        match &self.model {
+            Model::None(law) => law,
+            Model::Hertz(law) => law,
+            Model::Dmt(law) => law,
+            Model::Jkr(law) => law,
+        }
+    }
+
+    /// JKR's constants, where that is the law.
+    pub fn jkr(&self) -> Option<&Jkr> {
+        match &self.model {
+            Model::Jkr(law) => Some(law),
+            _ => None,
+        }
+    }
+
+    /// Force on the tip, N; see [`StaticLaw::force`].
+    pub fn force(&self, delta: f64, in_contact: bool) -> f64 {
+        self.law().force(delta, in_contact)
+    }
+
+    /// Slope of the force, N/m; see [`StaticLaw::stiffness`].
+    pub fn stiffness(&self, delta: f64, in_contact: bool) -> f64 {
+        self.law().stiffness(delta, in_contact)
+    }
+
+    /// Energy, J; see [`StaticLaw::energy`].
+    pub fn energy(&self, delta: f64, in_contact: bool) -> f64 {
+        self.law().energy(delta, in_contact)
+    }
+
+    /// Contact radius, m; see [`StaticLaw::contact_radius`].
+    pub fn contact_radius(&self, delta: f64, in_contact: bool) -> f64 {
+        self.law().contact_radius(delta, in_contact)
+    }
+
+    /// Whether the tip is in contact at `delta`, given whether it was just before.
+    pub fn next_contact(&self, delta: f64, was_in_contact: bool) -> bool {
+        self.law().next_contact(delta, was_in_contact)
+    }
+}
+
+/// Combined modulus `K` of tip and sample, Pa: `1/K = 3/4 [(1 - nu_t^2)/E_t + (1 - nu_s^2)/E_s]`.
+///
+/// An infinite modulus of the tip is a rigid one.
+///
+/// ```
+/// use afmsweep::{contact::combined_modulus, scene::Params};
+/// assert!((combined_modulus(&Params::default()) / 177777.777777777778 - 1.0).abs() < 1e-15);
+/// ```
+pub fn combined_modulus(params: &Params) -> f64 {
+    let compliance = |modulus: f64, ratio: f64| (1.0 - ratio) * (1.0 + ratio) / modulus;
+    let tip = &params.instrument.tip;
+    let sample = &params.sample;
+    4.0 / (3.0
+        * (compliance(tip.youngs_modulus, tip.poisson_ratio)
+            + compliance(sample.youngs_modulus, sample.poisson_ratio)))
+}
+
+/// Work of adhesion `w`, J/m^2, given or from the Hamaker constant: `w = H/(12 pi D0^2)`.
+pub fn work_of_adhesion(params: &Params) -> f64 {
+    match params.sample.adhesion {
+        Adhesion::Work(work) => work,
+        Adhesion::Hamaker(hamaker) => {
+            let decay_length = params.contact.decay_length;
+            hamaker / (12.0 * PI * decay_length * decay_length)
+        }
+    }
 }

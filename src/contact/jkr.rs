@@ -1,0 +1,244 @@
+//! JKR: adhesion inside the contact, elastic neck, and with them a memory.
+
+use super::StaticLaw;
+use std::f64::consts::PI;
+
+/// With the contact radius `a`: `delta = a^2/R - (2/3) sqrt(6 pi w a/K)` and
+/// `f = K a^3/R - sqrt(6 pi w K a^3)`; no force out of contact.
+///
+/// Johnson, Kendall & Roberts 1971; equation (16) of Ha, Fung & Chen 2005. For one indentation there
+/// may be two answers, so the law has a memory: out of contact until `delta` reaches 0 on approach,
+/// then in contact until the fold `d delta/da = 0` on retraction (the tip is held by its position,
+/// not by its load).
+///
+/// In `y = sqrt(a/a_s)` with `a_s^3 = pi w R^2/(6K)` one curve serves every instance:
+/// `delta = (a_s^2/R) (y^4 - 4y)`, `f = pi w R (y^6/6 - y^3)`, `U = pi w a_s^2 (y^10/15 - 2 y^7/3 + y^4)`,
+/// `y >= 1`, the fold at `y = 1`.
+///
+/// Without adhesion this is Hertz.
+///
+/// ```
+/// use afmsweep::contact::{Jkr, StaticLaw};
+/// let (modulus, radius, work) = (1e8, 2e-8, 0.05);
+/// let law = Jkr::new(modulus, radius, work);
+/// let unit = std::f64::consts::PI * work * radius;
+/// assert!((law.force(0.0, true) / unit + 4.0 / 3.0).abs() < 1e-14);
+/// assert!((law.force(law.release(), true) / unit + 5.0 / 6.0).abs() < 1e-14);
+/// assert_eq!(law.force(-1e-12, false), 0.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jkr {
+    modulus: f64,
+    radius: f64,
+    work: f64,
+    /// `a_s`, m.
+    radius_scale: f64,
+    /// `a_s^2/R`, m.
+    indentation_scale: f64,
+    /// `pi w R`, N.
+    force_scale: f64,
+}
+
+/// Depth in units of `a_s^2/R` from which adhesion no longer shows in a f64 contact radius
+/// (its share is `depth^-0.75`), so that Hertz's expression serves without any overflow.
+const DEEP: f64 = 1e22;
+
+impl Jkr {
+    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2).
+    pub fn new(modulus: f64, radius: f64, work: f64) -> Self {
+        let force_scale = PI * work * radius;
+        let radius_scale = (force_scale * radius / (6.0 * modulus)).cbrt();
+        let indentation_scale = radius_scale * radius_scale / radius;
+        Self { modulus, radius, work, radius_scale, indentation_scale, force_scale }
+    }
+
+    /// `a_s = (pi w R^2/(6K))^(1/3)`, m: the contact radius at the fold.
+    pub fn radius_scale(&self) -> f64 {
+        self.radius_scale
+    }
+
+    /// `a_s^2/R`, m: unit of indentation; the fold is at -3 of it.
+    pub fn indentation_scale(&self) -> f64 {
+        self.indentation_scale
+    }
+
+    /// `pi w R`, N: unit of force.
+    pub fn force_scale(&self) -> f64 {
+        self.force_scale
+    }
+
+    /// Energy lost in one cycle from touch at `delta = 0` to the fold, J, whatever the drive:
+    /// what the jump into contact and the jump out of it release.
+    ///
+    /// `pi w a_s^2 (2/5 + (3/5) 4^(4/3)) = 1.2749410291014 pi w R (pi^2 w^2 R/K^2)^(1/3)`.
+    pub fn loss_per_cycle(&self) -> f64 {
+        PI * self.work * self.radius_scale * self.radius_scale * (0.4 + 2.4 * 4f64.cbrt())
+    }
+
+    /// Distance above the fold in units of `a_s^2/R`; 0 at the fold and below.
+    fn above_fold(&self, delta: f64) -> f64 {
+        let above = delta - self.release();
+        if above <= 0.0 { 0.0 } else { above / self.indentation_scale }
+    }
+
+    /// True where the contact branch exists and the memory says it is taken.
+    fn touching(&self, delta: f64, in_contact: bool) -> bool {
+        // A NaN is not beyond the fold: it stays in contact and is passed on.
+        let beyond_fold = delta < self.release();
+        in_contact && !beyond_fold
+    }
+}
+
+impl StaticLaw for Jkr {
+    fn force(&self, delta: f64, in_contact: bool) -> f64 {
+        if !self.touching(delta, in_contact) {
+            return 0.0;
+        }
+        let above = self.above_fold(delta);
+        if above > DEEP {
+            let a = (self.radius * delta).sqrt();
+            let load = self.modulus * a * a * a / self.radius;
+            return load - (6.0 * self.force_scale * load).sqrt();
+        }
+        let y = 1.0 + excess(above);
+        let cube = y * y * y;
+        self.force_scale * cube * (cube - 6.0) / 6.0
+    }
+
+    fn stiffness(&self, delta: f64, in_contact: bool) -> f64 {
+        if !self.touching(delta, in_contact) {
+            return 0.0;
+        }
+        let above = self.above_fold(delta);
+        if above > DEEP {
+            return 1.5 * self.modulus * (self.radius * delta).sqrt();
+        }
+        let e = excess(above);
+        let a = self.radius_scale * (1.0 + e) * (1.0 + e);
+        // y^3 - 1, without the cancellation next to the fold
+        let rise = e * (3.0 + e * (3.0 + e));
+        1.5 * self.modulus * a * (rise - 2.0) / rise
+    }
+
+    fn energy(&self, delta: f64, in_contact: bool) -> f64 {
+        if !self.touching(delta, in_contact) {
+            return 0.0;
+        }
+        let above = self.above_fold(delta);
+        if above > DEEP {
+            return 0.4 * self.modulus * delta * delta * (self.radius * delta).sqrt();
+        }
+        let y = 1.0 + excess(above);
+        let cube = y * y * y;
+        let bracket = y * cube * (1.0 + cube * (cube / 15.0 - 2.0 / 3.0));
+        PI * self.work * self.radius_scale * self.radius_scale * bracket
+    }
+
+    fn contact_radius(&self, delta: f64, in_contact: bool) -> f64 {
+        if !self.touching(delta, in_contact) {
+            return 0.0;
+        }
+        let above = self.above_fold(delta);
+        if above > DEEP {
+            return (self.radius * delta).sqrt();
+        }
+        let y = 1.0 + excess(above);
+        self.radius_scale * y * y
+    }
+
+    fn release(&self) -> f64 {
+        -3.0 * self.indentation_scale
+    }
+
+    fn zero_force(&self) -> f64 {
+        // y^3 = 6
+        self.indentation_scale * 2.0 * 6f64.cbrt()
+    }
+
+    fn pull_off(&self) -> f64 {
+        -1.5 * self.force_scale
+    }
+
+    fn next_contact(&self, delta: f64, was_in_contact: bool) -> bool {
+        if was_in_contact { delta >= self.release() } else { delta >= 0.0 }
+    }
+}
+
+/// `e = y - 1 >= 0` of `y^4 - 4y + 3 = e^2 (e^2 + 4e + 6) = above`, to a few ulp for every `above >= 0`.
+///
+/// Counting from the fold leaves nothing to cancel: every term is positive. Newton's method
+/// polishes; it starts from the root's series next to the fold and from Ferrari's closed form elsewhere.
+fn excess(above: f64) -> f64 {
+    if above == 0.0 {
+        return 0.0;
+    }
+    let mut e = if above < 0.1 {
+        let t = (above / 6.0).sqrt();
+        t * (1.0 - t * (1.0 / 3.0 - t * (7.0 / 36.0)))
+    } else {
+        largest_root(above - 3.0) - 1.0
+    };
+    for _ in 0..2 {
+        e -= (e * e * (e * (e + 4.0) + 6.0) - above) / (4.0 * e * (e * (e + 3.0) + 3.0));
+    }
+    e
+}
+
+/// Largest real root of `y^4 - 4y = depth` for `depth >= -3`, by Ferrari.
+///
+/// `m > 0` of the resolvent `m^3 + depth m - 2 = 0` completes `(y^2 + m)^2` to the square of
+/// `s y + 2/s`, `s^2 = 2m`; what is left is quadratic. The resolvent's root is written as
+/// difference or as quotient, whichever does not cancel.
+fn largest_root(depth: f64) -> f64 {
+    let third = depth / 3.0;
+    let u = (1.0 + (1.0 + third * third * third).max(0.0).sqrt()).cbrt();
+    let v = third / u;
+    let m = if depth < 0.0 { u - v } else { 2.0 / (u * u + third + v * v) };
+    let s = (2.0 * m).sqrt();
+    0.5 * (s + (8.0 / s - s * s).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Derivative and residual of the dimensionless curve bound the root's error: a few ulp.
+    #[test]
+    fn contact_excess_is_exact_to_a_few_ulp() {
+        for step in 0..=4000 {
+            let e = 10f64.powf(-12.0 + step as f64 * (5.5 + 12.0) / 4000.0);
+            // e itself made a number whose quartic is well represented: compare e after the round trip
+            let above = e * e * (e * (e + 4.0) + 6.0);
+            let back = excess(above);
+            assert!((back / e - 1.0).abs() < 8.0 * f64::EPSILON, "e {e:e} back {back:e}");
+        }
+    }
+
+    #[test]
+    fn contact_ferrari_alone_is_close() {
+        for step in 0..=2000 {
+            let y = 1.0 + 10f64.powf(-1.0 + step as f64 * 6.0 / 2000.0);
+            let root = largest_root(y * (y * y * y - 4.0));
+            assert!((root / y - 1.0).abs() < 1e-12, "y {y} root {root}");
+        }
+    }
+
+    #[test]
+    fn contact_jkr_takes_any_input() {
+        for modulus in [0.0, 1e-300, 1e9, f64::INFINITY, f64::NAN] {
+            for work in [0.0, 1e-300, 0.05, 1e300, f64::INFINITY, f64::NAN] {
+                let law = Jkr::new(modulus, 1e-8, work);
+                for delta in [f64::NEG_INFINITY, -1.0, -1e-300, 0.0, 1e-12, 1.0, f64::INFINITY, f64::NAN] {
+                    for contact in [false, true] {
+                        law.force(delta, contact);
+                        law.stiffness(delta, contact);
+                        law.energy(delta, contact);
+                        law.contact_radius(delta, contact);
+                        law.next_contact(delta, contact);
+                    }
+                }
+            }
+        }
+        assert!(Jkr::new(1e9, 1e-8, 0.05).force(f64::NAN, true).is_nan());
+    }
+}

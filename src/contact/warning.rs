@@ -1,0 +1,120 @@
+//! Where a contact law is used outside its assumptions: typed, with the numbers.
+
+use super::{Contact, DMT_BELOW, JKR_ABOVE, Law, NEGLIGIBLE_ADHESION};
+use crate::scene::{LawChoice, Params};
+use std::f64::consts::PI;
+
+/// Largest `a/R` at which all three laws' parabola still stands for a sphere and small strain holds.
+///
+/// Sneddon's exact solution for a rigid sphere in the same linear half-space,
+/// `delta = (a/2) ln((R + a)/(R - a))`, falls short of Hertz's force at the same depth by
+/// `0.1 (a/R)^2` to leading order: 0.9 % here. The representative strain of an indentation, `0.2 a/R`,
+/// is 6 %, about where polymers stop being linear. Both grow fast beyond.
+pub const SMALL_STRAIN: f64 = 0.3;
+
+/// Sample modulus, Pa, above which a rigid tip is worth a word: against silicon or its oxide
+/// (70 to 170 GPa) the error in K passes 1 % about here.
+pub const RIGID_TIP_MODULUS: f64 = 1e9;
+
+/// A case outside the assumptions of its law. SI values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Warning {
+    /// The law asked for belongs to the other end of Tabor's parameter.
+    LawDoesNotFit { law: Law, fitting: Law, tabor: f64 },
+    /// Tabor's parameter lies between the limits of DMT and JKR.
+    BetweenLaws { law: Law, tabor: f64 },
+    /// Hertz was asked for, and adhesion is not negligible at this load.
+    AdhesionLeftOut { pull: f64, load: f64 },
+    /// The contact radius leaves the range of small strain at this indentation.
+    LargeStrain { indentation: f64, contact_radius: f64, tip_radius: f64 },
+    /// The tip counts as rigid although the sample is stiff.
+    RigidTip { sample_modulus: f64 },
+}
+
+impl Contact {
+    /// What is doubtful about this contact; `params` is what it was built from, `indentation` (m) the
+    /// deepest one expected, where known.
+    pub fn warnings(&self, params: &Params, indentation: Option<f64>) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        warnings.extend(self.tabor_warning());
+        if let Some(indentation) = indentation {
+            warnings.extend(self.adhesion_warning(indentation));
+            warnings.extend(self.strain_warning(indentation));
+        }
+        let sample_modulus = params.sample.youngs_modulus;
+        let rigid = params.instrument.tip.youngs_modulus == f64::INFINITY;
+        if self.law != Law::None && rigid && sample_modulus > RIGID_TIP_MODULUS {
+            warnings.push(Warning::RigidTip { sample_modulus });
+        }
+        warnings
+    }
+
+    /// Whether the law fits Tabor's parameter.
+    fn tabor_warning(&self) -> Option<Warning> {
+        let (law, tabor) = (self.law, self.tabor);
+        match law {
+            Law::None | Law::Hertz => None,
+            Law::Dmt if tabor > JKR_ABOVE => Some(Warning::LawDoesNotFit { law, fitting: Law::Jkr, tabor }),
+            Law::Jkr if tabor < DMT_BELOW => Some(Warning::LawDoesNotFit { law, fitting: Law::Dmt, tabor }),
+            _ if (DMT_BELOW..=JKR_ABOVE).contains(&tabor) => Some(Warning::BetweenLaws { law, tabor }),
+            _ => None,
+        }
+    }
+
+    /// Whether Hertz, where it was asked for, leaves out adhesion that shows.
+    fn adhesion_warning(&self, indentation: f64) -> Option<Warning> {
+        if self.choice != LawChoice::Hertz {
+            return None;
+        }
+        let pull = 2.0 * PI * self.work * self.radius;
+        let load = self.force(indentation, true);
+        (pull > NEGLIGIBLE_ADHESION * load).then_some(Warning::AdhesionLeftOut { pull, load })
+    }
+
+    /// Whether `indentation` leaves the range of small strain ([`SMALL_STRAIN`]).
+    pub fn strain_warning(&self, indentation: f64) -> Option<Warning> {
+        let contact_radius = self.contact_radius(indentation, true);
+        (contact_radius > SMALL_STRAIN * self.radius).then_some(Warning::LargeStrain {
+            indentation,
+            contact_radius,
+            tip_radius: self.radius,
+        })
+    }
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Warning::LawDoesNotFit { law, fitting, tabor } => write!(
+                f,
+                "contact law {law} with Tabor's parameter {tabor:.3}: {fitting} fits (dmt below {DMT_BELOW}, \
+                 jkr above {JKR_ABOVE}); set contact.law to \"{fitting}\" or \"auto\""
+            ),
+            Warning::BetweenLaws { law, tabor } => write!(
+                f,
+                "Tabor's parameter {tabor:.3} lies between dmt (below {DMT_BELOW}) and jkr (above \
+                 {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third"
+            ),
+            Warning::AdhesionLeftOut { pull, load } => write!(
+                f,
+                "contact law hertz leaves out an adhesion of up to {:.3} nN at a load of {:.3} nN; \
+                 set contact.law to \"auto\", or sample.surface_energy to zero",
+                pull * 1e9,
+                load * 1e9
+            ),
+            Warning::LargeStrain { indentation, contact_radius, tip_radius } => write!(
+                f,
+                "at an indentation of {:.3} nm the contact radius is {:.2} of the tip radius, beyond the \
+                 small-strain range ({SMALL_STRAIN}) of the contact laws: expect an error in the force \
+                 above 1 %",
+                indentation * 1e9,
+                contact_radius / tip_radius
+            ),
+            Warning::RigidTip { sample_modulus } => write!(
+                f,
+                "the tip counts as rigid, yet the sample has {:.3} GPa: give instrument.tip.youngs_modulus",
+                sample_modulus * 1e-9
+            ),
+        }
+    }
+}
