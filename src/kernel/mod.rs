@@ -22,7 +22,7 @@ mod tally;
 pub use flow::{Flow, FlowMode, increments};
 pub use lane::Lane;
 pub use step::{Case, Decay, Free, Sample, State, Wave, period};
-pub use tally::{Tally, Wants};
+pub use tally::Tally;
 
 /// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
 pub const LENGTH: f64 = 1e-9;

@@ -1,7 +1,8 @@
 //! One step, and one drive period of steps.
 
 use super::contact::{Approach, Interaction, Kick};
-use super::{Flow, Lane, Tally, Wants};
+use super::{Flow, Lane, Tally};
+use crate::observe::Wants;
 
 /// Cosine and sine of the drive's phase at a sample.
 #[derive(Clone, Copy, Debug)]
@@ -48,10 +49,10 @@ pub struct State<L, const M: usize> {
 /// What a step saw.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<L> {
-    /// Free travel of the tip.
-    pub free: L,
-    /// Travel beyond the free one, corrected to fourth order.
-    pub deviation: L,
+    /// Steady free travel of the tip.
+    pub steady: L,
+    /// Travel beyond it, corrected to fourth order.
+    pub beyond: L,
     /// Indentation, corrected likewise.
     pub indentation: L,
     /// Speed of the tip's travel midway through the kick.
@@ -65,22 +66,22 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     pub fn step(&self, state: &mut State<L, M>, wave: Wave<L>, decay: Option<Decay<L>>) -> Sample<L> {
         let flow = &self.flow;
         let free = &self.free;
-        let mut travel = free.cosine.mul_add(wave.cosine, free.sine * wave.sine);
+        let steady = free.cosine.mul_add(wave.cosine, free.sine * wave.sine);
         let mut speed = free.rate * free.sine.mul_add(wave.cosine, -(free.cosine * wave.sine));
-        let mut acceleration = -(free.rate * free.rate * travel);
+        let mut acceleration = -(free.rate * free.rate * steady);
+        let mut beyond = L::splat(0.0);
         if let Some(decay) = decay {
-            travel = travel + decay.travel;
+            beyond = decay.travel;
             speed = speed + decay.speed;
             acceleration = acceleration + decay.acceleration;
         }
-        let mut deviation = L::splat(0.0);
         for k in 0..M {
-            deviation = deviation + state.x[k];
+            beyond = beyond + state.x[k];
             speed = flow.rate[k].mul_add(state.u[k], speed);
             acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
         }
-        let indentation = -(self.gap + travel + deviation);
+        let indentation = -(self.gap + steady + beyond);
         let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
         let kick = self.law.kick(approach, state.touching);
         let impulse = kick.impulse;
@@ -94,8 +95,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         // A kick's corner against the smooth path it stands for.
         let corner = impulse * L::splat(1.0 / 24.0);
         Sample {
-            free: travel,
-            deviation: deviation + corner,
+            steady,
+            beyond: beyond + corner,
             indentation: indentation - corner,
             speed: (L::splat(0.5) * flow.kick_speed).mul_add(impulse, speed),
             kick,

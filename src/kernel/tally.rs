@@ -2,25 +2,12 @@
 
 use super::Lane;
 use super::step::{Sample, Wave};
-use crate::observe::HARMONICS;
-
-/// Which parts of a [`Tally`] a scene needs; what nobody asked for is not computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wants {
-    /// Fourier sums of the deviation for harmonics 1 to this.
-    pub harmonics: usize,
-    /// Extremes of the indentation.
-    pub extremes: bool,
-    /// Contact time, number of contacts.
-    pub contact: bool,
-    /// Impulse, work and virial.
-    pub energy: bool,
-}
+use crate::observe::{HARMONICS, Wants};
 
 /// Over one period, kernel units.
 #[derive(Clone, Copy, Debug)]
 pub struct Tally<L> {
-    /// Sums of deviation times cosine and sine, by harmonic.
+    /// Sums of the travel beyond the steady free one times cosine and sine, by harmonic.
     pub cosine: [L; HARMONICS],
     pub sine: [L; HARMONICS],
     /// Largest and smallest indentation, and the smallest while in contact.
@@ -88,8 +75,8 @@ impl<L: Lane> Tally<L> {
     pub(super) fn add(&mut self, sample: &Sample<L>, waves: &[Vec<Wave<L>>], index: usize, wants: Wants) {
         for (harmonic, row) in waves.iter().enumerate().take(wants.harmonics) {
             let wave = row[index];
-            self.cosine[harmonic] = sample.deviation.mul_add(wave.cosine, self.cosine[harmonic]);
-            self.sine[harmonic] = sample.deviation.mul_add(wave.sine, self.sine[harmonic]);
+            self.cosine[harmonic] = sample.beyond.mul_add(wave.cosine, self.cosine[harmonic]);
+            self.sine[harmonic] = sample.beyond.mul_add(wave.sine, self.sine[harmonic]);
         }
         if wants.extremes {
             self.add_extremes(sample);
@@ -107,7 +94,7 @@ impl<L: Lane> Tally<L> {
             let impulse = sample.kick.impulse;
             self.impulse = self.impulse + impulse;
             self.work = impulse.mul_add(sample.speed, self.work);
-            self.virial = impulse.mul_add(sample.free + sample.deviation, self.virial);
+            self.virial = impulse.mul_add(sample.steady + sample.beyond, self.virial);
         }
         self.touched = sample.kick.touching;
     }

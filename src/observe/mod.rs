@@ -1,4 +1,21 @@
 //! What is measured on each instance, with its name, unit and meaning in the results file.
+//!
+//! One observable, one file; adding one is its file, a variant and a line in [`ENTRIES`].
+
+mod amplitude;
+mod contact_time;
+mod contacts;
+mod dissipation;
+mod force_max;
+mod force_mean;
+mod force_min;
+mod harmonic_amplitude;
+mod indentation_max;
+mod phase;
+mod status;
+mod virial;
+
+pub use status::Status;
 
 /// A quantity a scene can ask for (`[output] observables`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -19,114 +36,183 @@ pub enum Observable {
 /// Harmonics stored by [`Observable::HarmonicAmplitude`]: 1 to this.
 pub const HARMONICS: usize = 10;
 
+/// Which sums and extremes an engine must keep; what nobody asked for is not computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wants {
+    /// Fourier sums of the tip's travel for harmonics 1 to this.
+    pub harmonics: usize,
+    /// Extremes of the indentation, from which those of the force follow.
+    pub extremes: bool,
+    /// Contact time, number of contacts.
+    pub contact: bool,
+    /// Impulse, work and virial.
+    pub energy: bool,
+}
+
+impl Wants {
+    /// The least: by the fundamental a run's steadiness is judged.
+    pub const FUNDAMENTAL: Self = Self { harmonics: 1, extremes: false, contact: false, energy: false };
+    const HARMONIC: Self = Self { harmonics: HARMONICS, ..Self::FUNDAMENTAL };
+    const CONTACT: Self = Self { contact: true, ..Self::FUNDAMENTAL };
+    const ENERGY: Self = Self { energy: true, ..Self::FUNDAMENTAL };
+    const EXTREMES: Self = Self { extremes: true, ..Self::CONTACT };
+
+    /// What all of these observables need.
+    pub fn of(observables: &[Observable]) -> Self {
+        observables.iter().fold(Self::FUNDAMENTAL, |sum, observable| {
+            let one = observable.entry().wants;
+            Self {
+                harmonics: sum.harmonics.max(one.harmonics),
+                extremes: sum.extremes | one.extremes,
+                contact: sum.contact | one.contact,
+                energy: sum.energy | one.energy,
+            }
+        })
+    }
+}
+
+/// One instance's measurements, SI units, over the measured periods. What was not wanted is NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Amplitude of the tip's travel by harmonic, m.
+    pub harmonics: [f64; HARMONICS],
+    /// Degree.
+    pub phase: f64,
+    /// N
+    pub force_max: f64,
+    /// N
+    pub force_min: f64,
+    /// N
+    pub force_mean: f64,
+    /// m
+    pub indentation_max: f64,
+    /// Share of the period.
+    pub contact_time: f64,
+    /// J per period.
+    pub dissipation: f64,
+    /// J
+    pub virial: f64,
+    /// Per period.
+    pub contacts: f64,
+}
+
+impl Measured {
+    /// Nothing measured.
+    pub const NONE: Self = Self {
+        harmonics: [f64::NAN; HARMONICS],
+        phase: f64::NAN,
+        force_max: f64::NAN,
+        force_min: f64::NAN,
+        force_mean: f64::NAN,
+        indentation_max: f64::NAN,
+        contact_time: f64::NAN,
+        dissipation: f64::NAN,
+        virial: f64::NAN,
+        contacts: f64::NAN,
+    };
+}
+
+/// How an observable follows from the measurements.
+enum Value {
+    One(fn(&Measured) -> f64),
+    Harmonics(fn(&Measured) -> &[f64; HARMONICS]),
+}
+
+/// One line of the list of observables.
+struct Entry {
+    observable: Observable,
+    name: &'static str,
+    units: &'static str,
+    long_name: &'static str,
+    wants: Wants,
+    value: Value,
+}
+
+/// The list: every observable there is.
+static ENTRIES: [Entry; 11] = [
+    amplitude::ENTRY,
+    phase::ENTRY,
+    force_max::ENTRY,
+    force_min::ENTRY,
+    force_mean::ENTRY,
+    indentation_max::ENTRY,
+    contact_time::ENTRY,
+    dissipation::ENTRY,
+    virial::ENTRY,
+    contacts::ENTRY,
+    harmonic_amplitude::ENTRY,
+];
+
 impl Observable {
-    pub const ALL: [Observable; 11] = [
-        Observable::Amplitude,
-        Observable::Phase,
-        Observable::ForceMax,
-        Observable::ForceMin,
-        Observable::ForceMean,
-        Observable::IndentationMax,
-        Observable::ContactTime,
-        Observable::Dissipation,
-        Observable::Virial,
-        Observable::Contacts,
-        Observable::HarmonicAmplitude,
-    ];
+    /// Every observable there is.
+    pub fn all() -> impl Iterator<Item = Self> {
+        ENTRIES.iter().map(|entry| entry.observable)
+    }
+
+    fn entry(self) -> &'static Entry {
+        // Every variant has its line; a test holds the two together.
+        ENTRIES.iter().find(|entry| entry.observable == self).unwrap_or(&ENTRIES[0])
+    }
 
     /// Keyword in the scene file and variable name in the results file.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude",
-            Self::Phase => "phase",
-            Self::ForceMax => "force_max",
-            Self::ForceMin => "force_min",
-            Self::ForceMean => "force_mean",
-            Self::IndentationMax => "indentation_max",
-            Self::ContactTime => "contact_time",
-            Self::Dissipation => "dissipation",
-            Self::Virial => "virial",
-            Self::Contacts => "contacts",
-            Self::HarmonicAmplitude => "harmonic_amplitude",
-        }
+        self.entry().name
     }
 
     /// SI unit as the results file writes it.
     pub fn units(self) -> &'static str {
-        match self {
-            Self::Amplitude | Self::IndentationMax | Self::HarmonicAmplitude => "m",
-            Self::Phase => "degree",
-            Self::ForceMax | Self::ForceMin | Self::ForceMean => "N",
-            Self::ContactTime | Self::Contacts => "1",
-            Self::Dissipation | Self::Virial => "J",
-        }
+        self.entry().units
     }
 
     /// Label for people.
     pub fn long_name(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude of the tip's travel, fundamental",
-            Self::Phase => "phase lag of the tip's travel behind the drive",
-            Self::ForceMax => "largest tip force",
-            Self::ForceMin => "smallest tip force",
-            Self::ForceMean => "mean tip force",
-            Self::IndentationMax => "largest indentation",
-            Self::ContactTime => "share of the period in contact",
-            Self::Dissipation => "energy lost in the sample per period",
-            Self::Virial => "virial: mean of tip force times tip travel",
-            Self::Contacts => "contacts begun per period",
-            Self::HarmonicAmplitude => "amplitude of the tip's travel by harmonic",
-        }
+        self.entry().long_name
     }
 
     /// The observable of that keyword.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|observable| observable.name() == name)
+        Self::all().find(|observable| observable.name() == name)
     }
-}
 
-/// What became of an instance; the results file stores the code with CF `flag_values` and `flag_meanings`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Status {
-    #[default]
-    Ok = 0,
-    /// The response still changes by more than the accuracy asked for.
-    NotSteady = 1,
-    /// A tiny change of the start moves the result.
-    Sensitive = 2,
-    /// Values stopped being finite.
-    NonFinite = 3,
-    /// The contact left the range in which the law or the step holds.
-    OutOfRange = 4,
-    /// The run ended before this instance was computed.
-    NotRun = 5,
-}
-
-impl Status {
-    pub const ALL: [Status; 6] = [
-        Status::Ok,
-        Status::NotSteady,
-        Status::Sensitive,
-        Status::NonFinite,
-        Status::OutOfRange,
-        Status::NotRun,
-    ];
-
-    /// One word, as in `flag_meanings`.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::NotSteady => "not_steady",
-            Self::Sensitive => "sensitive",
-            Self::NonFinite => "non_finite",
-            Self::OutOfRange => "out_of_range",
-            Self::NotRun => "not_run",
+    /// Numbers per instance: 1, or one per harmonic.
+    pub fn width(self) -> usize {
+        match self.entry().value {
+            Value::One(_) => 1,
+            Value::Harmonics(_) => HARMONICS,
         }
     }
 
-    /// The status of that code.
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|status| *status as u8 == code)
+    /// Writes this observable's numbers into `row`, which has [`Observable::width`] places.
+    pub fn write(self, measured: &Measured, row: &mut [f64]) {
+        match self.entry().value {
+            Value::One(value) => row[0] = value(measured),
+            Value::Harmonics(values) => row.copy_from_slice(values(measured)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_observable_has_its_own_line() {
+        for observable in [
+            Observable::Amplitude,
+            Observable::Phase,
+            Observable::ForceMax,
+            Observable::ForceMin,
+            Observable::ForceMean,
+            Observable::IndentationMax,
+            Observable::ContactTime,
+            Observable::Dissipation,
+            Observable::Virial,
+            Observable::Contacts,
+            Observable::HarmonicAmplitude,
+        ] {
+            assert_eq!(observable.entry().observable, observable);
+            assert_eq!(Observable::from_name(observable.name()), Some(observable));
+        }
+        assert_eq!(Observable::all().count(), 11);
     }
 }

@@ -1,0 +1,235 @@
+//! From the sums over periods to measurements in SI units, and whether they can be trusted.
+
+use super::Finished;
+use super::start;
+use super::track::{Scalar, force_scale};
+use crate::contact::{Contact, Law};
+use crate::kernel::{LENGTH, Tally};
+use crate::observe::{HARMONICS, Measured, Status, Wants};
+use crate::plan::{CasePlan, Driven};
+use crate::scene::Run;
+
+/// Sums over the measured periods in f64, and how the fundamental moves from period to period.
+#[derive(Clone, Debug)]
+pub(super) struct Sums {
+    periods: f64,
+    steps: f64,
+    cosine: [f64; HARMONICS],
+    sine: [f64; HARMONICS],
+    deepest: f64,
+    highest: f64,
+    held: f64,
+    time: f64,
+    begun: f64,
+    ended: f64,
+    apart: f64,
+    impulse: f64,
+    work: f64,
+    virial: f64,
+    /// The fundamental of the last period, and its latest changes, newest first.
+    last: [f64; 2],
+    changes: [f64; 4],
+}
+
+/// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer
+/// than about four steps and the result is not to be trusted.
+const UNRESOLVED: f64 = 0.7;
+
+impl Sums {
+    pub fn new() -> Self {
+        Self {
+            periods: 0.0,
+            steps: 0.0,
+            cosine: [0.0; HARMONICS],
+            sine: [0.0; HARMONICS],
+            deepest: f64::NEG_INFINITY,
+            highest: f64::INFINITY,
+            held: f64::INFINITY,
+            time: 0.0,
+            begun: 0.0,
+            ended: 0.0,
+            apart: 0.0,
+            impulse: 0.0,
+            work: 0.0,
+            virial: 0.0,
+            last: [f64::NAN; 2],
+            changes: [f64::NAN; 4],
+        }
+    }
+
+    /// Takes in one period.
+    pub fn add<L: Scalar>(&mut self, tally: &Tally<L>, steps: usize, measured: bool) {
+        let fundamental = [tally.cosine[0].into(), tally.sine[0].into()];
+        let change = 2.0 / steps as f64
+            * f64::hypot(fundamental[0] - self.last[0], fundamental[1] - self.last[1]);
+        self.changes.rotate_right(1);
+        self.changes[0] = change;
+        self.last = fundamental;
+        if !measured {
+            return;
+        }
+        self.periods += 1.0;
+        self.steps += steps as f64;
+        for n in 0..HARMONICS {
+            self.cosine[n] += tally.cosine[n].into();
+            self.sine[n] += tally.sine[n].into();
+        }
+        self.deepest = self.deepest.max(tally.deepest.into());
+        self.highest = self.highest.min(tally.highest.into());
+        self.held = self.held.min(tally.held.into());
+        self.time += tally.time.into();
+        self.begun += tally.begun.into();
+        self.ended += tally.ended.into();
+        self.apart = self.apart.max(tally.apart.into());
+        self.impulse += tally.impulse.into();
+        self.work += tally.work.into();
+        self.virial += tally.virial.into();
+    }
+
+    /// How far the fundamental (m) still is from where it will end, by its latest change and the
+    /// slowest kept mode's decay over a period: a geometric series of changes no longer than that.
+    fn unsettled(&self, run: &Run, driven: &Driven) -> f64 {
+        let decay = driven
+            .kept
+            .modes
+            .iter()
+            .map(|mode| -(std::f64::consts::TAU * mode.damping * mode.omega / driven.free.omega).exp_m1().abs())
+            .map(f64::abs)
+            .fold(f64::INFINITY, f64::min);
+        let seen = (run.periods.saturating_sub(1)).min(4) as usize;
+        let change = self.changes[..seen].iter().copied().fold(0.0, f64::max);
+        if change == 0.0 { 0.0 } else { change * LENGTH / decay.min(1.0) }
+    }
+}
+
+/// Measurements of an instance that was stepped.
+pub(super) fn finish(
+    sums: &Sums,
+    finite: bool,
+    case: &CasePlan,
+    driven: &Driven,
+    run: &Run,
+    wants: Wants,
+) -> Finished {
+    if !finite {
+        return Finished { measured: Measured::NONE, status: Status::NonFinite };
+    }
+    let phase = start::phase(driven, run.start);
+    let (cosine, sine) = start::amplitudes(driven, run.start);
+    let mut measured = Measured::NONE;
+    let scale = 2.0 / sums.steps * LENGTH;
+    for n in 0..wants.harmonics {
+        let free = if n == 0 { (cosine, sine) } else { (0.0, 0.0) };
+        let travel =
+            start::phasor(free.0 + scale * sums.cosine[n], free.1 + scale * sums.sine[n], n + 1, phase);
+        measured.harmonics[n] = travel.norm();
+        if n == 0 {
+            measured.phase = (-travel.arg().to_degrees()).rem_euclid(360.0);
+        }
+    }
+    let force = force_scale(driven, case.steps);
+    if wants.contact {
+        measured.contact_time = sums.time / sums.steps;
+        measured.contacts = sums.begun / sums.periods;
+    }
+    if wants.energy {
+        measured.force_mean = sums.impulse / sums.steps / force;
+        measured.dissipation = -sums.work / sums.periods / force * LENGTH;
+        measured.virial = sums.virial / sums.steps / force * LENGTH;
+    }
+    if wants.extremes {
+        let touched = sums.time > 0.0 || sums.begun > 0.0;
+        let range = Range {
+            deepest: sums.deepest * LENGTH,
+            highest: sums.highest * LENGTH,
+            held: sums.held * LENGTH,
+            touched,
+            apart: sums.apart > 0.0,
+            let_go: sums.ended > 0.0,
+        };
+        (measured.force_min, measured.force_max) = range.forces(&case.contact);
+        measured.indentation_max = if touched { range.deepest } else { f64::NAN };
+    }
+    let status = judge(sums, case, driven, run, force);
+    Finished { measured, status }
+}
+
+/// Measurements of an instance that stays free of the sample: its free motion.
+pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
+    let mut measured = Measured::NONE;
+    measured.harmonics[..wants.harmonics].fill(0.0);
+    measured.harmonics[0] = driven.free.tip.norm();
+    measured.phase = (-driven.free.tip.arg().to_degrees()).rem_euclid(360.0);
+    if wants.contact {
+        (measured.contact_time, measured.contacts) = (0.0, 0.0);
+    }
+    if wants.energy {
+        (measured.force_mean, measured.dissipation, measured.virial) = (0.0, 0.0, 0.0);
+    }
+    if wants.extremes {
+        (measured.force_min, measured.force_max) = (0.0, 0.0);
+    }
+    Finished { measured, status: Status::Ok }
+}
+
+fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -> Status {
+    let deepest = sums.deepest * LENGTH;
+    if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
+        return Status::OutOfRange;
+    }
+    // The scale of accuracy for amplitudes: the free amplitude.
+    let scale = driven.free.tip.norm();
+    if sums.unsettled(run, driven) > run.accuracy * scale {
+        return Status::NotSteady;
+    }
+    Status::Ok
+}
+
+/// What the indentation did, m.
+struct Range {
+    deepest: f64,
+    highest: f64,
+    /// Smallest while in contact.
+    held: f64,
+    touched: bool,
+    apart: bool,
+    let_go: bool,
+}
+
+impl Range {
+    /// Smallest and largest force over that range.
+    fn forces(&self, contact: &Contact) -> (f64, f64) {
+        let at = |indentation: f64, touching: bool| contact.force(indentation, touching);
+        match contact.law {
+            Law::None => (0.0, 0.0),
+            Law::Hertz => (at(self.highest, true), at(self.deepest, true)),
+            Law::Dmt => {
+                let ends = [at(self.deepest, self.deepest > 0.0), at(self.highest, self.highest > 0.0)];
+                let reached = self.highest <= 0.0 && self.deepest >= 0.0;
+                let least = if reached { at(0.0, true) } else { f64::INFINITY };
+                (least.min(ends[0]).min(ends[1]), ends[0].max(ends[1]))
+            }
+            Law::Jkr => self.jkr(contact),
+        }
+    }
+
+    fn jkr(&self, contact: &Contact) -> (f64, f64) {
+        let Some(jkr) = contact.jkr() else { return (0.0, 0.0) };
+        if !self.touched {
+            return (0.0, 0.0);
+        }
+        let fold = -3.0 * jkr.indentation_scale();
+        // Largest pull of the curve: y^3 = 3, so D = 3^(4/3) - 4 3^(1/3) = -3^(1/3).
+        let pull = -3f64.cbrt() * jkr.indentation_scale();
+        let least = if self.let_go { fold } else { self.held.max(fold) };
+        let ends = [contact.force(self.deepest, true), contact.force(least, true)];
+        let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        if least <= pull && pull <= self.deepest {
+            low = low.min(contact.force(pull, true));
+        }
+        if self.apart {
+            (low, high) = (low.min(0.0), high.max(0.0));
+        }
+        (low, high)
+    }
+}

@@ -1,0 +1,82 @@
+//! What steps a plan: engines behind one small trait.
+
+mod cpu;
+mod law;
+mod measure;
+mod start;
+mod trace;
+mod track;
+
+pub use cpu::Cpu;
+
+use crate::observe::{Measured, Status};
+use crate::plan::Plan;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use thiserror::Error;
+
+/// Steps every instance of a plan.
+pub trait Engine {
+    /// Name of the device, for the results file.
+    fn device(&self) -> String;
+
+    /// Runs the plan. A failed instance is data, not an error.
+    fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError>;
+}
+
+/// Why nothing could be run.
+#[derive(Debug, Error)]
+pub enum EngineError {
+    #[error("the plan keeps {modes} modes for an instance and this engine steps at most {most}: set [run] modes")]
+    TooManyModes { modes: usize, most: usize },
+    #[error("the plan keeps no mode for an instance: the tip force does not move this tip")]
+    NoModes,
+    #[error("no threads for the CPU engine: {0}")]
+    Threads(String),
+}
+
+/// What a run yields, by instance.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub results: Vec<Finished>,
+}
+
+/// One instance, measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Finished {
+    pub measured: Measured,
+    pub status: Status,
+}
+
+impl Finished {
+    /// An instance that was not computed.
+    pub const NOT_RUN: Self = Self { measured: Measured::NONE, status: Status::NotRun };
+}
+
+/// How far a run is, and whether it should stop: shared with whoever shows it.
+#[derive(Debug, Default)]
+pub struct Progress {
+    steps: AtomicU64,
+    stop: AtomicBool,
+}
+
+impl Progress {
+    /// Instance-steps done.
+    pub fn steps(&self) -> u64 {
+        self.steps.load(Ordering::Relaxed)
+    }
+
+    /// Counts instance-steps as done.
+    pub fn add(&self, steps: u64) {
+        self.steps.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    /// Asks the run to end early; what is complete is kept.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the run was asked to end.
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,12 @@
+//! Amplitude of the tip's travel at the drive frequency: what a lock-in amplifier shows.
+
+use super::{Entry, Observable, Value, Wants};
+
+pub(super) const ENTRY: Entry = Entry {
+    observable: Observable::Amplitude,
+    name: "amplitude",
+    units: "m",
+    long_name: "amplitude of the tip's travel, fundamental",
+    wants: Wants::FUNDAMENTAL,
+    value: Value::One(|measured| measured.harmonics[0]),
+};

@@ -1,0 +1,12 @@
+//! Largest force on the tip; positive pushes away.
+
+use super::{Entry, Observable, Value, Wants};
+
+pub(super) const ENTRY: Entry = Entry {
+    observable: Observable::ForceMax,
+    name: "force_max",
+    units: "N",
+    long_name: "largest tip force",
+    wants: Wants::EXTREMES,
+    value: Value::One(|measured| measured.force_max),
+};

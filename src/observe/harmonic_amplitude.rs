@@ -1,0 +1,12 @@
+//! Amplitudes of the tip's travel at whole multiples of the drive frequency.
+
+use super::{Entry, Observable, Value, Wants};
+
+pub(super) const ENTRY: Entry = Entry {
+    observable: Observable::HarmonicAmplitude,
+    name: "harmonic_amplitude",
+    units: "m",
+    long_name: "amplitude of the tip's travel by harmonic",
+    wants: Wants::HARMONIC,
+    value: Value::Harmonics(|measured| &measured.harmonics),
+};

@@ -1,0 +1,47 @@
+//! What became of an instance.
+
+/// What became of an instance; the results file stores the code with CF `flag_values` and `flag_meanings`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    #[default]
+    Ok = 0,
+    /// The response still changes by more than the accuracy asked for.
+    NotSteady = 1,
+    /// A tiny change of the start moves the result.
+    Sensitive = 2,
+    /// Values stopped being finite.
+    NonFinite = 3,
+    /// The contact left the range in which the law or the step holds.
+    OutOfRange = 4,
+    /// The run ended before this instance was computed.
+    NotRun = 5,
+}
+
+impl Status {
+    pub const ALL: [Status; 6] = [
+        Status::Ok,
+        Status::NotSteady,
+        Status::Sensitive,
+        Status::NonFinite,
+        Status::OutOfRange,
+        Status::NotRun,
+    ];
+
+    /// One word, as in `flag_meanings`.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::NotSteady => "not_steady",
+            Self::Sensitive => "sensitive",
+            Self::NonFinite => "non_finite",
+            Self::OutOfRange => "out_of_range",
+            Self::NotRun => "not_run",
+        }
+    }
+
+    /// The status of that code.
+    pub fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|status| *status as u8 == code)
+    }
+}

@@ -1,0 +1,200 @@
+//! From a scene to its plan.
+
+use super::{CasePlan, Class, Driven, KeptModes, Plan, Precision, steps};
+use crate::contact::{Contact, Law};
+use crate::instrument::{Instrument, InstrumentError};
+use crate::observe::Wants;
+use crate::scene::{DriveFrequency, Params, Scene, Start};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a scene cannot be planned.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// `values` names the swept values of the instance, empty without a sweep.
+    #[error("instance {instance}{values}: {source}")]
+    Instrument { instance: usize, values: String, source: InstrumentError },
+}
+
+/// Most steps per period that keeping a fast oscillator may cost.
+const STEPS_FOR_MODES: f64 = 2048.0;
+
+impl Plan {
+    /// Plans every instance. Each distinct instrument is reduced once.
+    pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
+        let (drives, drive_of) = reduce(scene)?;
+        let cases: Vec<CasePlan> = (0..scene.len())
+            .into_par_iter()
+            .map(|index| {
+                let drive = drive_of[index];
+                plan_case(scene, &scene.instance(index), drive, &drives[drive as usize])
+            })
+            .collect();
+        let classes = classify(&cases, &drives);
+        Ok(Self {
+            drives,
+            cases,
+            classes,
+            observables: scene.output.observables.clone(),
+            wants: Wants::of(&scene.output.observables),
+            run: scene.run.clone(),
+            precision,
+        })
+    }
+}
+
+/// Whether that quantity changes the instrument or its drive, not only the contact.
+fn moves_instrument(path: &str) -> bool {
+    const APEX: [&str; 3] =
+        ["instrument.tip.radius", "instrument.tip.youngs_modulus", "instrument.tip.poisson_ratio"];
+    path.starts_with("drive.") || (path.starts_with("instrument.") && !APEX.contains(&path))
+}
+
+/// Whether that quantity changes the drive alone.
+fn moves_drive(path: &str) -> bool {
+    path.starts_with("drive.") && path != "drive.on"
+}
+
+/// The distinct driven instruments, and which one each instance has.
+fn reduce(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
+    let axes = &scene.sweep.axes;
+    let relevant: Vec<usize> = (0..axes.len()).filter(|&a| moves_instrument(&axes[a].path)).collect();
+    let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
+    let mut first = Vec::new();
+    let drive_of: Vec<u32> = (0..scene.len())
+        .map(|instance| {
+            let indices = scene.sweep.indices(instance);
+            let key = relevant.iter().map(|&a| axes[a].values[indices[a]].to_bits()).collect();
+            *numbers.entry(key).or_insert_with(|| {
+                first.push(instance);
+                first.len() as u32 - 1
+            })
+        })
+        .collect();
+
+    // Levers and rods without the drive: fewer still.
+    let bodies: Vec<usize> = relevant.into_iter().filter(|&a| !moves_drive(&axes[a].path)).collect();
+    let mut body_numbers: HashMap<Vec<u64>, usize> = HashMap::new();
+    let mut body_first = Vec::new();
+    let body_of: Vec<usize> = first
+        .iter()
+        .map(|&instance| {
+            let indices = scene.sweep.indices(instance);
+            let key = bodies.iter().map(|&a| axes[a].values[indices[a]].to_bits()).collect();
+            *body_numbers.entry(key).or_insert_with(|| {
+                body_first.push(instance);
+                body_first.len() - 1
+            })
+        })
+        .collect();
+
+    let fail = |instance: usize| {
+        let values = describe(scene, instance);
+        move |source| PlanError::Instrument { instance, values, source }
+    };
+    let instruments: Vec<Arc<Instrument>> = body_first
+        .par_iter()
+        .map(|&instance| {
+            let params = scene.instance(instance);
+            let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
+            Instrument::reduce(&params.instrument, params.drive.on, tolerance)
+                .map(Arc::new)
+                .map_err(fail(instance))
+        })
+        .collect::<Result<_, _>>()?;
+    let drives = first
+        .par_iter()
+        .zip(&body_of)
+        .map(|(&instance, &body)| {
+            let params = scene.instance(instance);
+            drive(scene, &params, &instruments[body]).map_err(fail(instance))
+        })
+        .collect::<Result<_, _>>()?;
+    Ok((drives, drive_of))
+}
+
+/// ` (sample.youngs_modulus = 1e9 Pa, ...)`, or nothing without a sweep.
+fn describe(scene: &Scene, instance: usize) -> String {
+    if scene.sweep.axes.is_empty() {
+        return String::new();
+    }
+    let indices = scene.sweep.indices(instance);
+    let values: Vec<String> = scene
+        .sweep
+        .axes
+        .iter()
+        .zip(indices)
+        .map(|(axis, index)| format!("{} = {:e} {}", axis.path, axis.values[index], axis.units))
+        .collect();
+    format!(" ({})", values.join(", "))
+}
+
+fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result<Driven, InstrumentError> {
+    let frequency = match params.drive.frequency {
+        DriveFrequency::Hertz(frequency) => frequency,
+        DriveFrequency::Resonance => instrument.resonance()?,
+    };
+    let free = instrument.free_motion(params.drive.level, frequency)?;
+    let steps_max = match scene.run.steps_per_period {
+        Some(steps) => f64::from(steps),
+        None => STEPS_FOR_MODES,
+    };
+    let kept =
+        KeptModes::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
+    Ok(Driven { instrument: Arc::clone(instrument), free, kept: Arc::new(kept) })
+}
+
+fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> CasePlan {
+    let contact = Contact::new(params);
+    let gap = params.approach.gap;
+    let amplitude = driven.free.tip.norm();
+    let settled = scene.run.start == Start::Steady;
+    let free = settled
+        && match contact.law {
+            Law::None => true,
+            // No force at a distance: a swing that ends above the surface stays free.
+            Law::Hertz | Law::Jkr => amplitude * (1.0 + 1e-9) < gap,
+            Law::Dmt => false,
+        };
+    let steps = if free {
+        0
+    } else {
+        scene.run.steps_per_period.unwrap_or_else(|| {
+            steps::steps(
+                &contact,
+                &driven.kept,
+                driven.free.omega,
+                amplitude,
+                gap,
+                scene.run.accuracy,
+            )
+        })
+    };
+    CasePlan { drive, contact, gap, steps }
+}
+
+/// Groups by shape; within a class by drive, then gap, then stiffness.
+fn classify(cases: &[CasePlan], drives: &[Driven]) -> Vec<Class> {
+    let mut groups: BTreeMap<(u32, Law, usize), Vec<u32>> = BTreeMap::new();
+    for (index, case) in cases.iter().enumerate() {
+        let modes = drives[case.drive as usize].kept.modes.len();
+        groups.entry((case.steps, case.contact.law, modes)).or_default().push(index as u32);
+    }
+    groups
+        .into_iter()
+        .map(|((steps, law, modes), mut instances)| {
+            instances.sort_by(|a, b| {
+                let (a, b) = (&cases[*a as usize], &cases[*b as usize]);
+                let stiffness = |case: &CasePlan| case.contact.modulus * case.contact.radius.sqrt();
+                a.drive
+                    .cmp(&b.drive)
+                    .then(a.gap.total_cmp(&b.gap))
+                    .then(stiffness(a).total_cmp(&stiffness(b)))
+            });
+            Class { law, modes, steps, instances }
+        })
+        .collect()
+}
+

@@ -1,0 +1,98 @@
+//! What a scene needs: modes, steps, laws and observables, as plain data that can be printed.
+
+mod build;
+mod modes;
+mod steps;
+mod summary;
+
+pub use build::PlanError;
+pub use modes::{KeptMode, KeptModes};
+pub use steps::{STEPS_MAX, STEPS_MIN};
+pub use summary::Summary;
+
+use crate::contact::{Contact, Law};
+use crate::instrument::{FreeMotion, Instrument};
+use crate::observe::{Observable, Wants};
+use crate::scene::Run;
+use std::sync::Arc;
+
+/// Arithmetic of the engine's inner loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    F32,
+    #[default]
+    F64,
+}
+
+impl Precision {
+    /// `f32` or `f64`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+/// Everything an engine needs to run a scene.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Distinct instruments under their drive.
+    pub drives: Vec<Driven>,
+    /// One per instance, in the scene's order.
+    pub cases: Vec<CasePlan>,
+    /// Instances that run in lockstep: one law, one number of modes, one number of steps.
+    pub classes: Vec<Class>,
+    pub observables: Vec<Observable>,
+    pub wants: Wants,
+    pub run: Run,
+    pub precision: Precision,
+}
+
+/// One instrument at one drive.
+#[derive(Clone, Debug)]
+pub struct Driven {
+    pub instrument: Arc<Instrument>,
+    /// Motion without a sample.
+    pub free: FreeMotion,
+    /// The modes that carry the contact force's effect on the tip.
+    pub kept: Arc<KeptModes>,
+}
+
+impl Driven {
+    /// Drive frequency, Hz.
+    pub fn frequency(&self) -> f64 {
+        self.free.omega / std::f64::consts::TAU
+    }
+}
+
+/// One instance.
+#[derive(Clone, Copy, Debug)]
+pub struct CasePlan {
+    /// Index into [`Plan::drives`].
+    pub drive: u32,
+    pub contact: Contact,
+    /// m
+    pub gap: f64,
+    /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
+    pub steps: u32,
+}
+
+/// Instances of one shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Class {
+    pub law: Law,
+    pub modes: usize,
+    pub steps: u32,
+    /// Instance numbers, ordered so that neighbours touch the sample at about the same time.
+    pub instances: Vec<u32>,
+}
+
+impl Plan {
+    /// Steps of the whole run, all instances together.
+    pub fn instance_steps(&self) -> u64 {
+        let per_period: u64 =
+            self.classes.iter().map(|class| class.instances.len() as u64 * u64::from(class.steps)).sum();
+        per_period * u64::from(self.run.periods)
+    }
+}

@@ -1,0 +1,173 @@
+//! Which modes the tip force needs.
+//!
+//! A mode matters to the stepped motion only through the tip moving under the tip force:
+//! c_k b_k / omega_k^2 is its share of the tip's static flexibility. What the kept modes leave
+//! out acts, at frequencies below its own, as one more spring; it is kept as one more oscillator
+//! with that flexibility and the inertia that goes with it (a residual attachment mode in the
+//! sense of MacNeal 1971 and Rubin 1975), so that the static answer to a contact force is exact.
+
+use crate::instrument::Instrument;
+use crate::kernel::{FlowMode, MODES_MAX};
+
+/// One oscillator of the reduced instrument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeptMode {
+    /// Which of the instrument's modes; none for the residual oscillator.
+    pub index: Option<usize>,
+    /// rad/s
+    pub omega: f64,
+    /// Damping ratio 1/(2Q).
+    pub damping: f64,
+    /// Acceleration of the tip per tip force through this mode, c_k b_k, 1/kg.
+    pub mobility: f64,
+    /// Travel of the rod's top per travel of the tip, in this mode under a tip force.
+    pub top: f64,
+}
+
+/// The reduced instrument, largest share of the flexibility first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeptModes {
+    pub modes: Vec<KeptMode>,
+    /// The tip's static flexibility, all modes, m/N.
+    pub flexibility: f64,
+    /// Share of it in modes that are not kept one by one.
+    pub residual_share: f64,
+    /// Whether that share is kept as one residual oscillator.
+    pub residual_kept: bool,
+    /// What decided.
+    pub reason: String,
+}
+
+/// Fewest steps the fastest kept oscillator gets per radian-scale time: omega h at most this.
+pub(super) const ANGLE_MAX: f64 = 0.9;
+
+impl KeptModes {
+    /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
+    /// is left out is below ten times `accuracy`, the rest as a residual oscillator where it is
+    /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period.
+    /// `count` overrides: exactly so many modes, nothing for the rest.
+    pub fn choose(
+        instrument: &Instrument,
+        omega: f64,
+        accuracy: f64,
+        count: Option<usize>,
+        steps_max: f64,
+    ) -> Self {
+        let share = |k: usize| {
+            let mode = &instrument.modes[k];
+            mode.tip * mode.force / (mode.omega * mode.omega)
+        };
+        let flexibility: f64 = (0..instrument.modes.len()).map(share).sum();
+        let mut order: Vec<usize> = (0..instrument.modes.len()).collect();
+        order.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()).then(a.cmp(b)));
+        let fastest = omega * steps_max * ANGLE_MAX / std::f64::consts::TAU;
+
+        let mut modes = Vec::new();
+        let mut left = 1.0;
+        let wanted = count.unwrap_or(MODES_MAX - 1).min(MODES_MAX);
+        let mut reason = String::new();
+        for &k in &order {
+            let done = match count {
+                Some(_) => false,
+                None => left <= 10.0 * accuracy,
+            };
+            if modes.len() == wanted || done || share(k) == 0.0 {
+                break;
+            }
+            if count.is_none() && !modes.is_empty() && instrument.modes[k].omega > fastest {
+                reason = format!(
+                    "mode at {:.4} kHz left out: too fast for {steps_max} steps a period",
+                    instrument.modes[k].omega / std::f64::consts::TAU / 1e3
+                );
+                break;
+            }
+            let mode = &instrument.modes[k];
+            left -= share(k) / flexibility;
+            modes.push(KeptMode {
+                index: Some(k),
+                omega: mode.omega,
+                damping: 0.5 / mode.quality_factor,
+                mobility: mode.tip * mode.force,
+                top: mode.top / mode.tip,
+            });
+        }
+        let mut kept =
+            Self { modes, flexibility, residual_share: left, residual_kept: false, reason };
+        if let Some(count) = count {
+            kept.reason = format!("{count} modes, as the scene says");
+        } else {
+            kept.add_residual(instrument, accuracy, fastest);
+        }
+        kept
+    }
+
+    /// The residual oscillator: omega^2 = sum(c b/w^2) / sum(c b/w^4) over the modes not kept.
+    fn add_residual(&mut self, instrument: &Instrument, accuracy: f64, fastest: f64) {
+        let kept: Vec<usize> = self.modes.iter().filter_map(|mode| mode.index).collect();
+        let (mut spring, mut inertia, mut loss, mut top) = (0.0, 0.0, 0.0, 0.0);
+        for (k, mode) in instrument.modes.iter().enumerate() {
+            if !kept.contains(&k) {
+                let flexibility = mode.tip * mode.force / mode.omega.powi(2);
+                spring += flexibility;
+                inertia += flexibility / mode.omega.powi(2);
+                loss += flexibility / mode.quality_factor;
+                top += mode.top * mode.force / mode.omega.powi(2);
+            }
+        }
+        let negligible = self.residual_share.abs() <= 0.1 * accuracy;
+        let omega = (spring / inertia).sqrt();
+        if negligible || !(spring > 0.0 && inertia > 0.0 && omega.is_finite()) {
+            self.note(format!("{} modes carry all but {:.1e}", self.modes.len(), self.residual_share));
+        } else if omega > fastest {
+            self.note(format!(
+                "{} modes; the other {:.1e} of the flexibility is too fast to be stepped",
+                self.modes.len(),
+                self.residual_share
+            ));
+        } else {
+            self.note(format!(
+                "{} modes, the other {:.1e} of the flexibility as one residual oscillator",
+                self.modes.len(),
+                self.residual_share
+            ));
+            self.residual_kept = true;
+            self.modes.push(KeptMode {
+                index: None,
+                omega,
+                damping: 0.5 * loss / spring,
+                mobility: omega * omega * spring,
+                top: top / spring,
+            });
+        }
+    }
+
+    fn note(&mut self, text: String) {
+        if !self.reason.is_empty() {
+            self.reason.push_str("; ");
+        }
+        self.reason.push_str(&text);
+    }
+
+    /// Acceleration of the tip by a unit of tip force at short times, 1/kg.
+    pub fn mobility(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.mobility).sum()
+    }
+
+    /// Angular frequency of the fastest oscillator, rad/s.
+    pub fn fastest(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.omega).fold(0.0, f64::max)
+    }
+
+    /// As the kernel takes them.
+    pub fn flow(&self) -> Vec<FlowMode> {
+        let mobility = self.mobility();
+        self.modes
+            .iter()
+            .map(|mode| FlowMode {
+                omega: mode.omega,
+                damping: mode.damping,
+                share: mode.mobility / mobility,
+            })
+            .collect()
+    }
+}

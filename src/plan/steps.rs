@@ -1,0 +1,81 @@
+//! Steps per drive period.
+
+use super::KeptModes;
+use super::modes::ANGLE_MAX;
+use crate::contact::{Contact, Law};
+use std::f64::consts::TAU;
+
+/// Fewest steps per period the rule gives.
+pub const STEPS_MIN: u32 = 64;
+/// Most steps per period the rule gives; a scene may ask for more.
+pub const STEPS_MAX: u32 = 65_536;
+
+/// Steps per period for smooth scenes at accuracy 1e-3, and how fast it grows with accuracy.
+const BASE: f64 = 128.0;
+const ORDER: f64 = 3.0;
+/// Contact stiffness that one step may meet, in units of h^2 times the tip's mobility.
+const STIFFNESS: f64 = 0.25;
+/// The same for the slope of DMT's attraction just outside contact.
+const ATTRACTION: f64 = 1.0;
+
+/// The rule: enough for the accuracy asked for, for the fastest oscillator, and for the contact
+/// at the deepest indentation to expect.
+pub fn steps(contact: &Contact, kept: &KeptModes, omega: f64, amplitude: f64, gap: f64, accuracy: f64) -> u32 {
+    let base = BASE * (1e-3 / accuracy).powf(1.0 / ORDER);
+    let fast = TAU * kept.fastest() / (omega * ANGLE_MAX);
+    let period = TAU / omega;
+    let mobility = kept.mobility();
+    let depth = deepest(contact, mobility, omega, amplitude, gap);
+    let limit = STIFFNESS * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
+    let stiff = period * (mobility * contact.stiffness(depth, true).max(0.0) / limit).sqrt();
+    let pull = match contact.law {
+        Law::Dmt => {
+            let slope = 4.0 * std::f64::consts::PI * contact.radius * contact.work / contact.decay_length;
+            period * (mobility * slope / ATTRACTION).sqrt()
+        }
+        _ => 0.0,
+    };
+    rung(base.max(fast).max(stiff).max(pull))
+}
+
+/// Smallest of 64, 96, 128, 192, 256, ... that is not below `steps`: few classes, small excess.
+fn rung(steps: f64) -> u32 {
+    let mut power = STEPS_MIN;
+    while power < STEPS_MAX {
+        for candidate in [power, power + power / 2] {
+            if f64::from(candidate) >= steps {
+                return candidate;
+            }
+        }
+        power *= 2;
+    }
+    STEPS_MAX
+}
+
+/// Deepest indentation to expect, m: as far as the free swing would go, or as far as a Hertzian
+/// collision at the free tip's speed goes (delta_max = (5 v^2/(4 kappa mobility))^(2/5)), whichever is
+/// less, and JKR's resting depth on top.
+pub fn deepest(contact: &Contact, mobility: f64, omega: f64, amplitude: f64, gap: f64) -> f64 {
+    let overlap = (amplitude - gap).max(0.0);
+    let inside = (amplitude * amplitude - gap * gap).max(0.0).sqrt().max(0.1 * amplitude);
+    let speed = omega * inside;
+    let kappa = contact.modulus * contact.radius.sqrt();
+    let collision = (1.25 * speed * speed / (kappa * mobility)).powf(0.4);
+    let adhesion = contact.jkr().map_or(0.0, |jkr| 4.0 * jkr.indentation_scale());
+    let resting = (-gap).max(0.0);
+    collision.min(overlap) + adhesion + resting.min(overlap)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rung;
+
+    #[test]
+    fn rungs_are_not_below_what_was_asked() {
+        for asked in [1.0, 64.0, 65.0, 97.0, 128.1, 1000.0, 65_535.0, 1e9] {
+            let got = rung(asked);
+            assert!(f64::from(got) >= asked.min(65_536.0));
+            assert!(f64::from(got) <= (1.5 * asked).max(64.0));
+        }
+    }
+}
