@@ -4,7 +4,38 @@
 //! absolute motion of the tip's centre, `u(l_p) + v(l_b) + l v_x(l_b)`.
 //! The drive is `level * sin(omega t)`; a phasor `Z` stands for `z(t) = Im(Z exp(i omega t))`.
 
+//!
+//! [`Instrument::reduce`] turns dimensions into modes, [`Instrument::resonance`] finds the peak,
+//! [`Instrument::free_motion`] gives the steady motion and the transients of a start from rest.
+//! The equations are those of Ha, Fung & Chen 2005 (J. Dyn. Syst. Meas. Control 127(4), 705-709)
+//! with time derivatives where their (4) prints subscripts z and x; each other choice stands
+//! where it is made: the rod's field in `rod.rs`, the kinematics and the tip's force in
+//! `assemble.rs`.
+//!
+//! Flow: `rod.rs`, `beam.rs` (elements) and `lever.rs` (three descriptions of a lever) ->
+//! `assemble.rs` -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
+//! `summary.rs`.
+
+mod assemble;
+mod beam;
+mod error;
+mod free_motion;
+mod legendre;
+mod lever;
+mod modes;
+mod reduce;
+mod response;
+mod rod;
+pub mod summary;
+
 use nalgebra::Complex;
+
+use crate::scene::DriveOn;
+
+pub use assemble::Mesh;
+pub use error::InstrumentError;
+pub use free_motion::Place;
+pub use reduce::DEFAULT_TOLERANCE;
 
 /// One mode: `q'' + (omega/Q) q' + omega^2 q = force * f + drive * (drive level)`, and
 /// the tip moves by `tip * q`, the rod's top by `top * q`.
@@ -28,7 +59,7 @@ pub struct Mode {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instrument {
     pub modes: Vec<Mode>,
-    /// Largest relative residual of the eigenpairs, |K p - w^2 M p| / |K p|.
+    /// Largest relative residual of the resolved eigenpairs, |K p - w^2 M p| / |K p|.
     pub residual: f64,
     /// Degrees of freedom and elements chosen, for the plan.
     pub rod_elements: usize,
@@ -40,6 +71,8 @@ pub struct Instrument {
     pub lever_frequency: f64,
     /// True for a base that moves as told: the tip follows it (adds level to its phasor).
     pub moving_base: bool,
+    /// Where the drive acts: what `Mode::drive` is per unit of.
+    pub on: DriveOn,
 }
 
 /// Motion without a sample, at one drive.
@@ -57,4 +90,52 @@ pub struct FreeMotion {
     pub modes: Vec<Complex<f64>>,
     /// Initial value and rate of each mode's free decaying part when the run starts from rest.
     pub transient: Vec<[f64; 2]>,
+}
+
+impl Instrument {
+    /// Static travel of the tip per force on it, sum of c_k b_k / omega_k^2 over all modes, m/N.
+    pub fn flexibility(&self) -> f64 {
+        self.modes.iter().map(|m| m.tip * m.force / (m.omega * m.omega)).sum()
+    }
+
+    /// Each mode's c_k^2/omega_k^2 over the sum of all.
+    pub fn tip_shares(&self) -> Vec<f64> {
+        shares(self.modes.iter().map(|m| m.tip * m.tip / (m.omega * m.omega)))
+    }
+
+    /// Each mode's part in the tip's static answer to the drive, g_k c_k/omega_k^2, over the sum of
+    /// absolute values; signed. All zero if the drive moves nothing.
+    pub fn drive_shares(&self) -> Vec<f64> {
+        shares(self.modes.iter().map(|m| m.drive * m.tip / (m.omega * m.omega)))
+    }
+}
+
+fn shares(parts: impl Iterator<Item = f64>) -> Vec<f64> {
+    let parts: Vec<f64> = parts.collect();
+    let sum: f64 = parts.iter().map(|p| p.abs()).sum();
+    parts.into_iter().map(|p| if sum > 0.0 { p / sum } else { 0.0 }).collect()
+}
+
+fn check_positive(what: &'static str, value: f64) -> Result<(), InstrumentError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(InstrumentError::BadValue { what, value, expected: "positive and finite" })
+    }
+}
+
+fn check_not_negative(what: &'static str, value: f64) -> Result<(), InstrumentError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(InstrumentError::BadValue { what, value, expected: "zero or positive, and finite" })
+    }
+}
+
+fn check_quality(what: &'static str, value: f64) -> Result<(), InstrumentError> {
+    if value > 0.0 {
+        Ok(())
+    } else {
+        Err(InstrumentError::BadValue { what, value, expected: "positive (`inf` for no damping)" })
+    }
 }

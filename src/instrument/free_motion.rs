@@ -1,0 +1,217 @@
+//! Motion without a sample: the steady state and, from rest, the decay of what is missing from it.
+//!
+//! From rest the whole instrument stands still, `W = W_t = 0` for x > 0, until the drive
+//! `level sin(omega t)` sets in at t = 0: each modal coordinate starts at 0, so its transient
+//! starts at minus its steady value and rate. A rigid base moves at once, at the rate
+//! `Y omega`, and the lever, still at rest, moves against it: the relative rates start at
+//! `-Gamma_k Y omega`.
+
+use nalgebra::Complex;
+
+use super::error::InstrumentError;
+use super::{FreeMotion, Instrument, Mode, check_positive};
+use crate::scene::{DriveLevel, DriveOn};
+
+/// Steps of a table between exact values: rounding grows by one unit a step.
+const ANCHOR: usize = 32;
+/// A transient is over once it has decayed by this many e-folds (to 1e-26).
+const OVER: f64 = 60.0;
+
+/// Whose travel is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    Tip,
+    Top,
+}
+
+impl Place {
+    fn share(self, mode: &Mode) -> f64 {
+        match self {
+            Place::Tip => mode.tip,
+            Place::Top => mode.top,
+        }
+    }
+}
+
+impl Instrument {
+    /// The motion without a sample under a sine drive of `level` at `frequency_hz`.
+    ///
+    /// [`DriveLevel::FreeAmplitude`] scales the drive so that the tip's amplitude is as asked.
+    ///
+    /// # Errors
+    /// A level of a kind that does not drive this instrument, numbers that are not finite, an
+    /// undamped mode driven exactly at its frequency, an amplitude asked of a tip at rest.
+    pub fn free_motion(&self, level: DriveLevel, frequency_hz: f64) -> Result<FreeMotion, InstrumentError> {
+        check_positive("the drive's frequency", frequency_hz)?;
+        let omega = std::f64::consts::TAU * frequency_hz;
+        let unit = self.modal_response(omega)?;
+        let sum = |place: Place, base: f64| {
+            let moves = |(m, z): (&Mode, &Complex<f64>)| z * place.share(m);
+            self.modes.iter().zip(&unit).map(moves).sum::<Complex<f64>>() + base
+        };
+        let base = if self.moving_base { 1.0 } else { 0.0 };
+        let (tip, top) = (sum(Place::Tip, base), sum(Place::Top, base));
+        let level = self.level(level, tip.norm(), frequency_hz)?;
+        let modes: Vec<Complex<f64>> = unit.iter().map(|z| z * level).collect();
+        let start = |(mode, z): (&Mode, &Complex<f64>)| {
+            let kick = if self.moving_base { mode.drive * level * omega } else { 0.0 };
+            [-z.im, kick - omega * z.re]
+        };
+        let transient = self.modes.iter().zip(&modes).map(start).collect();
+        Ok(FreeMotion { omega, level, tip: tip * level, top: top * level, modes, transient })
+    }
+
+    /// The drive's level in its own unit; `tip` is the free tip's amplitude per unit level.
+    fn level(&self, level: DriveLevel, tip: f64, frequency_hz: f64) -> Result<f64, InstrumentError> {
+        let (driven_by, remedy) = match (self.moving_base, self.on) {
+            (true, _) => ("the motion of a rigid base", "base_amplitude or free_amplitude"),
+            (false, DriveOn::Actuator) => ("the rod's voltage", "voltage or free_amplitude"),
+            (false, DriveOn::Tip) => ("a force on the tip", "force or free_amplitude"),
+        };
+        let (given, value, fits) = match level {
+            DriveLevel::Voltage(v) => ("a voltage", v, !self.moving_base && self.on == DriveOn::Actuator),
+            DriveLevel::Force(f) => ("a force", f, !self.moving_base && self.on == DriveOn::Tip),
+            DriveLevel::BaseAmplitude(a) => ("a base amplitude", a, self.moving_base),
+            DriveLevel::FreeAmplitude(a) => ("a free amplitude", a, true),
+        };
+        if !fits {
+            return Err(InstrumentError::WrongDrive { given, driven_by, remedy });
+        }
+        if !value.is_finite() {
+            return Err(InstrumentError::BadValue { what: "the drive's level", value, expected: "finite" });
+        }
+        let DriveLevel::FreeAmplitude(asked) = level else { return Ok(value) };
+        let scaled = asked / tip;
+        if tip > 0.0 && scaled.is_finite() {
+            Ok(scaled)
+        } else {
+            Err(InstrumentError::NoTipMotion { frequency_hz, asked })
+        }
+    }
+}
+
+impl FreeMotion {
+    /// Steady travel (m) and speed (m/s) of the tip at time `t` (s).
+    pub fn tip_at(&self, t: f64) -> (f64, f64) {
+        self.steady(self.tip, t)
+    }
+
+    /// Steady travel (m) and speed (m/s) of the rod's top, or of a rigid base, at time `t` (s).
+    pub fn top_at(&self, t: f64) -> (f64, f64) {
+        self.steady(self.top, t)
+    }
+
+    fn steady(&self, phasor: Complex<f64>, t: f64) -> (f64, f64) {
+        let turned = phasor * Complex::from_polar(1.0, self.omega * t);
+        (turned.im, self.omega * turned.re)
+    }
+
+    /// Travel and speed of the tip at `t >= 0` after a start from rest, the steady motion of all
+    /// modes plus the transients of those not in `skip` (modes beyond its end are not skipped).
+    ///
+    /// `instrument` is the one this motion came from.
+    pub fn tip_from_rest(&self, instrument: &Instrument, t: f64, skip: &[bool]) -> (f64, f64) {
+        add(self.tip_at(t), self.transient_at(instrument, Place::Tip, t, skip))
+    }
+
+    /// Like [`FreeMotion::tip_from_rest`] for the rod's top.
+    pub fn top_from_rest(&self, instrument: &Instrument, t: f64, skip: &[bool]) -> (f64, f64) {
+        add(self.top_at(t), self.transient_at(instrument, Place::Top, t, skip))
+    }
+
+    /// Travel and speed at `t` of the decaying part of a start from rest alone, without `skip`'s modes.
+    pub fn transient_at(&self, instrument: &Instrument, place: Place, t: f64, skip: &[bool]) -> (f64, f64) {
+        self.parts(instrument, place, skip).fold((0.0, 0.0), |sum, (mode, share, start)| {
+            let [q, rate] = turn(&mode.propagator(t), start);
+            add(sum, (share * q, share * rate))
+        })
+    }
+
+    /// [`FreeMotion::transient_at`] at the `count` times `first + n step`: `[travel, speed]` each.
+    ///
+    /// Each mode is carried from one time to the next by its exact propagator and taken afresh
+    /// every 32 steps, which keeps the table within some 1e-14 of the transient's largest value.
+    pub fn transient_table(
+        &self,
+        instrument: &Instrument,
+        place: Place,
+        skip: &[bool],
+        first: f64,
+        step: f64,
+        count: usize,
+    ) -> Vec<[f64; 2]> {
+        let mut table = vec![[0.0; 2]; count];
+        for (mode, share, start) in self.parts(instrument, place, skip) {
+            let onward = mode.propagator(step);
+            let decay = mode.slowest_decay();
+            let start = [share * start[0], share * start[1]];
+            for (block, rows) in table.chunks_mut(ANCHOR).enumerate() {
+                let t = first + (block * ANCHOR) as f64 * step;
+                if decay * t > OVER {
+                    break;
+                }
+                let mut state = turn(&mode.propagator(t), start);
+                for row in rows {
+                    row[0] += state[0];
+                    row[1] += state[1];
+                    state = turn(&onward, state);
+                }
+            }
+        }
+        table
+    }
+
+    /// The modes that have a transient at `place`, with their share there and their start.
+    fn parts<'a>(
+        &'a self,
+        instrument: &'a Instrument,
+        place: Place,
+        skip: &'a [bool],
+    ) -> impl Iterator<Item = (&'a Mode, f64, [f64; 2])> {
+        instrument.modes.iter().zip(&self.transient).enumerate().filter_map(move |(k, (mode, start))| {
+            let share = place.share(mode);
+            let skipped = skip.get(k).copied().unwrap_or(false);
+            (!skipped && share != 0.0 && *start != [0.0, 0.0]).then_some((mode, share, *start))
+        })
+    }
+}
+
+impl Mode {
+    /// Carries `[q, q']` of the free mode over `t`: exact, whatever the damping.
+    pub fn propagator(&self, t: f64) -> [[f64; 2]; 2] {
+        let half = 0.5 * self.inverse_q();
+        let gamma = self.omega * half;
+        // Decay times cosine and sine over frequency; hyperbolic beyond Q = 1/2.
+        let (c, s) = if half < 1.0 {
+            let turning = self.omega * (1.0 - half * half).sqrt();
+            let decay = (-gamma * t).exp();
+            (decay * (turning * t).cos(), decay * (turning * t).sin() / turning)
+        } else {
+            let split = self.omega * (half * half - 1.0).sqrt();
+            if (split * t).abs() < 1.0 {
+                let decay = (-gamma * t).exp();
+                let over = if split > 0.0 { (split * t).sinh() / split } else { t };
+                (decay * (split * t).cosh(), decay * over)
+            } else {
+                let slow = (-self.slowest_decay() * t).exp();
+                let fast = (-(gamma + split) * t).exp();
+                (0.5 * (slow + fast), 0.5 * (slow - fast) / split)
+            }
+        };
+        [[c + gamma * s, s], [-self.omega * self.omega * s, c - gamma * s]]
+    }
+
+    /// Rate (1/s) at which the slower part of the free motion decays.
+    fn slowest_decay(&self) -> f64 {
+        let half = 0.5 * self.inverse_q();
+        if half <= 1.0 { self.omega * half } else { self.omega / (half + (half * half - 1.0).sqrt()) }
+    }
+}
+
+fn turn(m: &[[f64; 2]; 2], v: [f64; 2]) -> [f64; 2] {
+    [m[0][0] * v[0] + m[0][1] * v[1], m[1][0] * v[0] + m[1][1] * v[1]]
+}
+
+fn add(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 + b.0, a.1 + b.1)
+}

@@ -1,0 +1,151 @@
+//! The free tip's response over frequency, and where it peaks.
+
+use nalgebra::Complex;
+
+use super::error::InstrumentError;
+use super::{Instrument, Mode};
+
+/// Undamped and closer than this to a natural frequency, relative, the response is rounding.
+const ON_RESONANCE: f64 = 1e-12;
+/// How far from the lever's first mode a peak is looked for, as a factor of its frequency.
+const REACH: f64 = 16.0;
+/// Points of the coarse scan, which finds peaks that belong to no single mode.
+const SCAN: usize = 256;
+
+impl Mode {
+    /// gamma/(2 omega) etc.: 1/Q with infinity read as no damping.
+    pub(crate) fn inverse_q(&self) -> f64 {
+        1.0 / self.quality_factor
+    }
+
+    /// Receptance 1/(omega_k^2 - omega^2 + i omega omega_k/Q) and its derivative by omega.
+    fn receptance(&self, omega: f64) -> (Complex<f64>, Complex<f64>) {
+        let damping = self.omega * self.inverse_q();
+        // As a product, so that nothing cancels near resonance.
+        let stiffness = (self.omega - omega) * (self.omega + omega);
+        let h = Complex::new(1.0, 0.0) / Complex::new(stiffness, omega * damping);
+        (h, h * h * Complex::new(2.0 * omega, -damping))
+    }
+}
+
+impl Instrument {
+    /// Phasor of each modal coordinate per unit of drive level at `omega` (rad/s).
+    ///
+    /// # Errors
+    /// An undamped mode that is driven exactly at its own frequency.
+    pub(crate) fn modal_response(&self, omega: f64) -> Result<Vec<Complex<f64>>, InstrumentError> {
+        let per_level = if self.moving_base { -omega * omega } else { 1.0 };
+        let mut phasors = Vec::with_capacity(self.modes.len());
+        for (k, mode) in self.modes.iter().enumerate() {
+            if mode.drive == 0.0 {
+                phasors.push(Complex::new(0.0, 0.0));
+                continue;
+            }
+            if mode.inverse_q() == 0.0 && (mode.omega - omega).abs() <= ON_RESONANCE * omega {
+                let frequency_hz = mode.omega / std::f64::consts::TAU;
+                return Err(InstrumentError::DrivenOnResonance { frequency_hz, mode: k });
+            }
+            phasors.push(mode.receptance(omega).0 * (mode.drive * per_level));
+        }
+        Ok(phasors)
+    }
+
+    /// The tip's phasor per unit of drive level and its derivative by omega.
+    fn tip_response(&self, omega: f64) -> (Complex<f64>, Complex<f64>) {
+        let mut sum = Complex::new(0.0, 0.0);
+        let mut slope = Complex::new(0.0, 0.0);
+        for mode in &self.modes {
+            let (h, dh) = mode.receptance(omega);
+            let share = mode.tip * mode.drive;
+            if share != 0.0 {
+                sum += h * share;
+                slope += dh * share;
+            }
+        }
+        if self.moving_base {
+            let square = -omega * omega;
+            (Complex::new(1.0, 0.0) + sum * square, slope * square - sum * (2.0 * omega))
+        } else {
+            (sum, slope)
+        }
+    }
+
+    /// Half the derivative of |tip|^2 by omega, and |tip|^2.
+    fn climb(&self, omega: f64) -> (f64, f64) {
+        let (tip, slope) = self.tip_response(omega);
+        (tip.re * slope.re + tip.im * slope.im, tip.norm_sqr())
+    }
+
+    /// Frequency (Hz) at which the free tip moves farthest for a given drive level: the peak of
+    /// |tip| nearest the lever's own first mode, to rounding.
+    ///
+    /// # Errors
+    /// The nearest peak is that of an undamped mode, or there is no peak within a factor of
+    /// 16 of the lever's first mode.
+    pub fn resonance(&self) -> Result<f64, InstrumentError> {
+        let target = self.lever_frequency * std::f64::consts::TAU;
+        let none = InstrumentError::NoPeak { lever_hz: self.lever_frequency };
+        // Infinite peaks are known without a search.
+        let poles: Vec<f64> = self
+            .modes
+            .iter()
+            .filter(|m| m.inverse_q() == 0.0 && m.tip * m.drive != 0.0)
+            .map(|m| m.omega)
+            .collect();
+        let nearer = |a: &f64, b: &f64| (a - target).abs().total_cmp(&(b - target).abs());
+        let pole = poles.iter().copied().min_by(nearer);
+        let points = self.scan_points(target);
+        let climbs: Vec<f64> = points.iter().map(|&omega| self.climb(omega).0).collect();
+        let peak = (1..points.len())
+            // A maximum: uphill, then downhill. NaN on a pole is neither.
+            .filter(|&i| climbs[i - 1] > 0.0 && climbs[i] <= 0.0)
+            .map(|i| self.bisect(points[i - 1], points[i]))
+            // The search climbs to infinite peaks too.
+            .filter(|peak| !poles.iter().any(|pole| (peak - pole).abs() <= 1e-9 * pole))
+            .min_by(nearer);
+        match (pole, peak) {
+            (Some(pole), peak) if peak.is_none_or(|peak| nearer(&pole, &peak).is_le()) => {
+                Err(InstrumentError::UndampedPeak { frequency_hz: pole / std::f64::consts::TAU })
+            }
+            (_, Some(peak)) => Ok(peak / std::f64::consts::TAU),
+            _ => Err(none),
+        }
+    }
+
+    /// Where to look: a coarse scan, and around each mode points spaced by its own width.
+    fn scan_points(&self, target: f64) -> Vec<f64> {
+        let (low, high) = (target / REACH, target * REACH);
+        let ratio = (high / low).powf(1.0 / SCAN as f64);
+        let mut points: Vec<f64> = (0..=SCAN).map(|i| low * ratio.powi(i as i32)).collect();
+        for mode in self.modes.iter().filter(|m| m.omega > low && m.omega < high) {
+            // An undamped mode is bracketed a rounding or two away.
+            let width = (0.5 * mode.inverse_q()).max(1e-12);
+            points.push(mode.omega);
+            let mut offset = 0.25 * width;
+            while offset < 0.3 {
+                points.push(mode.omega * (1.0 - offset));
+                points.push(mode.omega * (1.0 + offset));
+                offset *= 2.0;
+            }
+        }
+        points.retain(|p| *p >= low && *p <= high);
+        points.sort_by(f64::total_cmp);
+        points
+    }
+
+    /// The top between `low` (uphill) and `high` (downhill).
+    fn bisect(&self, mut low: f64, mut high: f64) -> f64 {
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if self.climb(middle).0 > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
