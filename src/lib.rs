@@ -6,4 +6,5 @@ pub mod observe;
 pub mod report;
 pub mod scene;
 pub mod store;
+mod suggest;
 pub mod units;
