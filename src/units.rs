@@ -16,6 +16,7 @@ mod symbols;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use error::shortened;
 pub use error::{UnitError, UnitErrorKind};
 use symbols::Unit;
 
