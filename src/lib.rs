@@ -9,4 +9,5 @@ pub mod plan;
 pub mod report;
 pub mod scene;
 pub mod store;
+mod suggest;
 pub mod units;

@@ -1,1 +1,307 @@
-//! units
+//! Text to SI and back: the only place that knows units.
+//!
+//! Reading is exact: every unit here is a power of ten of SI, so the unit's
+//! exponent is added to that of the decimal text and the sum is read once.
+//! `"30 nm"` is therefore the f64 nearest to 3e-8, as the literal `3e-8` is.
+//!
+//! ```
+//! use afmsweep::units::{Dimension, format, parse};
+//! assert_eq!(parse("30 nm", Dimension::Length), Ok(3e-8));
+//! assert_eq!(parse("20 mJ/m^2", Dimension::SurfaceEnergy), Ok(0.02));
+//! assert_eq!(format(3e-8, Dimension::Length), "30 nm");
+//! ```
+
+mod error;
+mod symbols;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use error::shortened;
+pub use error::{UnitError, UnitErrorKind};
+use symbols::Unit;
+
+/// What kind of quantity a text must hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dimension {
+    Dimensionless,
+    /// m
+    Length,
+    /// s
+    Time,
+    /// kg
+    Mass,
+    /// kg/m^3
+    Density,
+    /// Hz
+    Frequency,
+    /// N
+    Force,
+    /// N/m
+    Stiffness,
+    /// Pa
+    Pressure,
+    /// J
+    Energy,
+    /// J/m^2, the same as N/m
+    SurfaceEnergy,
+    /// V
+    Voltage,
+    /// V/m, the same as N/C: the rod's h33
+    ElectricField,
+    /// V m/C: the rod's beta33
+    InversePermittivity,
+}
+
+impl Dimension {
+    /// Every dimension.
+    pub const ALL: [Dimension; 14] = [
+        Self::Dimensionless,
+        Self::Length,
+        Self::Time,
+        Self::Mass,
+        Self::Density,
+        Self::Frequency,
+        Self::Force,
+        Self::Stiffness,
+        Self::Pressure,
+        Self::Energy,
+        Self::SurfaceEnergy,
+        Self::Voltage,
+        Self::ElectricField,
+        Self::InversePermittivity,
+    ];
+
+    /// SI unit as the results file writes it; `1` for a plain number.
+    pub fn si_unit(self) -> &'static str {
+        match self {
+            Self::Dimensionless => "1",
+            Self::Length => "m",
+            Self::Time => "s",
+            Self::Mass => "kg",
+            Self::Density => "kg/m^3",
+            Self::Frequency => "Hz",
+            Self::Force => "N",
+            Self::Stiffness => "N/m",
+            Self::Pressure => "Pa",
+            Self::Energy => "J",
+            Self::SurfaceEnergy => "J/m^2",
+            Self::Voltage => "V",
+            Self::ElectricField => "V/m",
+            Self::InversePermittivity => "V m/C",
+        }
+    }
+
+    /// With its article, for a sentence: `a length`.
+    pub fn described(self) -> &'static str {
+        match self {
+            Self::Dimensionless => "a number without unit",
+            Self::Length => "a length",
+            Self::Time => "a time",
+            Self::Mass => "a mass",
+            Self::Density => "a density",
+            Self::Frequency => "a frequency",
+            Self::Force => "a force",
+            Self::Stiffness => "a stiffness",
+            Self::Pressure => "a pressure or modulus",
+            Self::Energy => "an energy",
+            Self::SurfaceEnergy => "a surface energy",
+            Self::Voltage => "a voltage",
+            Self::ElectricField => "an electric field (h33)",
+            Self::InversePermittivity => "an inverse permittivity (beta33)",
+        }
+    }
+
+    /// A value as a scene file writes it, quotes included.
+    pub fn example(self) -> &'static str {
+        match self {
+            Self::Dimensionless => "0.3",
+            Self::Length => "\"30 nm\"",
+            Self::Time => "\"5 us\"",
+            Self::Mass => "\"0.8 ng\"",
+            Self::Density => "\"2500 kg/m^3\"",
+            Self::Frequency => "\"30 kHz\"",
+            Self::Force => "\"2 nN\"",
+            Self::Stiffness => "\"42 N/m\"",
+            Self::Pressure => "\"1 GPa\"",
+            Self::Energy => "\"6.4e-20 J\"",
+            Self::SurfaceEnergy => "\"50 mJ/m^2\"",
+            Self::Voltage => "\"15 V\"",
+            Self::ElectricField => "\"545.136 MV/m\"",
+            Self::InversePermittivity => "\"7.81e7 V m/C\"",
+        }
+    }
+
+    /// Units people write for it, the first being what a bare number most likely meant.
+    fn usual_units(self) -> &'static [&'static str] {
+        match self {
+            Self::Dimensionless => &[],
+            Self::Length => &["nm", "um", "µm", "mm", "pm", "m"],
+            Self::Time => &["us", "ms", "ns", "s"],
+            Self::Mass => &["ng", "pg", "kg", "ug", "mg", "g"],
+            Self::Density => &["kg/m^3", "g/cm^3"],
+            Self::Frequency => &["kHz", "Hz", "MHz"],
+            Self::Force => &["nN", "pN", "uN", "mN", "N"],
+            Self::Stiffness => &["N/m", "mN/m", "nN/nm", "pN/nm", "kN/m"],
+            Self::Pressure => &["GPa", "MPa", "kPa", "Pa", "N/m^2"],
+            Self::Energy => &["aJ", "zJ", "fJ", "J"],
+            Self::SurfaceEnergy => &["mJ/m^2", "J/m^2", "uJ/m^2", "mN/m", "N/m"],
+            Self::Voltage => &["V", "mV", "kV"],
+            Self::ElectricField => &["V/m", "MV/m", "N/C"],
+            Self::InversePermittivity => &["V m/C", "m/F"],
+        }
+    }
+
+    /// Exponents of m, kg, s and A.
+    fn powers(self) -> [i32; 4] {
+        match self {
+            Self::Dimensionless => [0, 0, 0, 0],
+            Self::Length => [1, 0, 0, 0],
+            Self::Time => [0, 0, 1, 0],
+            Self::Mass => [0, 1, 0, 0],
+            Self::Density => [-3, 1, 0, 0],
+            Self::Frequency => [0, 0, -1, 0],
+            Self::Force => [1, 1, -2, 0],
+            Self::Stiffness | Self::SurfaceEnergy => [0, 1, -2, 0],
+            Self::Pressure => [-1, 1, -2, 0],
+            Self::Energy => [2, 1, -2, 0],
+            Self::Voltage => [2, 1, -3, -1],
+            Self::ElectricField => [1, 1, -3, -1],
+            Self::InversePermittivity => [3, 1, -4, -2],
+        }
+    }
+
+    /// The unit that [`format`] puts a prefix on, its power of ten against SI, and whether it takes prefixes.
+    fn written_unit(self) -> (&'static str, i32, bool) {
+        match self {
+            Self::Mass => ("g", -3, true),
+            Self::Density | Self::InversePermittivity => (self.si_unit(), 0, false),
+            other => (other.si_unit(), 0, true),
+        }
+    }
+}
+
+/// Reads a quantity and returns it in SI units: exactly the f64 nearest to the decimal value written.
+///
+/// `"inf"`, with or without a unit, is infinity; whether that is allowed is the caller's business.
+///
+/// # Errors
+/// No number at the start, no unit or one of another dimension or unknown, or a number beyond f64.
+pub fn parse(text: &str, expected: Dimension) -> Result<f64, UnitError> {
+    let trimmed = text.trim();
+    let fail = |kind| UnitError::new(kind, trimmed, expected);
+    let Some(number) = Number::scan(trimmed) else {
+        return Err(fail(UnitErrorKind::NotANumber));
+    };
+    let unit_text = number.rest.trim();
+    if unit_text.is_empty() {
+        if expected == Dimension::Dimensionless || number.infinite {
+            return number.times_ten_to(0).ok_or_else(|| fail(UnitErrorKind::OutOfRange));
+        }
+        return Err(fail(UnitErrorKind::MissingUnit));
+    }
+    let Some(unit) = Unit::read(unit_text) else {
+        // "0,3 nm" and "1.2.3 nm" are slips in the number, not odd units.
+        let in_number = unit_text.starts_with([',', '.', '_', '\''])
+            || unit_text.starts_with(|c: char| c.is_ascii_digit());
+        return Err(fail(if in_number { UnitErrorKind::NotANumber } else { UnitErrorKind::UnknownUnit }));
+    };
+    if unit.powers != expected.powers() {
+        return Err(fail(UnitErrorKind::WrongDimension(unit.dimension())));
+    }
+    number.times_ten_to(unit.exponent).ok_or_else(|| fail(UnitErrorKind::OutOfRange))
+}
+
+/// Writes an SI value with a prefix that suits it; [`parse`] reads the text back to the identical f64.
+///
+/// Plain numbers are written as TOML floats (`200.0`, `inf`).
+pub fn format(value: f64, dimension: Dimension) -> String {
+    if dimension == Dimension::Dimensionless {
+        return format!("{value:?}");
+    }
+    let (unit, unit_exponent, takes_prefix) = dimension.written_unit();
+    if !value.is_finite() {
+        return format!("{value} {unit}");
+    }
+    let sign = if value.is_sign_negative() { "-" } else { "" };
+    // The shortest digits that identify the number; moving the point keeps the decimal value as it is.
+    let scientific = format!("{:e}", value.abs());
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent = exponent.parse::<i32>().unwrap_or(0) - unit_exponent;
+    let digits: String = mantissa.chars().filter(|c| *c != '.').collect();
+    if value == 0.0 {
+        return format!("{sign}0 {unit}");
+    }
+    let step = if takes_prefix { 3 * exponent.div_euclid(3) } else { 0 };
+    match symbols::prefix_of(step) {
+        Some(prefix) if (0..6).contains(&(exponent - step)) => {
+            let whole = (exponent - step) as usize + 1;
+            if digits.len() <= whole {
+                format!("{sign}{digits:0<whole$} {prefix}{unit}")
+            } else {
+                format!("{sign}{}.{} {prefix}{unit}", &digits[..whole], &digits[whole..])
+            }
+        }
+        _ => format!("{sign}{mantissa}e{exponent} {unit}"),
+    }
+}
+
+/// A decimal number at the start of a text, and what follows it.
+struct Number<'a> {
+    /// Sign and digits, at most one point, no exponent.
+    mantissa: String,
+    exponent: i64,
+    infinite: bool,
+    rest: &'a str,
+}
+
+impl<'a> Number<'a> {
+    fn scan(text: &'a str) -> Option<Self> {
+        // Text copied from documents often carries the typographic minus.
+        let (sign, body) = match text.strip_prefix(['-', '\u{2212}']) {
+            Some(body) => ("-", body),
+            None => ("", text.strip_prefix('+').unwrap_or(text)),
+        };
+        if let Some(rest) = body.strip_prefix("inf")
+            && !rest.starts_with(char::is_alphanumeric)
+        {
+            return Some(Self { mantissa: sign.to_string(), exponent: 0, infinite: true, rest });
+        }
+        let mut point = false;
+        let end = body
+            .find(|c: char| !(c.is_ascii_digit() || (c == '.' && !std::mem::replace(&mut point, true))))
+            .unwrap_or(body.len());
+        let digits = &body[..end];
+        if !digits.contains(|c: char| c.is_ascii_digit()) {
+            return None;
+        }
+        let (exponent, rest) = scan_exponent(&body[end..]);
+        Some(Self { mantissa: format!("{sign}{digits}"), exponent, infinite: false, rest })
+    }
+
+    /// The number times a power of ten; `None` where f64 cannot hold it (too large, or lost in zero).
+    fn times_ten_to(&self, exponent: i32) -> Option<f64> {
+        if self.infinite {
+            return Some(if self.mantissa.is_empty() { f64::INFINITY } else { f64::NEG_INFINITY });
+        }
+        let exponent = self.exponent.saturating_add(i64::from(exponent));
+        let value: f64 = format!("{}e{exponent}", self.mantissa).parse().ok()?;
+        let is_zero = !self.mantissa.contains(|c: char| ('1'..='9').contains(&c));
+        (value.is_finite() && (value != 0.0 || is_zero)).then_some(value)
+    }
+}
+
+/// The exponent at the start of `text`, and the rest; `e` without digits after it belongs to the rest.
+fn scan_exponent(text: &str) -> (i64, &str) {
+    let Some(body) = text.strip_prefix(['e', 'E']) else {
+        return (0, text);
+    };
+    let unsigned = body.strip_prefix(['-', '+', '\u{2212}']).unwrap_or(body);
+    let end = unsigned.find(|c: char| !c.is_ascii_digit()).unwrap_or(unsigned.len());
+    if end == 0 {
+        return (0, text);
+    }
+    // Beyond i64 the number is 0 or infinite whatever its digits, so a capped exponent tells the same.
+    let size = unsigned[..end].parse::<i64>().unwrap_or(i64::MAX / 2).min(i64::MAX / 2);
+    let negative = body.starts_with(['-', '\u{2212}']);
+    (if negative { -size } else { size }, &unsigned[end..])
+}

@@ -1,11 +1,21 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
+mod error;
+mod output;
 mod params;
+mod quantities;
+mod read;
+mod resolved;
+mod rules;
+mod sweep;
+mod values;
 
+pub use error::SceneError;
 pub use params::*;
+pub use quantities::{Address, Domain, QUANTITIES, Quantity};
 
 use crate::observe::Observable;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A scene as read, checked and ready to plan.
 #[derive(Clone, Debug)]
@@ -20,6 +30,46 @@ pub struct Scene {
     pub sweep: Sweep,
     pub run: Run,
     pub output: Output,
+}
+
+impl Scene {
+    /// Reads and checks a scene file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not UTF-8 or not TOML, or says something that is unknown, impossible,
+    /// half said or said twice; the error knows the place and renders it.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        read::load(path)
+    }
+
+    /// Checks a scene's text; `path` is named in messages and gives the default title.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], reading apart.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
+        read::parse(path, text)
+    }
+
+    /// Number of instances; 1 without a sweep.
+    pub fn len(&self) -> usize {
+        self.sweep.len()
+    }
+
+    /// A scene always has an instance.
+    pub fn is_empty(&self) -> bool {
+        self.sweep.is_empty()
+    }
+
+    /// Instance `index` (below [`Scene::len`]): the base case with the sweep's values put in. No text is parsed.
+    pub fn instance(&self, index: usize) -> Params {
+        let mut params = self.base.clone();
+        for (axis, at) in self.sweep.axes.iter().zip(self.sweep.indices(index)) {
+            if let (Some(address), Some(value)) = (Address::find(&axis.path), axis.values.get(at)) {
+                address.set(&mut params, *value);
+            }
+        }
+        params
+    }
 }
 
 /// The instances of a scene: a grid of axes, a list of samples, or the one base case.

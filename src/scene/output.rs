@@ -1,0 +1,170 @@
+//! `[run]` and `[output]`.
+
+use super::error::{Checked, Fault};
+use super::params::Lever;
+use super::read::{Draft, MOST_MODES};
+use super::values::{self, Value};
+use super::{Output, Run, Start, WaveformRequest};
+use crate::observe::Observable;
+use crate::suggest::nearest;
+use toml::de::DeTable;
+
+/// Keywords of `run.start`.
+pub(super) const STARTS: [(&str, Start); 2] = [("steady", Start::Steady), ("rest", Start::Rest)];
+
+/// What `[output]` asks for when it says nothing.
+const USUAL: [Observable; 7] = [
+    Observable::Amplitude,
+    Observable::Phase,
+    Observable::ForceMax,
+    Observable::ForceMin,
+    Observable::IndentationMax,
+    Observable::ContactTime,
+    Observable::Dissipation,
+];
+
+/// Most steps of one instance: about half a minute of one core, and far beyond any settling time.
+const MOST_STEPS: u64 = 1_000_000_000;
+/// What a period counts for where the scene leaves the steps to the plan.
+const LIKELY_STEPS: u64 = 64;
+const MOST_SAMPLES_PER_PERIOD: u64 = 65_536;
+
+/// Refuses keys that a section does not have.
+fn known<'a, 'i>(
+    value: Option<&'a Value<'i>>,
+    section: &str,
+    keys: &[&str],
+) -> Checked<Option<&'a DeTable<'i>>> {
+    let Some(value) = value else {
+        return Ok(None);
+    };
+    let table = values::table(value, section, &format!("a section [{section}]"))?;
+    match table.keys().find(|key| !keys.contains(&key.get_ref().as_ref())) {
+        Some(key) => Err(values::unknown_key(key, section, keys)),
+        None => Ok(Some(table)),
+    }
+}
+
+/// Reads `[run]`.
+pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
+    const KEYS: [&str; 6] = ["start", "periods", "measure", "accuracy", "modes", "steps_per_period"];
+    let mut run = Run {
+        start: Start::Steady,
+        periods: 300,
+        measure: 50,
+        accuracy: 1e-3,
+        modes: None,
+        steps_per_period: None,
+    };
+    let Some(table) = known(section, "run", &KEYS)? else {
+        return Ok(run);
+    };
+    if let Some(value) = table.get("start") {
+        run.start = values::keyword(value, "run.start", &STARTS)?;
+    }
+    if let Some(value) = table.get("steps_per_period") {
+        run.steps_per_period = Some(values::count(value, "run.steps_per_period", 16..=1_000_000)? as u32);
+    }
+    if let Some(value) = table.get("periods") {
+        run.periods = values::count(value, "run.periods", 1..=u64::from(u32::MAX))? as u32;
+    }
+    let steps = run.steps_per_period.map_or(LIKELY_STEPS, u64::from);
+    if u64::from(run.periods) * steps > MOST_STEPS {
+        // Whichever was written last made it too long; `periods` is there unless the default times the steps is.
+        let value = table.get("periods").or_else(|| table.get("steps_per_period"));
+        return Err(Fault::at(value.map_or(0..0, |value| value.span()), "the run is too long")
+            .label(format!("{} periods of {steps} steps or more", run.periods))
+            .expected(format!("at most {MOST_STEPS} steps for an instance"))
+            .help(format!("periods = {} would do", MOST_STEPS / steps)));
+    }
+    run.measure = run.measure.min(run.periods);
+    if let Some(value) = table.get("measure") {
+        run.measure = values::count(value, "run.measure", 1..=u64::from(run.periods)).map_err(|fault| {
+            fault.help(format!("the last periods of the run's {} are measured", run.periods))
+        })? as u32;
+    }
+    if let Some(value) = table.get("accuracy") {
+        run.accuracy = values::ratio(value, "run.accuracy", 1e-9..=0.5)?;
+    }
+    if let Some(value) = table.get("modes") {
+        let most = match &draft.params.instrument.cantilever.lever {
+            Lever::Modes(modes) => modes.len(),
+            _ => MOST_MODES,
+        };
+        run.modes = Some(values::count(value, "run.modes", 1..=most as u64)? as usize);
+    }
+    Ok(run)
+}
+
+/// Reads `[output]`.
+pub(super) fn output(section: Option<&Value>, run: &Run, instances: usize) -> Checked<Output> {
+    let mut output = Output { observables: USUAL.to_vec(), waveforms: None };
+    let Some(table) = known(section, "output", &["observables", "waveforms"])? else {
+        return Ok(output);
+    };
+    if let Some(value) = table.get("observables") {
+        output.observables = observables(value)?;
+    }
+    if let Some(value) = table.get("waveforms") {
+        output.waveforms = Some(waveforms(value, run, instances)?);
+    }
+    Ok(output)
+}
+
+fn observables(value: &Value) -> Checked<Vec<Observable>> {
+    const PATH: &str = "output.observables";
+    let mut found = Vec::new();
+    for entry in values::list(value, PATH, "a list such as [\"amplitude\", \"phase\"]")? {
+        let name = values::text(entry, PATH)?;
+        let Some(observable) = Observable::from_name(name) else {
+            let names = Observable::ALL.map(Observable::name);
+            return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
+                .label(format!("found {}", values::described(entry)))
+                .expected(format!("one of {}", names.join(", ")))
+                .maybe_help(nearest(name, names).map(|name| format!("did you mean \"{name}\"?"))));
+        };
+        if found.contains(&observable) {
+            return Err(Fault::at(entry.span(), format!("`{PATH}` asks twice for \"{name}\""))
+                .label("found again here")
+                .expected("each observable once"));
+        }
+        found.push(observable);
+    }
+    Ok(found)
+}
+
+fn waveforms(value: &Value, run: &Run, instances: usize) -> Checked<WaveformRequest> {
+    const PATH: &str = "output.waveforms";
+    const FORM: &str = "{ instances = [0, 100], samples_per_period = 64, periods = 4 }";
+    values::table(value, PATH, FORM)?;
+    let table = known(Some(value), PATH, &["instances", "samples_per_period", "periods"])?;
+    let Some((table, list)) = table.and_then(|table| Some((table, table.get("instances")?))) else {
+        return Err(Fault::at(value.span(), format!("`{PATH}` lacks `instances`"))
+            .label("which instances?")
+            .expected(FORM));
+    };
+    let mut request =
+        WaveformRequest { instances: Vec::new(), samples_per_period: 64, periods: run.periods.min(4) };
+    let mut seen = std::collections::HashSet::new();
+    for entry in values::list(list, "output.waveforms.instances", "a list such as [0, 100]")? {
+        let last = instances.saturating_sub(1) as u64;
+        let instance = values::count(entry, "output.waveforms.instances", 0..=last)
+            .map_err(|fault| fault.help(format!("the scene has {instances} instances, counted from 0")))?;
+        if !seen.insert(instance) {
+            return Err(Fault::at(entry.span(), "`output.waveforms.instances` repeats an instance")
+                .label("found again here")
+                .expected("each instance once"));
+        }
+        request.instances.push(instance as usize);
+    }
+    if let Some(value) = table.get("samples_per_period") {
+        request.samples_per_period =
+            values::count(value, "output.waveforms.samples_per_period", 2..=MOST_SAMPLES_PER_PERIOD)? as u32;
+    }
+    if let Some(value) = table.get("periods") {
+        request.periods = values::count(value, "output.waveforms.periods", 1..=u64::from(run.periods))
+            .map_err(|fault| fault.help(format!("the run has {} periods", run.periods)))?
+            as u32;
+    }
+    Ok(request)
+}

@@ -1,0 +1,445 @@
+//! The closed table of a scene's quantities: path, dimension, domain, and their place in [`Params`].
+//!
+//! Reading, sweeping and the resolved echo all go through this table, so a quantity added here can be
+//! written, swept and echoed at once.
+
+use super::params::*;
+use crate::units::{self, Dimension};
+
+/// Values a quantity may take, beyond having the right dimension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// Any finite value.
+    Finite,
+    /// Finite, zero or above.
+    NonNegative,
+    /// Finite, above zero.
+    Positive,
+    /// Above zero, or `inf`: rigid.
+    PositiveOrInfinite,
+    /// Above -1, at most 0.5.
+    PoissonRatio,
+    /// Above 0.5, or `inf`: undamped.
+    QualityFactor,
+}
+
+impl Domain {
+    /// Whether the value is allowed; NaN never is.
+    pub fn holds(self, value: f64) -> bool {
+        match self {
+            Self::Finite => value.is_finite(),
+            Self::NonNegative => value.is_finite() && value >= 0.0,
+            Self::Positive => value.is_finite() && value > 0.0,
+            Self::PositiveOrInfinite => value > 0.0,
+            Self::PoissonRatio => value > -1.0 && value <= 0.5,
+            Self::QualityFactor => value > 0.5,
+        }
+    }
+
+    /// The allowed values, after "expected ".
+    pub fn described(self) -> &'static str {
+        match self {
+            Self::Finite => "any finite value",
+            Self::NonNegative => "zero or more",
+            Self::Positive => "more than zero",
+            Self::PositiveOrInfinite => "more than zero, or inf for rigid",
+            Self::PoissonRatio => "more than -1 and at most 0.5 (incompressible)",
+            Self::QualityFactor => "more than 0.5, or inf for undamped",
+        }
+    }
+}
+
+/// One entry of the table.
+#[derive(Debug)]
+pub struct Quantity {
+    /// Path in the scene file; `#` stands for an index.
+    pub path: &'static str,
+    /// For a label.
+    pub long_name: &'static str,
+    pub dimension: Dimension,
+    pub domain: Domain,
+    get: fn(&Params, usize) -> Option<f64>,
+    set: fn(&mut Params, usize, f64),
+}
+
+/// A quantity and, where its path has an index, which one.
+#[derive(Clone, Copy, Debug)]
+pub struct Address {
+    pub quantity: &'static Quantity,
+    pub index: usize,
+}
+
+impl Address {
+    /// The quantity at that path, `None` if there is none.
+    pub fn find(path: &str) -> Option<Self> {
+        if let Some(quantity) = QUANTITIES.iter().find(|quantity| quantity.path == path) {
+            // The pattern itself, with its `#`, is no path.
+            return (!path.contains('#')).then_some(Self { quantity, index: 0 });
+        }
+        QUANTITIES.iter().find_map(|quantity| {
+            let (head, tail) = quantity.path.split_once('#')?;
+            let digits = path.strip_prefix(head)?.strip_suffix(tail)?;
+            let plain = digits == "0" || !digits.starts_with(['0', '+']);
+            Some(Self { quantity, index: digits.parse().ok().filter(|_| plain)? })
+        })
+    }
+
+    /// The path with its index.
+    pub fn path(self) -> String {
+        self.quantity.path.replacen('#', &self.index.to_string(), 1)
+    }
+
+    /// Label for people, as `sample Young's modulus`.
+    pub fn long_name(self) -> String {
+        if !self.quantity.path.contains('#') {
+            return self.quantity.long_name.to_string();
+        }
+        self.quantity.long_name.replacen('#', &(self.index + 1).to_string(), 1)
+    }
+
+    /// The value in that case, SI; `None` where the case says the same thing another way.
+    pub fn get(self, params: &Params) -> Option<f64> {
+        (self.quantity.get)(params, self.index)
+    }
+
+    /// Puts an SI value in, and switches to this way of saying it where there are several.
+    /// An index beyond the case's modes changes nothing; reading refuses it beforehand.
+    pub fn set(self, params: &mut Params, value: f64) {
+        (self.quantity.set)(params, self.index, value);
+    }
+
+    /// The value as the scene file writes it, quotes included where it has a unit.
+    pub fn written(self, value: f64) -> String {
+        match self.quantity.dimension {
+            Dimension::Dimensionless => units::format(value, Dimension::Dimensionless),
+            dimension => format!("\"{}\"", units::format(value, dimension)),
+        }
+    }
+}
+
+/// An entry whose value is a plain field.
+macro_rules! field {
+    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $($field:ident).+) => {
+        Quantity {
+            path: $path,
+            long_name: $long_name,
+            dimension: Dimension::$dimension,
+            domain: Domain::$domain,
+            get: |params, _| Some(params.$($field).+),
+            set: |params, _, value| params.$($field).+ = value,
+        }
+    };
+}
+
+/// An entry that is the one value of an enum's variant.
+macro_rules! variant {
+    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $($field:ident).+, $variant:path) => {
+        Quantity {
+            path: $path,
+            long_name: $long_name,
+            dimension: Dimension::$dimension,
+            domain: Domain::$domain,
+            get: |params, _| if let $variant(value) = params.$($field).+ { Some(value) } else { None },
+            set: |params, _, value| params.$($field).+ = $variant(value),
+        }
+    };
+}
+
+/// An entry that is one of several values of an enum's variant; `$default` makes that variant.
+macro_rules! member {
+    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $($field:ident).+, $variant:path, $member:ident, $default:path) => {
+        Quantity {
+            path: $path,
+            long_name: $long_name,
+            dimension: Dimension::$dimension,
+            domain: Domain::$domain,
+            get: |params, _| if let $variant { $member, .. } = &params.$($field).+ { Some(*$member) } else { None },
+            set: |params, _, value| {
+                if !matches!(params.$($field).+, $variant { .. }) {
+                    params.$($field).+ = $default();
+                }
+                if let $variant { $member, .. } = &mut params.$($field).+ {
+                    *$member = value;
+                }
+            },
+        }
+    };
+}
+
+/// An entry of one of the lever's listed modes.
+macro_rules! mode {
+    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $member:ident) => {
+        Quantity {
+            path: $path,
+            long_name: $long_name,
+            dimension: Dimension::$dimension,
+            domain: Domain::$domain,
+            get: |params, index| match &params.instrument.cantilever.lever {
+                Lever::Modes(modes) => modes.get(index).map(|mode| mode.$member),
+                _ => None,
+            },
+            set: |params, index, value| {
+                if let Lever::Modes(modes) = &mut params.instrument.cantilever.lever
+                    && let Some(mode) = modes.get_mut(index)
+                {
+                    mode.$member = value;
+                }
+            },
+        }
+    };
+}
+
+fn table_lever() -> Lever {
+    CantileverParams::default().lever
+}
+
+fn table_tip() -> TipMass {
+    TipParams::default().mass
+}
+
+/// Both values must be given, so neither has a default that could pass for one.
+fn unknown_calibration() -> Lever {
+    Lever::Calibrated { stiffness: f64::NAN, frequency: f64::NAN }
+}
+
+/// Every quantity of a scene, in the order the resolved scene writes them.
+pub static QUANTITIES: [Quantity; 40] = [
+    field!(
+        "instrument.actuator.youngs_modulus",
+        "rod Young's modulus",
+        Pressure,
+        Positive,
+        instrument.actuator.youngs_modulus
+    ),
+    field!("instrument.actuator.density", "rod density", Density, Positive, instrument.actuator.density),
+    field!(
+        "instrument.actuator.h33",
+        "rod piezoelectric constant h33",
+        ElectricField,
+        Positive,
+        instrument.actuator.h33
+    ),
+    field!(
+        "instrument.actuator.beta33",
+        "rod inverse permittivity beta33",
+        InversePermittivity,
+        Positive,
+        instrument.actuator.beta33
+    ),
+    field!("instrument.actuator.length", "rod length", Length, Positive, instrument.actuator.length),
+    field!("instrument.actuator.width", "rod width", Length, Positive, instrument.actuator.width),
+    field!("instrument.actuator.thickness", "rod thickness", Length, Positive, instrument.actuator.thickness),
+    field!(
+        "instrument.actuator.quality_factor",
+        "rod quality factor",
+        Dimensionless,
+        QualityFactor,
+        instrument.actuator.quality_factor
+    ),
+    member!(
+        "instrument.cantilever.youngs_modulus",
+        "lever Young's modulus",
+        Pressure,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Dimensions,
+        youngs_modulus,
+        table_lever
+    ),
+    member!(
+        "instrument.cantilever.density",
+        "lever density",
+        Density,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Dimensions,
+        density,
+        table_lever
+    ),
+    member!(
+        "instrument.cantilever.length",
+        "lever length",
+        Length,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Dimensions,
+        length,
+        table_lever
+    ),
+    member!(
+        "instrument.cantilever.width",
+        "lever width",
+        Length,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Dimensions,
+        width,
+        table_lever
+    ),
+    member!(
+        "instrument.cantilever.thickness",
+        "lever thickness",
+        Length,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Dimensions,
+        thickness,
+        table_lever
+    ),
+    member!(
+        "instrument.cantilever.stiffness",
+        "lever stiffness, first mode",
+        Stiffness,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Calibrated,
+        stiffness,
+        unknown_calibration
+    ),
+    member!(
+        "instrument.cantilever.frequency",
+        "lever frequency, first mode",
+        Frequency,
+        Positive,
+        instrument.cantilever.lever,
+        Lever::Calibrated,
+        frequency,
+        unknown_calibration
+    ),
+    mode!(
+        "instrument.cantilever.modes.#.stiffness",
+        "lever mode # stiffness",
+        Stiffness,
+        Positive,
+        stiffness
+    ),
+    mode!(
+        "instrument.cantilever.modes.#.frequency",
+        "lever mode # frequency",
+        Frequency,
+        Positive,
+        frequency
+    ),
+    mode!(
+        "instrument.cantilever.modes.#.quality_factor",
+        "lever mode # quality factor",
+        Dimensionless,
+        QualityFactor,
+        quality_factor
+    ),
+    mode!("instrument.cantilever.modes.#.drive", "lever mode # relative drive", Dimensionless, Finite, drive),
+    Quantity {
+        path: "instrument.cantilever.quality_factor",
+        long_name: "lever quality factor",
+        dimension: Dimension::Dimensionless,
+        domain: Domain::QualityFactor,
+        get: |params, _| match params.instrument.cantilever.quality_factor {
+            QualityFactor::All(value) => Some(value),
+            QualityFactor::PerMode(_) => None,
+        },
+        set: |params, _, value| params.instrument.cantilever.quality_factor = QualityFactor::All(value),
+    },
+    Quantity {
+        path: "instrument.cantilever.quality_factor.#",
+        long_name: "lever mode # quality factor",
+        dimension: Dimension::Dimensionless,
+        domain: Domain::QualityFactor,
+        get: |params, index| match &params.instrument.cantilever.quality_factor {
+            QualityFactor::PerMode(values) => values.get(index).copied(),
+            QualityFactor::All(_) => None,
+        },
+        set: |params, index, value| {
+            if let QualityFactor::PerMode(values) = &mut params.instrument.cantilever.quality_factor
+                && let Some(slot) = values.get_mut(index)
+            {
+                *slot = value;
+            }
+        },
+    },
+    field!("instrument.tip.half_length", "tip half length", Length, NonNegative, instrument.tip.half_length),
+    member!(
+        "instrument.tip.width",
+        "tip width",
+        Length,
+        Positive,
+        instrument.tip.mass,
+        TipMass::Pyramid,
+        width,
+        table_tip
+    ),
+    member!(
+        "instrument.tip.height",
+        "tip height",
+        Length,
+        Positive,
+        instrument.tip.mass,
+        TipMass::Pyramid,
+        height,
+        table_tip
+    ),
+    member!(
+        "instrument.tip.density",
+        "tip density",
+        Density,
+        Positive,
+        instrument.tip.mass,
+        TipMass::Pyramid,
+        density,
+        table_tip
+    ),
+    variant!("instrument.tip.mass", "tip mass", Mass, NonNegative, instrument.tip.mass, TipMass::Given),
+    field!("instrument.tip.radius", "tip radius", Length, Positive, instrument.tip.radius),
+    field!(
+        "instrument.tip.youngs_modulus",
+        "tip Young's modulus",
+        Pressure,
+        PositiveOrInfinite,
+        instrument.tip.youngs_modulus
+    ),
+    field!(
+        "instrument.tip.poisson_ratio",
+        "tip Poisson ratio",
+        Dimensionless,
+        PoissonRatio,
+        instrument.tip.poisson_ratio
+    ),
+    field!("sample.youngs_modulus", "sample Young's modulus", Pressure, Positive, sample.youngs_modulus),
+    field!("sample.poisson_ratio", "sample Poisson ratio", Dimensionless, PoissonRatio, sample.poisson_ratio),
+    variant!(
+        "sample.surface_energy",
+        "work of adhesion",
+        SurfaceEnergy,
+        NonNegative,
+        sample.adhesion,
+        Adhesion::Work
+    ),
+    variant!("sample.hamaker", "Hamaker constant", Energy, NonNegative, sample.adhesion, Adhesion::Hamaker),
+    field!("contact.decay_length", "decay length of the attraction", Length, Positive, contact.decay_length),
+    variant!(
+        "drive.frequency",
+        "drive frequency",
+        Frequency,
+        Positive,
+        drive.frequency,
+        DriveFrequency::Hertz
+    ),
+    variant!("drive.voltage", "drive voltage", Voltage, NonNegative, drive.level, DriveLevel::Voltage),
+    variant!(
+        "drive.free_amplitude",
+        "free tip amplitude",
+        Length,
+        NonNegative,
+        drive.level,
+        DriveLevel::FreeAmplitude
+    ),
+    variant!("drive.force", "drive force on the tip", Force, NonNegative, drive.level, DriveLevel::Force),
+    variant!(
+        "drive.base_amplitude",
+        "base amplitude",
+        Length,
+        NonNegative,
+        drive.level,
+        DriveLevel::BaseAmplitude
+    ),
+    field!("approach.gap", "gap between the tip at rest and the surface", Length, Finite, approach.gap),
+];

@@ -1,0 +1,337 @@
+//! From the file's text to a checked scene: the sections of the instrument, the sample and the drive.
+
+use super::error::{Checked, Fault, SceneError, line_column};
+use super::params::*;
+use super::quantities::{Address, QUANTITIES};
+use super::values::{self, Key, Value};
+use super::{Scene, output, rules, sweep};
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+use toml::de::DeTable;
+
+/// The one preset.
+pub(super) const PRESET: &str = "ha-fung-chen-2005";
+
+/// More than any scene needs, but a list of a million samples fits; a device file or a video does not.
+const LARGEST_FILE: u64 = 256 << 20;
+
+/// Most lever modes a scene may list or ask for.
+pub(super) const MOST_MODES: usize = 32;
+
+/// Keywords of `instrument.actuator.model`.
+pub(super) const MODELS: [(&str, ActuatorModel); 4] = [
+    ("coupled", ActuatorModel::Coupled),
+    ("prescribed", ActuatorModel::Prescribed),
+    ("rigid", ActuatorModel::Rigid),
+    ("as-printed", ActuatorModel::AsPrinted),
+];
+/// Keywords of `contact.law`.
+pub(super) const LAWS: [(&str, LawChoice); 5] = [
+    ("none", LawChoice::None),
+    ("hertz", LawChoice::Hertz),
+    ("dmt", LawChoice::Dmt),
+    ("jkr", LawChoice::Jkr),
+    ("auto", LawChoice::Auto),
+];
+/// Keywords of `drive.on`.
+pub(super) const DRIVE_ON: [(&str, DriveOn); 2] = [("actuator", DriveOn::Actuator), ("tip", DriveOn::Tip)];
+
+/// Something the scene says: in a section, or as an axis of its sweep.
+#[derive(Clone, Debug)]
+pub(super) struct Said {
+    pub path: String,
+    pub key: Range<usize>,
+    pub swept: bool,
+}
+
+/// The scene while it is being read.
+#[derive(Debug, Default)]
+pub(super) struct Draft {
+    pub params: Params,
+    /// Every quantity, list or choice the scene gives, in the order read; axes last.
+    pub said: Vec<Said>,
+    /// The places of the listed lever modes.
+    pub modes: Vec<Range<usize>>,
+}
+
+/// Reads the file and then its text.
+pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
+    let bytes = read_bytes(path).map_err(|fault| fault.in_file(path, ""))?;
+    let text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let offset = error.utf8_error().valid_up_to();
+            let bytes = error.into_bytes();
+            let text = String::from_utf8_lossy(&bytes);
+            return Err(not_utf8(&bytes, &text, offset).in_file(path, &text));
+        }
+    };
+    parse(path, &text)
+}
+
+fn read_bytes(path: &Path) -> Checked<Vec<u8>> {
+    let refuse = |error: std::io::Error| {
+        let help = match error.kind() {
+            std::io::ErrorKind::NotFound => "check the name and the folder",
+            std::io::ErrorKind::PermissionDenied => "check the file's permissions",
+            std::io::ErrorKind::IsADirectory => "give the scene file inside it",
+            _ => "give a readable TOML file",
+        };
+        Fault::whole(format!("the scene cannot be read: {error}")).help(help)
+    };
+    let file = std::fs::File::open(path).map_err(refuse)?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(refuse)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(Fault::whole(format!("the scene file is larger than {} MiB", LARGEST_FILE >> 20))
+            .help("give a TOML scene; large designs are best written as [sweep] axes"));
+    }
+    Ok(bytes)
+}
+
+fn not_utf8(bytes: &[u8], text: &str, offset: usize) -> Box<Fault> {
+    let (line, column) = line_column(text, offset);
+    let byte = bytes.get(offset).copied().unwrap_or_default();
+    let help = if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        "this looks like UTF-16: save the file as UTF-8"
+    } else {
+        "save the file as UTF-8; a micro sign may also be written u, as in \"um\""
+    };
+    Fault::at(offset..offset + char::REPLACEMENT_CHARACTER.len_utf8(), "the scene file is not UTF-8 text")
+        .label(format!("found byte 0x{byte:02X} at offset {offset} (line {line}, column {column})"))
+        .expected("UTF-8 text")
+        .help(help)
+}
+
+/// Reads the text of a scene; `path` is named in messages and kept.
+pub(super) fn parse(path: &Path, source: &str) -> Result<Scene, SceneError> {
+    parse_text(path, source).map_err(|fault| fault.in_file(path, source))
+}
+
+fn parse_text(path: &Path, source: &str) -> Checked<Scene> {
+    let body = source.strip_prefix('\u{FEFF}').unwrap_or(source);
+    if body.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
+        return Err(Fault::whole("the scene file is empty")
+            .expected(
+                "at least one line, such as title = \"...\"; everything left out takes the preset's value",
+            )
+            .help("was the file saved?"));
+    }
+    let document = DeTable::parse(source).map_err(|error| not_toml(source, &error))?;
+    read_document(path, source, document.get_ref())
+}
+
+fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
+    let place = error.span().unwrap_or(0..0);
+    let line_start =
+        source.get(..place.start).map_or(0, |before| before.rfind('\n').map_or(0, |end| end + 1));
+    let line = source.get(line_start..).unwrap_or("").lines().next().unwrap_or("");
+    let value = line.split_once('=').map_or("", |(_, value)| value.trim_start());
+    // The commonest slip of all: radius = 30 nm.
+    let bare_unit = value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+        && value.split('#').next().unwrap_or("").contains(|c: char| c.is_ascii_alphabetic());
+    let help = if error.message().contains("duplicate") {
+        Some("keep one of the two".to_string())
+    } else if bare_unit {
+        let value = value.split('#').next().unwrap_or("").trim();
+        Some(format!("a quantity with a unit is written in quotes: \"{}\"", crate::units::shortened(value)))
+    } else {
+        None
+    };
+    let title = match error.message() {
+        "" => "the scene is not valid TOML".to_string(),
+        message => format!("the scene is not valid TOML: {message}"),
+    };
+    Fault::at(place, title).label("here").maybe_help(help)
+}
+
+fn read_document(path: &Path, source: &str, document: &DeTable) -> Checked<Scene> {
+    const SECTIONS: [&str; 10] = [
+        "title",
+        "instrument",
+        "sample",
+        "contact",
+        "drive",
+        "approach",
+        "sweep",
+        "samples",
+        "run",
+        "output",
+    ];
+    if let Some(key) = document.keys().find(|key| !SECTIONS.contains(&key.get_ref().as_ref())) {
+        return Err(values::unknown_key(key, "", &SECTIONS));
+    }
+    let title = match document.get("title") {
+        Some(value) => values::text(value, "title")?.to_string(),
+        None => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+    };
+    let mut draft = Draft::default();
+    if let Some(value) = document.get("instrument") {
+        draft.instrument(value)?;
+    }
+    draft.section(document, "sample", &[])?;
+    if let Some(table) = draft.section(document, "contact", &["law"])?
+        && let Some((key, value)) = table.get_key_value("law")
+    {
+        draft.params.contact.law = values::keyword(value, "contact.law", &LAWS)?;
+        draft.say("contact.law".to_string(), key.span());
+    }
+    if let Some(table) = draft.section(document, "drive", &["on"])?
+        && let Some((key, value)) = table.get_key_value("on")
+    {
+        draft.params.drive.on = values::keyword(value, "drive.on", &DRIVE_ON)?;
+        draft.say("drive.on".to_string(), key.span());
+    }
+    draft.section(document, "approach", &[])?;
+    let sweep = sweep::read(document, &mut draft)?;
+    rules::check(&mut draft, &sweep)?;
+    let run = output::run(document.get("run"), &draft)?;
+    let output = output::output(document.get("output"), &run, sweep.len())?;
+    Ok(Scene {
+        path: path.to_path_buf(),
+        source: source.to_string(),
+        title,
+        base: draft.params,
+        sweep,
+        run,
+        output,
+    })
+}
+
+impl Draft {
+    pub fn say(&mut self, path: String, key: Range<usize>) {
+        self.said.push(Said { path, key, swept: false });
+    }
+
+    /// Reads the quantities of one section of `parent`; keys in `special` are left to the caller.
+    fn section<'a, 'i>(
+        &mut self,
+        parent: &'a DeTable<'i>,
+        section: &str,
+        special: &[&str],
+    ) -> Checked<Option<&'a DeTable<'i>>> {
+        let name = section.rsplit('.').next().unwrap_or(section);
+        let Some(value) = parent.get(name) else {
+            return Ok(None);
+        };
+        let table = values::table(value, section, &format!("a section [{section}]"))?;
+        for (key, value) in table {
+            if !special.contains(&key.get_ref().as_ref()) {
+                self.entry(key, value, section, special)?;
+            }
+        }
+        Ok(Some(table))
+    }
+
+    /// Reads one quantity of a section.
+    fn entry(&mut self, key: &Key, value: &Value, section: &str, special: &[&str]) -> Checked<()> {
+        let path = format!("{section}.{}", key.get_ref());
+        let mut known = keys_of(section);
+        // A quoted key with points in it could name an indexed quantity, which no section has.
+        let address = Address::find(&path).filter(|_| known.contains(&key.get_ref().as_ref()));
+        let Some(address) = address else {
+            known.extend(special);
+            return Err(values::unknown_key(key, section, &known));
+        };
+        if path == "drive.frequency" && value.get_ref().as_str() == Some("resonance") {
+            self.params.drive.frequency = DriveFrequency::Resonance;
+        } else if path == "instrument.cantilever.quality_factor" && value.get_ref().is_array() {
+            self.params.instrument.cantilever.quality_factor = quality_factors(value, &path)?;
+        } else {
+            let number = values::quantity(value, address, &path).map_err(|fault| match path.as_str() {
+                "drive.frequency" => fault
+                    .maybe_help(resonance_meant(value).then(|| "did you mean \"resonance\"?".to_string())),
+                _ => fault,
+            })?;
+            address.set(&mut self.params, number);
+        }
+        self.say(path, key.span());
+        Ok(())
+    }
+
+    fn instrument(&mut self, value: &Value) -> Checked<()> {
+        const KEYS: [&str; 4] = ["preset", "actuator", "cantilever", "tip"];
+        let table = values::table(value, "instrument", "a section [instrument]")?;
+        if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
+            return Err(values::unknown_key(key, "instrument", &KEYS));
+        }
+        if let Some(value) = table.get("preset") {
+            values::keyword(value, "instrument.preset", &[(PRESET, ())])?;
+        }
+        if let Some(table) = self.section(table, "instrument.actuator", &["model"])?
+            && let Some((key, value)) = table.get_key_value("model")
+        {
+            self.params.instrument.actuator.model =
+                values::keyword(value, "instrument.actuator.model", &MODELS)?;
+            self.say("instrument.actuator.model".to_string(), key.span());
+        }
+        if let Some(table) = self.section(table, "instrument.cantilever", &["modes"])?
+            && let Some((key, value)) = table.get_key_value("modes")
+        {
+            self.modes(key, value)?;
+        }
+        self.section(table, "instrument.tip", &[])?;
+        Ok(())
+    }
+
+    fn modes(&mut self, key: &Key, value: &Value) -> Checked<()> {
+        const PATH: &str = "instrument.cantilever.modes";
+        const KEYS: [&str; 4] = ["stiffness", "frequency", "quality_factor", "drive"];
+        const FORM: &str =
+            "a list such as [{ stiffness = \"2 N/m\", frequency = \"70 kHz\", quality_factor = 100 }]";
+        let list = values::list(value, PATH, FORM)?;
+        if list.len() > MOST_MODES {
+            return Err(too_many_modes(value, PATH, list.len()));
+        }
+        self.say(PATH.to_string(), key.span());
+        // Stiffness and frequency have no default; the rules refuse a mode that lacks one of them.
+        let blank =
+            LeverMode { stiffness: f64::NAN, frequency: f64::NAN, quality_factor: f64::INFINITY, drive: 1.0 };
+        // Where the file says two things about the lever, the rules report it; until then the modes win.
+        self.params.instrument.cantilever.lever = Lever::Modes(vec![blank; list.len()]);
+        for (index, mode) in list.iter().enumerate() {
+            self.modes.push(mode.span());
+            for (key, value) in values::table(mode, &format!("{PATH}.{index}"), FORM)? {
+                let path = format!("{PATH}.{index}.{}", key.get_ref());
+                let Some(address) = Address::find(&path) else {
+                    return Err(values::unknown_key(key, &format!("{PATH}.{index}"), &KEYS));
+                };
+                address.set(&mut self.params, values::quantity(value, address, &path)?);
+                self.say(path, key.span());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The quantities a section has, by their last word.
+pub(super) fn keys_of(section: &str) -> Vec<&'static str> {
+    let keys = QUANTITIES.iter().filter_map(|quantity| quantity.path.rsplit_once('.'));
+    keys.filter(|(home, key)| *home == section && *key != "#").map(|(_, key)| key).collect()
+}
+
+fn quality_factors(value: &Value, path: &str) -> Checked<QualityFactor> {
+    let list = values::list(value, path, "a number, inf, or a list of them, first mode first")?;
+    if list.len() > MOST_MODES {
+        return Err(too_many_modes(value, path, list.len()));
+    }
+    let read = |(index, value): (usize, &Value)| {
+        let path = format!("{path}.{index}");
+        match Address::find(&path) {
+            Some(address) => values::quantity(value, address, &path),
+            None => Err(Fault::at(value.span(), format!("`{path}` is not a quantity"))),
+        }
+    };
+    Ok(QualityFactor::PerMode(list.iter().enumerate().map(read).collect::<Checked<_>>()?))
+}
+
+fn too_many_modes(value: &Value, path: &str, count: usize) -> Box<Fault> {
+    Fault::at(value.span(), format!("`{path}` lists too many modes"))
+        .label(format!("found {count}"))
+        .expected(format!("at most {MOST_MODES}"))
+}
+
+fn resonance_meant(value: &Value) -> bool {
+    value.get_ref().as_str().is_some_and(|text| crate::suggest::nearest(text, ["resonance"]).is_some())
+}

@@ -1,0 +1,171 @@
+//! The scene with every value written out; reading it again gives the same scene.
+
+use super::params::*;
+use super::quantities::{Address, QUANTITIES};
+use super::read::{DRIVE_ON, LAWS, MODELS, PRESET, keys_of};
+use super::{Axis, Layout, Scene, output, sweep};
+use crate::units::{Dimension, format as written};
+use std::fmt::Write;
+
+impl Scene {
+    /// Every value the scene uses, as a scene file: [`Scene::parse`] of it gives the same base case,
+    /// sweep, run and output, to the bit.
+    pub fn resolved_toml(&self) -> String {
+        let mut text = String::new();
+        // Writing into a String cannot fail.
+        let _ = self.write(&mut text);
+        text
+    }
+
+    fn write(&self, text: &mut String) -> std::fmt::Result {
+        let base = &self.base;
+        writeln!(text, "title = {}", quoted(&self.title))?;
+        writeln!(text, "\n[instrument]\npreset = {}", quoted(PRESET))?;
+        writeln!(text, "\n[instrument.actuator]\nmodel = {}", word(&MODELS, base.instrument.actuator.model))?;
+        self.write_section(text, "instrument.actuator")?;
+        writeln!(text, "\n[instrument.cantilever]")?;
+        self.write_section(text, "instrument.cantilever")?;
+        self.write_modes(text)?;
+        writeln!(text, "\n[instrument.tip]")?;
+        self.write_section(text, "instrument.tip")?;
+        writeln!(text, "\n[sample]")?;
+        self.write_section(text, "sample")?;
+        writeln!(text, "\n[contact]\nlaw = {}", word(&LAWS, base.contact.law))?;
+        self.write_section(text, "contact")?;
+        writeln!(text, "\n[drive]\non = {}", word(&DRIVE_ON, base.drive.on))?;
+        if base.drive.frequency == DriveFrequency::Resonance {
+            writeln!(text, "frequency = \"resonance\"")?;
+        }
+        self.write_section(text, "drive")?;
+        writeln!(text, "\n[approach]")?;
+        self.write_section(text, "approach")?;
+        self.write_sweep(text)?;
+        self.write_run(text)?;
+        self.write_output(text)
+    }
+
+    fn write_section(&self, text: &mut String, section: &str) -> std::fmt::Result {
+        let sized = matches!(self.base.instrument.cantilever.lever, Lever::Dimensions { .. });
+        let listed = matches!(self.base.instrument.cantilever.lever, Lever::Modes(_));
+        for key in keys_of(section) {
+            let path = format!("{section}.{key}");
+            // What a calibrated or listed lever already contains must not be said again.
+            let contained = (!sized
+                && section == "instrument.tip"
+                && ["half_length", "mass", "width", "height", "density"].contains(&key))
+                || (listed && path == "instrument.cantilever.quality_factor");
+            if let Some(address) = Address::find(&path).filter(|_| !contained)
+                && let Some(value) = address.get(&self.base)
+            {
+                writeln!(text, "{key} = {}", address.written(value))?;
+            }
+        }
+        if section == "instrument.cantilever"
+            && let QualityFactor::PerMode(values) = &self.base.instrument.cantilever.quality_factor
+        {
+            let values: Vec<String> = values.iter().map(|q| written(*q, Dimension::Dimensionless)).collect();
+            writeln!(text, "quality_factor = [{}]", values.join(", "))?;
+        }
+        Ok(())
+    }
+
+    fn write_modes(&self, text: &mut String) -> std::fmt::Result {
+        let Lever::Modes(modes) = &self.base.instrument.cantilever.lever else {
+            return Ok(());
+        };
+        writeln!(text, "modes = [")?;
+        for index in 0..modes.len() {
+            let entries: Vec<String> = QUANTITIES
+                .iter()
+                .filter_map(|quantity| {
+                    let key = quantity.path.strip_prefix("instrument.cantilever.modes.#.")?;
+                    let address = Address { quantity, index };
+                    Some(format!("{key} = {}", address.written(address.get(&self.base)?)))
+                })
+                .collect();
+            writeln!(text, "    {{ {} }},", entries.join(", "))?;
+        }
+        writeln!(text, "]")
+    }
+
+    fn write_sweep(&self, text: &mut String) -> std::fmt::Result {
+        if self.sweep.axes.is_empty() {
+            return Ok(());
+        }
+        writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
+        for axis in &self.sweep.axes {
+            let Some(address) = Address::find(&axis.path) else { continue };
+            match self.sweep.layout {
+                Layout::Grid => writeln!(text, "\"{}\" = {}", axis.path, grid_axis(axis, address))?,
+                Layout::List => writeln!(text, "\"{}\" = {}", axis.path, value_list(axis, address))?,
+            }
+        }
+        Ok(())
+    }
+
+    fn write_run(&self, text: &mut String) -> std::fmt::Result {
+        let run = &self.run;
+        writeln!(text, "\n[run]\nstart = {}", word(&output::STARTS, run.start))?;
+        writeln!(
+            text,
+            "periods = {}\nmeasure = {}\naccuracy = {:?}",
+            run.periods, run.measure, run.accuracy
+        )?;
+        if let Some(modes) = run.modes {
+            writeln!(text, "modes = {modes}")?;
+        }
+        if let Some(steps) = run.steps_per_period {
+            writeln!(text, "steps_per_period = {steps}")?;
+        }
+        Ok(())
+    }
+
+    fn write_output(&self, text: &mut String) -> std::fmt::Result {
+        let names: Vec<String> = self.output.observables.iter().map(|o| quoted(o.name())).collect();
+        writeln!(text, "\n[output]\nobservables = [{}]", names.join(", "))?;
+        if let Some(waveforms) = &self.output.waveforms {
+            let (samples, periods) = (waveforms.samples_per_period, waveforms.periods);
+            let instances: Vec<String> = waveforms.instances.iter().map(usize::to_string).collect();
+            let instances = instances.join(", ");
+            writeln!(
+                text,
+                "waveforms = {{ instances = [{instances}], samples_per_period = {samples}, periods = {periods} }}"
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// From, to and points where these give the very same values; the list of values otherwise.
+fn grid_axis(axis: &Axis, address: Address) -> String {
+    if let (true, Some(&from), Some(&to)) =
+        (axis.values.len() > 3 || axis.log, axis.values.first(), axis.values.last())
+        && from.is_finite()
+        && to.is_finite()
+        && sweep::spaced(from, to, axis.values.len(), axis.log) == axis.values
+    {
+        return format!(
+            "{{ from = {}, to = {}, points = {}, scale = \"{}\" }}",
+            address.written(from),
+            address.written(to),
+            axis.values.len(),
+            if axis.log { "log" } else { "lin" }
+        );
+    }
+    format!("{{ values = {} }}", value_list(axis, address))
+}
+
+fn value_list(axis: &Axis, address: Address) -> String {
+    let values: Vec<String> = axis.values.iter().map(|value| address.written(*value)).collect();
+    format!("[{}]", values.join(", "))
+}
+
+/// A TOML string, whatever it contains.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_string()).to_string()
+}
+
+/// The keyword of a choice, quoted.
+fn word<T: PartialEq>(words: &[(&str, T)], meaning: T) -> String {
+    words.iter().find(|(_, other)| *other == meaning).map_or_else(String::new, |(word, _)| quoted(word))
+}

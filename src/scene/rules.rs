@@ -1,0 +1,357 @@
+//! What must hold between a scene's quantities: one way to say each thing, nothing half said,
+//! a drive that the instrument can follow, a rod that stands.
+//!
+//! A swept quantity counts as if the file had written it in its section.
+
+use super::error::{Checked, Fault};
+use super::params::*;
+use super::quantities::Address;
+use super::read::{Draft, Said};
+use super::{Layout, Sweep};
+use std::ops::Range;
+
+const LEVER: &str = "instrument.cantilever.";
+const MODES: &str = "instrument.cantilever.modes";
+const LEVER_SIZES: [&str; 5] = [
+    "instrument.cantilever.youngs_modulus",
+    "instrument.cantilever.density",
+    "instrument.cantilever.length",
+    "instrument.cantilever.width",
+    "instrument.cantilever.thickness",
+];
+const CALIBRATION: [&str; 2] = ["instrument.cantilever.stiffness", "instrument.cantilever.frequency"];
+const LEVER_QUALITY: &str = "instrument.cantilever.quality_factor";
+const PYRAMID: [&str; 3] = ["instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
+const TIP_INERTIA: [&str; 5] = [
+    "instrument.tip.half_length",
+    "instrument.tip.mass",
+    "instrument.tip.width",
+    "instrument.tip.height",
+    "instrument.tip.density",
+];
+const LEVELS: [&str; 4] = ["drive.voltage", "drive.free_amplitude", "drive.force", "drive.base_amplitude"];
+
+/// Checks the draft with its sweep, and completes its base case with the first values of axes
+/// that say something the file does not.
+pub(super) fn check(draft: &mut Draft, sweep: &Sweep) -> Checked<()> {
+    one_lever(draft)?;
+    one_of_each(draft)?;
+    indices_exist(draft)?;
+    drive_fits(draft)?;
+    adhesion_fits(draft)?;
+    axes_matter(draft)?;
+    for axis in &sweep.axes {
+        let written = draft.said.iter().any(|said| !said.swept && said.path == axis.path);
+        if let (false, Some(address), Some(first)) = (written, Address::find(&axis.path), axis.values.first())
+            && address.get(&draft.params).is_none_or(f64::is_nan)
+        {
+            address.set(&mut draft.params, *first);
+        }
+    }
+    lever_is_complete(draft)?;
+    rod_is_stable(draft, sweep)
+}
+
+impl Draft {
+    fn first_of(&self, paths: &[&str]) -> Option<&Said> {
+        self.said.iter().find(|said| paths.contains(&said.path.as_str()))
+    }
+
+    fn first_under(&self, prefix: &str) -> Option<&Said> {
+        self.said.iter().find(|said| {
+            said.path.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        })
+    }
+
+    /// Where the scene says it, or the fallback.
+    fn place_of(&self, path: &str) -> Range<usize> {
+        self.first_of(&[path]).map_or(0..0, |said| said.key.clone())
+    }
+}
+
+/// Two sayings that exclude each other; the one further down the file is pointed at.
+fn clash(one: &Said, other: &Said, title: &str, expected: &str) -> Box<Fault> {
+    let (earlier, later) = if one.key.start <= other.key.start { (one, other) } else { (other, one) };
+    let verb = |said: &Said| if said.swept { "swept" } else { "given" };
+    Fault::at(later.key.clone(), title)
+        .label(format!("`{}` is {} here", later.path, verb(later)))
+        .related(earlier.key.clone(), format!("`{}` is {} here", earlier.path, verb(earlier)))
+        .expected(expected)
+        .help(format!("remove `{}` or `{}`", earlier.path, later.path))
+}
+
+fn one_lever(draft: &Draft) -> Checked<()> {
+    const TITLE: &str = "the cantilever is described in two ways";
+    const EXPECTED: &str =
+        "its dimensions and material, or its calibrated stiffness and frequency, or its modes";
+    let (sizes, calibration, modes) =
+        (draft.first_of(&LEVER_SIZES), draft.first_of(&CALIBRATION), draft.first_under(MODES));
+    for (one, other) in [(sizes, calibration), (sizes, modes), (calibration, modes)] {
+        if let (Some(one), Some(other)) = (one, other) {
+            return Err(clash(one, other, TITLE, EXPECTED));
+        }
+    }
+    if let (Some(modes), Some(quality)) = (modes, draft.first_under(LEVER_QUALITY)) {
+        return Err(clash(
+            modes,
+            quality,
+            "the quality factor is given in two places",
+            "with listed modes, each mode's own quality_factor",
+        ));
+    }
+    if let (Some(lever), Some(tip)) = (calibration.or(modes), draft.first_of(&TIP_INERTIA)) {
+        return Err(clash(
+            lever,
+            tip,
+            "the tip's inertia is given twice",
+            "a calibrated lever's values hold for the lever as it is, tip included: no tip mass is added to them",
+        ));
+    }
+    Ok(())
+}
+
+fn one_of_each(draft: &Draft) -> Checked<()> {
+    if let (Some(mass), Some(shape)) = (draft.first_of(&["instrument.tip.mass"]), draft.first_of(&PYRAMID)) {
+        return Err(clash(
+            mass,
+            shape,
+            "the tip's mass is given in two ways",
+            "mass, or the width, height and density of a pyramid",
+        ));
+    }
+    if let (Some(work), Some(hamaker)) =
+        (draft.first_of(&["sample.surface_energy"]), draft.first_of(&["sample.hamaker"]))
+    {
+        return Err(clash(
+            work,
+            hamaker,
+            "the adhesion is given in two ways",
+            "surface_energy (the work of adhesion), or hamaker with law = \"dmt\"",
+        ));
+    }
+    let mut levels = draft.said.iter().filter(|said| LEVELS.contains(&said.path.as_str()));
+    if let Some(first) = levels.next()
+        && let Some(second) = levels.find(|said| said.path != first.path)
+    {
+        return Err(clash(
+            first,
+            second,
+            "the drive's strength is given in two ways",
+            "one of voltage, free_amplitude, force, base_amplitude",
+        ));
+    }
+    let all = draft.said.iter().find(|said| said.swept && said.path == LEVER_QUALITY);
+    let single = draft
+        .said
+        .iter()
+        .find(|said| said.swept && said.path.starts_with("instrument.cantilever.quality_factor."));
+    if let (Some(all), Some(single)) = (all, single) {
+        return Err(clash(
+            all,
+            single,
+            "the quality factor is swept in two ways",
+            "one axis for all modes, or axes for single modes",
+        ));
+    }
+    Ok(())
+}
+
+/// An axis over a listed mode, or over one of listed quality factors, needs that entry in the file.
+fn indices_exist(draft: &Draft) -> Checked<()> {
+    let listed_quality = match &draft.params.instrument.cantilever.quality_factor {
+        QualityFactor::PerMode(values) => values.len(),
+        QualityFactor::All(_) => 0,
+    };
+    for said in draft.said.iter().filter(|said| said.swept && said.path.starts_with(LEVER)) {
+        let Some(address) = Address::find(&said.path) else { continue };
+        let (list, length) = match said.path.strip_prefix(LEVER) {
+            Some(rest) if rest.starts_with("modes.") => (MODES, draft.modes.len()),
+            Some(rest) if rest.starts_with("quality_factor.") => (LEVER_QUALITY, listed_quality),
+            _ => continue,
+        };
+        if address.index >= length {
+            let found = match length {
+                0 => format!("the scene gives no list `{list}`"),
+                length => format!("`{list}` has {length} entries, counted from 0"),
+            };
+            return Err(Fault::at(said.key.clone(), format!("`{}` does not exist", said.path))
+                .label(found)
+                .expected("the index of an entry that the file lists")
+                .help(format!(
+                    "list the entry in [instrument.cantilever], then sweep it by `{}`",
+                    said.path
+                )));
+        }
+    }
+    Ok(())
+}
+
+fn drive_fits(draft: &Draft) -> Checked<()> {
+    let level = draft.first_of(&LEVELS);
+    let rigid = draft.params.instrument.actuator.model == ActuatorModel::Rigid;
+    let on_tip = draft.params.drive.on == DriveOn::Tip;
+    let (model_place, on_place) = (draft.place_of("instrument.actuator.model"), draft.place_of("drive.on"));
+    let refuse = |said: &Said, title: &str, expected: &str, help: &str| {
+        Err(Fault::at(said.key.clone(), title)
+            .label(format!("found `{}`", said.path))
+            .expected(expected)
+            .help(help))
+    };
+    const TIP_LEVELS: &str = "force or free_amplitude, as for any drive on the tip";
+    const BASE_LEVELS: &str = "base_amplitude or free_amplitude, as for a rigid base";
+    const ROD_LEVELS: &str = "voltage or free_amplitude, as for a drive by the rod";
+    match (level, level.map(|said| said.path.as_str())) {
+        (None, _) if on_tip => Err(Fault::at(on_place, "the drive on the tip has no strength")
+            .label("the preset's voltage drives the rod, not the tip")
+            .expected("force or free_amplitude in [drive]")
+            .help("add a line such as force = \"2 nN\" or free_amplitude = \"20 nm\"")),
+        (None, _) if rigid => Err(Fault::at(model_place, "the rigid base has no motion")
+            .label("there is no rod for the preset's voltage to drive")
+            .expected("base_amplitude or free_amplitude in [drive]")
+            .help("add a line such as base_amplitude = \"1 nm\", or drive the tip with on = \"tip\"")),
+        (Some(said), Some("drive.voltage")) if on_tip => refuse(
+            said,
+            "a voltage does not drive the tip",
+            TIP_LEVELS,
+            "give force = \"2 nN\", or remove on = \"tip\"",
+        ),
+        (Some(said), Some("drive.base_amplitude")) if on_tip => refuse(
+            said,
+            "a base amplitude does not drive the tip",
+            TIP_LEVELS,
+            "remove on = \"tip\" and take the actuator model \"rigid\"",
+        ),
+        (Some(said), Some("drive.force")) if !on_tip => refuse(
+            said,
+            "a force drives the tip, not the actuator",
+            if rigid { BASE_LEVELS } else { ROD_LEVELS },
+            "add on = \"tip\" to [drive]",
+        ),
+        (Some(said), Some("drive.voltage")) if rigid => refuse(
+            said,
+            "a rigid base has no rod for a voltage",
+            BASE_LEVELS,
+            "give base_amplitude = \"1 nm\", or another actuator model",
+        ),
+        (Some(said), Some("drive.base_amplitude")) if !rigid => refuse(
+            said,
+            "a base amplitude needs a rigid base",
+            ROD_LEVELS,
+            "add model = \"rigid\" to [instrument.actuator]",
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn adhesion_fits(draft: &Draft) -> Checked<()> {
+    let Some(said) = draft.first_of(&["sample.hamaker"]) else {
+        return Ok(());
+    };
+    let why = match draft.params.contact.law {
+        LawChoice::Dmt => return Ok(()),
+        LawChoice::Auto => "law = \"auto\" chooses by the work of adhesion",
+        LawChoice::Jkr => "JKR has no attraction outside contact that a Hamaker constant could describe",
+        LawChoice::Hertz | LawChoice::None => "this law has no adhesion",
+    };
+    let fault = Fault::at(said.key.clone(), "a Hamaker constant needs the DMT law").label(why);
+    let fault = match draft.first_of(&["contact.law"]) {
+        Some(law) => fault.related(law.key.clone(), "the law is chosen here"),
+        None => fault,
+    };
+    Err(fault
+        .expected("law = \"dmt\" in [contact], where w = H/(12 pi D0^2)")
+        .help("set law = \"dmt\", or give surface_energy"))
+}
+
+/// Axes that cannot change anything would fill the results with copies.
+fn axes_matter(draft: &Draft) -> Checked<()> {
+    let rigid = draft.params.instrument.actuator.model == ActuatorModel::Rigid;
+    let idle = draft.said.iter().find(|said| said.swept && said.path.starts_with("instrument.actuator."));
+    match idle {
+        Some(said) if rigid => {
+            Err(Fault::at(said.key.clone(), format!("`{}` has no effect here", said.path))
+                .label("with a rigid base there is no rod")
+                .related(draft.place_of("instrument.actuator.model"), "the model is chosen here")
+                .expected("an axis that changes the result")
+                .help("take another actuator model, or remove this axis"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn lever_is_complete(draft: &Draft) -> Checked<()> {
+    match &draft.params.instrument.cantilever.lever {
+        Lever::Dimensions { .. } => Ok(()),
+        Lever::Calibrated { stiffness, frequency } => {
+            let (missing, example) = match (stiffness.is_nan(), frequency.is_nan()) {
+                (true, _) => ("stiffness", "stiffness = \"42 N/m\""),
+                (_, true) => ("frequency", "frequency = \"300 kHz\""),
+                _ => return Ok(()),
+            };
+            let place = draft.first_of(&CALIBRATION).map_or(0..0, |said| said.key.clone());
+            Err(Fault::at(place, format!("the calibrated cantilever lacks its {missing}"))
+                .label("only this is given")
+                .expected("both stiffness and frequency of the first mode")
+                .help(format!("add a line such as {example}")))
+        }
+        Lever::Modes(modes) => {
+            for (mode, place) in modes.iter().zip(&draft.modes) {
+                let missing = match (mode.stiffness.is_nan(), mode.frequency.is_nan()) {
+                    (true, _) => "stiffness",
+                    (_, true) => "frequency",
+                    _ => continue,
+                };
+                return Err(Fault::at(place.clone(), format!("a listed mode lacks its {missing}"))
+                    .label("in this mode")
+                    .expected("stiffness and frequency of each mode, such as { stiffness = \"2 N/m\", frequency = \"70 kHz\" }"));
+            }
+            Ok(())
+        }
+    }
+}
+
+/// Without charge flowing, the rod's field softens it; beyond this bound it would collapse.
+fn rod_is_stable(draft: &Draft, sweep: &Sweep) -> Checked<()> {
+    const PATHS: [&str; 3] =
+        ["instrument.actuator.youngs_modulus", "instrument.actuator.h33", "instrument.actuator.beta33"];
+    let actuator = &draft.params.instrument.actuator;
+    // A swept value is pointed at rather than the written one, which it replaces.
+    let said = draft.said.iter().rev().find(|said| PATHS.contains(&said.path.as_str()));
+    let Some(said) = said.filter(|_| actuator.model != ActuatorModel::Rigid) else {
+        return Ok(());
+    };
+    let [modulus, h33, beta33] = PATHS.map(|path| sweep.axes.iter().find(|axis| axis.path == path));
+    let case = |index: usize| {
+        let value = |axis: Option<&super::Axis>, base: f64| {
+            axis.and_then(|axis| axis.values.get(index)).copied().unwrap_or(base)
+        };
+        (value(modulus, actuator.youngs_modulus), value(h33, actuator.h33), value(beta33, actuator.beta33))
+    };
+    let softest = |(modulus, h33, beta33): (f64, f64, f64)| (modulus, h33 * h33 / beta33);
+    let unstable = |&(modulus, softening): &(f64, f64)| modulus <= softening || softening.is_nan();
+    let found = match sweep.layout {
+        Layout::List => (0..sweep.len()).map(|index| softest(case(index))).find(unstable),
+        Layout::Grid => {
+            // Every combination occurs, so the worst value of each decides.
+            let least = |axis: Option<&super::Axis>, base: f64| {
+                axis.map_or(base, |axis| axis.values.iter().copied().fold(f64::INFINITY, f64::min))
+            };
+            let most = |axis: Option<&super::Axis>, base: f64| {
+                axis.map_or(base, |axis| axis.values.iter().copied().fold(0.0, f64::max))
+            };
+            let worst = (
+                least(modulus, actuator.youngs_modulus),
+                most(h33, actuator.h33),
+                least(beta33, actuator.beta33),
+            );
+            Some(softest(worst)).filter(unstable)
+        }
+    };
+    match found {
+        None => Ok(()),
+        Some((modulus, softening)) => Err(Fault::at(said.key.clone(), "the rod would be unstable")
+            .label(format!("found youngs_modulus {modulus:.4e} Pa against h33^2/beta33 {softening:.4e} Pa"))
+            .expected("youngs_modulus above h33^2/beta33")
+            .help("check h33 and beta33 (the preset has 5.45136e8 V/m and 7.81e7 V m/C)")),
+    }
+}
