@@ -339,8 +339,11 @@ fn write_force_curves(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
     layout.close()
 }
 
+/// A code for each word, and what each code means.
+type Flags = (Vec<u8>, Vec<(u8, String)>);
+
 /// Codes for words: known words keep their place whatever else occurs.
-fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<(Vec<u8>, Vec<(u8, String)>)> {
+fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<Flags> {
     let mut meanings: Vec<(u8, String)> = Vec::new();
     let mut codes = Vec::with_capacity(words.len());
     for (number, word) in known.iter().enumerate() {
