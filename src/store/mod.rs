@@ -1,4 +1,26 @@
 //! The results file: HDF5 that netCDF-4 readers open with labelled axes and units.
+//!
+//! [`Writer`] reserves the place before a run and puts the finished file there in one step, so that the
+//! final name never stands for half a file; [`read`] gives back the same [`Results`].
+
+mod check;
+mod error;
+mod labels;
+mod place;
+mod read;
+mod write;
+
+pub use error::StoreError;
+pub use place::{Writer, partial_path};
+pub use read::read;
+
+/// Root attributes the store writes itself; in [`Results::attributes`] they are passed over, except that
+/// a `history` given there replaces the one made here.
+pub const OWN_ATTRIBUTES: [&str; 3] = ["title", "Conventions", "history"];
+
+/// Names that no axis and no variable may take.
+const RESERVED: [&str; 7] =
+    ["status", "steps_per_period", "instance", "harmonic", "waveforms", "force_curves", "audit"];
 
 /// Everything a results file holds, as plain data. Written by [`Writer`], read back by [`read`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +35,10 @@ pub struct Results {
     pub status: Vec<u8>,
     pub steps_per_period: Vec<u32>,
     pub waveforms: Option<Waveforms>,
+    /// Static curves of the contact, any number of them.
+    pub force_curves: Vec<ForceCurve>,
+    /// Instances redone by the reference integrator.
+    pub audit: Option<Audit>,
     /// Scene text, resolved scene, plan, device, times: root attributes in this order.
     pub attributes: Vec<(String, Attribute)>,
 }
@@ -61,4 +87,50 @@ pub struct Waveforms {
     pub indentation: Vec<Vec<f64>>,
     /// N
     pub force: Vec<Vec<f64>>,
+}
+
+/// One static force-indentation curve, a row of group `force_curves`. The three lists have one length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForceCurve {
+    /// Instance number.
+    pub instance: u64,
+    /// Contact law, one word: `jkr`.
+    pub law: String,
+    /// `approach` or `retract`.
+    pub branch: String,
+    /// m
+    pub indentation: Vec<f64>,
+    /// N
+    pub force: Vec<f64>,
+    /// m
+    pub contact_radius: Vec<f64>,
+}
+
+/// Group `audit`: variables over the instances redone, values and errors alike.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Audit {
+    /// Instance numbers.
+    pub instances: Vec<u64>,
+    /// Over `instances` instead of all instances.
+    pub variables: Vec<Variable>,
+}
+
+impl Results {
+    /// Lengths of the dimensions the variables stand over: none for a single case, one for a list,
+    /// one for each axis of a grid.
+    pub fn shape(&self) -> Vec<usize> {
+        if self.list {
+            vec![self.status.len()]
+        } else {
+            self.axes.iter().map(|axis| axis.values.len()).collect()
+        }
+    }
+
+    /// The text of a root attribute.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find_map(|(key, value)| match value {
+            Attribute::Text(text) if key == name => Some(text.as_str()),
+            _ => None,
+        })
+    }
 }

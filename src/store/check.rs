@@ -1,0 +1,111 @@
+//! Refuses results whose parts do not fit together, before anything is laid out.
+
+use super::{RESERVED, Results, StoreError, Variable, Waveforms};
+use std::collections::HashSet;
+
+/// `Err` names the first misfit.
+pub(super) fn check(results: &Results) -> Result<(), StoreError> {
+    let refuse = |what: String| Err(StoreError::inconsistent(what));
+    let count = results.status.len();
+    if count == 0 {
+        return refuse("there is no instance".into());
+    }
+    let expected = match (results.list, results.axes.as_slice()) {
+        (true, _) => count,
+        (false, axes) => axes.iter().map(|axis| axis.values.len()).product(),
+    };
+    if count != expected {
+        return refuse(format!("the axes make {expected} instances, but there are {count} status codes"));
+    }
+    if results.steps_per_period.len() != count {
+        return refuse(format!("{} steps_per_period for {count} instances", results.steps_per_period.len()));
+    }
+    let mut names = HashSet::from(RESERVED);
+    for axis in &results.axes {
+        if results.list && axis.values.len() != count {
+            return refuse(format!("{} has {} values for {count} instances", axis.name, axis.values.len()));
+        }
+        check_name(&axis.name, &mut names)?;
+    }
+    check_variables(&results.variables, count, &mut names)?;
+    if let Some(audit) = &results.audit {
+        check_variables(
+            &audit.variables,
+            audit.instances.len(),
+            &mut HashSet::from(["instance", "harmonic"]),
+        )?;
+    }
+    let mut keys = HashSet::new();
+    for (name, _) in &results.attributes {
+        check_name(name, &mut keys)?;
+    }
+    if let Some(waveforms) = &results.waveforms {
+        check_waveforms(waveforms)?;
+    }
+    for curve in &results.force_curves {
+        let lengths = [curve.indentation.len(), curve.force.len(), curve.contact_radius.len()];
+        if lengths != [lengths[0]; 3] || u32::try_from(lengths[0]).is_err() {
+            return refuse(format!("a force curve of instance {} has lists of {lengths:?}", curve.instance));
+        }
+        for word in [&curve.law, &curve.branch] {
+            if word.is_empty() || word.contains(|c: char| c.is_whitespace() || c == '\0') {
+                return refuse(format!(
+                    "{word:?} is not one word, as a force curve's law and branch must be"
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_variables<'a>(
+    variables: &'a [Variable],
+    count: usize,
+    names: &mut HashSet<&'a str>,
+) -> Result<(), StoreError> {
+    let mut shared = None;
+    for variable in variables {
+        check_name(&variable.name, names)?;
+        let per_instance = variable.harmonics.unwrap_or(1);
+        if variable.data.len() != count * per_instance || per_instance == 0 {
+            let (name, found) = (&variable.name, variable.data.len());
+            return Err(StoreError::inconsistent(format!(
+                "{name} has {found} values for {count} instances with {per_instance} each"
+            )));
+        }
+        if variable.harmonics.is_some() && *shared.get_or_insert(per_instance) != per_instance {
+            return Err(StoreError::inconsistent("two variables have different numbers of harmonics"));
+        }
+    }
+    Ok(())
+}
+
+fn check_name<'a>(name: &'a str, names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
+    if name.is_empty() || name == "." || name.contains(|c: char| c == '/' || c.is_whitespace() || c == '\0') {
+        return Err(StoreError::inconsistent(format!("{name:?} cannot be a name in a results file")));
+    }
+    if !names.insert(name) {
+        return Err(StoreError::inconsistent(format!("two things are called {name}")));
+    }
+    Ok(())
+}
+
+fn check_waveforms(waveforms: &Waveforms) -> Result<(), StoreError> {
+    let Waveforms { instances, time, tip_travel, actuator_top, indentation, force } = waveforms;
+    if instances.is_empty() {
+        return Ok(());
+    }
+    let length = time.first().map_or(0, Vec::len);
+    let rows = [tip_travel, actuator_top, indentation, force];
+    let whole = length > 0
+        && (time.len() == 1 || time.len() == instances.len())
+        && rows.iter().all(|rows| rows.len() == instances.len())
+        && rows.iter().copied().flatten().chain(time).all(|row| row.len() == length);
+    if whole {
+        return Ok(());
+    }
+    Err(StoreError::inconsistent(format!(
+        "the waveforms of {} instances have rows of unequal number or length",
+        instances.len()
+    )))
+}

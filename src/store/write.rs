@@ -1,0 +1,393 @@
+//! Lays [`Results`] out as the bytes of an HDF5 file.
+//!
+//! The file is made in memory and handed over as bytes: its size is below that of the results it is made
+//! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
+
+use super::check::check;
+use super::labels::{self, Scale, attach};
+use super::{Attribute, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms};
+use crate::observe::Status;
+use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
+use hdf5::{Dataset, File, Group, H5Type};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Elements of a chunk: 512 KiB of f64, below the 1 MiB that readers cache by default.
+const CHUNK: usize = 65_536;
+/// Below this many bytes a chunk's bookkeeping is larger than what compression saves.
+const TINY: usize = 4096;
+
+/// The bytes of the results file. `path` only serves messages.
+pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Vec<u8>, StoreError> {
+    check(results)?;
+    let build = || -> hdf5::Result<Vec<u8>> {
+        // The library takes two files in memory of one name for one file.
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        let name = format!("afmsweep-{}", NUMBER.fetch_add(1, Ordering::Relaxed));
+        let file = File::with_options()
+            .with_fapl(|p| p.core_filebacked(false))
+            .with_fcpl(|p| p.link_creation_order(LinkOrder::Indexed).attr_creation_order(AttrOrder::Indexed))
+            .create(&name)?;
+        root(&file, results, scene_text)?;
+        if let Some(waveforms) = results.waveforms.as_ref().filter(|w| !w.instances.is_empty()) {
+            write_waveforms(&file, waveforms)?;
+        }
+        if !results.force_curves.is_empty() {
+            write_force_curves(&file, &results.force_curves)?;
+        }
+        if let Some(audit) = results.audit.as_ref().filter(|audit| !audit.instances.is_empty()) {
+            let mut layout = Layout::group(&file, "audit")?;
+            let dims = vec![layout.instances(&audit.instances)?];
+            layout.variables(&audit.variables, &dims, None)?;
+            layout.close()?;
+        }
+        file.flush()?;
+        file_image(&file)
+    };
+    build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
+}
+
+/// The whole file as it would stand on a disk.
+fn file_image(file: &File) -> hdf5::Result<Vec<u8>> {
+    use hdf5_sys::h5f::H5Fget_file_image;
+    let _lock = hdf5_sys::LOCK.lock();
+    // SAFETY: the lock is held and the file open; the first call only asks for the size, the second
+    // writes at most that many bytes into a buffer of that size.
+    unsafe {
+        let size = usize::try_from(H5Fget_file_image(file.id(), std::ptr::null_mut(), 0)).unwrap_or(0);
+        let mut bytes = vec![0u8; size];
+        let copied = H5Fget_file_image(file.id(), bytes.as_mut_ptr().cast(), size);
+        if size == 0 || usize::try_from(copied).ok() != Some(size) {
+            return Err("the file's bytes could not be taken from memory".into());
+        }
+        Ok(bytes)
+    }
+}
+
+/// A group being filled: where it is and what its dimensions are.
+struct Layout {
+    file: File,
+    group: Group,
+    scales: Vec<Scale>,
+}
+
+impl Layout {
+    fn group(file: &File, name: &str) -> hdf5::Result<Self> {
+        let group = file
+            .create_group_builder()
+            .with_gcpl(|p| {
+                p.link_creation_order(LinkOrder::Indexed)
+                    .attr_creation_order(AttrOrder::Indexed)
+                    .obj_track_times(false)
+            })
+            .create(name)?;
+        Ok(Self { file: file.clone(), group, scales: Vec::new() })
+    }
+
+    /// A dataset with its data, chunked and filtered if that pays.
+    fn data<T: H5Type>(&self, name: &str, shape: &[usize], data: &[T]) -> hdf5::Result<Dataset> {
+        let mut builder = self.group.new_dataset::<T>().shape(shape.to_vec());
+        builder = builder.obj_track_times(false).attr_creation_order(AttrOrder::Indexed);
+        if !shape.is_empty() && size_of_val(data) >= TINY {
+            builder = builder.chunk(chunk(shape)).shuffle();
+            if hdf5::filters::deflate_available() {
+                builder = builder.deflate(4);
+            }
+            builder = builder.fletcher32();
+        }
+        let dataset = builder.create(name)?;
+        dataset.write_raw(data)?;
+        Ok(dataset)
+    }
+
+    fn describe(dataset: &Dataset, units: &str, long_name: &str) -> hdf5::Result<()> {
+        labels::text(dataset, "units", units)?;
+        labels::text(dataset, "long_name", long_name)
+    }
+
+    /// A dimension with values; gives its number.
+    fn coordinate<T: H5Type>(
+        &mut self,
+        name: &str,
+        units: &str,
+        long_name: &str,
+        values: &[T],
+    ) -> hdf5::Result<usize> {
+        let dataset = self.data(name, &[values.len()], values)?;
+        Self::describe(&dataset, units, long_name)?;
+        self.scales.push(Scale::coordinate(dataset, name)?);
+        Ok(self.scales.len() - 1)
+    }
+
+    /// The dimension `instance` with these instance numbers.
+    fn instances(&mut self, numbers: &[u64]) -> hdf5::Result<usize> {
+        let numbers: Vec<i64> = numbers.iter().map(|&n| i64::try_from(n).unwrap_or(i64::MAX)).collect();
+        self.coordinate("instance", "1", "instance number, counted from 0", &numbers)
+    }
+
+    /// A dimension without values.
+    fn dimension(&mut self, name: &str, length: usize) -> hdf5::Result<usize> {
+        let dataset = self.data(name, &[length], &vec![0u8; length])?;
+        self.scales.push(Scale::bare(dataset)?);
+        Ok(self.scales.len() - 1)
+    }
+
+    /// Any variable over dimensions of these numbers.
+    fn variable<T: H5Type>(&mut self, name: &str, dims: &[usize], data: &[T]) -> hdf5::Result<Dataset> {
+        let shape: Vec<usize> = dims.iter().map(|&dim| self.scales[dim].length).collect();
+        let dataset = self.data(name, &shape, data)?;
+        attach(&self.file, &dataset, &mut self.scales, dims)?;
+        Ok(dataset)
+    }
+
+    /// An f64 variable; NaN is its missing value.
+    fn quantity(
+        &mut self,
+        name: &str,
+        units: &str,
+        long_name: &str,
+        dims: &[usize],
+        data: &[f64],
+    ) -> hdf5::Result<Dataset> {
+        let dataset = self.variable(name, dims, data)?;
+        labels::list(&dataset, "_FillValue", &[f64::NAN])?;
+        Self::describe(&dataset, units, long_name)?;
+        Ok(dataset)
+    }
+
+    /// A u8 variable whose codes have names.
+    fn flags(
+        &mut self,
+        name: &str,
+        long_name: &str,
+        dims: &[usize],
+        codes: &[u8],
+        meanings: &[(u8, String)],
+    ) -> hdf5::Result<Dataset> {
+        let dataset = self.variable(name, dims, codes)?;
+        labels::text(&dataset, "long_name", long_name)?;
+        let values: Vec<u8> = meanings.iter().map(|(code, _)| *code).collect();
+        let words: Vec<&str> = meanings.iter().map(|(_, word)| word.as_str()).collect();
+        labels::list(&dataset, "flag_values", &values)?;
+        labels::text(&dataset, "flag_meanings", &words.join(" "))?;
+        Ok(dataset)
+    }
+
+    /// Variables over the instances, with the dimension `harmonic` behind them where asked for.
+    fn variables(
+        &mut self,
+        variables: &[Variable],
+        dims: &[usize],
+        coordinates: Option<&str>,
+    ) -> hdf5::Result<()> {
+        let mut harmonic = None;
+        for variable in variables {
+            let mut dims = dims.to_vec();
+            if let Some(count) = variable.harmonics {
+                let dim = match harmonic {
+                    Some(dim) => dim,
+                    None => {
+                        let orders: Vec<i32> = (1..=count as i32).collect();
+                        let long_name = "harmonic of the drive frequency";
+                        *harmonic.insert(self.coordinate("harmonic", "1", long_name, &orders)?)
+                    }
+                };
+                dims.push(dim);
+            }
+            let Variable { name, units, long_name, data, .. } = variable;
+            let dataset = self.quantity(name, units, long_name, &dims, data)?;
+            if let Some(names) = coordinates {
+                labels::text(&dataset, "coordinates", names)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn close(self) -> hdf5::Result<()> {
+        self.scales.into_iter().try_for_each(Scale::close)
+    }
+}
+
+/// Whole rows, cut along the slowest dimensions until a chunk is small enough.
+fn chunk(shape: &[usize]) -> Vec<usize> {
+    let mut chunk = shape.to_vec();
+    for dim in 0..chunk.len() {
+        let behind: usize = chunk[dim + 1..].iter().product();
+        chunk[dim] = (CHUNK / behind.max(1)).clamp(1, shape[dim]);
+        if chunk[dim] > 1 {
+            break;
+        }
+    }
+    chunk
+}
+
+fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
+    let history = results.text("history").map_or_else(history, str::to_owned);
+    labels::text(file, "title", &results.title)?;
+    labels::text(file, "Conventions", "CF-1.10")?;
+    labels::text(file, "history", &history)?;
+    if !results.attributes.iter().any(|(name, _)| name == "scene") {
+        labels::text(file, "scene", scene_text)?;
+    }
+    for (name, value) in &results.attributes {
+        match value {
+            _ if OWN_ATTRIBUTES.contains(&name.as_str()) => {}
+            Attribute::Text(value) => labels::text(file, name, value)?,
+            Attribute::Number(value) => labels::number(file, name, *value)?,
+        }
+    }
+    let group = file.group("/")?;
+    let mut layout = Layout { file: file.clone(), group, scales: Vec::new() };
+    let mut dims = Vec::new();
+    let mut coordinates = None;
+    if results.list {
+        let numbers: Vec<u64> = (0..results.status.len() as u64).collect();
+        dims.push(layout.instances(&numbers)?);
+        for axis in &results.axes {
+            layout.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
+        }
+        let names: Vec<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
+        coordinates = (!names.is_empty()).then(|| names.join(" "));
+    } else {
+        for axis in &results.axes {
+            dims.push(layout.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?);
+        }
+    }
+    let coordinates = coordinates.as_deref();
+    layout.variables(&results.variables, &dims, coordinates)?;
+    let meanings: Vec<(u8, String)> =
+        Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
+    let status = layout.flags("status", "what became of the instance", &dims, &results.status, &meanings)?;
+    let steps = layout.variable("steps_per_period", &dims, &results.steps_per_period)?;
+    Layout::describe(&steps, "1", "time steps per period of the drive")?;
+    for dataset in [status, steps] {
+        if let Some(names) = coordinates {
+            labels::text(&dataset, "coordinates", names)?;
+        }
+    }
+    layout.close()
+}
+
+fn write_waveforms(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
+    let mut layout = Layout::group(file, "waveforms")?;
+    let instance = layout.instances(&waveforms.instances)?;
+    let long_name = "time from the drive's zero phase";
+    let dims = if let [time] = waveforms.time.as_slice() {
+        vec![instance, layout.coordinate("time", "s", long_name, time)?]
+    } else {
+        let length = waveforms.time.first().map_or(0, Vec::len);
+        let dims = vec![instance, layout.dimension("sample", length)?];
+        layout.quantity("time", "s", long_name, &dims, &waveforms.time.concat())?;
+        dims
+    };
+    for (name, units, long_name, rows) in [
+        ("tip_travel", "m", "travel of the tip", &waveforms.tip_travel),
+        ("actuator_top", "m", "travel of the actuator's top", &waveforms.actuator_top),
+        ("indentation", "m", "indentation, negative for a gap", &waveforms.indentation),
+        ("force", "N", "force on the tip, positive away from the sample", &waveforms.force),
+    ] {
+        layout.quantity(name, units, long_name, &dims, &rows.concat())?;
+    }
+    layout.close()
+}
+
+fn write_force_curves(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
+    let mut layout = Layout::group(file, "force_curves")?;
+    let length = curves.iter().map(|curve| curve.force.len()).max().unwrap_or(0).max(1);
+    let curve = layout.dimension("curve", curves.len())?;
+    let point = layout.dimension("point", length)?;
+    let numbers: Vec<i64> =
+        curves.iter().map(|curve| i64::try_from(curve.instance).unwrap_or(i64::MAX)).collect();
+    let dataset = layout.variable("instance", &[curve], &numbers)?;
+    Layout::describe(&dataset, "1", "instance number, counted from 0")?;
+    for (name, long_name, known, words) in [
+        (
+            "law",
+            "contact law",
+            ["none", "hertz", "dmt", "jkr"].as_slice(),
+            curves.iter().map(|curve| curve.law.as_str()).collect::<Vec<_>>(),
+        ),
+        (
+            "branch",
+            "direction of travel",
+            ["approach", "retract"].as_slice(),
+            curves.iter().map(|curve| curve.branch.as_str()).collect(),
+        ),
+    ] {
+        let (codes, meanings) = encode(known, &words)?;
+        layout.flags(name, long_name, &[curve], &codes, &meanings)?;
+    }
+    let counts: Vec<u32> = curves.iter().map(|curve| curve.force.len() as u32).collect();
+    let dataset = layout.variable("points", &[curve], &counts)?;
+    Layout::describe(&dataset, "1", "points of the curve; NaN beyond")?;
+    type Column = fn(&ForceCurve) -> &[f64];
+    let columns: [(&str, &str, &str, Column); 3] = [
+        ("indentation", "m", "indentation, negative for a gap", |c| &c.indentation),
+        ("force", "N", "force on the tip, positive away from the sample", |c| &c.force),
+        ("contact_radius", "m", "radius of the contact", |c| &c.contact_radius),
+    ];
+    for (name, units, long_name, column) in columns {
+        let mut data = vec![f64::NAN; curves.len() * length];
+        for (row, curve) in data.chunks_mut(length).zip(curves) {
+            for (slot, value) in row.iter_mut().zip(column(curve)) {
+                *slot = *value;
+            }
+        }
+        layout.quantity(name, units, long_name, &[curve, point], &data)?;
+    }
+    layout.close()
+}
+
+/// A code for each word, and what each code means.
+type Flags = (Vec<u8>, Vec<(u8, String)>);
+
+/// Codes for words: known words keep their place whatever else occurs.
+fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<Flags> {
+    let mut meanings: Vec<(u8, String)> = Vec::new();
+    let mut codes = Vec::with_capacity(words.len());
+    for (number, word) in known.iter().enumerate() {
+        meanings.push((number as u8, (*word).to_owned()));
+    }
+    for word in words {
+        let code = match meanings.iter().find(|(_, meaning)| meaning == word) {
+            Some((code, _)) => *code,
+            None => {
+                let code = u8::try_from(meanings.len()).map_err(|_| "more than 256 different laws")?;
+                meanings.push((code, (*word).to_owned()));
+                code
+            }
+        };
+        codes.push(code);
+    }
+    Ok((codes, meanings))
+}
+
+/// Now, as `2026-11-21T10:00:00Z afmsweep 0.1.0`.
+fn history() -> String {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let (mut days, clock) = (seconds / 86_400, seconds % 86_400);
+    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let mut year = 1970;
+    while days >= 365 + u64::from(leap(year)) {
+        days -= 365 + u64::from(leap(year));
+        year += 1;
+    }
+    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let mut month = 1;
+    for length in lengths {
+        if days < length {
+            break;
+        }
+        days -= length;
+        month += 1;
+    }
+    format!(
+        "{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z afmsweep {}",
+        days + 1,
+        clock / 3600,
+        clock / 60 % 60,
+        clock % 60,
+        env!("CARGO_PKG_VERSION")
+    )
+}

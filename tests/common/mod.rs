@@ -1,0 +1,96 @@
+//! Made-up results with everything a file can hold.
+
+// Each test file uses its own part of this.
+#![allow(dead_code)]
+
+use afmsweep::store::{Attribute, Audit, Coordinate, ForceCurve, Results, Variable, Waveforms};
+
+pub const SCENE: &str = "title = \"one\"\n";
+
+/// Distinct, exactly representable values.
+pub fn ramp(count: usize, step: f64) -> Vec<f64> {
+    (0..count).map(|i| (i as f64 + 0.5) * step).collect()
+}
+
+pub fn coordinate(name: &str, units: &str, values: Vec<f64>) -> Coordinate {
+    Coordinate { name: name.into(), units: units.into(), long_name: format!("the {name}"), values }
+}
+
+pub fn variable(name: &str, units: &str, harmonics: Option<usize>, data: Vec<f64>) -> Variable {
+    Variable { name: name.into(), units: units.into(), long_name: format!("the {name}"), harmonics, data }
+}
+
+/// Results over these axes with everything a file can hold.
+pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
+    let count = match (list, axes.first()) {
+        (true, Some(axis)) => axis.values.len(),
+        _ => axes.iter().map(|axis| axis.values.len()).product(),
+    };
+    let rows = |count: usize, scale: f64| (0..count).map(|i| ramp(8, scale * (i + 1) as f64)).collect();
+    let last = count as u64 - 1;
+    Results {
+        title: "Tapping: E × w".into(),
+        axes,
+        list,
+        variables: vec![
+            variable("amplitude", "m", None, ramp(count, 1e-9)),
+            variable("phase", "degree", None, ramp(count, 0.25)),
+            variable("harmonic_amplitude", "m", Some(3), ramp(3 * count, 1e-12)),
+            variable("error_estimate", "1", None, ramp(count, 1e-5)),
+        ],
+        status: (0..count).map(|i| (i % 6) as u8).collect(),
+        steps_per_period: (0..count).map(|i| 200 + i as u32).collect(),
+        waveforms: Some(Waveforms {
+            instances: vec![last],
+            time: rows(1, 1e-7),
+            tip_travel: rows(1, 1e-9),
+            actuator_top: rows(1, 1e-10),
+            indentation: rows(1, 1e-11),
+            force: rows(1, 1e-12),
+        }),
+        force_curves: ["approach", "retract"]
+            .iter()
+            .enumerate()
+            .map(|(i, branch)| ForceCurve {
+                instance: last,
+                law: "jkr".into(),
+                branch: (*branch).into(),
+                indentation: ramp(4 + i, 1e-10),
+                force: ramp(4 + i, 1e-9),
+                contact_radius: ramp(4 + i, 1e-11),
+            })
+            .collect(),
+        audit: Some(Audit {
+            instances: vec![0, last],
+            variables: vec![variable("amplitude", "m", None, ramp(2, 1e-9))],
+        }),
+        attributes: vec![
+            ("scene".into(), Attribute::Text(SCENE.into())),
+            ("plan".into(), Attribute::Text("{\"modes\": 2}".into())),
+            ("device".into(), Attribute::Text(String::new())),
+            ("wall_time".into(), Attribute::Number(1.5)),
+        ],
+    }
+}
+
+pub fn grid() -> Results {
+    results(
+        vec![
+            coordinate("sample_youngs_modulus", "Pa", vec![1e8, 1e9, 1e10]),
+            coordinate("tip_radius", "m", vec![5e-9, 1e-8, 2e-8, 4e-8]),
+        ],
+        false,
+    )
+}
+
+pub fn list() -> Results {
+    let axes = vec![
+        coordinate("sample_youngs_modulus", "Pa", ramp(7, 1e8)),
+        coordinate("tip_radius", "m", ramp(7, 1e-9)),
+    ];
+    results(axes, true)
+}
+
+pub fn scalar() -> Results {
+    results(Vec::new(), false)
+}

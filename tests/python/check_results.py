@@ -1,0 +1,217 @@
+"""Opens results files as Python's users do and checks their labels.
+
+    python check_results.py FILE...
+
+Every reader must see the same names, dimensions, units and numbers: h5py and h5dump (the file as HDF5),
+netCDF4, and xarray with both engines. Works on any results file of afmsweep; whatever a file has is
+checked, and the exit code is 0 only if all of it holds.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+
+import h5py
+import netCDF4
+import numpy as np
+import xarray as xr
+
+UNITS = {
+    "amplitude": "m",
+    "phase": "degree",
+    "force_max": "N",
+    "force_min": "N",
+    "force_mean": "N",
+    "indentation_max": "m",
+    "contact_time": "1",
+    "dissipation": "J",
+    "virial": "J",
+    "contacts": "1",
+    "harmonic_amplitude": "m",
+    "tip_travel": "m",
+    "actuator_top": "m",
+    "indentation": "m",
+    "force": "N",
+    "contact_radius": "m",
+    "time": "s",
+}
+MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run"]
+GROUPS = ["waveforms", "force_curves", "audit"]
+ENGINES = ["h5netcdf", "netcdf4"]
+
+
+def same(a, b):
+    a, b = np.asarray(a), np.asarray(b)
+    return a.shape == b.shape and np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f")
+
+
+def check_flags(variable, words):
+    """CF: values of the variable's own type, one blank-separated meaning for each."""
+    values = np.atleast_1d(variable.attrs["flag_values"])
+    meanings = variable.attrs["flag_meanings"].split(" ")
+    assert values.dtype == variable.dtype == np.uint8, (values.dtype, variable.dtype)
+    assert len(values) == len(meanings) == len(set(meanings)), (values, meanings)
+    assert meanings[: len(words)] == words, meanings
+    assert np.isin(variable.values, values).all(), variable
+
+
+def check_variable(name, variable):
+    assert isinstance(variable.attrs.get("long_name"), str) and variable.attrs["long_name"], name
+    if "flag_values" in variable.attrs:
+        return
+    units = variable.attrs.get("units")
+    assert isinstance(units, str) and units, f"{name} has no units"
+    assert UNITS.get(name, units) == units, (name, units)
+
+
+def check_root(data):
+    for name in ["title", "Conventions", "history", "scene"]:
+        assert isinstance(data.attrs[name], str), (name, type(data.attrs[name]))
+    assert data.attrs["Conventions"].startswith("CF-1."), data.attrs["Conventions"]
+    for name, value in data.attrs.items():
+        assert isinstance(value, (str, float, np.floating)), (name, type(value))
+    check_flags(data["status"], MEANINGS)
+    assert data["steps_per_period"].dtype == np.uint32
+    dims = data["status"].dims
+    assert data["steps_per_period"].dims == dims
+    if "instance" in dims:
+        assert dims == ("instance",)
+        assert same(data["instance"], np.arange(data.sizes["instance"]))
+        for name in set(data.coords) - {"instance", "harmonic"}:
+            assert data[name].dims == ("instance",), name
+    else:
+        for name in dims:
+            assert data[name].dims == (name,) and data[name].dtype == np.float64, name
+    for name, variable in data.variables.items():
+        check_variable(name, variable)
+    for name, variable in data.data_vars.items():
+        if name in ("status", "steps_per_period"):
+            continue
+        assert variable.dtype == np.float64, (name, variable.dtype)
+        assert variable.dims in (dims, dims + ("harmonic",)), (name, variable.dims)
+    if "harmonic" in data.dims:
+        assert same(data["harmonic"], np.arange(1, data.sizes["harmonic"] + 1))
+        assert data["harmonic_amplitude"].dims == dims + ("harmonic",)
+
+
+def check_group(name, data, instances):
+    for key, variable in data.variables.items():
+        check_variable(key, variable)
+    assert ((data["instance"] >= 0) & (data["instance"] < instances)).all()
+    if name == "waveforms":
+        shared = "time" in data.dims
+        dims = ("instance", "time" if shared else "sample")
+        assert data["time"].dims == (("time",) if shared else dims)
+        for key in ["tip_travel", "actuator_top", "indentation", "force"]:
+            assert data[key].dims == dims and data[key].dtype == np.float64, key
+        assert (np.diff(data["time"].values) > 0).all(), "time runs backwards"
+    elif name == "force_curves":
+        check_flags(data["law"], ["none", "hertz", "dmt", "jkr"])
+        check_flags(data["branch"], ["approach", "retract"])
+        assert data["instance"].dims == data["points"].dims == ("curve",)
+        for key in ["indentation", "force", "contact_radius"]:
+            assert data[key].dims == ("curve", "point") and data[key].dtype == np.float64, key
+    else:
+        assert "instance" in data.dims
+
+
+def check_h5py(path, data, group):
+    """The same numbers, dimension labels and text without any netCDF library."""
+    with h5py.File(path) as file:
+        at = file[group] if group else file
+        for name, variable in data.variables.items():
+            dataset = at[name]
+            assert dataset.shape == variable.shape, (name, dataset.shape, variable.shape)
+            assert same(dataset[()], variable.values), name
+            assert isinstance(dataset.attrs["long_name"], str), name
+            assert dataset.attrs["long_name"] == variable.attrs["long_name"], name
+            if variable.dims == (name,):
+                assert dataset.is_scale, name
+                continue
+            for dim, label in zip(dataset.dims, variable.dims, strict=True):
+                assert len(dim) == 1 and dim[0].name.rsplit("/", 1)[-1] == label, (name, label)
+        if not group:
+            assert {k for k in file.attrs} - {"_NCProperties"} == set(data.attrs)
+            for name, value in data.attrs.items():
+                assert same(file.attrs[name], value), name
+
+
+def check_netcdf4(path, data, group):
+    with netCDF4.Dataset(path) as file:
+        at = file[group] if group else file
+        at.set_auto_mask(False)
+        assert set(at.variables) == set(data.variables), set(at.variables) ^ set(data.variables)
+        for name, variable in at.variables.items():
+            assert variable.dimensions == data[name].dims, (name, variable.dimensions)
+            assert same(variable[...], data[name].values), name
+            assert isinstance(variable.long_name, str), name
+        assert {k: len(v) for k, v in at.dimensions.items()} == dict(data.sizes) or group == "force_curves"
+        if not group:
+            for name, value in data.attrs.items():
+                assert same(getattr(file, name), value), name
+
+
+def check_h5dump(path):
+    if shutil.which("h5dump") is None:
+        print("  h5dump: SKIPPED, not installed")
+        return
+    head = subprocess.run(["h5dump", "-A", path], capture_output=True, text=True)
+    assert head.returncode == 0 and not head.stderr, head.stderr
+    for name in ["DIMENSION_SCALE", "status", "flag_meanings", "units"]:
+        if name == "DIMENSION_SCALE" and not re.search(r"DIMENSION_LIST", head.stdout):
+            continue
+        assert name in head.stdout, name
+
+
+def check_append(path):
+    """A user adds a variable of their own with netCDF4; that needs the creation order tracked."""
+    import os
+    import tempfile
+
+    if os.path.getsize(path) > 64 << 20:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = os.path.join(folder, "copy.h5")
+        shutil.copyfile(path, copy)
+        with netCDF4.Dataset(copy, "a") as file:
+            dims = file["status"].dimensions
+            file.createVariable("mine", "f8", dims)[...] = 1.0
+            file["mine"].units = "1"
+        with xr.open_dataset(copy, engine="h5netcdf") as data:
+            assert data["mine"].dims == dims and float(data["mine"].mean()) == 1.0
+
+
+def check(path):
+    with h5py.File(path) as file:
+        groups = [name for name in GROUPS if name in file]
+        unknown = [name for name in file if isinstance(file[name], h5py.Group) and name not in GROUPS]
+        assert not unknown, unknown
+    seen = {}
+    for engine in ENGINES:
+        with xr.open_dataset(path, engine=engine) as data:
+            data.load()
+            check_root(data)
+            instances = data["status"].size
+            seen.setdefault("", []).append(data)
+        for group in groups:
+            with xr.open_dataset(path, engine=engine, group=group) as data:
+                data.load()
+                check_group(group, data, instances)
+                seen.setdefault(group, []).append(data)
+    for group, (first, second) in seen.items():
+        xr.testing.assert_identical(first, second)
+        check_h5py(path, first, group)
+        check_netcdf4(path, first, group)
+    check_h5dump(path)
+    check_append(path)
+    data = seen[""][0]
+    counts = np.bincount(data["status"].values.ravel(), minlength=len(MEANINGS))
+    print(f"{path}: dimensions {dict(data.sizes)}, groups {groups}, status {dict(zip(MEANINGS, counts.tolist()))}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    for name in sys.argv[1:]:
+        check(name)
