@@ -54,8 +54,8 @@ impl Extrapolation {
                 self.new[i] = sub * self.first[i];
             }
             for m in 1..n {
-                for i in 0..size {
-                    self.place[i] = y[i] + self.new[i];
+                for ((place, start), gone) in self.place.iter_mut().zip(y).zip(&self.new) {
+                    *place = start + gone;
                 }
                 rhs(t + sub * m as f64, &self.place, &mut self.slope);
                 for i in 0..size {
@@ -83,4 +83,43 @@ impl Extrapolation {
             error[i] = self.table[0][i] - self.table[1][i];
         }
     }
+}
+
+/// Step at which `value`, positive at 0 and negative at `end`, passes through 0; the last call of
+/// `value` is made at the step returned. Bisection sped up by the Illinois rule, to the last digits.
+pub fn locate(end: f64, mut value: impl FnMut(f64) -> f64) -> f64 {
+    let mut high = (end, value(end));
+    let mut low = (0.0, value(0.0));
+    if low.1 <= 0.0 {
+        // the step starts on the event itself, by rounding
+        low.1 = f64::MIN_POSITIVE;
+    }
+    let mut kept = 0;
+    for round in 0..200 {
+        let secant = high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1);
+        let inside = secant > low.0 && secant < high.0;
+        let h = if inside && round % 8 != 7 { secant } else { 0.5 * (low.0 + high.0) };
+        if high.0 - low.0 <= 4.0 * f64::EPSILON * end || h <= low.0 || h >= high.0 {
+            break;
+        }
+        let here = value(h);
+        if here == 0.0 {
+            return h;
+        }
+        if here < 0.0 {
+            high = (h, here);
+            if kept == -1 {
+                low.1 *= 0.5;
+            }
+            kept = -1;
+        } else {
+            low = (h, here);
+            if kept == 1 {
+                high.1 *= 0.5;
+            }
+            kept = 1;
+        }
+    }
+    value(high.0);
+    high.0
 }

@@ -7,4 +7,5 @@
 
 pub mod extrapolation;
 pub mod laws;
+pub mod measure;
 pub mod oscillator;

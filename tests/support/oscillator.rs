@@ -5,9 +5,11 @@
 //! indentation `delta = -(gap + z)`. The variable of integration is the drive's phase `w t`, counted
 //! afresh in each period, so that it loses no digits in long runs.
 
-use super::extrapolation::{ESTIMATE_ORDER, Extrapolation};
+use super::extrapolation::{ESTIMATE_ORDER, Extrapolation, locate};
 use super::laws::Law;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use super::measure::Meter;
+pub use super::measure::{Options, Outcome};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 #[derive(Clone, Copy, Debug)]
 pub struct Mode {
@@ -45,63 +47,6 @@ pub struct State {
     step: f64,
     /// Largest tip travel (or rate per radian) so far: what tolerances refer to.
     scale: f64,
-}
-
-/// How exact, and what to measure.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Error per step, relative to the largest travel.
-    pub tolerance: f64,
-    pub settle: usize,
-    pub measure: usize,
-    pub harmonics: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { tolerance: 1e-13, settle: 0, measure: 1, harmonics: 1 }
-    }
-}
-
-/// Over the periods measured; SI. Angles in degrees, lag behind the drive's sine, 0 to 360.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    pub amplitude: f64,
-    pub phase: f64,
-    /// Mean of the travel.
-    pub offset: f64,
-    /// Amplitude and lag of harmonics 1, 2, ...
-    pub harmonics: Vec<(f64, f64)>,
-    pub force_max: f64,
-    pub force_min: f64,
-    pub force_mean: f64,
-    /// NaN where never in contact.
-    pub indentation_max: f64,
-    /// Share of the time.
-    pub contact_share: f64,
-    /// Contacts begun, per period.
-    pub contacts: f64,
-    /// J per period left in the sample.
-    pub loss: f64,
-    /// J, mean of force times travel.
-    pub virial: f64,
-    pub evaluations: u64,
-}
-
-impl Outcome {
-    /// J per contact begun.
-    pub fn loss_per_tap(&self) -> f64 {
-        self.loss / self.contacts
-    }
-}
-
-/// What is added up between events while measuring.
-struct Meter {
-    harmonics: usize,
-    force: (f64, f64),
-    deepest: f64,
-    contact: f64,
-    contacts: usize,
 }
 
 impl System {
@@ -161,7 +106,8 @@ impl System {
         (z, rate)
     }
 
-    fn indentation(&self, phase: f64, x: &[f64]) -> f64 {
+    /// Indentation, m.
+    pub fn indentation(&self, phase: f64, x: &[f64]) -> f64 {
         -(self.gap + self.travel(phase, x).0)
     }
 
@@ -264,25 +210,26 @@ impl System {
                 let mut rhs = |t: f64, y: &[f64], out: &mut [f64]| self.rates(t, y, touch, harmonics, out);
                 tool.step(&mut rhs, (phase, &x), h, end, error);
             };
-            let mut h = state.step.min(span - gone);
-            loop {
+            // the measured integrals are not under error control: short steps for the highest harmonic
+            let most = harmonics.map_or(f64::INFINITY, |n| 1.5 / n.max(2) as f64);
+            state.step = state.step.min(most);
+            let last = state.step >= span - gone;
+            let mut h = if last { span - gone } else { state.step };
+            let mut refused = false;
+            let factor = loop {
                 go(h, &mut end, &mut error);
                 let size = self.error(&error, tolerance * state.scale);
-                let factor = if size.is_finite() {
-                    (0.8 * size.powf(-1.0 / f64::from(ESTIMATE_ORDER + 1))).clamp(0.1, 3.0)
-                } else {
-                    0.1
-                };
+                assert!(size.is_finite() || h > 1e-15, "the step vanishes at phase {phase} of {self:?}");
+                let factor = (0.8 * size.powf(-1.0 / f64::from(ESTIMATE_ORDER + 1))).clamp(0.1, 3.0);
+                // next to a fold rounding alone may exceed a tolerance on so short a step
                 if size <= 1.0 || h < 1e-13 {
-                    state.step = if h < state.step { state.step.min(h * factor) } else { h * factor };
-                    // a step cut short at the end of the span says nothing about the next
-                    if size <= 1.0 && h == span - gone && h * factor > h {
-                        state.step = state.step.max(h * factor);
-                    }
-                    break;
+                    break factor;
                 }
+                refused = true;
                 h *= factor.min(0.7);
-            }
+            };
+            // a step cut short by the span's end says little about the next one
+            state.step = if last && !refused { state.step.max(h * factor) } else { h * factor };
             // Turning point first: between turning points the indentation is monotonic, so that its
             // crossings show in its ends.
             let rate = |h: f64, end: &[f64]| self.travel(phase + h, end).1;
@@ -355,78 +302,4 @@ impl System {
         }
         worst
     }
-}
-
-impl Meter {
-    /// Takes note of the force and depth here.
-    fn see(&mut self, system: &System, state: &State) {
-        self.note(system, system.indentation(state.phase, &state.x), state.touch);
-    }
-
-    fn note(&mut self, system: &System, delta: f64, touch: bool) {
-        let force = system.law.force(delta, touch);
-        self.force = (self.force.0.min(force), self.force.1.max(force));
-        if touch {
-            self.deepest = self.deepest.max(delta);
-        }
-    }
-
-    /// Takes note of a step over which the indentation is monotonic.
-    fn pass(&mut self, system: &System, from: (f64, &[f64]), to: (f64, &[f64]), touch: bool, h: f64) {
-        let ends = [system.indentation(from.0, from.1), system.indentation(to.0, to.1)];
-        self.note(system, ends[1], touch);
-        if !touch {
-            return;
-        }
-        self.contact += h;
-        if let Some(least) = system.law.turning()
-            && (ends[0] - least) * (ends[1] - least) < 0.0
-        {
-            self.note(system, least, touch);
-        }
-    }
-}
-
-/// Step at which `value`, positive at 0 and negative at `end`, passes through 0; the last call of
-/// `value` is made at the step returned. Bisection sped up by the Illinois rule, to the last digits.
-fn locate(end: f64, mut value: impl FnMut(f64) -> f64) -> f64 {
-    let mut high = (end, value(end));
-    let mut low = (0.0, value(0.0));
-    if low.1 <= 0.0 {
-        // the step starts on the event itself, by rounding
-        low.1 = f64::MIN_POSITIVE;
-    }
-    let mut kept = 0;
-    for round in 0..200 {
-        let secant = high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1);
-        let inside = secant > low.0 && secant < high.0;
-        let h = if inside && round % 8 != 7 { secant } else { 0.5 * (low.0 + high.0) };
-        if high.0 - low.0 <= 4.0 * f64::EPSILON * end || h <= low.0 || h >= high.0 {
-            break;
-        }
-        let here = value(h);
-        if here == 0.0 {
-            return h;
-        }
-        if here < 0.0 {
-            high = (h, here);
-            if kept == -1 {
-                low.1 *= 0.5;
-            }
-            kept = -1;
-        } else {
-            low = (h, here);
-            if kept == 1 {
-                high.1 *= 0.5;
-            }
-            kept = 1;
-        }
-    }
-    value(high.0);
-    high.0
-}
-
-/// Phase lag in degrees of a free driven oscillator; for the tests of this module.
-pub fn linear_lag(ratio: f64, quality: f64) -> f64 {
-    (ratio / quality).atan2(1.0 - ratio * ratio) * 180.0 / PI
 }
