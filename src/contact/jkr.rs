@@ -40,7 +40,7 @@ pub struct Jkr {
 }
 
 /// Depth in units of `a_s^2/R` from which adhesion no longer shows in a f64 contact radius
-/// (its share is `depth^-0.75`), so that Hertz's expression serves without any overflow.
+/// (its share is `depth^-0.75`), so that Hertz's expressions serve, and nothing overflows.
 const DEEP: f64 = 1e22;
 
 impl Jkr {
@@ -96,9 +96,8 @@ impl StaticLaw for Jkr {
         }
         let above = self.above_fold(delta);
         if above > DEEP {
-            let a = (self.radius * delta).sqrt();
-            let load = self.modulus * a * a * a / self.radius;
-            return load - (6.0 * self.force_scale * load).sqrt();
+            // expanded in 1/y: Hertz's load less pi w R
+            return self.modulus * delta * (self.radius * delta).sqrt() - self.force_scale;
         }
         let y = 1.0 + excess(above);
         let cube = y * y * y;

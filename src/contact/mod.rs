@@ -265,3 +265,50 @@ pub fn work_of_adhesion(params: &Params) -> f64 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Zero, huge, negative, infinite and missing values: some answer, no panic.
+    #[test]
+    fn contact_takes_any_scene() {
+        let values = [0.0, 1e-300, 1e-9, 1.0, 1e12, 1e300, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        let choices = [LawChoice::None, LawChoice::Hertz, LawChoice::Dmt, LawChoice::Jkr, LawChoice::Auto];
+        for (i, &modulus) in values.iter().enumerate() {
+            for (j, &radius) in values.iter().enumerate() {
+                for (k, &adhesion) in values.iter().enumerate() {
+                    let mut params = Params::default();
+                    params.sample.youngs_modulus = modulus;
+                    params.instrument.tip.radius = radius;
+                    let hamaker = (i + j + k) % 2 == 0;
+                    params.sample.adhesion =
+                        if hamaker { Adhesion::Hamaker(adhesion) } else { Adhesion::Work(adhesion) };
+                    params.contact.decay_length = values[(i + 2 * j + 3 * k) % values.len()];
+                    for law in choices {
+                        params.contact.law = law;
+                        let contact = Contact::new(&params);
+                        for delta in values {
+                            for warning in contact.warnings(&params, Some(delta)) {
+                                assert!(!warning.to_string().is_empty());
+                            }
+                        }
+                        for curve in contact.curves_at(&values).curves {
+                            assert_eq!(curve.force_n.len(), values.len());
+                        }
+                    }
+                    assert_eq!(Contact::new(&params).curves().curves.len(), 2);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn contact_names_are_those_of_the_scene_file() -> Result<(), serde_json::Error> {
+        assert_eq!(Law::ALL.map(Law::name), ["none", "hertz", "dmt", "jkr"]);
+        for law in Law::ALL {
+            assert_eq!(serde_json::to_value(law)?, law.to_string());
+        }
+        Ok(())
+    }
+}

@@ -87,12 +87,12 @@ impl std::fmt::Display for Warning {
         match *self {
             Warning::LawDoesNotFit { law, fitting, tabor } => write!(
                 f,
-                "contact law {law} with Tabor's parameter {tabor:.3}: {fitting} fits (dmt below {DMT_BELOW}, \
+                "contact law {law} with Tabor's parameter {tabor:.4}: {fitting} fits (dmt below {DMT_BELOW}, \
                  jkr above {JKR_ABOVE}); set contact.law to \"{fitting}\" or \"auto\""
             ),
             Warning::BetweenLaws { law, tabor } => write!(
                 f,
-                "Tabor's parameter {tabor:.3} lies between dmt (below {DMT_BELOW}) and jkr (above \
+                "Tabor's parameter {tabor:.4} lies between dmt (below {DMT_BELOW}) and jkr (above \
                  {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third"
             ),
             Warning::AdhesionLeftOut { pull, load } => write!(
@@ -106,7 +106,7 @@ impl std::fmt::Display for Warning {
                 f,
                 "at an indentation of {:.3} nm the contact radius is {:.2} of the tip radius, beyond the \
                  small-strain range ({SMALL_STRAIN}) of the contact laws: expect an error in the force \
-                 above 1 %",
+                 of 1 % or more",
                 indentation * 1e9,
                 contact_radius / tip_radius
             ),
