@@ -152,9 +152,7 @@ fn from_rest<L: Scalar, I: KernelLaw<L> + Send + Sync, const M: usize>(
     tracks
         .iter()
         .zip(group)
-        .map(|(track, instance)| {
-            finish(track.sums(), track.finite, case(instance), driven, run, plan.wants)
-        })
+        .map(|(track, instance)| finish(track.sums(), track.finite, case(instance), driven, run, plan.wants))
         .collect()
 }
 
@@ -169,14 +167,7 @@ pub(super) fn decays<L: Scalar>(driven: &Driven, steps: u32, first: u64, count: 
     }
     // One sample more on either side: the acceleration is a difference of speeds.
     let begin = (first as f64 - 0.5) * step;
-    let rows = driven.free.transient_table(
-        &driven.instrument,
-        Place::Tip,
-        &skip,
-        begin,
-        step,
-        count + 2,
-    );
+    let rows = driven.free.transient_table(&driven.instrument, Place::Tip, &skip, begin, step, count + 2);
     rows.windows(3)
         .map(|row| Decay {
             travel: L::splat(row[1][0] / LENGTH),

@@ -60,8 +60,8 @@ impl Sums {
     /// Takes in one period.
     pub fn add<L: Scalar>(&mut self, tally: &Tally<L>, steps: usize, measured: bool) {
         let fundamental = [tally.cosine[0].into(), tally.sine[0].into()];
-        let change = 2.0 / steps as f64
-            * f64::hypot(fundamental[0] - self.last[0], fundamental[1] - self.last[1]);
+        let change =
+            2.0 / steps as f64 * f64::hypot(fundamental[0] - self.last[0], fundamental[1] - self.last[1]);
         self.changes.rotate_right(1);
         self.changes[0] = change;
         self.last = fundamental;
@@ -93,7 +93,9 @@ impl Sums {
             .kept
             .modes
             .iter()
-            .map(|mode| -(std::f64::consts::TAU * mode.damping * mode.omega / driven.free.omega).exp_m1().abs())
+            .map(|mode| {
+                -(std::f64::consts::TAU * mode.damping * mode.omega / driven.free.omega).exp_m1().abs()
+            })
             .map(f64::abs)
             .fold(f64::INFINITY, f64::min);
         let seen = (run.periods.saturating_sub(1)).min(4) as usize;

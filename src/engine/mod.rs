@@ -26,7 +26,9 @@ pub trait Engine {
 /// Why nothing could be run.
 #[derive(Debug, Error)]
 pub enum EngineError {
-    #[error("the plan keeps {modes} modes for an instance and this engine steps at most {most}: set [run] modes")]
+    #[error(
+        "the plan keeps {modes} modes for an instance and this engine steps at most {most}: set [run] modes"
+    )]
     TooManyModes { modes: usize, most: usize },
     #[error("the plan keeps no mode for an instance: the tip force does not move this tip")]
     NoModes,

@@ -141,8 +141,7 @@ fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result
         Some(steps) => f64::from(steps),
         None => STEPS_FOR_MODES,
     };
-    let kept =
-        KeptModes::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
+    let kept = KeptModes::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
     Ok(Driven { instrument: Arc::clone(instrument), free, kept: Arc::new(kept) })
 }
 
@@ -162,14 +161,7 @@ fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> Cas
         0
     } else {
         scene.run.steps_per_period.unwrap_or_else(|| {
-            steps::steps(
-                &contact,
-                &driven.kept,
-                driven.free.omega,
-                amplitude,
-                gap,
-                scene.run.accuracy,
-            )
+            steps::steps(&contact, &driven.kept, driven.free.omega, amplitude, gap, scene.run.accuracy)
         })
     };
     CasePlan { drive, contact, gap, steps }
@@ -197,4 +189,3 @@ fn classify(cases: &[CasePlan], drives: &[Driven]) -> Vec<Class> {
         })
         .collect()
 }
-

@@ -91,8 +91,7 @@ impl KeptModes {
                 top: mode.top / mode.tip,
             });
         }
-        let mut kept =
-            Self { modes, flexibility, residual_share: left, residual_kept: false, reason };
+        let mut kept = Self { modes, flexibility, residual_share: left, residual_kept: false, reason };
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
         } else {

@@ -20,7 +20,14 @@ const ATTRACTION: f64 = 1.0;
 
 /// The rule: enough for the accuracy asked for, for the fastest oscillator, and for the contact
 /// at the deepest indentation to expect.
-pub fn steps(contact: &Contact, kept: &KeptModes, omega: f64, amplitude: f64, gap: f64, accuracy: f64) -> u32 {
+pub fn steps(
+    contact: &Contact,
+    kept: &KeptModes,
+    omega: f64,
+    amplitude: f64,
+    gap: f64,
+    accuracy: f64,
+) -> u32 {
     let base = BASE * (1e-3 / accuracy).powf(1.0 / ORDER);
     let fast = TAU * kept.fastest() / (omega * ANGLE_MAX);
     let period = TAU / omega;

@@ -117,11 +117,11 @@ fn observables(value: &Value) -> Checked<Vec<Observable>> {
     for entry in values::list(value, PATH, "a list such as [\"amplitude\", \"phase\"]")? {
         let name = values::text(entry, PATH)?;
         let Some(observable) = Observable::from_name(name) else {
-            let names = Observable::ALL.map(Observable::name);
+            let names: Vec<_> = Observable::all().map(Observable::name).collect();
             return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
                 .label(format!("found {}", values::described(entry)))
                 .expected(format!("one of {}", names.join(", ")))
-                .maybe_help(nearest(name, names).map(|name| format!("did you mean \"{name}\"?"))));
+                .maybe_help(nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?"))));
         };
         if found.contains(&observable) {
             return Err(Fault::at(entry.span(), format!("`{PATH}` asks twice for \"{name}\""))
