@@ -10,7 +10,22 @@ fn main_(name: &str, precision: Precision) {
         let plan = Plan::new(&scene, precision).unwrap();
         let out = Cpu::default().run(&plan, &Progress::default()).unwrap();
         let m = out.results[0].measured;
-        println!("{:?} {} {:?} A {:.10} ph {:.8} fmax {:.9} fmin {:.9} mean {:.9} ind {:.9} ct {:.8} E {:.9e} V {:.6e} c {}", p, plan.cases[0].steps, out.results[0].status, m.harmonics[0]*1e9, m.phase, m.force_max*1e9, m.force_min*1e9, m.force_mean*1e9, m.indentation_max*1e9, m.contact_time, m.dissipation, m.virial, m.contacts);
+        println!(
+            "{:?} {} {:?} A {:.10} ph {:.8} fmax {:.9} fmin {:.9} mean {:.9} ind {:.9} ct {:.8} E {:.9e} V {:.6e} c {}",
+            p,
+            plan.cases[0].steps,
+            out.results[0].status,
+            m.harmonics[0] * 1e9,
+            m.phase,
+            m.force_max * 1e9,
+            m.force_min * 1e9,
+            m.force_mean * 1e9,
+            m.indentation_max * 1e9,
+            m.contact_time,
+            m.dissipation,
+            m.virial,
+            m.contacts
+        );
     }
 }
 

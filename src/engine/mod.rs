@@ -6,8 +6,11 @@ mod measure;
 mod start;
 mod trace;
 mod track;
+mod waveforms;
 
 pub use cpu::Cpu;
+pub use trace::{Trace, TraceSample, trace};
+pub use waveforms::waveforms;
 
 use crate::observe::{Measured, Status};
 use crate::plan::Plan;

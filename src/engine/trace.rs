@@ -1,1 +1,148 @@
-//! Waveforms.
+//! One instance in full: every step of its last periods, for waveforms and for checks.
+
+use super::EngineError;
+use super::cpu::decays;
+use super::law::KernelLaw;
+use super::start;
+use super::track::{case, force_scale, state, step_length};
+use crate::contact::Law;
+use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
+use crate::kernel::{LENGTH, MODES_MAX};
+use crate::plan::{CasePlan, Driven, Plan};
+use std::f64::consts::TAU;
+
+/// The steps of an instance from `first` on, at the middle of each step. SI units, f64.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Number of the first step kept; step n is sampled at time (n + 1/2) `step`.
+    pub first: u64,
+    /// Length of a step, s.
+    pub step: f64,
+    /// The drive's phase at time 0, rad: the drive is sin(omega t + phase).
+    pub phase: f64,
+    pub samples: Vec<TraceSample>,
+}
+
+/// One step, corrected to fourth order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceSample {
+    /// Tip travel, m.
+    pub travel: f64,
+    /// Part of it beyond the steady free motion, m.
+    pub beyond: f64,
+    /// Indentation, m.
+    pub indentation: f64,
+    /// Mean force over the step, N.
+    pub force: f64,
+    /// Travel of the rod's top beyond its steady free motion by the kept modes, m.
+    pub top: f64,
+    /// Whether the tip is in contact at the step's end.
+    pub touching: bool,
+}
+
+/// Steps `instance` through `periods` drive periods and keeps the last `keep` of them.
+///
+/// The same kernel as the run in f64; instances that need no steps are traced with 64 a period.
+pub fn trace(plan: &Plan, instance: usize, periods: u32, keep: u32) -> Result<Trace, EngineError> {
+    let mut case = plan.cases[instance];
+    case.steps = case.steps.max(crate::plan::STEPS_MIN);
+    let driven = &plan.drives[case.drive as usize];
+    macro_rules! modes {
+        ($law:ty, $($count:literal)+) => {
+            match driven.kept.modes.len() {
+                0 => Err(EngineError::NoModes),
+                $($count => Ok(steps::<$law, $count>(plan, &case, driven, periods, keep)),)+
+                modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
+            }
+        };
+    }
+    match case.contact.law {
+        Law::None => modes!(Nothing, 1 2 3 4 5 6 7 8),
+        Law::Hertz => modes!(Hertz<f64>, 1 2 3 4 5 6 7 8),
+        Law::Dmt => modes!(Dmt<f64>, 1 2 3 4 5 6 7 8),
+        Law::Jkr => modes!(Jkr<f64>, 1 2 3 4 5 6 7 8),
+    }
+}
+
+fn steps<I: KernelLaw<f64>, const M: usize>(
+    plan: &Plan,
+    instance: &CasePlan,
+    driven: &Driven,
+    periods: u32,
+    keep: u32,
+) -> Trace {
+    let start = plan.run.start;
+    let count = u64::from(instance.steps);
+    let case = case::<f64, I, M>(instance, driven, start);
+    let mut state = state(&case, instance, driven, start);
+    let waves = start::waves::<f64>(instance.steps, 1);
+    let force = force_scale(driven, instance.steps);
+    let first = count * u64::from(periods.saturating_sub(keep));
+    let mut samples = Vec::with_capacity((count * u64::from(keep.min(periods))) as usize);
+    for period in 0..u64::from(periods) {
+        let rest = start == crate::scene::Start::Rest;
+        let rows = rest.then(|| decays::<f64>(driven, instance.steps, period * count, count as usize));
+        for (index, wave) in waves[0].iter().enumerate() {
+            let before: f64 = driven.kept.modes.iter().zip(&state.x).map(|(mode, x)| mode.top * x).sum();
+            let sample = case.step(&mut state, *wave, rows.as_ref().map(|rows| rows[index]));
+            if period * count + index as u64 >= first {
+                samples.push(TraceSample {
+                    travel: (sample.steady + sample.beyond) * LENGTH,
+                    beyond: sample.beyond * LENGTH,
+                    indentation: sample.indentation * LENGTH,
+                    force: sample.kick.impulse / force,
+                    top: before * LENGTH,
+                    touching: sample.kick.touching > 0.0,
+                });
+            }
+        }
+    }
+    Trace { first, step: step_length(driven, instance.steps), phase: start::phase(driven, start), samples }
+}
+
+impl Trace {
+    /// Time of the first sample kept since the run's start, s.
+    pub fn begin(&self) -> f64 {
+        (self.first as f64 + 0.5) * self.step
+    }
+
+    /// Travel beyond the steady free motion (m), its force (N), the rod top's part (m) and contact,
+    /// at `time` s since the run's start, between the first and the last sample.
+    ///
+    /// Travel follows a cubic through four samples, so it keeps the samples' order of accuracy.
+    pub(super) fn at(&self, time: f64) -> Between {
+        let place = (time - self.begin()) / self.step;
+        let last = self.samples.len().saturating_sub(4);
+        let base = (place.floor() - 1.0).clamp(0.0, last as f64) as usize;
+        let s = place - base as f64;
+        let window = &self.samples[base..(base + 4).min(self.samples.len())];
+        let beyond = cubic(window.iter().map(|sample| sample.beyond), s);
+        let top = cubic(window.iter().map(|sample| sample.top), s);
+        // A sample speaks for the step around it: its memory at the start is the last one's.
+        let here = (place.round().max(0.0) as usize).min(self.samples.len() - 1);
+        let was = self.samples[here.saturating_sub(1)].touching;
+        Between { beyond, top, was_touching: was, touching: self.samples[here].touching }
+    }
+}
+
+/// What [`Trace::at`] finds between samples.
+pub(super) struct Between {
+    pub beyond: f64,
+    pub top: f64,
+    pub was_touching: bool,
+    pub touching: bool,
+}
+
+/// Lagrange's cubic through values at 0, 1, 2, 3 (a lower one through fewer).
+fn cubic(values: impl Iterator<Item = f64> + Clone, s: f64) -> f64 {
+    let count = values.clone().count();
+    let weight = |i: usize| {
+        (0..count).filter(|&j| j != i).map(|j| (s - j as f64) / (i as f64 - j as f64)).product::<f64>()
+    };
+    values.enumerate().map(|(i, value)| weight(i) * value).sum()
+}
+
+/// Length of a drive period in a plan's case, s.
+pub(super) fn period(driven: &Driven) -> f64 {
+    TAU / driven.free.omega
+}

@@ -121,7 +121,9 @@ fn observables(value: &Value) -> Checked<Vec<Observable>> {
             return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
                 .label(format!("found {}", values::described(entry)))
                 .expected(format!("one of {}", names.join(", ")))
-                .maybe_help(nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?"))));
+                .maybe_help(
+                    nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?")),
+                ));
         };
         if found.contains(&observable) {
             return Err(Fault::at(entry.span(), format!("`{PATH}` asks twice for \"{name}\""))

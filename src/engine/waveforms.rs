@@ -1,0 +1,95 @@
+//! Waveforms of chosen instances, sampled evenly in the drive's phase.
+
+use super::EngineError;
+use super::trace::{period, trace};
+use crate::contact::Law;
+use crate::instrument::Place;
+use crate::plan::Plan;
+use crate::scene::{Start, WaveformRequest};
+use crate::store::Waveforms;
+use std::f64::consts::TAU;
+
+/// Computes the waveforms a scene asks for: the last periods of the run, from a zero of the
+/// drive's phase on. Time counts from the start of the run, or, where that is arbitrary (a start
+/// in steady motion), from the first sample.
+pub fn waveforms(plan: &Plan, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
+    let mut all = Waveforms::default();
+    let mut times: Vec<Vec<f64>> = Vec::new();
+    for &instance in &request.instances {
+        let rows = instance_rows(plan, instance, request)?;
+        all.instances.push(instance as u64);
+        times.push(rows.time);
+        all.tip_travel.push(rows.tip_travel);
+        all.actuator_top.push(rows.actuator_top);
+        all.indentation.push(rows.indentation);
+        all.force.push(rows.force);
+    }
+    // One shared axis where the drive is the same for all.
+    let shared = times.windows(2).all(|pair| pair[0] == pair[1]);
+    if shared {
+        times.truncate(1);
+    }
+    all.time = times;
+    Ok(all)
+}
+
+struct Rows {
+    time: Vec<f64>,
+    tip_travel: Vec<f64>,
+    actuator_top: Vec<f64>,
+    indentation: Vec<f64>,
+    force: Vec<f64>,
+}
+
+fn instance_rows(plan: &Plan, instance: usize, request: &WaveformRequest) -> Result<Rows, EngineError> {
+    let case = &plan.cases[instance];
+    let driven = &plan.drives[case.drive as usize];
+    let free = &driven.free;
+    let rest = plan.run.start == Start::Rest;
+    // One period beyond the run, because the drive's zero lies between two of the run's periods.
+    let trace = trace(plan, instance, plan.run.periods + 1, request.periods + 2)?;
+    let length = period(driven);
+    let run_start = f64::from(plan.run.periods - request.periods);
+    let zero = (-trace.phase / TAU).rem_euclid(1.0);
+    let count = request.samples_per_period as usize * request.periods as usize;
+    let mut rows = Rows {
+        time: Vec::with_capacity(count),
+        tip_travel: Vec::with_capacity(count),
+        actuator_top: Vec::with_capacity(count),
+        indentation: Vec::with_capacity(count),
+        force: Vec::with_capacity(count),
+    };
+    let none: Vec<bool> = Vec::new();
+    let kept: Vec<usize> = driven.kept.modes.iter().filter_map(|mode| mode.index).collect();
+    let skip: Vec<bool> = (0..driven.instrument.modes.len()).map(|k| kept.contains(&k)).collect();
+    for sample in 0..count {
+        let cycles = sample as f64 / f64::from(request.samples_per_period);
+        let time = (run_start + zero + cycles) * length;
+        let between = trace.at(time);
+        // Steady free motion, by the drive's own phase.
+        let angle = free.omega * time + trace.phase;
+        let steady = |phasor: nalgebra::Complex<f64>| phasor.re * angle.sin() + phasor.im * angle.cos();
+        let mut travel = steady(free.tip) + between.beyond;
+        let mut top = steady(free.top) + between.top;
+        if rest {
+            // The first half step of a run from rest lies before the first sample.
+            if time < trace.begin() {
+                travel = free.tip_from_rest(&driven.instrument, time, &none).0;
+            }
+            top += free.transient_at(&driven.instrument, Place::Top, time, &skip).0;
+        }
+        let indentation = -(case.gap + travel);
+        let contact = &case.contact;
+        let touching = match contact.law {
+            Law::Jkr if between.was_touching => contact.next_contact(indentation, true),
+            Law::Jkr => between.touching && contact.next_contact(indentation, false),
+            _ => indentation > 0.0,
+        };
+        rows.time.push(if rest { time } else { cycles * length });
+        rows.tip_travel.push(travel);
+        rows.actuator_top.push(top);
+        rows.indentation.push(indentation);
+        rows.force.push(contact.force(indentation, touching));
+    }
+    Ok(rows)
+}
