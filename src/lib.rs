@@ -6,6 +6,7 @@ pub mod instrument;
 pub mod kernel;
 pub mod observe;
 pub mod plan;
+pub mod record;
 pub mod report;
 pub mod scene;
 pub mod store;

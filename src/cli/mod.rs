@@ -4,14 +4,17 @@ mod devices;
 mod force;
 mod modes;
 mod plan;
+mod progress;
 mod report;
 mod run;
 
+use afmsweep::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Ensemble sweeps of atomic force microscope dynamics.
+/// Ensemble sweeps of atomic force microscope dynamics: piezo rod, cantilever, tip and sample.
 #[derive(Parser)]
 #[command(version, about, long_about = None, arg_required_else_help = true)]
 struct Cli {
@@ -30,7 +33,7 @@ enum Command {
     /// Run a scene and write its results file
     Run(run::RunArgs),
     /// Say what a run would do, without running
-    Plan(SceneArgs),
+    Plan(plan::PlanArgs),
     /// Natural frequencies and each mode's share
     Modes(SceneArgs),
     /// Static force-indentation curves, approach and retraction
@@ -58,23 +61,60 @@ pub struct Voice {
     pub verbose: bool,
 }
 
+impl Voice {
+    /// Says a line on standard error unless silenced.
+    pub fn say(self, line: impl std::fmt::Display) {
+        if !self.quiet {
+            eprintln!("{line}");
+        }
+    }
+}
+
 /// Parses the arguments, runs the command and turns its outcome into an exit code.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
-        Command::Plan(args) => plan::main(&args, voice),
-        Command::Modes(args) => modes::main(&args, voice),
-        Command::Force(args) => force::main(&args, voice),
-        Command::Devices(args) => devices::main(&args, voice),
+        Command::Plan(args) => plan::main(&args),
+        Command::Modes(args) => modes::main(&args),
+        Command::Force(args) => force::main(&args),
+        Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            match error.downcast_ref::<SceneError>() {
+                Some(scene) => eprintln!("{}", scene.render(colour())),
+                None => eprintln!("error: {error:#}"),
+            }
             ExitCode::FAILURE
         }
     }
+}
+
+/// Colours only on a terminal, and never where NO_COLOR is set.
+fn colour() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Reads a scene; its error keeps its place in the file.
+fn load(path: &Path) -> anyhow::Result<Scene> {
+    Ok(Scene::load(path)?)
+}
+
+/// Writes to standard output; a reader that has gone away (`| head`) is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// JSON with an end of line, on standard output.
+fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
 }

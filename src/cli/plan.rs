@@ -1,7 +1,24 @@
-//! `afmsweep plan`.
+//! `afmsweep plan`: what a run would do.
 
-use super::{SceneArgs, Voice};
+use super::run::EngineArgs;
+use super::{load, print, print_json};
+use afmsweep::engine::estimate;
+use std::path::PathBuf;
 
-pub fn main(args: &SceneArgs, _voice: Voice) -> anyhow::Result<()> {
-    anyhow::bail!("{}: not built yet ({})", args.scene.display(), args.json)
+#[derive(clap::Args)]
+pub struct PlanArgs {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Machine-readable answer on standard output, SI units
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    engine: EngineArgs,
+}
+
+pub fn main(args: &PlanArgs) -> anyhow::Result<()> {
+    let mut scene = load(&args.scene)?;
+    let plan = args.engine.plan(&mut scene)?;
+    let summary = plan.summary(Some(estimate(&plan, &args.engine.engine())?));
+    if args.json { print_json(summary.json()) } else { print(&summary.to_string()) }
 }

@@ -15,6 +15,16 @@ pub enum Branch {
     Retract,
 }
 
+impl Branch {
+    /// `approach` or `retract`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Approach => "approach",
+            Self::Retract => "retract",
+        }
+    }
+}
+
 /// One branch of one law; the lists have one length. `None` (JSON `null`): no such state.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {

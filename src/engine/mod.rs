@@ -1,16 +1,16 @@
 //! What steps a plan: engines behind one small trait.
 
 mod cpu;
+mod estimate;
 mod law;
 mod measure;
 mod start;
 mod trace;
 mod track;
-mod waveforms;
 
 pub use cpu::Cpu;
-pub use trace::{Trace, TraceSample, trace};
-pub use waveforms::waveforms;
+pub use estimate::estimate;
+pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
 use crate::plan::Plan;

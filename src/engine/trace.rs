@@ -9,7 +9,6 @@ use crate::contact::Law;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
 use crate::kernel::{LENGTH, MODES_MAX};
 use crate::plan::{CasePlan, Driven, Plan};
-use std::f64::consts::TAU;
 
 /// The steps of an instance from `first` on, at the middle of each step. SI units, f64.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +109,7 @@ impl Trace {
     /// at `time` s since the run's start, between the first and the last sample.
     ///
     /// Travel follows a cubic through four samples, so it keeps the samples' order of accuracy.
-    pub(super) fn at(&self, time: f64) -> Between {
+    pub fn at(&self, time: f64) -> Between {
         let place = (time - self.begin()) / self.step;
         let last = self.samples.len().saturating_sub(4);
         let base = (place.floor() - 1.0).clamp(0.0, last as f64) as usize;
@@ -126,9 +125,13 @@ impl Trace {
 }
 
 /// What [`Trace::at`] finds between samples.
-pub(super) struct Between {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    /// Tip travel beyond the steady free motion, m.
     pub beyond: f64,
+    /// The same for the rod's top, by the kept modes, m.
     pub top: f64,
+    /// Contact at the start and at the end of the step around that time.
     pub was_touching: bool,
     pub touching: bool,
 }
@@ -140,9 +143,4 @@ fn cubic(values: impl Iterator<Item = f64> + Clone, s: f64) -> f64 {
         (0..count).filter(|&j| j != i).map(|j| (s - j as f64) / (i as f64 - j as f64)).product::<f64>()
     };
     values.enumerate().map(|(i, value)| weight(i) * value).sum()
-}
-
-/// Length of a drive period in a plan's case, s.
-pub(super) fn period(driven: &Driven) -> f64 {
-    TAU / driven.free.omega
 }

@@ -95,4 +95,12 @@ impl Plan {
             self.classes.iter().map(|class| class.instances.len() as u64 * u64::from(class.steps)).sum();
         per_period * u64::from(self.run.periods)
     }
+
+    /// Deepest indentation to expect of an instance, m.
+    pub fn expected_depth(&self, instance: usize) -> f64 {
+        let case = &self.cases[instance];
+        let driven = &self.drives[case.drive as usize];
+        let mobility = driven.kept.mobility();
+        steps::deepest(&case.contact, mobility, driven.free.omega, driven.free.tip.norm(), case.gap)
+    }
 }

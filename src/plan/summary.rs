@@ -1,5 +1,176 @@
-//! The plan as text and JSON.
+//! The plan in words and as JSON.
+
+use super::{Class, Plan};
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+use std::fmt;
 
 /// What a plan says of itself.
 #[derive(Clone, Debug)]
-pub struct Summary;
+pub struct Summary {
+    json: Value,
+    text: String,
+}
+
+/// Drives told one by one; of more, the first and the last.
+const TOLD: usize = 6;
+
+impl Plan {
+    /// In words and as JSON; `seconds` is the estimated run time, where known.
+    pub fn summary(&self, seconds: Option<f64>) -> Summary {
+        let mut text = format!(
+            "{} instances, {} driven instrument{}, {} class{}, precision {}\n",
+            self.cases.len(),
+            self.drives.len(),
+            plural(self.drives.len(), "s"),
+            self.classes.len(),
+            plural(self.classes.len(), "es"),
+            self.precision.name(),
+        );
+        let mut drives = Vec::new();
+        for (index, drive) in self.drives.iter().enumerate() {
+            if index >= TOLD && index + 1 != self.drives.len() {
+                continue;
+            }
+            let kept = &drive.kept;
+            text += &format!(
+                "drive {index}: {:.6} kHz, free amplitude {:.6} nm; {}\n",
+                drive.frequency() / 1e3,
+                drive.free.tip.norm() * 1e9,
+                kept.reason
+            );
+            for mode in &kept.modes {
+                let name = mode.index.map_or("residual".to_owned(), |k| format!("mode {}", k + 1));
+                let share = mode.mobility / (mode.omega * mode.omega) / kept.flexibility;
+                let q = 0.5 / mode.damping;
+                text += &format!(
+                    "  {name:<9} {:>14.6} kHz  Q {:>9}  {:>8.4} % of the tip's flexibility\n",
+                    mode.omega / TAU / 1e3,
+                    if q.is_finite() { format!("{q:.1}") } else { "undamped".into() },
+                    100.0 * share
+                );
+            }
+            drives.push(self.drive_json(index));
+        }
+        text += "class  law    modes  steps/period  instances\n";
+        for (index, class) in self.classes.iter().enumerate() {
+            text += &format!(
+                "{index:>5}  {:<5}  {:>5}  {:>12}  {:>9}{}\n",
+                class.law.name(),
+                class.modes,
+                class.steps,
+                class.instances.len(),
+                if class.steps == 0 { "  (never reach the sample: no steps)" } else { "" }
+            );
+        }
+        text += &format!(
+            "{} periods, the last {} measured: {:.3e} instance-steps\n",
+            self.run.periods,
+            self.run.measure,
+            self.instance_steps() as f64
+        );
+        text += &format!(
+            "results file at most {}, memory about {}\n",
+            bytes(self.file_bytes()),
+            bytes(self.memory_bytes())
+        );
+        if let Some(seconds) = seconds {
+            text += &format!("estimated time {seconds:.2} s\n");
+        }
+        let json = json!({
+            "instances": self.cases.len(),
+            "precision": self.precision.name(),
+            "periods": self.run.periods,
+            "measure": self.run.measure,
+            "accuracy": self.run.accuracy,
+            "observables": self.observables.iter().map(|one| one.name()).collect::<Vec<_>>(),
+            "drives_in_all": self.drives.len(),
+            "drives": drives,
+            "classes": self.classes.iter().map(class_json).collect::<Vec<_>>(),
+            "instance_steps": self.instance_steps(),
+            "file_bytes": self.file_bytes(),
+            "memory_bytes": self.memory_bytes(),
+            "estimated_time_s": seconds,
+        });
+        Summary { json, text }
+    }
+
+    fn drive_json(&self, index: usize) -> Value {
+        let drive = &self.drives[index];
+        let kept = &drive.kept;
+        let modes: Vec<Value> = kept
+            .modes
+            .iter()
+            .map(|mode| {
+                let q = 0.5 / mode.damping;
+                json!({
+                    "mode": mode.index.map(|k| k + 1),
+                    "frequency_hz": mode.omega / TAU,
+                    "quality_factor": q.is_finite().then_some(q),
+                    "tip_share": mode.mobility / (mode.omega * mode.omega) / kept.flexibility,
+                })
+            })
+            .collect();
+        json!({
+            "drive": index,
+            "frequency_hz": drive.frequency(),
+            "level": drive.free.level,
+            "free_amplitude_m": drive.free.tip.norm(),
+            "tip_flexibility_m_per_n": kept.flexibility,
+            "residual_share": kept.residual_share,
+            "residual_kept": kept.residual_kept,
+            "reason": kept.reason,
+            "modes": modes,
+            "elements": { "rod": drive.instrument.rod_elements, "beam": drive.instrument.beam_elements, "order": drive.instrument.order },
+            "eigen_residual": drive.instrument.residual,
+        })
+    }
+
+    /// Bytes of the results file before compression, waveforms apart.
+    pub fn file_bytes(&self) -> u64 {
+        let columns: usize = self.observables.iter().map(|one| one.width()).sum();
+        // Tabor's parameter, steps, status, law and warnings beside the observables.
+        let each = 8 * (columns as u64 + 1) + 4 + 3;
+        each * self.cases.len() as u64
+    }
+
+    /// Bytes a run holds in memory: plan, measurements and results file.
+    pub fn memory_bytes(&self) -> u64 {
+        let each = size_of::<super::CasePlan>() + 4 + size_of::<crate::observe::Measured>() + 8;
+        each as u64 * self.cases.len() as u64 + 2 * self.file_bytes()
+    }
+}
+
+fn class_json(class: &Class) -> Value {
+    json!({
+        "law": class.law.name(),
+        "modes": class.modes,
+        "steps_per_period": class.steps,
+        "instances": class.instances.len(),
+    })
+}
+
+fn plural(count: usize, ending: &'static str) -> &'static str {
+    if count == 1 { "" } else { ending }
+}
+
+fn bytes(count: u64) -> String {
+    match count {
+        0..10_000 => format!("{count} B"),
+        10_000..10_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        _ => format!("{:.1} MB", count as f64 / 1e6),
+    }
+}
+
+impl Summary {
+    /// SI units, names with units.
+    pub fn json(&self) -> &Value {
+        &self.json
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}

@@ -28,6 +28,13 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
         check_name(&axis.name, &mut names)?;
     }
     check_variables(&results.variables, count, &mut names)?;
+    for flags in &results.flags {
+        check_name(&flags.name, &mut names)?;
+        let bad = |word: &String| word.is_empty() || word.contains(char::is_whitespace);
+        if flags.data.len() != count || flags.meanings.len() > 8 || flags.meanings.iter().any(bad) {
+            return refuse(format!("{} is no list of {count} codes for up to 8 single words", flags.name));
+        }
+    }
     if let Some(audit) = &results.audit {
         check_variables(
             &audit.variables,

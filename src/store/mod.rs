@@ -34,6 +34,8 @@ pub struct Results {
     /// One code per instance, see [`crate::observe::Status`].
     pub status: Vec<u8>,
     pub steps_per_period: Vec<u32>,
+    /// Further words about each instance, as the law it uses.
+    pub flags: Vec<Flags>,
     pub waveforms: Option<Waveforms>,
     /// Static curves of the contact, any number of them.
     pub force_curves: Vec<ForceCurve>,
@@ -62,6 +64,18 @@ pub struct Variable {
     pub harmonics: Option<usize>,
     /// Row-major, instance first.
     pub data: Vec<f64>,
+}
+
+/// A u8 variable over the instances whose values stand for words.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Flags {
+    pub name: String,
+    pub long_name: String,
+    /// Single words: of codes 0, 1, 2, ..., or of bits 1, 2, 4, ...
+    pub meanings: Vec<String>,
+    /// True where each bit is a flag of its own (`flag_masks`), false for codes (`flag_values`).
+    pub bits: bool,
+    pub data: Vec<u8>,
 }
 
 /// Root attribute.

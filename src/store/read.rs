@@ -2,8 +2,8 @@
 
 use super::labels::{is_scale, read_text};
 use super::{
-    Attribute, Audit, Coordinate, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms,
-    partial_path,
+    Attribute, Audit, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable,
+    Waveforms, partial_path,
 };
 use hdf5::types::TypeDescriptor;
 use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder};
@@ -182,6 +182,7 @@ impl Source {
             axes,
             list,
             variables: self.variables(&root, &others, &shape)?,
+            flags: self.flags(&root, &others, &shape)?,
             status,
             steps_per_period,
             waveforms: self.waveforms(&root)?,
@@ -221,6 +222,26 @@ impl Source {
             });
         }
         Ok(variables)
+    }
+
+    /// The u8 variables with words for their codes or bits, `status` apart.
+    fn flags(&self, group: &Group, names: &[&String], shape: &[usize]) -> Result<Vec<Flags>, StoreError> {
+        let mut all = Vec::new();
+        for name in names.iter().filter(|name| name.as_str() != "status") {
+            let Ok(dataset) = group.dataset(name) else { continue };
+            let Some(meanings) = read_text(&dataset, "flag_meanings") else { continue };
+            if dataset.shape() != shape {
+                continue;
+            }
+            all.push(Flags {
+                name: (*name).clone(),
+                long_name: read_text(&dataset, "long_name").unwrap_or_default(),
+                meanings: meanings.split_whitespace().map(str::to_owned).collect(),
+                bits: dataset.attr("flag_masks").is_ok(),
+                data: self.numbers(&dataset)?,
+            });
+        }
+        Ok(all)
     }
 
     fn attributes(&self) -> Result<Vec<(String, Attribute)>, StoreError> {

@@ -5,7 +5,7 @@
 
 use super::check::check;
 use super::labels::{self, Scale, attach};
-use super::{Attribute, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms};
+use super::{Attribute, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms};
 use crate::observe::Status;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
 use hdf5::{Dataset, File, Group, H5Type};
@@ -174,6 +174,21 @@ impl Layout {
         Ok(dataset)
     }
 
+    /// Codes from 0 on, or bits.
+    fn words(&mut self, flags: &Flags, dims: &[usize]) -> hdf5::Result<Dataset> {
+        let dataset = self.variable(&flags.name, dims, &flags.data)?;
+        labels::text(&dataset, "long_name", &flags.long_name)?;
+        let count = flags.meanings.len() as u8;
+        if flags.bits {
+            let masks: Vec<u8> = (0..count).map(|bit| 1 << bit).collect();
+            labels::list(&dataset, "flag_masks", &masks)?;
+        } else {
+            labels::list(&dataset, "flag_values", &(0..count).collect::<Vec<u8>>())?;
+        }
+        labels::text(&dataset, "flag_meanings", &flags.meanings.join(" "))?;
+        Ok(dataset)
+    }
+
     /// Variables over the instances, with the dimension `harmonic` behind them where asked for.
     fn variables(
         &mut self,
@@ -261,7 +276,11 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
     let status = layout.flags("status", "what became of the instance", &dims, &results.status, &meanings)?;
     let steps = layout.variable("steps_per_period", &dims, &results.steps_per_period)?;
     Layout::describe(&steps, "1", "time steps per period of the drive")?;
-    for dataset in [status, steps] {
+    let mut described = vec![status, steps];
+    for flags in &results.flags {
+        described.push(layout.words(flags, &dims)?);
+    }
+    for dataset in described {
         if let Some(names) = coordinates {
             labels::text(&dataset, "coordinates", names)?;
         }
@@ -340,10 +359,10 @@ fn write_force_curves(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
 }
 
 /// A code for each word, and what each code means.
-type Flags = (Vec<u8>, Vec<(u8, String)>);
+type CodedWords = (Vec<u8>, Vec<(u8, String)>);
 
 /// Codes for words: known words keep their place whatever else occurs.
-fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<Flags> {
+fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<CodedWords> {
     let mut meanings: Vec<(u8, String)> = Vec::new();
     let mut codes = Vec::with_capacity(words.len());
     for (number, word) in known.iter().enumerate() {

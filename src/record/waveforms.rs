@@ -1,8 +1,7 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
-use super::EngineError;
-use super::trace::{period, trace};
 use crate::contact::Law;
+use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
 use crate::plan::Plan;
 use crate::scene::{Start, WaveformRequest};
@@ -48,7 +47,7 @@ fn instance_rows(plan: &Plan, instance: usize, request: &WaveformRequest) -> Res
     let rest = plan.run.start == Start::Rest;
     // One period beyond the run, because the drive's zero lies between two of the run's periods.
     let trace = trace(plan, instance, plan.run.periods + 1, request.periods + 2)?;
-    let length = period(driven);
+    let length = TAU / free.omega;
     let run_start = f64::from(plan.run.periods - request.periods);
     let zero = (-trace.phase / TAU).rem_euclid(1.0);
     let count = request.samples_per_period as usize * request.periods as usize;

@@ -1,0 +1,194 @@
+//! From a finished run to the plain data of its results file.
+
+mod waveforms;
+
+use crate::contact::{Contact, Law, Warning};
+use crate::engine::{Finished, Outcome};
+use crate::observe::Observable;
+use crate::plan::Plan;
+use crate::scene::{Layout, Params, Scene};
+use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
+use rayon::prelude::*;
+
+pub use waveforms::waveforms;
+
+/// What is known of a run beside its numbers.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    pub device: String,
+    /// Planning and stepping, s.
+    pub wall_time: f64,
+    /// Instance-steps per second of the stepping.
+    pub rate: f64,
+    /// The plan as JSON.
+    pub plan: String,
+}
+
+/// Everything the results file holds, waveforms apart.
+pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> Results {
+    let warnings = warnings(scene, plan, outcome);
+    Results {
+        title: scene.title.clone(),
+        axes: scene.sweep.axes.iter().map(coordinate).collect(),
+        list: scene.sweep.layout == Layout::List,
+        variables: variables(plan, &outcome.results),
+        status: outcome.results.iter().map(|one| one.status as u8).collect(),
+        steps_per_period: plan.cases.iter().map(|case| case.steps).collect(),
+        flags: vec![
+            Flags {
+                name: "contact_law".into(),
+                long_name: "contact law used".into(),
+                meanings: Law::ALL.iter().map(|law| law.name().to_owned()).collect(),
+                bits: false,
+                data: plan.cases.iter().map(|case| law_code(case.contact.law)).collect(),
+            },
+            Flags {
+                name: "contact_warnings".into(),
+                long_name: "where the contact law is used outside its assumptions".into(),
+                meanings: WARNINGS.iter().map(|word| (*word).to_owned()).collect(),
+                bits: true,
+                data: warnings,
+            },
+        ],
+        waveforms: None,
+        force_curves: force_curves(scene, plan),
+        audit: None,
+        attributes: vec![
+            ("scene".into(), Attribute::Text(scene.source.clone())),
+            ("scene_resolved".into(), Attribute::Text(scene.resolved_toml())),
+            ("plan".into(), Attribute::Text(facts.plan.clone())),
+            ("program".into(), Attribute::Text("afmsweep".into())),
+            ("version".into(), Attribute::Text(env!("CARGO_PKG_VERSION").into())),
+            ("device".into(), Attribute::Text(facts.device.clone())),
+            ("precision".into(), Attribute::Text(plan.precision.name().into())),
+            ("wall_time_seconds".into(), Attribute::Number(facts.wall_time)),
+            ("instance_steps".into(), Attribute::Number(plan.instance_steps() as f64)),
+            ("instance_steps_per_second".into(), Attribute::Number(facts.rate)),
+        ],
+    }
+}
+
+fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
+    Coordinate {
+        name: axis.name.clone(),
+        units: axis.units.clone(),
+        long_name: axis.long_name.clone(),
+        values: axis.values.clone(),
+    }
+}
+
+fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
+    let mut variables: Vec<Variable> = plan
+        .observables
+        .iter()
+        .map(|&observable| {
+            let width = observable.width();
+            let mut data = vec![0.0; width * results.len()];
+            for (row, one) in data.chunks_exact_mut(width).zip(results) {
+                observable.write(&one.measured, row);
+            }
+            Variable {
+                name: observable.name().into(),
+                units: observable.units().into(),
+                long_name: observable.long_name().into(),
+                harmonics: (observable == Observable::HarmonicAmplitude).then_some(width),
+                data,
+            }
+        })
+        .collect();
+    variables.push(Variable {
+        name: "tabor_parameter".into(),
+        units: "1".into(),
+        long_name: "Tabor's parameter of the contact".into(),
+        harmonics: None,
+        data: plan.cases.iter().map(|case| case.contact.tabor).collect(),
+    });
+    variables
+}
+
+fn law_code(law: Law) -> u8 {
+    Law::ALL.iter().position(|one| *one == law).unwrap_or(0) as u8
+}
+
+/// Words for the bits of `contact_warnings`.
+pub const WARNINGS: [&str; 5] =
+    ["law_does_not_fit", "between_laws", "adhesion_left_out", "large_strain", "rigid_tip"];
+
+fn bit(warning: &Warning) -> u8 {
+    match warning {
+        Warning::LawDoesNotFit { .. } => 1,
+        Warning::BetweenLaws { .. } => 1 << 1,
+        Warning::AdhesionLeftOut { .. } => 1 << 2,
+        Warning::LargeStrain { .. } => 1 << 3,
+        Warning::RigidTip { .. } => 1 << 4,
+    }
+}
+
+/// Warnings of each instance as bits, at the largest indentation measured or else expected.
+fn warnings(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Vec<u8> {
+    (0..plan.cases.len())
+        .into_par_iter()
+        .map(|index| {
+            let measured = outcome.results[index].measured.indentation_max;
+            let depth = if measured.is_nan() { plan.expected_depth(index) } else { measured };
+            let params = scene.instance(index);
+            let contact = &plan.cases[index].contact;
+            contact.warnings(&params, Some(depth)).iter().map(bit).fold(0, |all, one| all | one)
+        })
+        .collect()
+}
+
+/// How many instances have each warning of [`WARNINGS`], and the first one's own words.
+pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<String> {
+    let Some(flags) = results.flags.iter().find(|flags| flags.bits) else { return Vec::new() };
+    (0..WARNINGS.len())
+        .filter_map(|number| {
+            let mask = 1u8 << number;
+            let count = flags.data.iter().filter(|bits| **bits & mask != 0).count();
+            let first = flags.data.iter().position(|bits| bits & mask != 0)?;
+            let params: Params = scene.instance(first);
+            let contact: &Contact = &plan.cases[first].contact;
+            let depth = plan.expected_depth(first);
+            let words = contact
+                .warnings(&params, Some(depth))
+                .into_iter()
+                .find(|warning| bit(warning) == mask)
+                .map_or_else(|| WARNINGS[number].replace('_', " "), |warning| warning.to_string());
+            Some(match flags.data.len() {
+                1 => words,
+                all => format!("{count} of {all} instances, instance {first} first: {words}"),
+            })
+        })
+        .collect()
+}
+
+/// Static curves of the instances with waveforms, or of the first, middle and last one; one contact once.
+fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
+    let count = plan.cases.len();
+    let mut chosen = match &scene.output.waveforms {
+        Some(request) => request.instances.clone(),
+        None => vec![0, count / 2, count - 1],
+    };
+    chosen.truncate(8);
+    let mut seen: Vec<Contact> = Vec::new();
+    let mut curves = Vec::new();
+    for instance in chosen {
+        let contact = plan.cases[instance].contact;
+        if contact.law == Law::None || seen.contains(&contact) {
+            continue;
+        }
+        seen.push(contact);
+        for curve in contact.curves().curves {
+            let values = |list: Vec<Option<f64>>| list.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
+            curves.push(ForceCurve {
+                instance: instance as u64,
+                law: curve.law.name().into(),
+                branch: curve.branch.name().into(),
+                indentation: curve.indentation_m,
+                force: values(curve.force_n),
+                contact_radius: values(curve.contact_radius_m),
+            });
+        }
+    }
+    curves
+}
