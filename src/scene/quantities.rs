@@ -36,6 +36,21 @@ impl Domain {
         }
     }
 
+    /// What to do about a value that is not allowed.
+    pub fn advice(self, value: f64) -> &'static str {
+        match self {
+            _ if value < 0.0 && self.holds(-value) => "remove the minus sign",
+            Self::Finite | Self::NonNegative => "give a finite value, zero included",
+            Self::Positive if value.is_infinite() => {
+                "give a finite value; a large one if it should hardly matter"
+            }
+            Self::Positive => "give a value above zero; a small one if it should hardly matter",
+            Self::PositiveOrInfinite => "give a value above zero, or inf",
+            Self::PoissonRatio => "most solids have 0.2 to 0.45; 0.5 does not change its volume",
+            Self::QualityFactor => "give a value above 0.5 (the motion must oscillate), or inf",
+        }
+    }
+
     /// The allowed values, after "expected ".
     pub fn described(self) -> &'static str {
         match self {
