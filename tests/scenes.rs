@@ -140,7 +140,7 @@ fn an_unreadable_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("secret.toml");
     std::fs::write(&path, "title = \"a\"").unwrap();
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     // The superuser reads it all the same; then there is nothing to refuse.
     if std::fs::File::open(&path).is_err() {
         let error = Scene::load(&path).unwrap_err();

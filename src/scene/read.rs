@@ -2,7 +2,8 @@
 
 use super::error::{Checked, Fault, SceneError, line_column};
 use super::params::*;
-use super::quantities::{Address, QUANTITIES};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
 use super::values::{self, Key, Value};
 use super::{Scene, output, rules, sweep};
 use std::io::Read;

@@ -5,7 +5,7 @@
 
 use super::error::{Checked, Fault};
 use super::params::*;
-use super::quantities::Address;
+use super::quantity::Address;
 use super::read::{Draft, Said};
 use super::{Layout, Sweep};
 use std::ops::Range;

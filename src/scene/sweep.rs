@@ -1,7 +1,8 @@
 //! `[sweep]` and `[samples]`: which quantities vary, and through which values.
 
 use super::error::{Checked, Fault};
-use super::quantities::{Address, QUANTITIES};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
 use super::read::{Draft, Said, keys_of};
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, Sweep};

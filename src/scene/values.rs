@@ -1,7 +1,8 @@
 //! Single values of a scene file: quantities, counts, keywords, and the keys around them.
 
 use super::error::{Checked, Fault};
-use super::quantities::{Address, QUANTITIES};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
 use crate::suggest::nearest;
 use crate::units::{self, Dimension, UnitErrorKind, shortened};
 use std::ops::{Range, RangeInclusive};
