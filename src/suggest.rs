@@ -8,7 +8,12 @@ pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     let forgiven = 1.max(wanted.len() / 3);
     candidates
         .into_iter()
-        .map(|candidate| (distance(&wanted, candidate), candidate))
+        .map(|candidate| {
+            // A word cut short or drawn out, as "linear" for "lin", is as near as one slip.
+            let other: Vec<char> = candidate.to_lowercase().chars().collect();
+            let cut = wanted.len().min(other.len()) >= 3 && wanted.iter().zip(&other).all(|(a, b)| a == b);
+            (if cut { distance(&wanted, candidate).min(1) } else { distance(&wanted, candidate) }, candidate)
+        })
         .filter(|&(distance, candidate)| distance <= forgiven && distance < candidate.chars().count())
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
@@ -44,6 +49,8 @@ mod tests {
         assert_eq!(nearest("raduis", known), Some("radius"));
         assert_eq!(nearest("Radius", known), Some("radius"));
         assert_eq!(nearest("temperature", known), None);
+        assert_eq!(nearest("linear", ["log", "lin"]), Some("lin"));
+        assert_eq!(nearest("ha-fung-chen", ["ha-fung-chen-2005"]), Some("ha-fung-chen-2005"));
         assert_eq!(nearest("", known), None);
         // A one-letter word must not turn into any other one-letter word.
         assert_eq!(nearest("x", ["m", "V"]), None);

@@ -43,6 +43,11 @@ fn bad_scenes_are_refused_with_the_expected_words_and_place() {
             Err(error) => error,
         };
         let rendered = error.render(false);
+        for part in ["= expected: ", "= help: "] {
+            if !rendered.contains(part) {
+                failures.push(format!("{}: no {part:?} in\n{rendered}", path.display()));
+            }
+        }
         for message in [flat(&rendered), error.to_string()] {
             for fragment in &expected {
                 // The one-line form leaves out what is said at other places than the faulty one.
@@ -84,4 +89,231 @@ fn good_scenes_survive_their_echo_to_the_bit() {
             assert_eq!(again.instance(index), scene.instance(index));
         }
     }
+}
+
+/// Every way in which a file can fail to be a text, with the words and the place that the message must have.
+#[test]
+fn files_that_are_no_texts_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let load = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        Scene::load(&path).unwrap_err()
+    };
+    let latin = load("latin.toml", b"title = \"a\"\n[instrument.tip]\nradius = \"0.01 \xB5m\"\n");
+    assert_eq!(latin.line_column(), Some((3, 16)));
+    for fragment in [
+        "latin.toml:3:16",
+        "not UTF-8",
+        "byte 0xB5 at offset 44 (line 3, column 16)",
+        "save the file as UTF-8",
+    ] {
+        assert!(latin.render(false).contains(fragment) && latin.to_string().contains(fragment), "{latin:?}");
+    }
+    let wide = load("wide.toml", b"\xFF\xFEt\0i\0");
+    assert!(
+        wide.to_string().contains("looks like UTF-16") && wide.to_string().contains("wide.toml:1:1"),
+        "{wide:?}"
+    );
+    for (name, bytes) in [
+        ("empty.toml", &b""[..]),
+        ("comments.toml", b"# nothing\n\n  # at all"),
+        ("bom.toml", b"\xEF\xBB\xBF\r\n"),
+    ] {
+        let error = load(name, bytes);
+        assert!(
+            error.to_string().contains("the scene file is empty") && error.to_string().contains(name),
+            "{error:?}"
+        );
+    }
+    let missing = Scene::load(&folder.path().join("missing.toml")).unwrap_err();
+    assert!(missing.render(false).contains("missing.toml"), "{missing:?}");
+    assert!(missing.to_string().contains("cannot be read") && missing.line_column().is_none(), "{missing:?}");
+    let directory = Scene::load(folder.path()).unwrap_err();
+    assert!(directory.to_string().contains("cannot be read: Is a directory"), "{directory:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_unreadable_file_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("secret.toml");
+    std::fs::write(&path, "title = \"a\"").unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
+    // The superuser reads it all the same; then there is nothing to refuse.
+    if std::fs::File::open(&path).is_err() {
+        let error = Scene::load(&path).unwrap_err();
+        assert!(error.to_string().contains("cannot be read"), "{error:?}");
+        assert!(error.to_string().contains("permissions"), "{error:?}");
+    }
+}
+
+#[test]
+fn places_count_characters_whatever_stands_before_them() {
+    // A byte order mark, Windows line ends, wide characters and a tab.
+    for (text, line, column) in [
+        ("\u{FEFF}titel = \"a\"", 1, 1),
+        ("title = \"a\"\r\n[instrument.tip]\r\nradius = 10\r\n", 3, 10),
+        ("instrument.tip = { poisson_ratio = 0.3, \"µ\" = 1, radius = 10 }", 1, 41),
+        ("[instrument]\n\ttip = { radius = 10 }", 2, 19),
+    ] {
+        let error = Scene::parse(Path::new("test.toml"), text).unwrap_err();
+        assert_eq!(error.line_column(), Some((line, column)), "{error:?}");
+        assert!(error.render(false).contains(&format!("test.toml:{line}:{column}")), "{error:?}");
+    }
+    let marked = parse("\u{FEFF}title = \"µ\"\r\n");
+    assert_eq!(marked.title, "µ");
+}
+
+#[test]
+fn colour_comes_only_when_asked_for() {
+    let error = Scene::parse(Path::new("test.toml"), "titel = 1").unwrap_err();
+    assert!(error.render(true).contains('\u{1b}'));
+    assert!(!error.render(false).contains('\u{1b}') && !error.to_string().contains('\u{1b}'));
+    // Control characters of the file must not reach the terminal.
+    let hostile = refusal("\"a\\u001b[31m\" = 1");
+    assert!(!hostile.contains('\u{1b}'), "{hostile:?}");
+}
+
+#[test]
+fn what_is_left_out_is_the_preset() {
+    let scene = parse("title = \"a\"");
+    assert_eq!(scene.base, Params::default());
+    assert_eq!((scene.len(), scene.instance(0)), (1, Params::default()));
+    assert_eq!((scene.run.periods, scene.run.measure, scene.run.accuracy), (300, 50, 1e-3));
+    assert_eq!(scene.output.observables.len(), 7);
+    assert_eq!(Scene::parse(Path::new("folder/tapping.toml"), "[run]").unwrap().title, "tapping");
+    assert_eq!(parse("[run]\nperiods = 20").run.measure, 20);
+    let waveforms =
+        parse("[run]\nperiods = 3\n[output]\nwaveforms = { instances = [0] }").output.waveforms.unwrap();
+    assert_eq!((waveforms.samples_per_period, waveforms.periods), (64, 3));
+}
+
+#[test]
+fn a_grid_runs_its_last_axis_fastest_and_a_list_goes_row_by_row() {
+    let scene = parse(
+        "[sweep]\n\"instrument.tip.radius\" = { values = [\"20 nm\", \"10 nm\"] }\n\
+         \"sample.youngs_modulus\" = { from = \"100 MPa\", to = \"10 GPa\", points = 3, scale = \"log\" }",
+    );
+    let cases: Vec<(f64, f64)> = (0..scene.len())
+        .map(|i| scene.instance(i))
+        .map(|case| (case.instrument.tip.radius, case.sample.youngs_modulus))
+        .collect();
+    let expected = [(2e-8, 1e8), (2e-8, 1e9), (2e-8, 1e10), (1e-8, 1e8), (1e-8, 1e9), (1e-8, 1e10)];
+    assert_eq!(cases, expected);
+    let axis = &scene.sweep.axes[1];
+    assert_eq!((axis.name.as_str(), axis.units.as_str(), axis.log), ("sample_youngs_modulus", "Pa", true));
+
+    let list =
+        parse("[samples]\n\"approach.gap\" = [\"3 nm\", \"1 nm\"]\n\"drive.voltage\" = [\"1 V\", \"1 V\"]");
+    assert_eq!((list.sweep.layout, list.len()), (Layout::List, 2));
+    assert_eq!(list.instance(1).approach.gap, 1e-9);
+    assert_eq!(list.instance(1).drive.level, DriveLevel::Voltage(1.0));
+}
+
+#[test]
+fn an_axis_switches_alternatives_as_the_file_would() {
+    let scene =
+        Scene::load(&files("good").into_iter().find(|path| path.ends_with("switched_by_axis.toml")).unwrap())
+            .unwrap();
+    let last = scene.instance(scene.len() - 1);
+    assert_eq!(last.drive.level, DriveLevel::FreeAmplitude(1e-8));
+    assert_eq!(last.sample.adhesion, Adhesion::Hamaker(1e-19));
+    assert_eq!(last.instrument.tip.mass, TipMass::Given(8e-16));
+    assert_eq!(last.instrument.cantilever.quality_factor, QualityFactor::All(f64::INFINITY));
+    let calibrated = parse(
+        "[instrument.cantilever]\nfrequency = \"300 kHz\"\n[sweep]\n\
+         \"instrument.cantilever.stiffness\" = { values = [\"40 N/m\", \"42 N/m\"] }",
+    );
+    let lever = calibrated.instance(1).instrument.cantilever.lever;
+    assert_eq!(lever, Lever::Calibrated { stiffness: 42.0, frequency: 3e5 });
+}
+
+#[test]
+fn every_quantity_can_be_written_swept_and_echoed() {
+    for quantity in &QUANTITIES {
+        // Each needs the company that makes it meaningful; the value is off its default and inside its domain.
+        let path = quantity.path.replace('#', "0");
+        let value = if quantity.path.ends_with("poisson_ratio") { 0.25 } else { 7.5 };
+        let value = if path.ends_with("actuator.h33") { 5e8 } else { value };
+        let value = if path.ends_with("actuator.youngs_modulus") { 3e10 } else { value };
+        let value = if path.ends_with("actuator.beta33") { 9e7 } else { value };
+        let text = Address::find(&path).unwrap().written(value);
+        let (mut company, mut drive) = (String::new(), "");
+        if path.contains(".modes.") || path.starts_with("instrument.cantilever.quality_factor.") {
+            let list = if path.contains(".modes.") {
+                "modes = [{ stiffness = \"2 N/m\", frequency = \"70 kHz\" }]"
+            } else {
+                "quality_factor = [100]"
+            };
+            company = format!("[instrument.cantilever]\n{list}\n");
+        }
+        match path.as_str() {
+            "instrument.cantilever.stiffness" => {
+                company = "[instrument.cantilever]\nfrequency = \"70 kHz\"\n".into()
+            }
+            "instrument.cantilever.frequency" => {
+                company = "[instrument.cantilever]\nstiffness = \"2 N/m\"\n".into()
+            }
+            "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
+            "drive.force" => drive = "on = \"tip\"\n",
+            "drive.base_amplitude" => company = "[instrument.actuator]\nmodel = \"rigid\"\n".into(),
+            _ => {}
+        }
+        let swept = parse(&format!("{company}[drive]\n{drive}[sweep]\n\"{path}\" = {{ values = [{text}] }}"));
+        let address = Address::find(&path).unwrap();
+        assert_eq!(address.get(&swept.instance(0)), Some(value), "{path}");
+        assert_ne!(swept.instance(0), Params::default(), "{path}");
+        let again = parse(&swept.resolved_toml());
+        assert_eq!(
+            (again.base.clone(), again.instance(0)),
+            (swept.base.clone(), swept.instance(0)),
+            "{path}"
+        );
+        if !quantity.path.contains('#') {
+            // Dotted keys at the top must come before any section.
+            let written = parse(&format!("{path} = {text}\n{}", company_as_keys(&company, drive)));
+            assert_eq!(address.get(&written.base), Some(value), "{path}");
+            assert_eq!(parse(&written.resolved_toml()).base, written.base, "{path}");
+        }
+    }
+}
+
+/// Sections of one entry each, as dotted keys.
+fn company_as_keys(company: &str, drive: &str) -> String {
+    let mut lines = company.lines();
+    let mut keys = String::new();
+    while let (Some(section), Some(entry)) = (lines.next(), lines.next()) {
+        keys += &format!("{}.{entry}\n", section.trim_matches(['[', ']']));
+    }
+    if !drive.is_empty() {
+        keys += &format!("drive.{drive}");
+    }
+    keys
+}
+
+#[test]
+fn no_damaged_scene_makes_the_reader_panic() {
+    let scene = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/good/modes_swept.toml"),
+    )
+    .unwrap();
+    let tokens =
+        ["\"", "[", "{", "}", "=", "\u{0}", "µ", "-", "1e999", "inf", "\n", "#", "nm", ".", "\u{202e}"];
+    let mut refused = 0;
+    for at in (0..scene.len()).filter(|at| scene.is_char_boundary(*at)) {
+        for token in tokens {
+            let damaged = format!("{}{token}{}", &scene[..at], &scene[at..]);
+            if let Err(error) = Scene::parse(Path::new("test.toml"), &damaged) {
+                refused += 1;
+                assert!(error.to_string().starts_with("test.toml"), "{error:?}");
+                assert!(!error.render(false).is_empty());
+            }
+        }
+        if let Err(error) = Scene::parse(Path::new("test.toml"), &scene[..at]) {
+            assert!(!error.render(true).is_empty());
+        }
+    }
+    assert!(refused > 1000, "only {refused} damaged scenes were refused");
 }

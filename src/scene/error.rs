@@ -16,7 +16,7 @@ pub struct SceneError(Box<Report>);
 struct Report {
     path: PathBuf,
     source: String,
-    fault: Fault,
+    fault: Box<Fault>,
 }
 
 /// A fault found in a scene's text, not yet tied to its file.
@@ -85,7 +85,7 @@ impl Fault {
 
     /// Ties the fault to the file it was found in.
     pub fn in_file(self: Box<Self>, path: &Path, source: &str) -> SceneError {
-        SceneError(Box::new(Report { path: path.to_path_buf(), source: source.to_string(), fault: *self }))
+        SceneError(Box::new(Report { path: path.to_path_buf(), source: source.to_string(), fault: self }))
     }
 }
 

@@ -4,6 +4,7 @@ mod error;
 mod output;
 mod params;
 mod quantities;
+mod quantity;
 mod read;
 mod resolved;
 mod rules;
@@ -12,7 +13,8 @@ mod values;
 
 pub use error::SceneError;
 pub use params::*;
-pub use quantities::{Address, Domain, QUANTITIES, Quantity};
+pub use quantities::QUANTITIES;
+pub use quantity::{Address, Domain, Quantity};
 
 use crate::observe::Observable;
 use std::path::{Path, PathBuf};

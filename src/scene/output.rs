@@ -73,14 +73,14 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
         // Whichever was written last made it too long; `periods` is there unless the default times the steps is.
         let value = table.get("periods").or_else(|| table.get("steps_per_period"));
         return Err(Fault::at(value.map_or(0..0, |value| value.span()), "the run is too long")
-            .label(format!("{} periods of {steps} steps or more", run.periods))
+            .label(format!("found {} periods of {steps} steps or more", run.periods))
             .expected(format!("at most {MOST_STEPS} steps for an instance"))
             .help(format!("periods = {} would do", MOST_STEPS / steps)));
     }
     run.measure = run.measure.min(run.periods);
     if let Some(value) = table.get("measure") {
         run.measure = values::count(value, "run.measure", 1..=u64::from(run.periods)).map_err(|fault| {
-            fault.help(format!("the last periods of the run's {} are measured", run.periods))
+            fault.help(format!("measure at most the {} periods of the run, or raise periods", run.periods))
         })? as u32;
     }
     if let Some(value) = table.get("accuracy") {
@@ -121,6 +121,7 @@ fn observables(value: &Value) -> Checked<Vec<Observable>> {
             return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
                 .label(format!("found {}", values::described(entry)))
                 .expected(format!("one of {}", names.join(", ")))
+                .help("put one of these names")
                 .maybe_help(
                     nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?")),
                 ));
@@ -128,7 +129,8 @@ fn observables(value: &Value) -> Checked<Vec<Observable>> {
         if found.contains(&observable) {
             return Err(Fault::at(entry.span(), format!("`{PATH}` asks twice for \"{name}\""))
                 .label("found again here")
-                .expected("each observable once"));
+                .expected("each observable once")
+                .help("remove one of the two"));
         }
         found.push(observable);
     }
@@ -142,20 +144,23 @@ fn waveforms(value: &Value, run: &Run, instances: usize) -> Checked<WaveformRequ
     let table = known(Some(value), PATH, &["instances", "samples_per_period", "periods"])?;
     let Some((table, list)) = table.and_then(|table| Some((table, table.get("instances")?))) else {
         return Err(Fault::at(value.span(), format!("`{PATH}` lacks `instances`"))
-            .label("which instances?")
-            .expected(FORM));
+            .label("found no `instances`")
+            .expected(FORM)
+            .help("add the numbers of the instances to keep"));
     };
     let mut request =
         WaveformRequest { instances: Vec::new(), samples_per_period: 64, periods: run.periods.min(4) };
     let mut seen = std::collections::HashSet::new();
     for entry in values::list(list, "output.waveforms.instances", "a list such as [0, 100]")? {
         let last = instances.saturating_sub(1) as u64;
-        let instance = values::count(entry, "output.waveforms.instances", 0..=last)
-            .map_err(|fault| fault.help(format!("the scene has {instances} instances, counted from 0")))?;
+        let instance = values::count(entry, "output.waveforms.instances", 0..=last).map_err(|fault| {
+            fault.help(format!("the scene's last instance is number {last}, counted from 0"))
+        })?;
         if !seen.insert(instance) {
             return Err(Fault::at(entry.span(), "`output.waveforms.instances` repeats an instance")
                 .label("found again here")
-                .expected("each instance once"));
+                .expected("each instance once")
+                .help("remove one of the two"));
         }
         request.instances.push(instance as usize);
     }
@@ -165,8 +170,10 @@ fn waveforms(value: &Value, run: &Run, instances: usize) -> Checked<WaveformRequ
     }
     if let Some(value) = table.get("periods") {
         request.periods = values::count(value, "output.waveforms.periods", 1..=u64::from(run.periods))
-            .map_err(|fault| fault.help(format!("the run has {} periods", run.periods)))?
-            as u32;
+            .map_err(|fault| {
+                fault
+                    .help(format!("the run has {} periods: ask for fewer, or raise run.periods", run.periods))
+            })? as u32;
     }
     Ok(request)
 }

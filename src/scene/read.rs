@@ -2,7 +2,8 @@
 
 use super::error::{Checked, Fault, SceneError, line_column};
 use super::params::*;
-use super::quantities::{Address, QUANTITIES};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
 use super::values::{self, Key, Value};
 use super::{Scene, output, rules, sweep};
 use std::io::Read;
@@ -106,12 +107,15 @@ fn not_utf8(bytes: &[u8], text: &str, offset: usize) -> Box<Fault> {
 
 /// Reads the text of a scene; `path` is named in messages and kept.
 pub(super) fn parse(path: &Path, source: &str) -> Result<Scene, SceneError> {
-    parse_text(path, source).map_err(|fault| fault.in_file(path, source))
+    // Editors on Windows like to begin a file with a byte order mark; places are counted after it.
+    let text = source.strip_prefix('\u{FEFF}').unwrap_or(source);
+    let mut scene = parse_text(path, text).map_err(|fault| fault.in_file(path, text))?;
+    scene.source = source.to_string();
+    Ok(scene)
 }
 
 fn parse_text(path: &Path, source: &str) -> Checked<Scene> {
-    let body = source.strip_prefix('\u{FEFF}').unwrap_or(source);
-    if body.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
+    if source.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
         return Err(Fault::whole("the scene file is empty")
             .expected(
                 "at least one line, such as title = \"...\"; everything left out takes the preset's value",
@@ -139,11 +143,27 @@ fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
     } else {
         None
     };
-    let title = match error.message() {
+    // The parser's own words: "what is wrong, expected this".
+    let (message, expected) = error.message().split_once(", expected ").unwrap_or((error.message(), ""));
+    let title = match message {
         "" => "the scene is not valid TOML".to_string(),
         message => format!("the scene is not valid TOML: {message}"),
     };
-    Fault::at(place, title).label("here").maybe_help(help)
+    let found = match source.get(place.clone()).unwrap_or("").trim() {
+        "" if place.end >= source.len() => "found the end of the file".to_string(),
+        "" => "found the end of the line or entry".to_string(),
+        text => format!("found `{}`", crate::units::shortened(text)),
+    };
+    let expected = match expected {
+        "" if message.contains("duplicate") => "each key once in its section",
+        "" => "lines of the form key = value, and sections in brackets",
+        words => words,
+    };
+    Fault::at(place, title)
+        .label(found)
+        .expected(expected)
+        .help("check the brackets, quotes and equals signs here and just before")
+        .maybe_help(help)
 }
 
 fn read_document(path: &Path, source: &str, document: &DeTable) -> Checked<Scene> {
@@ -330,6 +350,7 @@ fn too_many_modes(value: &Value, path: &str, count: usize) -> Box<Fault> {
     Fault::at(value.span(), format!("`{path}` lists too many modes"))
         .label(format!("found {count}"))
         .expected(format!("at most {MOST_MODES}"))
+        .help("keep the lowest ones")
 }
 
 fn resonance_meant(value: &Value) -> bool {

@@ -1,7 +1,8 @@
 //! The scene with every value written out; reading it again gives the same scene.
 
 use super::params::*;
-use super::quantities::{Address, QUANTITIES};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
 use super::read::{DRIVE_ON, LAWS, MODELS, PRESET, keys_of};
 use super::{Axis, Layout, Scene, output, sweep};
 use crate::units::{Dimension, format as written};

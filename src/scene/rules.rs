@@ -5,7 +5,7 @@
 
 use super::error::{Checked, Fault};
 use super::params::*;
-use super::quantities::Address;
+use super::quantity::Address;
 use super::read::{Draft, Said};
 use super::{Layout, Sweep};
 use std::ops::Range;
@@ -172,7 +172,7 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
         if address.index >= length {
             let found = match length {
                 0 => format!("the scene gives no list `{list}`"),
-                length => format!("`{list}` has {length} entries, counted from 0"),
+                length => format!("the last entry of `{list}` is number {}, counted from 0", length - 1),
             };
             return Err(Fault::at(said.key.clone(), format!("`{}` does not exist", said.path))
                 .label(found)
@@ -303,7 +303,8 @@ fn lever_is_complete(draft: &Draft) -> Checked<()> {
                 };
                 return Err(Fault::at(place.clone(), format!("a listed mode lacks its {missing}"))
                     .label("in this mode")
-                    .expected("stiffness and frequency of each mode, such as { stiffness = \"2 N/m\", frequency = \"70 kHz\" }"));
+                    .expected("stiffness and frequency of each mode, such as { stiffness = \"2 N/m\", frequency = \"70 kHz\" }")
+                    .help(format!("add {missing} to this mode")));
             }
             Ok(())
         }

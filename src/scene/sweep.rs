@@ -1,8 +1,9 @@
 //! `[sweep]` and `[samples]`: which quantities vary, and through which values.
 
 use super::error::{Checked, Fault};
-use super::quantities::{Address, QUANTITIES};
-use super::read::{Draft, Said};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
+use super::read::{Draft, Said, keys_of};
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, Sweep};
 use crate::suggest::nearest;
@@ -56,7 +57,8 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
             Layout::List if values.len() != instances => {
                 return Err(Fault::at(value.span(), "the lists of [samples] differ in length")
                     .label(format!("found {} values", values.len()))
-                    .expected(format!("{instances} values, as for `{}`", sweep.axes[0].path)));
+                    .expected(format!("{instances} values, as for `{}`", sweep.axes[0].path))
+                    .help("each instance takes one entry of every list"));
             }
             Layout::List => {}
         }
@@ -117,7 +119,10 @@ fn swept_quantity(key: &Key, value: &Value, section: &str) -> Checked<Address> {
     if value.get_ref().is_table() && known().any(|quantity| quantity.split('.').next() == Some(path)) {
         return Err(fault(format!("`{path}` in [{section}] is a section, not a quantity"))
             .label("not the path of a quantity")
-            .help("put the whole path in quotes: \"sample.youngs_modulus\" = ..."));
+            .help(format!(
+                "put the whole path in quotes: \"{}\" = ...",
+                shortened(&unquoted_path(path, value))
+            )));
     }
     let by_ending =
         || known().find(|quantity| quantity.strip_suffix(path).is_some_and(|head| head.ends_with('.')));
@@ -125,7 +130,27 @@ fn swept_quantity(key: &Key, value: &Value, section: &str) -> Checked<Address> {
     let example = meant.map(|meant| format!("did you mean \"{}\"?", meant.replace('#', "0")));
     Err(fault(format!("`{}` is not a quantity of a scene", shortened(path)))
         .label("unknown path")
+        .help(
+            match path.split_once('.').map(|(section, _)| keys_of(section)).filter(|keys| !keys.is_empty()) {
+                Some(keys) => format!("this section has {}", keys.join(", ")),
+                None => "write the sections and the key joined by points, as \"instrument.tip.radius\""
+                    .to_string(),
+            },
+        )
         .maybe_help(example))
+}
+
+/// The path that dotted keys without quotes were meant to be.
+fn unquoted_path(start: &str, value: &Value) -> String {
+    let (mut path, mut inner) = (start.to_string(), value.get_ref());
+    while let Some((key, value)) = inner.as_table().and_then(|table| table.iter().next()) {
+        path = format!("{path}.{}", key.get_ref());
+        inner = value.get_ref();
+        if Address::find(&path).is_some() {
+            break;
+        }
+    }
+    path
 }
 
 /// The values of a grid's axis, and whether they are spaced in the logarithm.
@@ -143,7 +168,8 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
             return Err(Fault::at(other.span(), format!("the axis `{path}` is given in two ways"))
                 .label(format!("`{}` belongs to an axis with from and to", other.get_ref()))
                 .related(key.span(), "the values are listed")
-                .expected(AXIS_FORM));
+                .expected(AXIS_FORM)
+                .help(format!("remove `values` or `{}`", other.get_ref())));
         }
         let values = listed(list, address)?;
         if let Some((first, second)) = repeated(&values) {
@@ -151,7 +177,8 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
                 list.get_ref().as_array().and_then(|array| array.get(second)).map_or(0..0, |v| v.span());
             return Err(Fault::at(place, format!("the axis `{path}` repeats a value"))
                 .label(format!("value {} is the same as value {}", second + 1, first + 1))
-                .expected("values that differ"));
+                .expected("values that differ")
+                .help("remove one of the two"));
         }
         return Ok((values, false));
     }
@@ -163,6 +190,7 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
             Fault::at(value.span(), format!("the axis `{path}` lacks `{name}`"))
                 .label(format!("found {found}"))
                 .expected(AXIS_FORM)
+                .help(format!("add `{name}`"))
         })
     };
     let (from_value, to_value, points_value) = (get("from")?, get("to")?, get("points")?);
@@ -183,6 +211,7 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
         };
         return Err(Fault::at(place.span(), format!("an end of the axis `{path}` is {trouble}"))
             .label(format!("found {}", values::described(place)))
+            .expected(if log { "finite ends above zero" } else { "finite ends" })
             .help("list the values instead: { values = [...] }"));
     }
     let values = spaced(from, to, points, log);
@@ -191,11 +220,12 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
             .label(format!("{points} points"))
             .related(from_value.span(), "from here")
             .related(to_value.span(), "to here")
-            .expected("ends far enough apart for the points to be distinct numbers"));
+            .expected("ends far enough apart for the points to be distinct numbers")
+            .help("move the ends apart, or leave the axis out and give the one value in its section"));
     }
     match values.iter().find(|number| !address.quantity.domain.holds(**number)) {
         Some(number) => {
-            values::in_domain(*number, value.span(), address, &path)?;
+            values::in_domain(*number, value.span(), &address.written(*number), address, &path)?;
             Ok((values, log))
         }
         None => Ok((values, log)),
@@ -205,14 +235,13 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
 /// A list of values, each checked in its place.
 fn listed(value: &Value, address: Address) -> Checked<Vec<f64>> {
     let path = address.path();
-    let form = match address.quantity.dimension.example() {
-        example => format!("a list such as [{example}, ...]"),
-    };
+    let form = format!("a list such as [{}, ...]", address.quantity.dimension.example());
     let list = values::list(value, &path, &form)?;
     if list.len() > MOST_INSTANCES {
         return Err(Fault::at(value.span(), "the list is too long")
             .label(format!("found {} values", list.len()))
-            .expected(format!("at most {MOST_INSTANCES}")));
+            .expected(format!("at most {MOST_INSTANCES}"))
+            .help("split the scene into several"));
     }
     list.iter().map(|entry| values::quantity(entry, address, &path)).collect()
 }

@@ -1,7 +1,8 @@
 //! Single values of a scene file: quantities, counts, keywords, and the keys around them.
 
 use super::error::{Checked, Fault};
-use super::quantities::{Address, QUANTITIES};
+use super::quantities::QUANTITIES;
+use super::quantity::Address;
 use crate::suggest::nearest;
 use crate::units::{self, Dimension, UnitErrorKind, shortened};
 use std::ops::{Range, RangeInclusive};
@@ -16,19 +17,26 @@ pub(super) type Value<'a> = Spanned<DeValue<'a>>;
 /// The value of a quantity in SI units, its dimension and domain checked.
 pub(super) fn quantity(value: &Value, address: Address, path: &str) -> Checked<f64> {
     let number = raw_quantity(value, address.quantity.dimension, path)?;
-    in_domain(number, value.span(), address, path)?;
+    in_domain(number, value.span(), &described(value), address, path)?;
     Ok(number)
 }
 
 /// Refuses a value outside the quantity's domain.
-pub(super) fn in_domain(number: f64, place: Range<usize>, address: Address, path: &str) -> Checked<()> {
+pub(super) fn in_domain(
+    number: f64,
+    place: Range<usize>,
+    found: &str,
+    address: Address,
+    path: &str,
+) -> Checked<()> {
     let domain = address.quantity.domain;
     if domain.holds(number) {
         return Ok(());
     }
     Err(Fault::at(place, format!("`{path}` has an impossible value"))
-        .label(format!("found {}", address.written(number).trim_matches('"')))
-        .expected(domain.described()))
+        .label(format!("found {found}"))
+        .expected(domain.described())
+        .help(domain.advice(number)))
 }
 
 fn raw_quantity(value: &Value, dimension: Dimension, path: &str) -> Checked<f64> {
@@ -37,9 +45,11 @@ fn raw_quantity(value: &Value, dimension: Dimension, path: &str) -> Checked<f64>
             Dimension::Dimensionless => "a number without unit and without quotes, such as 0.3".to_string(),
             other => format!("{} with its unit, such as {}", other.described(), other.example()),
         };
+        let help = format!("write {path} = {}, for example", dimension.example());
         Fault::at(value.span(), format!("`{path}` is not {}", dimension.described()))
             .label(format!("found {found}"))
             .expected(expected)
+            .help(help)
     };
     let text = match value.get_ref() {
         DeValue::String(text) => text.as_ref(),
@@ -69,6 +79,7 @@ fn raw_quantity(value: &Value, dimension: Dimension, path: &str) -> Checked<f64>
             Err(Fault::at(value.span(), title)
                 .label(format!("found {}", error.found()))
                 .expected(error.expected())
+                .help(format!("write {}, for example", dimension.example()))
                 .maybe_help(error.suggestion()))
         }
     }
@@ -76,19 +87,29 @@ fn raw_quantity(value: &Value, dimension: Dimension, path: &str) -> Checked<f64>
 
 /// A whole number within a range.
 pub(super) fn count(value: &Value, path: &str, range: RangeInclusive<u64>) -> Checked<u64> {
-    let fault = |title: String| {
-        Fault::at(value.span(), title).label(format!("found {}", described(value))).expected(format!(
-            "a whole number from {} to {}",
-            range.start(),
-            range.end()
-        ))
+    let (least, most) = (*range.start(), *range.end());
+    let fault = |what: &str, nearest: u64| {
+        let expected = match least == most {
+            true => format!("{least}, the only possible value"),
+            false => format!("a whole number from {least} to {most}"),
+        };
+        Fault::at(value.span(), format!("`{path}` is {what}"))
+            .label(format!("found {}", described(value)))
+            .expected(expected)
+            .help(format!("the nearest allowed value is {nearest}"))
     };
     let DeValue::Integer(integer) = value.get_ref() else {
-        return Err(fault(format!("`{path}` is not a whole number")));
+        let near = value.get_ref().as_float().and_then(|float| float.as_str().parse::<f64>().ok());
+        // Casting saturates, and NaN becomes 0.
+        let near = near.map_or(least, |near| near.round() as u64);
+        return Err(fault("not a whole number", near.max(least).min(most)));
     };
+    let negative = integer.as_str().starts_with('-');
     match u64::from_str_radix(integer.as_str().trim_start_matches('+'), integer.radix()) {
         Ok(number) if range.contains(&number) => Ok(number),
-        _ => Err(fault(format!("`{path}` is out of range"))),
+        Ok(number) if number < least => Err(fault("out of range", least)),
+        _ if negative => Err(fault("out of range", least)),
+        _ => Err(fault("out of range", most)),
     }
 }
 
@@ -100,7 +121,8 @@ pub(super) fn ratio(value: &Value, path: &str, range: RangeInclusive<f64>) -> Ch
     }
     Err(Fault::at(value.span(), format!("`{path}` is out of range"))
         .label(format!("found {}", described(value)))
-        .expected(format!("a number from {:e} to {}", range.start(), range.end())))
+        .expected(format!("a number from {:e} to {}", range.start(), range.end()))
+        .help(format!("the nearest allowed value is {:?}", number.clamp(*range.start(), *range.end()))))
 }
 
 /// A text.
@@ -109,6 +131,7 @@ pub(super) fn text<'a>(value: &'a Value, path: &str) -> Checked<&'a str> {
         Fault::at(value.span(), format!("`{path}` is not a text"))
             .label(format!("found {}", described(value)))
             .expected("a text in quotes")
+            .help("put quotes around it")
     })
 }
 
@@ -118,13 +141,18 @@ pub(super) fn table<'a, 'i>(value: &'a Value<'i>, path: &str, expected: &str) ->
         Fault::at(value.span(), format!("`{path}` is not a table"))
             .label(format!("found {}", described(value)))
             .expected(expected)
+            .help("its entries are written key = value, in that form")
     })
 }
 
 /// A list with at least one entry.
 pub(super) fn list<'a, 'i>(value: &'a Value<'i>, path: &str, expected: &str) -> Checked<&'a DeArray<'i>> {
     let fault = |title: String| {
-        Fault::at(value.span(), title).label(format!("found {}", described(value))).expected(expected)
+        let found = format!("found {}", described(value));
+        Fault::at(value.span(), title)
+            .label(found)
+            .expected(expected)
+            .help("write at least one entry in brackets")
     };
     match value.get_ref().as_array() {
         Some(array) if array.is_empty() => Err(fault(format!("`{path}` is an empty list"))),
@@ -139,13 +167,15 @@ pub(super) fn keyword<T: Copy>(value: &Value, path: &str, words: &[(&str, T)]) -
     let Some(found) = value.get_ref().as_str() else {
         return Err(Fault::at(value.span(), format!("`{path}` is not a word in quotes"))
             .label(format!("found {}", described(value)))
-            .expected(format!("one of {}", quoted())));
+            .expected(format!("one of {}", quoted()))
+            .help("put one of these words, with its quotes"));
     };
     words.iter().find(|(word, _)| *word == found).map(|(_, meaning)| *meaning).ok_or_else(|| {
         let meant = nearest(found, words.iter().map(|(word, _)| *word));
         Fault::at(value.span(), format!("`{path}` has an unknown value"))
             .label(format!("found {}", described(value)))
             .expected(format!("one of {}", quoted()))
+            .help("put one of these words")
             .maybe_help(meant.map(|word| format!("did you mean \"{word}\"?")))
     })
 }
@@ -160,6 +190,7 @@ pub(super) fn unknown_key(key: &Key, section: &str, known: &[&str]) -> Box<Fault
     Fault::at(key.span(), format!("unknown key `{}` in {place}", shortened(found)))
         .label(format!("not a key of {place}"))
         .expected(format!("one of {}", known.join(", ")))
+        .help("remove the line, or put one of these keys")
         .maybe_help(help)
 }
 

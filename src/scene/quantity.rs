@@ -1,0 +1,131 @@
+//! What a quantity of a scene is: its path, dimension and domain, and access to its value in [`Params`].
+
+use super::params::Params;
+use super::quantities::QUANTITIES;
+use crate::units::{self, Dimension};
+
+/// Values a quantity may take, beyond having the right dimension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// Any finite value.
+    Finite,
+    /// Finite, zero or above.
+    NonNegative,
+    /// Finite, above zero.
+    Positive,
+    /// Above zero, or `inf`: rigid.
+    PositiveOrInfinite,
+    /// Above -1, at most 0.5.
+    PoissonRatio,
+    /// Above 0.5, or `inf`: undamped.
+    QualityFactor,
+}
+
+impl Domain {
+    /// Whether the value is allowed; NaN never is.
+    pub fn holds(self, value: f64) -> bool {
+        match self {
+            Self::Finite => value.is_finite(),
+            Self::NonNegative => value.is_finite() && value >= 0.0,
+            Self::Positive => value.is_finite() && value > 0.0,
+            Self::PositiveOrInfinite => value > 0.0,
+            Self::PoissonRatio => value > -1.0 && value <= 0.5,
+            Self::QualityFactor => value > 0.5,
+        }
+    }
+
+    /// What to do about a value that is not allowed.
+    pub fn advice(self, value: f64) -> &'static str {
+        match self {
+            _ if value < 0.0 && self.holds(-value) => "remove the minus sign",
+            Self::Finite | Self::NonNegative => "give a finite value, zero included",
+            Self::Positive if value.is_infinite() => {
+                "give a finite value; a large one if it should hardly matter"
+            }
+            Self::Positive => "give a value above zero; a small one if it should hardly matter",
+            Self::PositiveOrInfinite => "give a value above zero, or inf",
+            Self::PoissonRatio => "most solids have 0.2 to 0.45; 0.5 does not change its volume",
+            Self::QualityFactor => "give a value above 0.5 (the motion must oscillate), or inf",
+        }
+    }
+
+    /// The allowed values, after "expected ".
+    pub fn described(self) -> &'static str {
+        match self {
+            Self::Finite => "any finite value",
+            Self::NonNegative => "zero or more",
+            Self::Positive => "more than zero",
+            Self::PositiveOrInfinite => "more than zero, or inf for rigid",
+            Self::PoissonRatio => "more than -1 and at most 0.5 (incompressible)",
+            Self::QualityFactor => "more than 0.5, or inf for undamped",
+        }
+    }
+}
+
+/// One entry of the table.
+#[derive(Debug)]
+pub struct Quantity {
+    /// Path in the scene file; `#` stands for an index.
+    pub path: &'static str,
+    /// For a label.
+    pub long_name: &'static str,
+    pub dimension: Dimension,
+    pub domain: Domain,
+    pub(super) get: fn(&Params, usize) -> Option<f64>,
+    pub(super) set: fn(&mut Params, usize, f64),
+}
+
+/// A quantity and, where its path has an index, which one.
+#[derive(Clone, Copy, Debug)]
+pub struct Address {
+    pub quantity: &'static Quantity,
+    pub index: usize,
+}
+
+impl Address {
+    /// The quantity at that path, `None` if there is none.
+    pub fn find(path: &str) -> Option<Self> {
+        if let Some(quantity) = QUANTITIES.iter().find(|quantity| quantity.path == path) {
+            // The pattern itself, with its `#`, is no path.
+            return (!path.contains('#')).then_some(Self { quantity, index: 0 });
+        }
+        QUANTITIES.iter().find_map(|quantity| {
+            let (head, tail) = quantity.path.split_once('#')?;
+            let digits = path.strip_prefix(head)?.strip_suffix(tail)?;
+            let plain = digits == "0" || !digits.starts_with(['0', '+']);
+            Some(Self { quantity, index: digits.parse().ok().filter(|_| plain)? })
+        })
+    }
+
+    /// The path with its index.
+    pub fn path(self) -> String {
+        self.quantity.path.replacen('#', &self.index.to_string(), 1)
+    }
+
+    /// Label for people, as `sample Young's modulus`.
+    pub fn long_name(self) -> String {
+        if !self.quantity.path.contains('#') {
+            return self.quantity.long_name.to_string();
+        }
+        self.quantity.long_name.replacen('#', &(self.index + 1).to_string(), 1)
+    }
+
+    /// The value in that case, SI; `None` where the case says the same thing another way.
+    pub fn get(self, params: &Params) -> Option<f64> {
+        (self.quantity.get)(params, self.index)
+    }
+
+    /// Puts an SI value in, and switches to this way of saying it where there are several.
+    /// An index beyond the case's modes changes nothing; reading refuses it beforehand.
+    pub fn set(self, params: &mut Params, value: f64) {
+        (self.quantity.set)(params, self.index, value);
+    }
+
+    /// The value as the scene file writes it, quotes included where it has a unit.
+    pub fn written(self, value: f64) -> String {
+        match self.quantity.dimension {
+            Dimension::Dimensionless => units::format(value, Dimension::Dimensionless),
+            dimension => format!("\"{}\"", units::format(value, dimension)),
+        }
+    }
+}
