@@ -28,4 +28,4 @@ pub use tally::Tally;
 pub const LENGTH: f64 = 1e-9;
 
 /// Most modes one instance may carry.
-pub const MODES_MAX: usize = 8;
+pub const MODES_MAX: usize = crate::scene::STEPPED_MODES;

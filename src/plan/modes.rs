@@ -30,16 +30,16 @@ pub struct KeptModes {
     pub modes: Vec<KeptMode>,
     /// The tip's static flexibility, all modes, m/N.
     pub flexibility: f64,
-    /// Share of it in modes that are not kept one by one.
+    /// Share of it that no kept oscillator carries.
     pub residual_share: f64,
-    /// Whether that share is kept as one residual oscillator.
+    /// Whether the faster modes are kept as one residual oscillator.
     pub residual_kept: bool,
     /// What decided.
     pub reason: String,
 }
 
-/// Fewest steps the fastest kept oscillator gets per radian-scale time: omega h at most this.
-pub(super) const ANGLE_MAX: f64 = 0.9;
+/// Largest phase, rad, that a kept oscillator may turn through in one step.
+pub(super) const ANGLE_MAX: f64 = 1.2;
 
 impl KeptModes {
     /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
@@ -100,12 +100,14 @@ impl KeptModes {
         kept
     }
 
-    /// The residual oscillator: omega^2 = sum(c b/w^2) / sum(c b/w^4) over the modes not kept.
+    /// The residual oscillator: omega^2 = sum(c b/w^2) / sum(c b/w^4) over the modes above the kept
+    /// ones. Slower modes that are not kept (the rod's, each a share of 1e-4 or less) are no spring
+    /// at the frequencies of a contact and stay out.
     fn add_residual(&mut self, instrument: &Instrument, accuracy: f64, fastest: f64) {
-        let kept: Vec<usize> = self.modes.iter().filter_map(|mode| mode.index).collect();
+        let kept = self.fastest();
         let (mut spring, mut inertia, mut loss, mut top) = (0.0, 0.0, 0.0, 0.0);
-        for (k, mode) in instrument.modes.iter().enumerate() {
-            if !kept.contains(&k) {
+        for mode in &instrument.modes {
+            if mode.omega > kept {
                 let flexibility = mode.tip * mode.force / mode.omega.powi(2);
                 spring += flexibility;
                 inertia += flexibility / mode.omega.powi(2);
@@ -113,7 +115,8 @@ impl KeptModes {
                 top += mode.top * mode.force / mode.omega.powi(2);
             }
         }
-        let negligible = self.residual_share.abs() <= 0.1 * accuracy;
+        let share = spring / self.flexibility;
+        let negligible = share.abs() <= 0.1 * accuracy;
         let omega = (spring / inertia).sqrt();
         if negligible || !(spring > 0.0 && inertia > 0.0 && omega.is_finite()) {
             self.note(format!("{} modes carry all but {:.1e}", self.modes.len(), self.residual_share));
@@ -125,11 +128,12 @@ impl KeptModes {
             ));
         } else {
             self.note(format!(
-                "{} modes, the other {:.1e} of the flexibility as one residual oscillator",
+                "{} modes, another {:.1e} of the flexibility as one residual oscillator",
                 self.modes.len(),
-                self.residual_share
+                share
             ));
             self.residual_kept = true;
+            self.residual_share -= share;
             self.modes.push(KeptMode {
                 index: None,
                 omega,

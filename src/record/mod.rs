@@ -148,7 +148,7 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<Strin
             let first = flags.data.iter().position(|bits| bits & mask != 0)?;
             let params: Params = scene.instance(first);
             let contact: &Contact = &plan.cases[first].contact;
-            let depth = plan.expected_depth(first);
+            let depth = depth(plan, results, first);
             let words = contact
                 .warnings(&params, Some(depth))
                 .into_iter()
@@ -160,6 +160,16 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<Strin
             })
         })
         .collect()
+}
+
+/// Largest indentation of an instance, measured or else expected, m.
+fn depth(plan: &Plan, results: &Results, instance: usize) -> f64 {
+    let name = Observable::IndentationMax.name();
+    let measured = results.variables.iter().find(|variable| variable.name == name);
+    match measured.map(|variable| variable.data[instance]) {
+        Some(depth) if !depth.is_nan() => depth,
+        _ => plan.expected_depth(instance),
+    }
 }
 
 /// Static curves of the instances with waveforms, or of the first, middle and last one; one contact once.

@@ -19,6 +19,9 @@ pub use quantity::{Address, Domain, Quantity};
 use crate::observe::Observable;
 use std::path::{Path, PathBuf};
 
+/// Most modes an instance can be stepped with (`[run] modes`).
+pub const STEPPED_MODES: usize = 8;
+
 /// A scene as read, checked and ready to plan.
 #[derive(Clone, Debug)]
 pub struct Scene {

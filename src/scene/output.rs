@@ -2,7 +2,8 @@
 
 use super::error::{Checked, Fault};
 use super::params::Lever;
-use super::read::{Draft, MOST_MODES};
+use super::STEPPED_MODES;
+use super::read::Draft;
 use super::values::{self, Value};
 use super::{Output, Run, Start, WaveformRequest};
 use crate::observe::Observable;
@@ -88,8 +89,8 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
     }
     if let Some(value) = table.get("modes") {
         let most = match &draft.params.instrument.cantilever.lever {
-            Lever::Modes(modes) => modes.len(),
-            _ => MOST_MODES,
+            Lever::Modes(modes) => modes.len().min(STEPPED_MODES),
+            _ => STEPPED_MODES,
         };
         run.modes = Some(values::count(value, "run.modes", 1..=most as u64)? as usize);
     }

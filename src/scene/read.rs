@@ -18,7 +18,7 @@ pub(super) const PRESET: &str = "ha-fung-chen-2005";
 const LARGEST_FILE: u64 = 256 << 20;
 
 /// Most lever modes a scene may list or ask for.
-pub(super) const MOST_MODES: usize = 32;
+const MOST_MODES: usize = 32;
 
 /// Keywords of `instrument.actuator.model`.
 pub(super) const MODELS: [(&str, ActuatorModel); 4] = [
