@@ -125,12 +125,14 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         rate: if progress.steps() == 0 { 0.0 } else { progress.steps() as f64 / stepping },
         plan: summary.json().to_string(),
     };
+    // Ctrl-C after the last instance came too late to spoil anything.
+    let whole = outcome.results.iter().all(|one| one.status != Status::NotRun);
     let mut results = record::results(&scene, &plan, &outcome, &facts);
-    if let Some(request) = scene.output.waveforms.as_ref().filter(|_| !progress.stopped()) {
+    if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
         results.waveforms = Some(record::waveforms(&plan, request)?);
     }
     writer.write(&results)?;
-    if progress.stopped() {
+    if !whole {
         anyhow::bail!(
             "interrupted: {} of {} instances are in {}; run the scene again for a whole file",
             outcome.results.iter().filter(|one| one.status != Status::NotRun).count(),
@@ -139,7 +141,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         );
     }
     writer.finish()?;
-    close(&scene, &plan, &outcome, &results, &facts, voice);
+    close(&scene, &plan, &outcome, &results, voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -151,8 +153,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
 }
 
 /// What a user should know of the run: doubtful instances and doubtful contacts.
-fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, facts: &Facts, voice: Voice) {
-    let _ = facts;
+fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice: Voice) {
     for status in Status::ALL {
         let count = outcome.results.iter().filter(|one| one.status == status).count();
         if count > 0 && status != Status::Ok {
