@@ -104,9 +104,9 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         voice.say(summary.to_string().trim_end());
     }
     voice.say(format_args!(
-        "{}: {} instances, {:.2e} instance-steps on {}, {}",
+        "{}: {}, {:.2e} instance-steps on {}, {}",
         args.scene.display(),
-        plan.cases.len(),
+        instances(plan.cases.len()),
         plan.instance_steps() as f64,
         engine.device(),
         plan.precision.name()
@@ -139,7 +139,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         );
     }
     writer.finish()?;
-    close(&scene, &plan, &outcome, &results, &facts, voice);
+    close(&scene, &plan, &outcome, &results, voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -151,14 +151,13 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
 }
 
 /// What a user should know of the run: doubtful instances and doubtful contacts.
-fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, facts: &Facts, voice: Voice) {
-    let _ = facts;
+fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice: Voice) {
     for status in Status::ALL {
         let count = outcome.results.iter().filter(|one| one.status == status).count();
         if count > 0 && status != Status::Ok {
             voice.say(format_args!(
-                "{count} of {} instances {}: {}",
-                outcome.results.len(),
+                "{count} of {} {}: {}",
+                instances(outcome.results.len()),
                 status.meaning().replace('_', " "),
                 advice(status)
             ));
@@ -167,6 +166,10 @@ fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, facts
     for line in record::warning_lines(scene, plan, results) {
         voice.say(format_args!("warning: {line}"));
     }
+}
+
+fn instances(count: usize) -> String {
+    format!("{count} instance{}", if count == 1 { "" } else { "s" })
 }
 
 fn advice(status: Status) -> &'static str {

@@ -1,8 +1,8 @@
 //! `[run]` and `[output]`.
 
+use super::STEPPED_MODES;
 use super::error::{Checked, Fault};
 use super::params::Lever;
-use super::STEPPED_MODES;
 use super::read::Draft;
 use super::values::{self, Value};
 use super::{Output, Run, Start, WaveformRequest};
