@@ -34,44 +34,57 @@ pub struct Flow<L, const M: usize> {
 }
 
 impl<L: Lane, const M: usize> Flow<L, M> {
-    /// Coefficients for a step of `step` seconds; `modes` has M entries.
+    /// Coefficients for each instance's modes, at most M, and step in seconds. Modes that are not
+    /// there are modes that no impulse moves.
     ///
     /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
     /// term that the path average asks for, in the form that makes a mode's answer to a steady
     /// force exact however stiff it is. `kick_x` is the average's damping term (ARCHITECTURE.md).
-    pub fn new(modes: &[FlowMode], step: f64) -> Self {
-        let zero = [L::splat(0.0); M];
-        let mut flow = Self {
-            m00: zero,
-            m01: zero,
-            m10: zero,
-            m11: zero,
-            rate: zero,
-            pull: zero,
-            drag: zero,
-            kick_u: zero,
-            kick_x: zero,
-            kick_speed: L::splat(0.0),
+    pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
+        let rows: Vec<Vec<Row>> = instances
+            .iter()
+            .map(|(modes, step)| {
+                let mut rows: Vec<Row> = modes.iter().map(|mode| Row::new(mode, *step)).collect();
+                rows.resize_with(M, || {
+                    Row::new(&FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0 }, *step)
+                });
+                rows
+            })
+            .collect();
+        let gather = |value: fn(&Row) -> f64| -> [L; M] {
+            std::array::from_fn(|k| L::from_lanes(|i| value(&rows[i][k])))
         };
-        let mut kick_speed = 0.0;
-        for (k, mode) in modes.iter().enumerate().take(M) {
-            let [m00, m01, m10, m11] = increments(mode.omega * step, mode.damping);
-            let angle = mode.omega * step;
-            let half = 0.5 * angle;
-            let factor = mode.share * half.tan() / half * (1.0 - angle * angle / 24.0);
-            flow.m00[k] = L::splat(m00);
-            flow.m01[k] = L::splat(m01);
-            flow.m10[k] = L::splat(m10);
-            flow.m11[k] = L::splat(m11);
-            flow.rate[k] = L::splat(angle);
-            flow.pull[k] = L::splat(-angle * angle);
-            flow.drag[k] = L::splat(-2.0 * mode.damping * angle * angle);
-            flow.kick_u[k] = L::splat(factor / angle);
-            flow.kick_x[k] = L::splat(mode.share * mode.damping * angle / 12.0);
-            kick_speed += factor;
+        Self {
+            m00: gather(|row| row.step[0]),
+            m01: gather(|row| row.step[1]),
+            m10: gather(|row| row.step[2]),
+            m11: gather(|row| row.step[3]),
+            rate: gather(|row| row.angle),
+            pull: gather(|row| -row.angle * row.angle),
+            drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
+            kick_u: gather(|row| row.factor / row.angle),
+            kick_x: gather(|row| row.share * row.damping * row.angle / 12.0),
+            kick_speed: L::from_lanes(|i| rows[i].iter().map(|row| row.factor).sum()),
         }
-        flow.kick_speed = L::splat(kick_speed);
-        flow
+    }
+}
+
+/// One mode over one step.
+struct Row {
+    angle: f64,
+    damping: f64,
+    share: f64,
+    factor: f64,
+    step: [f64; 4],
+}
+
+impl Row {
+    fn new(mode: &FlowMode, step: f64) -> Self {
+        let FlowMode { omega, damping, share } = *mode;
+        let angle = omega * step;
+        let half = 0.5 * angle;
+        let factor = share * half.tan() / half * (1.0 - angle * angle / 24.0);
+        Self { angle, damping, share, factor, step: increments(angle, damping) }
     }
 }
 

@@ -72,11 +72,18 @@ impl<L: Lane> Tally<L> {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, sample: &Sample<L>, waves: &[Vec<Wave<L>>], index: usize, wants: Wants) {
+    pub(super) fn add(
+        &mut self,
+        sample: &Sample<L>,
+        waves: &[Vec<Wave<L::Element>>],
+        index: usize,
+        wants: Wants,
+    ) {
         for (harmonic, row) in waves.iter().enumerate().take(wants.harmonics) {
             let wave = row[index];
-            self.cosine[harmonic] = sample.beyond.mul_add(wave.cosine, self.cosine[harmonic]);
-            self.sine[harmonic] = sample.beyond.mul_add(wave.sine, self.sine[harmonic]);
+            let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
+            self.cosine[harmonic] = sample.beyond.mul_add(cosine, self.cosine[harmonic]);
+            self.sine[harmonic] = sample.beyond.mul_add(sine, self.sine[harmonic]);
         }
         if wants.extremes {
             self.add_extremes(sample);
