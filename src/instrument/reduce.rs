@@ -97,6 +97,7 @@ impl Instrument {
         }
         let structure = Structure::new(params, on, mesh)?;
         let solved = solve(&structure)?;
+        check_range(&solved)?;
         Ok(instrument(&structure, mesh, &solved, solved.len()))
     }
 }
@@ -120,8 +121,7 @@ fn band(p: &InstrumentParams, lever_mu: &[f64]) -> Result<Band, InstrumentError>
     let below = |omega: f64| Rod::modes_below(&p.actuator, omega / std::f64::consts::TAU);
     let needed = below(1.5 * omega(0));
     let [fewest, usual, most] = ROD_MODES;
-    // Written so that NaN is refused too.
-    if !(needed <= most as f64) {
+    if needed.is_nan() || needed > most as f64 {
         let rod_hz = (p.actuator.youngs_modulus / p.actuator.density).sqrt() / (4.0 * p.actuator.length);
         let lever_hz = omega(0) / std::f64::consts::TAU;
         return Err(InstrumentError::RodTooSlow { rod_hz, lever_hz, needed, most });
@@ -157,6 +157,7 @@ fn finish(
 ) -> Result<Instrument, InstrumentError> {
     let solved = solve(&structure)?;
     let resolved = solved.iter().enumerate().take_while(|(k, _)| change(*k) <= tolerance).count();
+    check_range(&solved)?;
     for s in &solved[..in_band.max(resolved).min(solved.len())] {
         if !(s.residual <= QUALITY && s.orthonormality <= QUALITY) {
             let Solved { residual, orthonormality, .. } = *s;
@@ -164,6 +165,26 @@ fn finish(
         }
     }
     Ok(instrument(&structure, mesh, &solved, resolved))
+}
+
+/// Sizes at the ends of f64's range pass every check and still overflow in a product.
+fn check_range(solved: &[Solved]) -> Result<(), InstrumentError> {
+    for Solved { mode, .. } in solved {
+        let numbers = [
+            ("frequency of a mode", mode.omega),
+            ("tip travel of a mode", mode.tip),
+            ("force on a mode", mode.force),
+            ("drive of a mode", mode.drive),
+            ("rod travel of a mode", mode.top),
+        ];
+        if let Some((what, value)) = numbers.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(InstrumentError::OutOfRange { what, value });
+        }
+    }
+    if solved.is_empty() {
+        return Err(InstrumentError::OutOfRange { what: "number of modes", value: 0.0 });
+    }
+    Ok(())
 }
 
 fn instrument(structure: &Structure, mesh: Mesh, solved: &[Solved], resolved: usize) -> Instrument {

@@ -7,6 +7,9 @@
 //!   top:    E_p A_p u_Z + spring U + kappa E I W_xxx(0) = F_top
 //!   moment: E I W_xx(L) - omega^2 m l s = l F_tip
 //!   shear: -E I W_xxx(L) - omega^2 m s = F_tip
+// Each test file that shares this uses its own part.
+#![allow(dead_code)]
+
 use afmsweep::scene::{InstrumentParams, Lever, TipMass};
 
 use nalgebra::{Matrix3, Vector3};
