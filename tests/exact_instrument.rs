@@ -143,6 +143,14 @@ fn closed_form_flexibility_of_the_tip() {
         close(coupled.flexibility(), lever + rod, 1e-9, "coupled");
         let static_tip = coupled.free_motion(DriveLevel::Force(1e-9), 1e-2).unwrap().tip;
         close(static_tip.re, 1e-9 * (lever + rod), 1e-9, "static travel under 1 nN");
+        for mode in &coupled.modes {
+            assert_eq!((mode.force, mode.force), (mode.tip, mode.drive), "a push is a push, whoever does it");
+        }
+        p.actuator.model = ActuatorModel::AsPrinted;
+        let printed = reduce(&p, DriveOn::Tip);
+        // Pushed once, but the top counts twice in the travel; against the lever the rod is stiff.
+        close(printed.flexibility(), lever + 2.0 * rod, 1e-9, "as printed");
+        assert!(printed.modes.iter().all(|m| m.force == m.drive), "as printed, too");
         p.actuator.model = ActuatorModel::Prescribed;
         close(reduce(&p, DriveOn::Tip).flexibility(), lever, 1e-9, "prescribed: the rod does not give");
     }
