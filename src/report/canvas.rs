@@ -83,8 +83,10 @@ impl Canvas<'_> {
         colour: RGBColor,
         width: f64,
     ) -> Result<(), ReportError> {
-        let shape = Rectangle::new([fine(a), fine(b)], stroke(colour, width));
-        self.area.draw(&shape).map_err(ReportError::draw)
+        // As a line: plotters gives rectangles no line width.
+        let mut corners = vec![a, (b.0, a.1), b, (a.0, b.1), a];
+        corners.push((b.0, a.1));
+        self.line(&corners, colour, width)
     }
 
     pub fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Result<(), ReportError> {
@@ -125,8 +127,9 @@ impl Canvas<'_> {
     }
 
     pub fn ring(&self, at: (f64, f64), radius: f64, colour: RGBColor) -> Result<(), ReportError> {
-        let shape = Circle::new(fine(at), (radius * FINE) as i32, stroke(colour, 1.3));
-        self.area.draw(&shape).map_err(ReportError::draw)
+        // As two dots: plotters gives circles no line width.
+        self.dot(at, radius, colour)?;
+        self.dot(at, radius - 1.3, WHITE)
     }
 
     pub fn cross(&self, (x, y): (f64, f64), half: f64, colour: RGBColor) -> Result<(), ReportError> {

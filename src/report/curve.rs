@@ -122,7 +122,7 @@ fn state_entries(series: &[Series]) -> Vec<(Key, String)> {
         entries.push((Key::Cross(GREY), format!("failed ({})", tally.failed)));
     }
     if tally.empty > 0 {
-        entries.push((Key::Line(GREY), format!("no value, nothing failed: marks below ({})", tally.empty)));
+        entries.push((Key::Tick(GREY), format!("no value, nothing failed ({})", tally.empty)));
     }
     entries
 }

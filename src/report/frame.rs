@@ -68,6 +68,8 @@ pub(super) enum Key {
     Dot(RGBColor),
     Ring(RGBColor),
     Cross(RGBColor),
+    /// An upright stroke.
+    Tick(RGBColor),
     Swatch(RGBColor),
     Marked(RGBColor),
     Hatched,
@@ -97,6 +99,7 @@ pub(super) fn key(
             Key::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
             Key::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
             Key::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
+            Key::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
             Key::Swatch(colour) => canvas.rectangle(a, b, colour)?,
             Key::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
@@ -165,7 +168,7 @@ impl Frame<'_, '_> {
     }
 
     fn y_count(&self) -> usize {
-        (self.height / 55.0) as usize + 1
+        (self.height / 45.0) as usize + 1
     }
 
     /// The box and its ticks, to be drawn after the data; labels where asked for.
@@ -205,10 +208,20 @@ impl Frame<'_, '_> {
         }
         if y_labels {
             let x = self.left - 16.0 - widest(&ticks) - LABEL * 0.6;
-            canvas.text(&self.y.label, (x, self.top + self.height / 2.0), LABEL, Anchor::Upward, INK)?;
+            upward(canvas, self.y, (x, self.top + self.height / 2.0), self.height)?;
         }
         canvas.outline((self.left, self.top), (right, bottom), INK, 1.0)
     }
+}
+
+/// An upright label in the room it has: in smaller letters, or the unit alone, where it is too long.
+pub(super) fn upward(canvas: &Canvas, axis: &Axis, at: (f64, f64), room: f64) -> Result<(), ReportError> {
+    let room = room + 30.0;
+    let sizes = [LABEL, SMALL, 11.0, 10.0];
+    let size = sizes.into_iter().find(|size| text_width(&axis.label, *size) <= room);
+    let short = if axis.unit.text.is_empty() { String::new() } else { format!("in {}", axis.unit.text) };
+    let text = if size.is_some() { &axis.label } else { &short };
+    canvas.text(text, at, size.unwrap_or(LABEL), Anchor::Upward, INK)
 }
 
 fn widest(ticks: &[(f64, String)]) -> f64 {
@@ -217,23 +230,27 @@ fn widest(ticks: &[(f64, String)]) -> f64 {
 
 /// Room that an axis needs at the left of a field of this height.
 pub(super) fn left_margin(axis: &Axis, height: f64) -> f64 {
-    16.0 + widest(&axis.ticks((height / 55.0) as usize + 1).0) + LABEL * 1.2 + 10.0
+    16.0 + widest(&axis.ticks((height / 45.0) as usize + 1).0) + LABEL * 1.2 + 10.0
 }
 
 /// A colour for a value from 0 to 1: from dark violet to yellow with lightness rising evenly, so that
 /// the order of values is seen with any colour vision and in a grey copy.
 pub(super) fn colour(place: f64) -> RGBColor {
-    // Evenly spaced in the lightness of the Oklab space (0.26 to 0.92), the hue turning from 300 to 105
-    // degrees, each as saturated as a screen can show it.
-    const POINTS: [(u8, u8, u8); 8] = [
-        (48, 3, 89),
-        (29, 43, 144),
-        (12, 91, 134),
-        (17, 125, 143),
-        (21, 160, 148),
-        (27, 198, 128),
-        (158, 219, 99),
-        (245, 234, 85),
+    // Evenly spaced in the lightness of the Oklab space (0.26 to 0.92), the hue turning from 305 to 100
+    // degrees, the saturation changing smoothly within what a screen can show.
+    const POINTS: [(u8, u8, u8); 12] = [
+        (52, 2, 85),
+        (49, 33, 110),
+        (40, 60, 126),
+        (26, 85, 137),
+        (19, 108, 143),
+        (33, 130, 146),
+        (42, 152, 150),
+        (67, 173, 148),
+        (104, 193, 140),
+        (149, 209, 126),
+        (200, 222, 109),
+        (253, 231, 95),
     ];
     let at = if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) } * (POINTS.len() - 1) as f64;
     let below = (at as usize).min(POINTS.len() - 2);

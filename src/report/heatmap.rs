@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::{Axis, is_log_spaced, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, PALE, picture};
 use super::frame::{
-    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, mark, title,
+    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, mark, title, upward,
 };
 use crate::store::Coordinate;
 
@@ -94,7 +94,7 @@ impl Heatmap<'_> {
             _ => (230.0, 200.0),
         };
         let captions = if single { 0.0 } else { 20.0 };
-        let (left, top, gap) = (left_margin(&up.axis, height), 40.0, 16.0);
+        let (left, top, gap) = (left_margin(&up.axis, height), 40.0, 28.0);
         let field = (columns as f64 * (width + gap) - gap, rows as f64 * (height + captions + gap) - gap);
         let bar_left = left + field.0 + 22.0;
         let bar_labels = left_margin(&bar, field.1);
@@ -145,10 +145,11 @@ impl Heatmap<'_> {
                 let members = ys.iter().flat_map(|&y| xs.iter().map(move |&x| (x, y)));
                 let cell = members.filter_map(|(x, y)| panel.values.get(y * self.x.values.len() + x));
                 let (value, state) = merge(cell);
-                // A little overlap, or viewers show the background through the seams.
-                let (a, b) = ((left, bottom), (right + 0.3, top - 0.3));
+                // Over a pixel of the neighbours drawn next, or the background shows through the seams.
+                let end = (frame.left + frame.width, frame.top);
+                let (a, b) = ((left, bottom), ((right + 1.0).min(end.0), (top - 1.0).max(end.1)));
                 match state {
-                    State::Failed => canvas.hatched((left, bottom), (right, top))?,
+                    State::Failed => canvas.hatched(a, b)?,
                     State::Empty => canvas.rectangle(a, b, PALE)?,
                     State::Good | State::Doubtful => canvas.rectangle(a, b, colour(bar.place(value)))?,
                 }
@@ -214,10 +215,10 @@ fn colour_bar(canvas: &Canvas, bar: &Axis, (left, top): (f64, f64), height: f64)
         let from = bottom - height * step as f64 / STEPS as f64;
         let to = bottom - height * (step + 1) as f64 / STEPS as f64;
         let shade = colour((step as f64 + 0.5) / STEPS as f64);
-        canvas.rectangle((left, from), (left + width, (to - 0.3).max(top)), shade)?;
+        canvas.rectangle((left, from), (left + width, (to - 1.0).max(top)), shade)?;
     }
     canvas.outline((left, top), (left + width, bottom), INK, 1.0)?;
-    let (ticks, small) = bar.ticks((height / 55.0) as usize + 1);
+    let (ticks, small) = bar.ticks((height / 45.0) as usize + 1);
     for (place, text) in &ticks {
         let y = bottom - place * height;
         canvas.line(&[(left + width, y), (left + width + 5.0, y)], INK, 1.0)?;
@@ -228,5 +229,5 @@ fn colour_bar(canvas: &Canvas, bar: &Axis, (left, top): (f64, f64), height: f64)
         canvas.line(&[(left + width, y), (left + width + 3.0, y)], INK, 0.8)?;
     }
     let x = left + width + left_margin(bar, height) - LABEL * 0.6;
-    canvas.text(&bar.label, (x, top + height / 2.0), LABEL, Anchor::Upward, INK)
+    upward(canvas, bar, (x, top + height / 2.0), height)
 }

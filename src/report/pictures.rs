@@ -5,7 +5,7 @@ use super::curve::{self, Series};
 use super::force_curve;
 use super::frame::State;
 use super::heatmap::{Heatmap, Panel, label};
-use super::quantity::single;
+use super::quantity::Unit;
 use super::waveform;
 use crate::store::{Coordinate, ForceCurve, Results, Variable};
 
@@ -70,11 +70,17 @@ fn with_case(results: &Results, title: &str, instance: u64) -> String {
             rest /= length;
         }
         if let Some(value) = axis.values.get(at) {
-            parts.push(single(*value, &axis.units));
+            parts.push(shown(axis, *value));
         }
     }
     parts.reverse();
     if parts.is_empty() { title.to_owned() } else { format!("{title}: {}", parts.join(", ")) }
+}
+
+/// A value of an axis in the unit that fits it; zero, which none fits, in the axis' own.
+fn shown(axis: &Coordinate, value: f64) -> String {
+    let largest = axis.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    Unit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() }).value(value)
 }
 
 fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
@@ -152,7 +158,9 @@ fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>
         (false, [slow @ .., y, x]) => {
             let (columns, panels, fixed) = slices(slow, y, x, harmonics, &of_harmonic);
             note = fixed;
-            Heatmap { title: heading.clone(), units, long_name: name, x, y, columns, panels }.draw()?
+            let named: Vec<&str> = slow.iter().take(2).map(|axis| label(axis)).collect();
+            let title = format!("{heading}, by {}", named.join(" and "));
+            Heatmap { title, units, long_name: name, x, y, columns, panels }.draw()?
         }
     };
     Ok(Some(Picture { file: format!("{}.svg", file_name(&variable.name)), title: heading, note, svg }))
@@ -179,8 +187,7 @@ fn slices(
             };
             let picked = spread(axis.values.len(), most);
             if picked.len() < axis.values.len() {
-                let values: Vec<String> =
-                    picked.iter().map(|&i| single(axis.values[i], &axis.units)).collect();
+                let values: Vec<String> = picked.iter().map(|&i| shown(axis, axis.values[i])).collect();
                 notes.push(format!(
                     "{}: {} of {} values ({}).",
                     capital(label(axis)),
@@ -212,7 +219,7 @@ fn slices(
                     };
                     start = start * axis.values.len() + pick;
                     if depth < 2 {
-                        captions.push(single(axis.values[pick], &axis.units));
+                        captions.push(shown(axis, axis.values[pick]));
                     }
                 }
                 if harmonics > 1 {

@@ -69,11 +69,6 @@ impl Unit {
     }
 }
 
-/// A single value in the unit that fits it.
-pub(super) fn single(value: f64, units: &str) -> String {
-    Unit::fitting(units, value.abs()).value(value)
-}
-
 /// At most so many significant digits, no trailing zeros, powers of ten written out where they are needed.
 pub(super) fn number(value: f64, digits: usize) -> String {
     if value.is_nan() {
@@ -120,6 +115,10 @@ pub(super) fn superscript(power: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn single(value: f64, units: &str) -> String {
+        Unit::fitting(units, value.abs()).value(value)
+    }
 
     #[test]
     fn prefixes_fit_the_largest_value() {
