@@ -21,7 +21,8 @@ use std::path::Path;
 
 /// The preset's scene with every observable, then changed as told.
 pub fn scene(change: impl FnOnce(&mut Scene)) -> Scene {
-    let mut scene = Scene::parse(Path::new("test.toml"), "").expect("the preset is a scene");
+    let mut scene =
+        Scene::parse(Path::new("test.toml"), "title = \"test\"\n").expect("the preset is a scene");
     scene.output.observables = Observable::all().collect();
     change(&mut scene);
     scene
@@ -197,8 +198,13 @@ pub type Errors = Vec<(&'static str, f64)>;
 
 pub fn scales(plan: &Plan, instance: usize, force_max: f64, force_min: f64, loss: f64) -> Scales {
     let length = plan.drives[plan.cases[instance].drive as usize].free.tip.norm();
-    let work = energy::balance(plan, instance).drive.abs().max(loss.abs());
-    Scales { length, force: force_max.abs().max(force_min.abs()), work }
+    let force = force_max.abs().max(force_min.abs());
+    let work = match plan.run.start {
+        Start::Steady => energy::balance(plan, instance).drive.abs().max(loss.abs()),
+        // No period is like the next: what the largest force could do over the free swing.
+        Start::Rest => force * length,
+    };
+    Scales { length, force, work }
 }
 
 /// Each observable against the independent integrator's.
