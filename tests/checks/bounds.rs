@@ -26,3 +26,9 @@ pub const REDUCTION: f64 = 3e-3;
 pub const REDUCTION_SWING: f64 = 3e-4;
 /// Travel from rest, all modes against those kept. Seen: 5.8e-4 (a base that sets off at once).
 pub const TRAVEL: f64 = 1e-3;
+
+/// Orders of convergence of the swing, over twelve gaps. Seen: 3.33 (4 but for the onset, which is
+/// smooth to 1.5 only), 2.92 and 2.38 (a kink and a jump).
+pub const ORDER_HERTZ: f64 = 3.3;
+pub const ORDER_DMT: f64 = 2.5;
+pub const ORDER_JKR: f64 = 2.0;
