@@ -103,6 +103,8 @@ impl<L: Lane> Tally<L> {
             self.work = impulse.mul_add(sample.speed, self.work);
             self.virial = impulse.mul_add(sample.steady + sample.beyond, self.virial);
         }
+        // Kept up before the measured part too: its first sample needs its predecessors.
+        self.last = [self.last[1], sample.indentation];
         self.touched = sample.kick.touching;
     }
 
@@ -122,6 +124,5 @@ impl<L: Lane> Tally<L> {
         self.highest = self.highest.min(value);
         let held = L::select(zero.less(self.touched), value, self.held);
         self.held = self.held.min(held);
-        self.last = [middle, next];
     }
 }
