@@ -26,11 +26,16 @@ pub struct Flow<L, const M: usize> {
     /// Acceleration per step squared of a unit of x and of u.
     pub pull: [L; M],
     pub drag: [L; M],
+    /// What the speed midway through a kick is too large by when it counts as work, by x and by u.
+    pub work_x: [L; M],
+    pub work_u: [L; M],
     /// Change of u and of x by a unit of impulse.
     pub kick_u: [L; M],
     pub kick_x: [L; M],
     /// Change of the tip's speed by a unit of impulse, all modes together (1 but for order h^2).
     pub kick_speed: L,
+    /// The part by `work_u` that half a unit of impulse makes.
+    pub kick_work: L,
 }
 
 impl<L: Lane, const M: usize> Flow<L, M> {
@@ -39,6 +44,13 @@ impl<L: Lane, const M: usize> Flow<L, M> {
     /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
     /// term that the path average asks for, in the form that makes a mode's answer to a steady
     /// force exact however stiff it is. `kick_x` is the average's damping term (ARCHITECTURE.md).
+    ///
+    /// Work: with f the force at the sample, f'' its second derivative, g = omega/Q and v a mode's
+    /// true speed, an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
+    /// v + h^2 (g f/24 + f'/8 + g^2 v/24). Over a period f f' sums to nothing and f'' v to f v''
+    /// with v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the
+    /// speed is h^2/24 (g omega^2 x + (2 g^2 - omega^2) v), in which f itself cancels. Without it the
+    /// loss is of second order and shows a law without loss as one that feeds the lever.
     pub fn new(modes: &[FlowMode], step: f64) -> Self {
         let zero = [L::splat(0.0); M];
         let mut flow = Self {
@@ -49,11 +61,14 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             rate: zero,
             pull: zero,
             drag: zero,
+            work_x: zero,
+            work_u: zero,
             kick_u: zero,
             kick_x: zero,
             kick_speed: L::splat(0.0),
+            kick_work: L::splat(0.0),
         };
-        let mut kick_speed = 0.0;
+        let (mut kick_speed, mut kick_work) = (0.0, 0.0);
         for (k, mode) in modes.iter().enumerate().take(M) {
             let [m00, m01, m10, m11] = increments(mode.omega * step, mode.damping);
             let angle = mode.omega * step;
@@ -66,11 +81,17 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             flow.rate[k] = L::splat(angle);
             flow.pull[k] = L::splat(-angle * angle);
             flow.drag[k] = L::splat(-2.0 * mode.damping * angle * angle);
+            let loss = 2.0 * mode.damping * angle;
+            let work_u = (2.0 * loss * loss - angle * angle) * angle / 24.0;
+            flow.work_x[k] = L::splat(loss * angle * angle / 24.0);
+            flow.work_u[k] = L::splat(work_u);
+            kick_work += 0.5 * work_u * factor / angle;
             flow.kick_u[k] = L::splat(factor / angle);
             flow.kick_x[k] = L::splat(mode.share * mode.damping * angle / 12.0);
             kick_speed += factor;
         }
         flow.kick_speed = L::splat(kick_speed);
+        flow.kick_work = L::splat(kick_work);
         flow
     }
 }
