@@ -26,11 +26,16 @@ pub struct Flow<L, const M: usize> {
     /// Acceleration per step squared of a unit of x and of u.
     pub pull: [L; M],
     pub drag: [L; M],
+    /// What the speed midway through a kick is too large by when it counts as work, by x and by u.
+    pub work_x: [L; M],
+    pub work_u: [L; M],
     /// Change of u and of x by a unit of impulse.
     pub kick_u: [L; M],
     pub kick_x: [L; M],
     /// Change of the tip's speed by a unit of impulse, all modes together (1 but for order h^2).
     pub kick_speed: L,
+    /// The part by `work_u` that half a unit of impulse makes.
+    pub kick_work: L,
 }
 
 impl<L: Lane, const M: usize> Flow<L, M> {
@@ -40,6 +45,13 @@ impl<L: Lane, const M: usize> Flow<L, M> {
     /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
     /// term that the path average asks for, in the form that makes a mode's answer to a steady
     /// force exact however stiff it is. `kick_x` is the average's damping term (ARCHITECTURE.md).
+    ///
+    /// Work: with f the force at the sample, f'' its second derivative, g = omega/Q and v a mode's
+    /// true speed, an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
+    /// v + h^2 (g f/24 + f'/8 + g^2 v/24). Over a period f f' sums to nothing and f'' v to f v''
+    /// with v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the
+    /// speed is h^2/24 (g omega^2 x + (2 g^2 - omega^2) v), in which f itself cancels. Without it the
+    /// loss is of second order and shows a law without loss as one that feeds the lever.
     pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
         let rows: Vec<Vec<Row>> = instances
             .iter()
@@ -62,9 +74,14 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             rate: gather(|row| row.angle),
             pull: gather(|row| -row.angle * row.angle),
             drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
+            work_x: gather(|row| row.loss() * row.angle * row.angle / 24.0),
+            work_u: gather(Row::work_u),
             kick_u: gather(|row| row.factor / row.angle),
             kick_x: gather(|row| row.share * row.damping * row.angle / 12.0),
             kick_speed: L::from_lanes(|i| rows[i].iter().map(|row| row.factor).sum()),
+            kick_work: L::from_lanes(|i| {
+                rows[i].iter().map(|row| 0.5 * row.work_u() * row.factor / row.angle).sum()
+            }),
         }
     }
 }
@@ -85,6 +102,15 @@ impl Row {
         let half = 0.5 * angle;
         let factor = share * half.tan() / half * (1.0 - angle * angle / 24.0);
         Self { angle, damping, share, factor, step: increments(angle, damping) }
+    }
+
+    /// Damping rate per step, omega h/Q.
+    fn loss(&self) -> f64 {
+        2.0 * self.damping * self.angle
+    }
+
+    fn work_u(&self) -> f64 {
+        (2.0 * self.loss() * self.loss() - self.angle * self.angle) * self.angle / 24.0
     }
 }
 

@@ -55,8 +55,11 @@ pub struct Sample<L> {
     pub beyond: L,
     /// Indentation, corrected likewise.
     pub indentation: L,
-    /// Speed of the tip's travel midway through the kick.
+    /// Speed of the tip's travel that makes work of the impulse, to fourth order.
     pub speed: L,
+    /// Travel that makes the virial of the impulse, likewise: the impulse is a mean over the step,
+    /// so its factor is the travel less a 24th of its second difference.
+    pub centred: L,
     pub kick: Kick<L>,
 }
 
@@ -74,6 +77,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
         let steady = free.cosine.mul_add(cosine, free.sine * sine);
         let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
+        let mut excess = -(free.rate * free.rate * speed * L::splat(1.0 / 24.0));
         let mut acceleration = -(free.rate * free.rate * steady);
         let mut beyond = L::splat(0.0);
         if let Some(decay) = decay {
@@ -86,6 +90,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             speed = flow.rate[k].mul_add(state.u[k], speed);
             acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
+            excess = flow.work_x[k].mul_add(state.x[k], excess);
+            excess = flow.work_u[k].mul_add(state.u[k], excess);
         }
         let indentation = -(self.gap + steady + beyond);
         let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
@@ -104,7 +110,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             steady,
             beyond: beyond + corner,
             indentation: indentation - corner,
-            speed: (L::splat(0.5) * flow.kick_speed).mul_add(impulse, speed),
+            speed: (L::splat(0.5) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed - excess),
+            centred: acceleration.mul_add(L::splat(-1.0 / 24.0), steady + beyond),
             kick,
         }
     }

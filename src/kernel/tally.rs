@@ -101,7 +101,7 @@ impl<L: Lane> Tally<L> {
             let impulse = sample.kick.impulse;
             self.impulse = self.impulse + impulse;
             self.work = impulse.mul_add(sample.speed, self.work);
-            self.virial = impulse.mul_add(sample.steady + sample.beyond, self.virial);
+            self.virial = impulse.mul_add(sample.centred, self.virial);
         }
         // Kept up before the measured part too: its first sample needs its predecessors.
         self.last = [self.last[1], sample.indentation];

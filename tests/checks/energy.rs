@@ -2,7 +2,7 @@
 //! linear response to each of them: nothing of the stepping enters but the force itself.
 
 use afmsweep::engine::trace;
-use afmsweep::plan::Plan;
+use afmsweep::plan::{Driven, Plan};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 
@@ -38,8 +38,12 @@ pub fn force_harmonics(plan: &Plan, instance: usize) -> Vec<Complex<f64>> {
             if m == 0 {
                 return mean;
             }
+            // The trace has the force's mean over each step, which is weaker by sin(x)/x.
+            let half = PI * m as f64 / count as f64;
             // f = Re(2 mean exp(i m theta)) = Im(2 i mean exp(i m (phi - phase))).
-            mean * Complex::new(0.0, 2.0) * Complex::from_polar(1.0, -(m as f64) * trace.phase)
+            mean * (half / half.sin())
+                * Complex::new(0.0, 2.0)
+                * Complex::from_polar(1.0, -(m as f64) * trace.phase)
         })
         .collect()
 }
@@ -75,4 +79,12 @@ pub fn balance(plan: &Plan, instance: usize) -> Balance {
         sum.taken = -PI * (first * (free.tip * Complex::new(0.0, 1.0)).conj()).re;
     }
     sum
+}
+
+/// Work of the drive in a period without a sample, J.
+pub fn free_work(driven: &Driven) -> f64 {
+    let (free, instrument) = (&driven.free, &driven.instrument);
+    let per_level = if instrument.moving_base { -free.omega * free.omega } else { 1.0 };
+    let modes = instrument.modes.iter().zip(&free.modes);
+    -PI * free.level * per_level * modes.map(|(mode, z)| mode.drive * z.im).sum::<f64>()
 }
