@@ -1,6 +1,7 @@
 //! `afmsweep report`: pictures and tables from a results file.
 
 use super::Voice;
+use afmsweep::report;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -12,6 +13,10 @@ pub struct ReportArgs {
     output: Option<PathBuf>,
 }
 
-pub fn main(args: &ReportArgs, _voice: Voice) -> anyhow::Result<()> {
-    anyhow::bail!("{}: not built yet {:?}", args.file.display(), args.output)
+pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
+    let folder = report::write(&args.file, args.output.as_deref())?;
+    if !voice.quiet {
+        eprintln!("report in {}", folder.join("index.html").display());
+    }
+    Ok(())
 }

@@ -104,9 +104,9 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         voice.say(summary.to_string().trim_end());
     }
     voice.say(format_args!(
-        "{}: {} instances, {:.2e} instance-steps on {}, {}",
+        "{}: {}, {:.2e} instance-steps on {}, {}",
         args.scene.display(),
-        plan.cases.len(),
+        instances(plan.cases.len()),
         plan.instance_steps() as f64,
         engine.device(),
         plan.precision.name()
@@ -158,8 +158,8 @@ fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice
         let count = outcome.results.iter().filter(|one| one.status == status).count();
         if count > 0 && status != Status::Ok {
             voice.say(format_args!(
-                "{count} of {} instances {}: {}",
-                outcome.results.len(),
+                "{count} of {} {}: {}",
+                instances(outcome.results.len()),
                 status.meaning().replace('_', " "),
                 advice(status)
             ));
@@ -168,6 +168,10 @@ fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice
     for line in record::warning_lines(scene, plan, results) {
         voice.say(format_args!("warning: {line}"));
     }
+}
+
+fn instances(count: usize) -> String {
+    format!("{count} instance{}", if count == 1 { "" } else { "s" })
 }
 
 fn advice(status: Status) -> &'static str {

@@ -1,15 +1,15 @@
-//! The CPU engine: instances in parallel, each stepped on its own, f64 or f32.
+//! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
 use super::law::KernelLaw;
-use super::measure::{finish, finish_free};
+use super::measure::{Sums, finish, finish_free};
 use super::start;
-use super::track::{Scalar, Track, step_length};
+use super::track::{Member, Track, step_length};
 use super::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::contact::Law;
 use crate::instrument::Place;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
-use crate::kernel::{Decay, LENGTH, MODES_MAX, Wave};
-use crate::plan::{Class, Driven, Plan, Precision};
+use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Pack32, Pack64, Wave};
+use crate::plan::{CasePlan, Class, Driven, Plan, Precision};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -43,8 +43,8 @@ fn run(plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
     let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
     for class in &plan.classes {
         let finished = match plan.precision {
-            Precision::F32 => class_in::<f32>(plan, class, progress)?,
-            Precision::F64 => class_in::<f64>(plan, class, progress)?,
+            Precision::F32 => class_in::<Pack32>(plan, class, progress)?,
+            Precision::F64 => class_in::<Pack64>(plan, class, progress)?,
         };
         for (instance, result) in class.instances.iter().zip(finished) {
             results[*instance as usize] = result;
@@ -54,110 +54,112 @@ fn run(plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
 }
 
 /// Results in the order of the class' instances.
-fn class_in<L: Scalar>(
-    plan: &Plan,
-    class: &Class,
-    progress: &Progress,
-) -> Result<Vec<Finished>, EngineError> {
+fn class_in<L: Lane>(plan: &Plan, class: &Class, progress: &Progress) -> Result<Vec<Finished>, EngineError> {
     if class.steps == 0 {
         let driven = |instance: &u32| &plan.drives[plan.cases[*instance as usize].drive as usize];
         return Ok(class.instances.iter().map(|i| finish_free(driven(i), plan.wants)).collect());
     }
+    // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
     macro_rules! modes {
         ($law:ty, $($count:literal)+) => {
             match class.modes {
                 0 => Err(EngineError::NoModes),
-                $($count => Ok(instances::<L, $law, $count>(plan, class, progress)),)+
+                $(..=$count => Ok(instances::<L, $law, $count>(plan, class, progress)),)+
                 modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
             }
         };
     }
     match class.law {
-        Law::None => modes!(Nothing, 1 2 3 4 5 6 7 8),
-        Law::Hertz => modes!(Hertz<L>, 1 2 3 4 5 6 7 8),
-        Law::Dmt => modes!(Dmt<L>, 1 2 3 4 5 6 7 8),
-        Law::Jkr => modes!(Jkr<L>, 1 2 3 4 5 6 7 8),
+        Law::None => modes!(Nothing, 8),
+        Law::Hertz => modes!(Hertz<L>, 1 2 3 4 6 8),
+        Law::Dmt => modes!(Dmt<L>, 1 2 3 4 6 8),
+        Law::Jkr => modes!(Jkr<L>, 1 2 3 4 6 8),
     }
 }
 
-fn instances<L: Scalar, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     plan: &Plan,
     class: &Class,
     progress: &Progress,
 ) -> Vec<Finished> {
     let waves = start::waves::<L>(class.steps, plan.wants.harmonics);
+    let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
+    if plan.run.start == Start::Steady {
+        return members
+            .par_chunks(L::WIDTH)
+            .flat_map_iter(|pack| steady::<L, I, M>(plan, pack, &waves, progress))
+            .collect();
+    }
     // Instances of one drive stand together: each group shares its decaying free motion.
-    let same_drive = |a: &u32, b: &u32| plan.cases[*a as usize].drive == plan.cases[*b as usize].drive;
-    let groups: Vec<&[u32]> = class.instances.chunk_by(same_drive).collect();
-    groups
-        .par_iter()
-        .map(|group| match plan.run.start {
-            Start::Steady => steady::<L, I, M>(plan, group, &waves, progress),
-            Start::Rest => from_rest::<L, I, M>(plan, group, class.steps, &waves, progress),
-        })
-        .flatten_iter()
-        .collect()
+    let same_drive = |a: &Member, b: &Member| a.0.drive == b.0.drive;
+    let groups: Vec<&[Member]> = members.chunk_by(same_drive).collect();
+    groups.par_iter().flat_map_iter(|group| from_rest::<L, I, M>(plan, group, &waves, progress)).collect()
 }
 
-fn steady<L: Scalar, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn member(plan: &Plan, instance: u32) -> Member<'_> {
+    let case: &CasePlan = &plan.cases[instance as usize];
+    (case, &plan.drives[case.drive as usize])
+}
+
+fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
     plan: &Plan,
-    group: &[u32],
-    waves: &[Vec<Wave<L>>],
+    pack: &[Member],
+    waves: &[Vec<Wave<L::Element>>],
     progress: &Progress,
 ) -> Vec<Finished> {
-    group
-        .par_iter()
-        .map(|instance| {
-            if progress.stopped() {
-                return Finished::NOT_RUN;
-            }
-            let case = &plan.cases[*instance as usize];
-            let driven = &plan.drives[case.drive as usize];
-            let mut track = Track::<L, I, M>::new(case, driven, plan.run.start);
-            track.advance(&plan.run, plan.run.periods, waves, None, plan.wants);
-            progress.add(u64::from(plan.run.periods) * u64::from(case.steps));
-            finish(track.sums(), track.finite, case, driven, &plan.run, plan.wants)
-        })
+    if progress.stopped() {
+        return vec![Finished::NOT_RUN; pack.len()];
+    }
+    let mut track = Track::<L, I, M>::new(pack, plan.run.start);
+    track.advance(&plan.run, plan.run.periods, waves, None, plan.wants);
+    progress.add(pack.len() as u64 * u64::from(plan.run.periods) * waves[0].len() as u64);
+    finish_pack(plan, pack, &track.sums)
+}
+
+fn finish_pack(plan: &Plan, pack: &[Member], sums: &[Sums]) -> Vec<Finished> {
+    pack.iter()
+        .zip(sums)
+        .map(|((case, driven), sums)| finish(sums, case, driven, &plan.run, plan.wants))
         .collect()
 }
 
 /// All instances of a group go through a block of periods before the next block is tabulated.
-fn from_rest<L: Scalar, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     plan: &Plan,
-    group: &[u32],
-    steps: u32,
-    waves: &[Vec<Wave<L>>],
+    group: &[Member],
+    waves: &[Vec<Wave<L::Element>>],
     progress: &Progress,
 ) -> Vec<Finished> {
     let run = &plan.run;
-    let case = |instance: &u32| &plan.cases[*instance as usize];
-    let driven = &plan.drives[case(&group[0]).drive as usize];
-    let mut tracks: Vec<Track<L, I, M>> =
-        group.iter().map(|instance| Track::new(case(instance), driven, run.start)).collect();
-    let block = (BLOCK / steps as usize).max(1) as u32;
+    let driven = group[0].1;
+    let steps = waves[0].len();
+    let packs: Vec<&[Member]> = group.chunks(L::WIDTH).collect();
+    let mut tracks: Vec<Track<L, I, M>> = packs.iter().map(|pack| Track::new(pack, run.start)).collect();
+    let block = (BLOCK / steps).max(1) as u32;
     let mut done = 0;
     while done < run.periods {
         if progress.stopped() {
             return vec![Finished::NOT_RUN; group.len()];
         }
         let periods = block.min(run.periods - done);
-        let first = u64::from(done) * u64::from(steps);
-        let decay = decays::<L>(driven, steps, first, periods as usize * steps as usize);
+        let first = u64::from(done) * steps as u64;
+        let decay = decays::<L>(driven, steps as u32, first, periods as usize * steps);
         tracks.par_iter_mut().for_each(|track| {
             track.advance(run, periods, waves, Some(&decay), plan.wants);
-            progress.add(u64::from(periods) * u64::from(steps));
+            progress.add(track.sums.len() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;
     }
-    tracks
-        .iter()
-        .zip(group)
-        .map(|(track, instance)| finish(track.sums(), track.finite, case(instance), driven, run, plan.wants))
-        .collect()
+    tracks.iter().zip(packs).flat_map(|(track, pack)| finish_pack(plan, pack, &track.sums)).collect()
 }
 
 /// The decaying free motion of the modes that are not stepped, at the middle of each step.
-pub(super) fn decays<L: Scalar>(driven: &Driven, steps: u32, first: u64, count: usize) -> Vec<Decay<L>> {
+pub(super) fn decays<L: Lane>(
+    driven: &Driven,
+    steps: u32,
+    first: u64,
+    count: usize,
+) -> Vec<Decay<L::Element>> {
     let step = step_length(driven, steps);
     let mut skip = vec![false; driven.instrument.modes.len()];
     for mode in &driven.kept.modes {
@@ -170,9 +172,9 @@ pub(super) fn decays<L: Scalar>(driven: &Driven, steps: u32, first: u64, count: 
     let rows = driven.free.transient_table(&driven.instrument, Place::Tip, &skip, begin, step, count + 2);
     rows.windows(3)
         .map(|row| Decay {
-            travel: L::splat(row[1][0] / LENGTH),
-            speed: L::splat(row[1][1] * step / LENGTH),
-            acceleration: L::splat(0.5 * (row[2][1] - row[0][1]) * step / LENGTH),
+            travel: L::element(row[1][0] / LENGTH),
+            speed: L::element(row[1][1] * step / LENGTH),
+            acceleration: L::element(0.5 * (row[2][1] - row[0][1]) * step / LENGTH),
         })
         .collect()
 }

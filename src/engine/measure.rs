@@ -2,9 +2,9 @@
 
 use super::Finished;
 use super::start;
-use super::track::{Scalar, force_scale};
+use super::track::force_scale;
 use crate::contact::{Contact, Law};
-use crate::kernel::{LENGTH, Tally};
+use crate::kernel::{LENGTH, Lane, Tally};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven};
 use crate::scene::Run;
@@ -12,6 +12,8 @@ use crate::scene::Run;
 /// Sums over the measured periods in f64, and how the fundamental moves from period to period.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
+    /// False once the state is no number any more.
+    pub finite: bool,
     periods: f64,
     steps: f64,
     cosine: [f64; HARMONICS],
@@ -38,6 +40,7 @@ const UNRESOLVED: f64 = 0.7;
 impl Sums {
     pub fn new() -> Self {
         Self {
+            finite: true,
             periods: 0.0,
             steps: 0.0,
             cosine: [0.0; HARMONICS],
@@ -57,9 +60,9 @@ impl Sums {
         }
     }
 
-    /// Takes in one period.
-    pub fn add<L: Scalar>(&mut self, tally: &Tally<L>, steps: usize, measured: bool) {
-        let fundamental = [tally.cosine[0].into(), tally.sine[0].into()];
+    /// Takes in one period of one lane.
+    pub fn add<L: Lane>(&mut self, tally: &Tally<L>, lane: usize, steps: usize, measured: bool) {
+        let fundamental = [tally.cosine[0].lane(lane), tally.sine[0].lane(lane)];
         let change =
             2.0 / steps as f64 * f64::hypot(fundamental[0] - self.last[0], fundamental[1] - self.last[1]);
         self.changes.rotate_right(1);
@@ -71,19 +74,19 @@ impl Sums {
         self.periods += 1.0;
         self.steps += steps as f64;
         for n in 0..HARMONICS {
-            self.cosine[n] += tally.cosine[n].into();
-            self.sine[n] += tally.sine[n].into();
+            self.cosine[n] += tally.cosine[n].lane(lane);
+            self.sine[n] += tally.sine[n].lane(lane);
         }
-        self.deepest = self.deepest.max(tally.deepest.into());
-        self.highest = self.highest.min(tally.highest.into());
-        self.held = self.held.min(tally.held.into());
-        self.time += tally.time.into();
-        self.begun += tally.begun.into();
-        self.ended += tally.ended.into();
-        self.apart = self.apart.max(tally.apart.into());
-        self.impulse += tally.impulse.into();
-        self.work += tally.work.into();
-        self.virial += tally.virial.into();
+        self.deepest = self.deepest.max(tally.deepest.lane(lane));
+        self.highest = self.highest.min(tally.highest.lane(lane));
+        self.held = self.held.min(tally.held.lane(lane));
+        self.time += tally.time.lane(lane);
+        self.begun += tally.begun.lane(lane);
+        self.ended += tally.ended.lane(lane);
+        self.apart = self.apart.max(tally.apart.lane(lane));
+        self.impulse += tally.impulse.lane(lane);
+        self.work += tally.work.lane(lane);
+        self.virial += tally.virial.lane(lane);
     }
 
     /// How far the fundamental (m) still is from where it will end, by its latest change and the
@@ -105,15 +108,8 @@ impl Sums {
 }
 
 /// Measurements of an instance that was stepped.
-pub(super) fn finish(
-    sums: &Sums,
-    finite: bool,
-    case: &CasePlan,
-    driven: &Driven,
-    run: &Run,
-    wants: Wants,
-) -> Finished {
-    if !finite {
+pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, wants: Wants) -> Finished {
+    if !sums.finite {
         return Finished { measured: Measured::NONE, status: Status::NonFinite };
     }
     let phase = start::phase(driven, run.start);

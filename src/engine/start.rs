@@ -1,6 +1,6 @@
 //! Where a run starts: the drive's phase at its first step and the free motion from there.
 
-use crate::kernel::{Free, LENGTH, Lane, Wave};
+use crate::kernel::{Lane, Wave};
 use crate::plan::Driven;
 use crate::scene::Start;
 use nalgebra::Complex;
@@ -23,23 +23,13 @@ pub(super) fn amplitudes(driven: &Driven, start: Start) -> (f64, f64) {
     }
 }
 
-/// The steady free motion in the kernel's units.
-pub(super) fn free<L: Lane>(driven: &Driven, start: Start, steps: u32) -> Free<L> {
-    let (cosine, sine) = amplitudes(driven, start);
-    Free {
-        cosine: L::splat(cosine / LENGTH),
-        sine: L::splat(sine / LENGTH),
-        rate: L::splat(TAU / f64::from(steps)),
-    }
-}
-
 /// Phasor of harmonic `n` against the drive's sine, from the amplitudes against the run's phase.
 pub(super) fn phasor(cosine: f64, sine: f64, n: usize, phase: f64) -> Complex<f64> {
     Complex::new(sine, cosine) * Complex::from_polar(1.0, -(n as f64) * phase)
 }
 
 /// Cosines and sines at the middle of each step of a period, for harmonics 1 to `harmonics`.
-pub(super) fn waves<L: Lane>(steps: u32, harmonics: usize) -> Vec<Vec<Wave<L>>> {
+pub(super) fn waves<L: Lane>(steps: u32, harmonics: usize) -> Vec<Vec<Wave<L::Element>>> {
     let period = 2 * u64::from(steps);
     (1..=harmonics.max(1) as u64)
         .map(|n| {
@@ -47,7 +37,7 @@ pub(super) fn waves<L: Lane>(steps: u32, harmonics: usize) -> Vec<Vec<Wave<L>>> 
                 .map(|step| {
                     // Reduced in whole numbers, so that the angle is exact for any harmonic.
                     let angle = TAU * ((n * (2 * step + 1)) % period) as f64 / period as f64;
-                    Wave { cosine: L::splat(angle.cos()), sine: L::splat(angle.sin()) }
+                    Wave { cosine: L::element(angle.cos()), sine: L::element(angle.sin()) }
                 })
                 .collect()
         })

@@ -46,24 +46,22 @@ pub fn trace(plan: &Plan, instance: usize, periods: u32, keep: u32) -> Result<Tr
     let mut case = plan.cases[instance];
     case.steps = case.steps.max(crate::plan::STEPS_MIN);
     let driven = &plan.drives[case.drive as usize];
-    macro_rules! modes {
-        ($law:ty, $($count:literal)+) => {
-            match driven.kept.modes.len() {
-                0 => Err(EngineError::NoModes),
-                $($count => Ok(steps::<$law, $count>(plan, &case, driven, periods, keep)),)+
-                modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
-            }
-        };
+    match driven.kept.modes.len() {
+        0 => return Err(EngineError::NoModes),
+        modes if modes > MODES_MAX => {
+            return Err(EngineError::TooManyModes { modes, most: MODES_MAX });
+        }
+        _ => {}
     }
-    match case.contact.law {
-        Law::None => modes!(Nothing, 1 2 3 4 5 6 7 8),
-        Law::Hertz => modes!(Hertz<f64>, 1 2 3 4 5 6 7 8),
-        Law::Dmt => modes!(Dmt<f64>, 1 2 3 4 5 6 7 8),
-        Law::Jkr => modes!(Jkr<f64>, 1 2 3 4 5 6 7 8),
-    }
+    Ok(match case.contact.law {
+        Law::None => steps::<Nothing>(plan, &case, driven, periods, keep),
+        Law::Hertz => steps::<Hertz<f64>>(plan, &case, driven, periods, keep),
+        Law::Dmt => steps::<Dmt<f64>>(plan, &case, driven, periods, keep),
+        Law::Jkr => steps::<Jkr<f64>>(plan, &case, driven, periods, keep),
+    })
 }
 
-fn steps<I: KernelLaw<f64>, const M: usize>(
+fn steps<I: KernelLaw<f64>>(
     plan: &Plan,
     instance: &CasePlan,
     driven: &Driven,
@@ -72,8 +70,9 @@ fn steps<I: KernelLaw<f64>, const M: usize>(
 ) -> Trace {
     let start = plan.run.start;
     let count = u64::from(instance.steps);
-    let case = case::<f64, I, M>(instance, driven, start);
-    let mut state = state(&case, instance, driven, start);
+    let members = [(instance, driven)];
+    let case = case::<f64, I, MODES_MAX>(&members, start);
+    let mut state = state(&case, &members, start);
     let waves = start::waves::<f64>(instance.steps, 1);
     let force = force_scale(driven, instance.steps);
     let first = count * u64::from(periods.saturating_sub(keep));

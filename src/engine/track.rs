@@ -1,30 +1,15 @@
-//! One instance on its way through a run.
+//! As many instances as a lane holds, on their way through a run together.
 
 use super::law::KernelLaw;
 use super::measure::Sums;
 use super::start;
-use crate::kernel::{Case, Decay, Flow, LENGTH, Lane, State, Tally, Wave, increments, period};
+use crate::kernel::{
+    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, State, Tally, Wave, increments, period,
+};
 use crate::observe::Wants;
 use crate::plan::{CasePlan, Driven};
 use crate::scene::{Run, Start};
 use std::f64::consts::TAU;
-
-/// An instance's constants, its state, and what has been measured so far.
-pub(super) struct Track<L, I, const M: usize> {
-    case: Case<L, I, M>,
-    state: State<L, M>,
-    tally: Tally<L>,
-    sums: Sums,
-    /// Drive periods done.
-    pub done: u32,
-    /// False once a value is no number any more.
-    pub finite: bool,
-}
-
-/// A lane that holds one instance and can be read back.
-pub(super) trait Scalar: Lane + Into<f64> + Send + Sync {}
-impl Scalar for f32 {}
-impl Scalar for f64 {}
 
 /// Length of a step, s.
 pub(super) fn step_length(driven: &Driven, steps: u32) -> f64 {
@@ -36,57 +21,95 @@ pub(super) fn force_scale(driven: &Driven, steps: u32) -> f64 {
     step_length(driven, steps).powi(2) * driven.kept.mobility() / LENGTH
 }
 
-/// The instance as the kernel takes it.
+/// An instance and its driven instrument.
+pub(super) type Member<'a> = (&'a CasePlan, &'a Driven);
+
+/// The instances' constants as the kernel takes them; `members` has one for each lane.
 pub(super) fn case<L: Lane, I: KernelLaw<L>, const M: usize>(
-    plan: &CasePlan,
-    driven: &Driven,
+    members: &[Member],
     start: Start,
 ) -> Case<L, I, M> {
+    let modes: Vec<Vec<FlowMode>> = members.iter().map(|(_, driven)| driven.kept.flow()).collect();
+    let flows: Vec<(&[FlowMode], f64)> = members
+        .iter()
+        .zip(&modes)
+        .map(|((plan, driven), modes)| (modes.as_slice(), step_length(driven, plan.steps)))
+        .collect();
+    let contacts: Vec<_> =
+        members.iter().map(|(plan, driven)| (plan.contact, force_scale(driven, plan.steps))).collect();
+    let free = |i: usize| start::amplitudes(members[i].1, start);
     Case {
-        flow: Flow::new(&driven.kept.flow(), step_length(driven, plan.steps)),
-        free: start::free(driven, start, plan.steps),
-        gap: L::splat(plan.gap / LENGTH),
-        law: I::build(&plan.contact, force_scale(driven, plan.steps)),
+        flow: Flow::new(&flows),
+        free: Free {
+            cosine: L::from_lanes(|i| free(i).0 / LENGTH),
+            sine: L::from_lanes(|i| free(i).1 / LENGTH),
+            rate: L::from_lanes(|i| TAU / f64::from(members[i].0.steps)),
+        },
+        gap: L::from_lanes(|i| members[i].0.gap / LENGTH),
+        law: I::build(&contacts),
     }
+}
+
+/// Indentation at the run's first instant, kernel units.
+fn first_indentation((plan, driven): &Member, start: Start) -> f64 {
+    let travel = match start {
+        Start::Rest => 0.0,
+        Start::Steady => start::amplitudes(driven, start).0,
+    };
+    -(plan.gap + travel) / LENGTH
 }
 
 /// The deviation half a step into the run: nothing in steady free motion; from rest, the decaying
 /// part of each kept mode.
 pub(super) fn state<L: Lane, I: KernelLaw<L>, const M: usize>(
     case: &Case<L, I, M>,
-    plan: &CasePlan,
-    driven: &Driven,
+    members: &[Member],
     start: Start,
 ) -> State<L, M> {
-    let zero = L::splat(0.0);
-    let mut state = State { x: [zero; M], u: [zero; M], touching: zero };
-    let (cosine, _) = start::amplitudes(driven, start);
-    let mut travel = cosine;
-    if start == Start::Rest {
-        travel = 0.0;
-        let half = 0.5 * step_length(driven, plan.steps);
-        for (k, mode) in driven.kept.modes.iter().enumerate().take(M) {
-            let Some(index) = mode.index else { continue };
-            let [q, rate] = driven.free.transient[index];
-            let tip = driven.instrument.modes[index].tip / LENGTH;
-            let (x, u) = (tip * q, tip * rate / mode.omega);
-            let [m00, m01, m10, m11] = increments(mode.omega * half, mode.damping);
-            state.x[k] = L::splat(x + (m00 * x + m01 * u));
-            state.u[k] = L::splat(u + (m10 * x + m11 * u));
-        }
+    let half = |i: usize, k: usize| match start {
+        Start::Steady => [0.0; 2],
+        Start::Rest => decayed(members[i], k),
+    };
+    State {
+        x: std::array::from_fn(|k| L::from_lanes(|i| half(i, k)[0])),
+        u: std::array::from_fn(|k| L::from_lanes(|i| half(i, k)[1])),
+        touching: case.law.touching_at(L::from_lanes(|i| first_indentation(&members[i], start))),
     }
-    state.touching = case.law.touching_at(L::splat(-(plan.gap + travel) / LENGTH));
-    state
 }
 
-impl<L: Scalar, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
-    pub fn new(plan: &CasePlan, driven: &Driven, start: Start) -> Self {
-        let case = case(plan, driven, start);
-        let state = state(&case, plan, driven, start);
-        let (cosine, _) = start::amplitudes(driven, start);
-        let first = if start == Start::Rest { 0.0 } else { cosine };
-        let tally = Tally::start(L::splat(-(plan.gap + first) / LENGTH), state.touching);
-        Self { case, state, tally, sums: Sums::new(), done: 0, finite: true }
+/// Decaying part of a kept mode half a step after a start from rest: travel and rate over omega.
+fn decayed((plan, driven): Member, k: usize) -> [f64; 2] {
+    let Some(mode) = driven.kept.modes.get(k) else { return [0.0; 2] };
+    let Some(index) = mode.index else { return [0.0; 2] };
+    let [q, rate] = driven.free.transient[index];
+    let tip = driven.instrument.modes[index].tip / LENGTH;
+    let (x, u) = (tip * q, tip * rate / mode.omega);
+    let half = 0.5 * step_length(driven, plan.steps);
+    let [m00, m01, m10, m11] = increments(mode.omega * half, mode.damping);
+    [x + (m00 * x + m01 * u), u + (m10 * x + m11 * u)]
+}
+
+/// Constants, state, and what has been measured so far.
+pub(super) struct Track<L, I, const M: usize> {
+    case: Case<L, I, M>,
+    state: State<L, M>,
+    tally: Tally<L>,
+    /// One for each member.
+    pub sums: Vec<Sums>,
+    /// Drive periods done.
+    done: u32,
+}
+
+impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
+    /// Up to [`Lane::WIDTH`] members; the last one also fills the lanes left over.
+    pub fn new(members: &[Member], start: Start) -> Self {
+        let mut filled = members.to_vec();
+        filled.resize(L::WIDTH, members[members.len() - 1]);
+        let case = case(&filled, start);
+        let state = state(&case, &filled, start);
+        let first = L::from_lanes(|i| first_indentation(&filled[i], start));
+        let tally = Tally::start(first, state.touching);
+        Self { case, state, tally, sums: vec![Sums::new(); members.len()], done: 0 }
     }
 
     /// Steps through `periods` more periods; `decay` holds their samples for a start from rest.
@@ -94,30 +117,27 @@ impl<L: Scalar, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         &mut self,
         run: &Run,
         periods: u32,
-        waves: &[Vec<Wave<L>>],
-        decay: Option<&[Decay<L>]>,
+        waves: &[Vec<Wave<L::Element>>],
+        decay: Option<&[Decay<L::Element>]>,
         wants: Wants,
     ) {
         let steps = waves[0].len();
         let warm = run.periods - run.measure;
         for index in 0..periods {
-            if !self.finite {
+            if self.sums.iter().all(|sums| !sums.finite) {
                 return;
             }
             let rows = decay.map(|rows| &rows[index as usize * steps..][..steps]);
             // Before the measured part only what judges steadiness is kept.
             let wants = if self.done < warm { Wants::FUNDAMENTAL } else { wants };
             period(&self.case, &mut self.state, waves, rows, wants, &mut self.tally);
-            self.finite =
-                self.state.x.iter().chain(&self.state.u).all(|value| Into::<f64>::into(*value).is_finite());
-            self.sums.add(&self.tally, steps, self.done >= warm);
+            for (lane, sums) in self.sums.iter_mut().enumerate() {
+                let state = self.state.x.iter().chain(&self.state.u);
+                sums.finite &= state.fold(true, |all, value| all & value.lane(lane).is_finite());
+                sums.add(&self.tally, lane, steps, self.done >= warm);
+            }
             self.tally.next_period();
             self.done += 1;
         }
-    }
-
-    /// What was measured.
-    pub fn sums(&self) -> &Sums {
-        &self.sums
     }
 }

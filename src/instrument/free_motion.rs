@@ -4,7 +4,8 @@
 //! `level sin(omega t)` sets in at t = 0: each modal coordinate starts at 0, so its transient
 //! starts at minus its steady value and rate. A rigid base moves at once, at the rate
 //! `Y omega`, and the lever, still at rest, moves against it: the relative rates start at
-//! `-Gamma_k Y omega`.
+//! `-Gamma_k Y omega`. Modes listed by the user make the tip start at `Y omega (1 - sum of their
+//! drives)`: at rest if the first alone is driven, by 1.
 
 use nalgebra::Complex;
 
@@ -52,6 +53,10 @@ impl Instrument {
         let base = if self.moving_base { 1.0 } else { 0.0 };
         let (tip, top) = (sum(Place::Tip, base), sum(Place::Top, base));
         let level = self.level(level, tip.norm(), frequency_hz)?;
+        let reach = tip.norm().max(top.norm()) * level.abs();
+        if !reach.is_finite() {
+            return Err(InstrumentError::OutOfRange { what: "free travel", value: reach });
+        }
         let modes: Vec<Complex<f64>> = unit.iter().map(|z| z * level).collect();
         let start = |(mode, z): (&Mode, &Complex<f64>)| {
             let kick = if self.moving_base { mode.drive * level * omega } else { 0.0 };

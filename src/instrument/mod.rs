@@ -12,6 +12,16 @@
 //! where it is made: the rod's field in `rod.rs`, the kinematics and the tip's force in
 //! `assemble.rs`.
 //!
+//! ```
+//! use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument};
+//! use afmsweep::scene::{DriveLevel, DriveOn, InstrumentParams};
+//!
+//! let instrument = Instrument::reduce(&InstrumentParams::default(), DriveOn::Actuator, DEFAULT_TOLERANCE)?;
+//! let motion = instrument.free_motion(DriveLevel::Voltage(15.0), 30e3)?;
+//! assert!((motion.tip.norm() - 6.4722e-9).abs() < 1e-13); // m
+//! # Ok::<(), afmsweep::instrument::InstrumentError>(())
+//! ```
+//!
 //! Flow: `rod.rs`, `beam.rs` (elements) and `lever.rs` (three descriptions of a lever) ->
 //! `assemble.rs` -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
 //! `summary.rs`.

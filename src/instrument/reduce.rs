@@ -8,14 +8,14 @@
 //! The rod's count in the band is held between 8 and 24, or whatever reaches 1.5 times the
 //! lever's first mode if that is more.
 //!
-//! How. Hierarchical elements of about eight half-waves each converge exponentially in their
+//! How. Hierarchical elements of up to nine half-waves each converge exponentially in their
 //! degree, so the number of elements is fixed by counting half-waves and the degree is raised by
 //! two until no frequency that matters moves by more than the tolerance. The change seen is the
 //! coarser model's error; the finer one, which is kept, is far better.
 
 use super::assemble::{Coupling, Mesh, Structure};
 use super::error::InstrumentError;
-use super::modes::{Solved, frequencies, solve};
+use super::modes::{Solved, frequencies, rising, solve};
 use super::rod::Rod;
 use super::{Instrument, check_positive};
 use crate::scene::{ActuatorModel, DriveOn, InstrumentParams};
@@ -27,9 +27,9 @@ const LEVER_MODES: usize = 8;
 /// Fewest and usual most rod modes that must stand, and the most for a rod slower than its lever.
 const ROD_MODES: [usize; 3] = [8, 24, 96];
 /// Half-waves per element.
-const PER_ELEMENT: usize = 8;
-/// Degrees tried: below the first nothing has converged with eight half-waves per element.
-const ORDERS: [usize; 2] = [18, 40];
+const PER_ELEMENT: usize = 9;
+/// Degrees tried: below the first, nine half-waves per element have not converged.
+const ORDERS: [usize; 2] = [20, 40];
 /// Largest residual or loss of orthonormality of a resolved mode.
 const QUALITY: f64 = 1e-6;
 
@@ -58,21 +58,18 @@ impl Instrument {
             // A list of modes on a base: nothing to refine.
             return finish(first, mesh, usize::MAX, |_| 0.0, tolerance);
         }
-        let mut coarse = (frequencies(&first)?, first.lever.alone.mu);
+        let both = |s: &Structure| Ok((frequencies(s)?, rising(&s.lever.alone.mu)));
+        let mut coarse = both(&first)?;
         loop {
             mesh.order += 2;
             let structure = Structure::new(params, on, mesh)?;
-            let fine = (frequencies(&structure)?, structure.lever.alone.mu.clone());
+            let fine = both(&structure)?;
             let in_band = fine.0.iter().take_while(|omega| **omega <= band.omega).count();
-            // What rounding alone does to an eigenvalue 1/omega^2 beside the largest.
-            let rounding = |omega: f64| 16.0 * f64::EPSILON * (omega / fine.0[0]).powi(2);
             let change = |k: usize| relative_change(&coarse.0, &fine.0, k);
-            let coupled = (0..in_band).map(|k| (change(k) - rounding(fine.0[k])).max(0.0));
-            let alone = (0..LEVER_MODES.min(fine.1.len())).map(|k| {
-                let omega = |mu: &[f64]| mu.get(k).copied().unwrap_or(f64::NAN).powf(-0.5);
-                ((omega(&fine.1) - omega(&coarse.1)) / omega(&fine.1)).abs()
-            });
-            // A NaN must not slip through a comparison: `f64::max` would drop it.
+            let coupled = (0..in_band).map(|k| beyond_rounding(change(k), fine.0[k] / fine.0[0]));
+            let alone = (0..LEVER_MODES.min(fine.1.len()))
+                .map(|k| beyond_rounding(relative_change(&coarse.1, &fine.1, k), fine.1[k] / fine.1[0]));
+            // `f64::max` would pass over NaN.
             let worst = coupled.chain(alone).fold(0.0, |a: f64, b| if b <= a { a } else { b });
             if worst <= tolerance {
                 return finish(structure, mesh, in_band, change, tolerance);
@@ -100,6 +97,7 @@ impl Instrument {
         }
         let structure = Structure::new(params, on, mesh)?;
         let solved = solve(&structure)?;
+        check_range(&solved)?;
         Ok(instrument(&structure, mesh, &solved, solved.len()))
     }
 }
@@ -123,8 +121,7 @@ fn band(p: &InstrumentParams, lever_mu: &[f64]) -> Result<Band, InstrumentError>
     let below = |omega: f64| Rod::modes_below(&p.actuator, omega / std::f64::consts::TAU);
     let needed = below(1.5 * omega(0));
     let [fewest, usual, most] = ROD_MODES;
-    // Written so that NaN is refused too.
-    if !(needed <= most as f64) {
+    if needed.is_nan() || needed > most as f64 {
         let rod_hz = (p.actuator.youngs_modulus / p.actuator.density).sqrt() / (4.0 * p.actuator.length);
         let lever_hz = omega(0) / std::f64::consts::TAU;
         return Err(InstrumentError::RodTooSlow { rod_hz, lever_hz, needed, most });
@@ -144,6 +141,13 @@ fn relative_change(coarse: &[f64], fine: &[f64], k: usize) -> f64 {
     }
 }
 
+/// A change less what rounding alone does to 1/omega^2 beside the largest, `ratio` being the
+/// frequency over the lowest.
+fn beyond_rounding(change: f64, ratio: f64) -> f64 {
+    let excess = change - 16.0 * f64::EPSILON * ratio * ratio;
+    if excess < 0.0 { 0.0 } else { excess }
+}
+
 fn finish(
     structure: Structure,
     mesh: Mesh,
@@ -153,6 +157,7 @@ fn finish(
 ) -> Result<Instrument, InstrumentError> {
     let solved = solve(&structure)?;
     let resolved = solved.iter().enumerate().take_while(|(k, _)| change(*k) <= tolerance).count();
+    check_range(&solved)?;
     for s in &solved[..in_band.max(resolved).min(solved.len())] {
         if !(s.residual <= QUALITY && s.orthonormality <= QUALITY) {
             let Solved { residual, orthonormality, .. } = *s;
@@ -160,6 +165,26 @@ fn finish(
         }
     }
     Ok(instrument(&structure, mesh, &solved, resolved))
+}
+
+/// Sizes at the ends of f64's range pass every check and still overflow in a product.
+fn check_range(solved: &[Solved]) -> Result<(), InstrumentError> {
+    for Solved { mode, .. } in solved {
+        let numbers = [
+            ("frequency of a mode", mode.omega),
+            ("tip travel of a mode", mode.tip),
+            ("force on a mode", mode.force),
+            ("drive of a mode", mode.drive),
+            ("rod travel of a mode", mode.top),
+        ];
+        if let Some((what, value)) = numbers.into_iter().find(|(_, value)| !value.is_finite()) {
+            return Err(InstrumentError::OutOfRange { what, value });
+        }
+    }
+    if solved.is_empty() {
+        return Err(InstrumentError::OutOfRange { what: "number of modes", value: 0.0 });
+    }
+    Ok(())
 }
 
 fn instrument(structure: &Structure, mesh: Mesh, solved: &[Solved], resolved: usize) -> Instrument {

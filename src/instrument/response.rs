@@ -13,7 +13,7 @@ const REACH: f64 = 16.0;
 const SCAN: usize = 256;
 
 impl Mode {
-    /// gamma/(2 omega) etc.: 1/Q with infinity read as no damping.
+    /// 1/Q; zero for an undamped mode.
     pub(crate) fn inverse_q(&self) -> f64 {
         1.0 / self.quality_factor
     }

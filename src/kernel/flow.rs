@@ -26,52 +26,91 @@ pub struct Flow<L, const M: usize> {
     /// Acceleration per step squared of a unit of x and of u.
     pub pull: [L; M],
     pub drag: [L; M],
+    /// What the speed midway through a kick is too large by when it counts as work, by x and by u.
+    pub work_x: [L; M],
+    pub work_u: [L; M],
     /// Change of u and of x by a unit of impulse.
     pub kick_u: [L; M],
     pub kick_x: [L; M],
     /// Change of the tip's speed by a unit of impulse, all modes together (1 but for order h^2).
     pub kick_speed: L,
+    /// The part by `work_u` that half a unit of impulse makes.
+    pub kick_work: L,
 }
 
 impl<L: Lane, const M: usize> Flow<L, M> {
-    /// Coefficients for a step of `step` seconds; `modes` has M entries.
+    /// Coefficients for each instance's modes, at most M, and step in seconds. Modes that are not
+    /// there are modes that no impulse moves.
     ///
     /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
     /// term that the path average asks for, in the form that makes a mode's answer to a steady
     /// force exact however stiff it is. `kick_x` is the average's damping term (ARCHITECTURE.md).
-    pub fn new(modes: &[FlowMode], step: f64) -> Self {
-        let zero = [L::splat(0.0); M];
-        let mut flow = Self {
-            m00: zero,
-            m01: zero,
-            m10: zero,
-            m11: zero,
-            rate: zero,
-            pull: zero,
-            drag: zero,
-            kick_u: zero,
-            kick_x: zero,
-            kick_speed: L::splat(0.0),
+    ///
+    /// Work: with f the force at the sample, f'' its second derivative, g = omega/Q and v a mode's
+    /// true speed, an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
+    /// v + h^2 (g f/24 + f'/8 + g^2 v/24). Over a period f f' sums to nothing and f'' v to f v''
+    /// with v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the
+    /// speed is h^2/24 (g omega^2 x + (2 g^2 - omega^2) v), in which f itself cancels. Without it the
+    /// loss is of second order and shows a law without loss as one that feeds the lever.
+    pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
+        let rows: Vec<Vec<Row>> = instances
+            .iter()
+            .map(|(modes, step)| {
+                let mut rows: Vec<Row> = modes.iter().map(|mode| Row::new(mode, *step)).collect();
+                rows.resize_with(M, || {
+                    Row::new(&FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0 }, *step)
+                });
+                rows
+            })
+            .collect();
+        let gather = |value: fn(&Row) -> f64| -> [L; M] {
+            std::array::from_fn(|k| L::from_lanes(|i| value(&rows[i][k])))
         };
-        let mut kick_speed = 0.0;
-        for (k, mode) in modes.iter().enumerate().take(M) {
-            let [m00, m01, m10, m11] = increments(mode.omega * step, mode.damping);
-            let angle = mode.omega * step;
-            let half = 0.5 * angle;
-            let factor = mode.share * half.tan() / half * (1.0 - angle * angle / 24.0);
-            flow.m00[k] = L::splat(m00);
-            flow.m01[k] = L::splat(m01);
-            flow.m10[k] = L::splat(m10);
-            flow.m11[k] = L::splat(m11);
-            flow.rate[k] = L::splat(angle);
-            flow.pull[k] = L::splat(-angle * angle);
-            flow.drag[k] = L::splat(-2.0 * mode.damping * angle * angle);
-            flow.kick_u[k] = L::splat(factor / angle);
-            flow.kick_x[k] = L::splat(mode.share * mode.damping * angle / 12.0);
-            kick_speed += factor;
+        Self {
+            m00: gather(|row| row.step[0]),
+            m01: gather(|row| row.step[1]),
+            m10: gather(|row| row.step[2]),
+            m11: gather(|row| row.step[3]),
+            rate: gather(|row| row.angle),
+            pull: gather(|row| -row.angle * row.angle),
+            drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
+            work_x: gather(|row| row.loss() * row.angle * row.angle / 24.0),
+            work_u: gather(Row::work_u),
+            kick_u: gather(|row| row.factor / row.angle),
+            kick_x: gather(|row| row.share * row.damping * row.angle / 12.0),
+            kick_speed: L::from_lanes(|i| rows[i].iter().map(|row| row.factor).sum()),
+            kick_work: L::from_lanes(|i| {
+                rows[i].iter().map(|row| 0.5 * row.work_u() * row.factor / row.angle).sum()
+            }),
         }
-        flow.kick_speed = L::splat(kick_speed);
-        flow
+    }
+}
+
+/// One mode over one step.
+struct Row {
+    angle: f64,
+    damping: f64,
+    share: f64,
+    factor: f64,
+    step: [f64; 4],
+}
+
+impl Row {
+    fn new(mode: &FlowMode, step: f64) -> Self {
+        let FlowMode { omega, damping, share } = *mode;
+        let angle = omega * step;
+        let half = 0.5 * angle;
+        let factor = share * half.tan() / half * (1.0 - angle * angle / 24.0);
+        Self { angle, damping, share, factor, step: increments(angle, damping) }
+    }
+
+    /// Damping rate per step, omega h/Q.
+    fn loss(&self) -> f64 {
+        2.0 * self.damping * self.angle
+    }
+
+    fn work_u(&self) -> f64 {
+        (2.0 * self.loss() * self.loss() - self.angle * self.angle) * self.angle / 24.0
     }
 }
 

@@ -4,10 +4,30 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value per instance. Only operations that a shader rounds the same way are offered.
 pub trait Lane:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+    Copy
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
 {
     /// A truth value per instance.
     type Mask: Copy;
+    /// One instance's number.
+    type Element: Copy + Send + Sync;
+    /// Instances held.
+    const WIDTH: usize;
+
+    /// `value(i)` for instance i, rounded to the lane's precision.
+    fn from_lanes(value: impl Fn(usize) -> f64) -> Self;
+    /// The number of instance i, below [`Lane::WIDTH`].
+    fn lane(self, i: usize) -> f64;
+    /// A number rounded to the lane's precision, for a table that all instances read.
+    fn element(value: f64) -> Self::Element;
+    /// The same number everywhere.
+    fn broadcast(element: Self::Element) -> Self;
 
     /// The same number everywhere, rounded to the lane's precision.
     fn splat(value: f64) -> Self;
@@ -15,7 +35,7 @@ pub trait Lane:
     fn abs(self) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
-    /// `self * factor + term`; strict lanes round twice, fast ones once.
+    /// `self * factor + term`, rounded twice: every processor gives the same bits.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     fn less(self, other: Self) -> Self::Mask;
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
@@ -29,7 +49,25 @@ macro_rules! strict_scalar {
     ($float:ty) => {
         impl Lane for $float {
             type Mask = bool;
+            type Element = $float;
+            const WIDTH: usize = 1;
 
+            #[inline(always)]
+            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+                value(0) as $float
+            }
+            #[inline(always)]
+            fn lane(self, _: usize) -> f64 {
+                self.into()
+            }
+            #[inline(always)]
+            fn element(value: f64) -> $float {
+                value as $float
+            }
+            #[inline(always)]
+            fn broadcast(element: $float) -> Self {
+                element
+            }
             #[inline(always)]
             fn splat(value: f64) -> Self {
                 value as $float
@@ -86,3 +124,144 @@ macro_rules! strict_scalar {
 
 strict_scalar!(f32);
 strict_scalar!(f64);
+
+/// Several instances side by side; the same operations in the same order as one alone, so the same
+/// bits, but a vector instruction for each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Pack<T, const N: usize>([T; N]);
+
+/// Eight f64 and sixteen f32 fill a 512-bit register, or several smaller ones.
+pub type Pack64 = Pack<f64, 8>;
+/// See [`Pack64`].
+pub type Pack32 = Pack<f32, 16>;
+
+macro_rules! pack {
+    ($float:ty, $bits:ty, $width:literal) => {
+        impl Pack<$float, $width> {
+            #[inline(always)]
+            fn zip(self, other: Self, f: impl Fn($float, $float) -> $float) -> Self {
+                let mut out = self.0;
+                for i in 0..$width {
+                    out[i] = f(self.0[i], other.0[i]);
+                }
+                Self(out)
+            }
+        }
+
+        pack!(@op $float, $width, Add, add, |a, b| a + b);
+        pack!(@op $float, $width, Sub, sub, |a, b| a - b);
+        pack!(@op $float, $width, Mul, mul, |a, b| a * b);
+        pack!(@op $float, $width, Div, div, |a, b| a / b);
+
+        impl Neg for Pack<$float, $width> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(self.0.map(|a| -a))
+            }
+        }
+
+        impl Lane for Pack<$float, $width> {
+            /// All bits set for true: select is then three bit operations on whole registers.
+            type Mask = [$bits; $width];
+            type Element = $float;
+            const WIDTH: usize = $width;
+
+            #[inline(always)]
+            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+                Self(std::array::from_fn(|i| value(i) as $float))
+            }
+            #[inline(always)]
+            fn lane(self, i: usize) -> f64 {
+                self.0[i].into()
+            }
+            #[inline(always)]
+            fn element(value: f64) -> $float {
+                value as $float
+            }
+            #[inline(always)]
+            fn broadcast(element: $float) -> Self {
+                Self([element; $width])
+            }
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Self([value as $float; $width])
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0.map(|a| a.sqrt()))
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self(self.0.map(|a| a.abs()))
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                self.zip(other, |a, b| if a < b { a } else { b })
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                self.zip(other, |a, b| if a > b { a } else { b })
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                self * factor + term
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> Self::Mask {
+                let mut out = [0; $width];
+                for i in 0..$width {
+                    out[i] = if self.0[i] < other.0[i] { <$bits>::MAX } else { 0 };
+                }
+                out
+            }
+            #[inline(always)]
+            fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+                let mut out = no.0;
+                for i in 0..$width {
+                    out[i] = <$float>::from_bits(
+                        (yes.0[i].to_bits() & mask[i]) | (no.0[i].to_bits() & !mask[i]),
+                    );
+                }
+                Self(out)
+            }
+            #[inline(always)]
+            fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+                let mut out = a;
+                for i in 0..$width {
+                    out[i] &= b[i];
+                }
+                out
+            }
+            #[inline(always)]
+            fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+                let mut out = a;
+                for i in 0..$width {
+                    out[i] |= b[i];
+                }
+                out
+            }
+            #[inline(always)]
+            fn not(a: Self::Mask) -> Self::Mask {
+                a.map(|bits| !bits)
+            }
+            #[inline(always)]
+            fn any(mask: Self::Mask) -> bool {
+                mask.iter().fold(0, |all, bits| all | bits) != 0
+            }
+        }
+    };
+    (@op $float:ty, $width:literal, $trait:ident, $name:ident, $f:expr) => {
+        impl $trait for Pack<$float, $width> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                self.zip(other, $f)
+            }
+        }
+    };
+}
+
+pack!(f64, u64, 8);
+pack!(f32, u32, 16);

@@ -20,7 +20,7 @@ mod step;
 mod tally;
 
 pub use flow::{Flow, FlowMode, increments};
-pub use lane::Lane;
+pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use step::{Case, Decay, Free, Sample, State, Wave, period};
 pub use tally::Tally;
 

@@ -6,9 +6,9 @@ use crate::observe::Wants;
 
 /// Cosine and sine of the drive's phase at a sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Wave<L> {
-    pub cosine: L,
-    pub sine: L,
+pub struct Wave<E> {
+    pub cosine: E,
+    pub sine: E,
 }
 
 /// The free tip's travel at the samples of a period, kernel units: `cosine`, `sine` its
@@ -22,10 +22,10 @@ pub struct Free<L> {
 
 /// Free travel beyond the steady one (a start from rest), its speed per step and acceleration.
 #[derive(Clone, Copy, Debug)]
-pub struct Decay<L> {
-    pub travel: L,
-    pub speed: L,
-    pub acceleration: L,
+pub struct Decay<E> {
+    pub travel: E,
+    pub speed: E,
+    pub acceleration: E,
 }
 
 /// What one instance is: lever, free motion, gap and law.
@@ -55,31 +55,43 @@ pub struct Sample<L> {
     pub beyond: L,
     /// Indentation, corrected likewise.
     pub indentation: L,
-    /// Speed of the tip's travel midway through the kick.
+    /// Speed of the tip's travel that makes work of the impulse, to fourth order.
     pub speed: L,
+    /// Travel that makes the virial of the impulse, likewise: the impulse is a mean over the step,
+    /// so its factor is the travel less a 24th of its second difference.
+    pub centred: L,
     pub kick: Kick<L>,
 }
 
 impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     /// Kick at the sample, then exact flow to the next one.
     #[inline(always)]
-    pub fn step(&self, state: &mut State<L, M>, wave: Wave<L>, decay: Option<Decay<L>>) -> Sample<L> {
+    pub fn step(
+        &self,
+        state: &mut State<L, M>,
+        wave: Wave<L::Element>,
+        decay: Option<Decay<L::Element>>,
+    ) -> Sample<L> {
         let flow = &self.flow;
         let free = &self.free;
-        let steady = free.cosine.mul_add(wave.cosine, free.sine * wave.sine);
-        let mut speed = free.rate * free.sine.mul_add(wave.cosine, -(free.cosine * wave.sine));
+        let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
+        let steady = free.cosine.mul_add(cosine, free.sine * sine);
+        let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
+        let mut excess = -(free.rate * free.rate * speed * L::splat(1.0 / 24.0));
         let mut acceleration = -(free.rate * free.rate * steady);
         let mut beyond = L::splat(0.0);
         if let Some(decay) = decay {
-            beyond = decay.travel;
-            speed = speed + decay.speed;
-            acceleration = acceleration + decay.acceleration;
+            beyond = L::broadcast(decay.travel);
+            speed = speed + L::broadcast(decay.speed);
+            acceleration = acceleration + L::broadcast(decay.acceleration);
         }
         for k in 0..M {
             beyond = beyond + state.x[k];
             speed = flow.rate[k].mul_add(state.u[k], speed);
             acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
+            excess = flow.work_x[k].mul_add(state.x[k], excess);
+            excess = flow.work_u[k].mul_add(state.u[k], excess);
         }
         let indentation = -(self.gap + steady + beyond);
         let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
@@ -98,7 +110,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             steady,
             beyond: beyond + corner,
             indentation: indentation - corner,
-            speed: (L::splat(0.5) * flow.kick_speed).mul_add(impulse, speed),
+            speed: (L::splat(0.5) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed - excess),
+            centred: acceleration.mul_add(L::splat(-1.0 / 24.0), steady + beyond),
             kick,
         }
     }
@@ -106,11 +119,15 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
 
 /// Steps through one drive period: `waves[n]` for the steps of harmonic n + 1, `decay` for the
 /// same steps where the run started from rest.
+///
+/// Compiled once for each instruction set and chosen at run time; no operation is fused, so all of
+/// them give the same bits.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
-    waves: &[Vec<Wave<L>>],
-    decay: Option<&[Decay<L>]>,
+    waves: &[Vec<Wave<L::Element>>],
+    decay: Option<&[Decay<L::Element>]>,
     wants: Wants,
     tally: &mut Tally<L>,
 ) {

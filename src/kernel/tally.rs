@@ -72,11 +72,18 @@ impl<L: Lane> Tally<L> {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, sample: &Sample<L>, waves: &[Vec<Wave<L>>], index: usize, wants: Wants) {
+    pub(super) fn add(
+        &mut self,
+        sample: &Sample<L>,
+        waves: &[Vec<Wave<L::Element>>],
+        index: usize,
+        wants: Wants,
+    ) {
         for (harmonic, row) in waves.iter().enumerate().take(wants.harmonics) {
             let wave = row[index];
-            self.cosine[harmonic] = sample.beyond.mul_add(wave.cosine, self.cosine[harmonic]);
-            self.sine[harmonic] = sample.beyond.mul_add(wave.sine, self.sine[harmonic]);
+            let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
+            self.cosine[harmonic] = sample.beyond.mul_add(cosine, self.cosine[harmonic]);
+            self.sine[harmonic] = sample.beyond.mul_add(sine, self.sine[harmonic]);
         }
         if wants.extremes {
             self.add_extremes(sample);
@@ -94,8 +101,10 @@ impl<L: Lane> Tally<L> {
             let impulse = sample.kick.impulse;
             self.impulse = self.impulse + impulse;
             self.work = impulse.mul_add(sample.speed, self.work);
-            self.virial = impulse.mul_add(sample.steady + sample.beyond, self.virial);
+            self.virial = impulse.mul_add(sample.centred, self.virial);
         }
+        // Kept up before the measured part too: its first sample needs its predecessors.
+        self.last = [self.last[1], sample.indentation];
         self.touched = sample.kick.touching;
     }
 
@@ -115,6 +124,5 @@ impl<L: Lane> Tally<L> {
         self.highest = self.highest.min(value);
         let held = L::select(zero.less(self.touched), value, self.held);
         self.held = self.held.min(held);
-        self.last = [middle, next];
     }
 }

@@ -19,8 +19,9 @@ impl Plan {
     /// In words and as JSON; `seconds` is the estimated run time, where known.
     pub fn summary(&self, seconds: Option<f64>) -> Summary {
         let mut text = format!(
-            "{} instances, {} driven instrument{}, {} class{}, precision {}\n",
+            "{} instance{}, {} driven instrument{}, {} class{}, precision {}\n",
             self.cases.len(),
+            plural(self.cases.len(), "s"),
             self.drives.len(),
             plural(self.drives.len(), "s"),
             self.classes.len(),

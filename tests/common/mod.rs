@@ -3,7 +3,7 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
-use afmsweep::store::{Attribute, Audit, Coordinate, ForceCurve, Results, Variable, Waveforms};
+use afmsweep::store::{Attribute, Audit, Coordinate, Flags, ForceCurve, Results, Variable, Waveforms};
 
 pub const SCENE: &str = "title = \"one\"\n";
 
@@ -40,6 +40,22 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
         ],
         status: (0..count).map(|i| (i % 6) as u8).collect(),
         steps_per_period: (0..count).map(|i| 200 + i as u32).collect(),
+        flags: vec![
+            Flags {
+                name: "contact_law".into(),
+                long_name: "contact law used".into(),
+                meanings: vec!["none".into(), "hertz".into(), "dmt".into()],
+                bits: false,
+                data: (0..count).map(|i| (i % 3) as u8).collect(),
+            },
+            Flags {
+                name: "contact_warnings".into(),
+                long_name: "doubts".into(),
+                meanings: vec!["large_strain".into(), "rigid_tip".into()],
+                bits: true,
+                data: (0..count).map(|i| (i % 4) as u8).collect(),
+            },
+        ],
         waveforms: Some(Waveforms {
             instances: vec![last],
             time: rows(1, 1e-7),

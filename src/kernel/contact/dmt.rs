@@ -37,6 +37,13 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
         let y = one / (one + self.distance(at.indentation));
         let sample = self.hertz.sample(at.indentation) - self.adhesion * y * y;
         let path = Path::around(at, sample);
+        let zero = L::splat(0.0);
+        if !L::any(L::either(zero.less(path.start), zero.less(path.end))) {
+            let pull = self.attraction(path, zero);
+            let slope = -(L::splat(2.0) * pull * self.inverse_decay * y);
+            let impulse = -pull + pull * slope * L::splat(1.0 / 12.0);
+            return Kick { impulse, contact: zero, touching: zero };
+        }
         let mean = self.hertz.mean(path);
         let pull = self.attraction(path, mean.share);
         let force = mean.force - pull;

@@ -1,0 +1,185 @@
+//! Values over one axis as curves, and values of a list as clouds of points.
+
+use super::ReportError;
+use super::axis::{Axis, is_log_spaced, spans_decades};
+use super::canvas::{GREY, LINES, picture};
+use super::frame::{Frame, KEY_ROW, Key, State, Tally, key, key_rows, left_margin, title};
+use super::heatmap::label;
+use crate::store::Coordinate;
+
+/// Points of a cloud at most; more would only make ink.
+const MOST_POINTS: usize = 3000;
+/// Markers on a curve are drawn up to this many points.
+const MOST_MARKERS: usize = 80;
+
+/// One curve or cloud: a value and its state for each instance.
+pub(super) struct Series {
+    pub name: String,
+    pub values: Vec<(f64, State)>,
+}
+
+/// Curves over `x`, joined where neighbours have values.
+pub(super) fn curves(
+    heading: &str,
+    units: &str,
+    long_name: &str,
+    x: &Coordinate,
+    series: &[Series],
+) -> Result<String, ReportError> {
+    let x_axis = Axis::over(x.values.iter().copied(), &x.units, label(x), is_log_spaced(&x.values), 0.03);
+    let y_axis = values_axis(series, units, long_name);
+    let mut order: Vec<usize> = (0..x.values.len()).filter(|&i| x.values[i].is_finite()).collect();
+    order.sort_by(|&a, &b| x.values[a].total_cmp(&x.values[b]));
+    let mut entries: Vec<(Key, String)> = Vec::new();
+    if series.len() > 1 {
+        let lines = series.iter().enumerate();
+        entries.extend(lines.map(|(number, one)| (line_key(number), one.name.clone())));
+    }
+    entries.extend(state_entries(series));
+    let (width, height, top) = (560.0, 360.0, 40.0);
+    let left = left_margin(&y_axis, height);
+    let total_width = left + width + 28.0;
+    let key_top = top + height + 64.0;
+    let total = (total_width, key_top + key_rows(width, &entries) * KEY_ROW);
+    picture(total, |canvas| {
+        title(canvas, heading, left, total_width)?;
+        let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+        frame.grid()?;
+        for (number, one) in series.iter().enumerate() {
+            let shade = LINES[number % LINES.len()];
+            let mut piece: Vec<(f64, f64)> = Vec::new();
+            for &i in &order {
+                let (value, state) = one.values[i];
+                let at = frame.at(x.values[i], value);
+                if state.has_value() && at.0.is_finite() && at.1.is_finite() {
+                    piece.push(at);
+                    continue;
+                }
+                draw_piece(&frame, &mut piece, number)?;
+                let x = frame.at(x.values[i], f64::NAN).0;
+                if x.is_finite() && number == 0 {
+                    absent(&frame, x, state)?;
+                }
+            }
+            draw_piece(&frame, &mut piece, number)?;
+            for &i in &order {
+                let (value, state) = one.values[i];
+                let at = frame.at(x.values[i], value);
+                if !(state.has_value() && at.0.is_finite() && at.1.is_finite()) {
+                    continue;
+                }
+                match state {
+                    State::Doubtful => canvas.ring(at, 3.5, shade)?,
+                    _ if order.len() <= MOST_MARKERS => canvas.dot(at, 2.6, shade)?,
+                    _ => {}
+                }
+            }
+        }
+        frame.edges(true, true)?;
+        key(canvas, (left, key_top), left + width, &entries)
+    })
+}
+
+fn line_key(number: usize) -> Key {
+    let shade = LINES[number % LINES.len()];
+    if number < LINES.len() { Key::Line(shade) } else { Key::Dashes(shade) }
+}
+
+/// Colours come again after the sixth curve; dashes then tell the curves apart.
+fn draw_piece(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {
+    let shade = LINES[number % LINES.len()];
+    if number < LINES.len() {
+        frame.canvas.line(piece, shade, 1.8)?;
+    } else {
+        frame.canvas.dashes(piece, shade, 1.8)?;
+    }
+    piece.clear();
+    Ok(())
+}
+
+/// A sign at the lower edge for an instance without a value.
+fn absent(frame: &Frame, x: f64, state: State) -> Result<(), ReportError> {
+    let y = frame.top + frame.height - 8.0;
+    match state {
+        State::Failed => frame.canvas.cross((x, y), 3.5, GREY),
+        _ => frame.canvas.line(&[(x, y - 4.0), (x, y + 4.0)], GREY, 1.3),
+    }
+}
+
+fn values_axis(series: &[Series], units: &str, long_name: &str) -> Axis {
+    let values = series.iter().flat_map(|one| &one.values);
+    let shown = values.filter(|(_, state)| state.has_value()).map(|(value, _)| *value);
+    Axis::over(shown.clone(), units, long_name, spans_decades(shown), 0.06)
+}
+
+fn state_entries(series: &[Series]) -> Vec<(Key, String)> {
+    let tally = Tally::of(series.iter().flat_map(|one| &one.values).map(|(_, state)| *state));
+    let mut entries = Vec::new();
+    if tally.doubtful > 0 {
+        entries.push((Key::Ring(LINES[0]), format!("not steady or sensitive ({})", tally.doubtful)));
+    }
+    if tally.failed > 0 {
+        entries.push((Key::Cross(GREY), format!("failed ({})", tally.failed)));
+    }
+    if tally.empty > 0 {
+        entries.push((Key::Tick(GREY), format!("no value, nothing failed ({})", tally.empty)));
+    }
+    entries
+}
+
+/// One panel for each parameter of a list.
+pub(super) fn scatter(
+    heading: &str,
+    units: &str,
+    long_name: &str,
+    parameters: &[Coordinate],
+    series: &Series,
+) -> Result<String, ReportError> {
+    let y_axis = values_axis(std::slice::from_ref(series), units, long_name);
+    let count = series.values.len();
+    let every = count.div_ceil(MOST_POINTS).max(1);
+    let columns = parameters.len().clamp(1, 3);
+    let rows = parameters.len().div_ceil(columns);
+    let (width, height) = if columns == 1 { (560.0, 360.0) } else { (270.0, 230.0) };
+    let (left, top, gap, down) = (left_margin(&y_axis, height), 40.0, 22.0, 62.0);
+    let mut entries = state_entries(std::slice::from_ref(series));
+    if every > 1 {
+        entries.insert(0, (Key::Dot(LINES[0]), format!("every {every}th of {count} instances")));
+    }
+    let field = columns as f64 * (width + gap) - gap;
+    let total_width = left + field + 28.0;
+    let key_top = top + rows as f64 * (height + down) + 4.0;
+    let total = (total_width, key_top + key_rows(field, &entries) * KEY_ROW);
+    picture(total, |canvas| {
+        title(canvas, heading, left, total_width)?;
+        for (number, parameter) in parameters.iter().enumerate() {
+            let log = is_log_spaced(&parameter.values);
+            let values = parameter.values.iter().copied();
+            let x_axis = Axis::over(values, &parameter.units, label(parameter), log, 0.04);
+            let (row, column) = (number / columns, number % columns);
+            let frame = Frame {
+                canvas,
+                left: left + column as f64 * (width + gap),
+                top: top + row as f64 * (height + down),
+                width,
+                height,
+                x: &x_axis,
+                y: &y_axis,
+            };
+            frame.grid()?;
+            for (&(value, state), &x) in series.values.iter().zip(&parameter.values).step_by(every) {
+                let at = frame.at(x, value);
+                if !at.0.is_finite() {
+                    continue;
+                }
+                match state {
+                    State::Good if at.1.is_finite() => canvas.dot(at, 2.4, LINES[0])?,
+                    State::Doubtful if at.1.is_finite() => canvas.ring(at, 3.0, LINES[0])?,
+                    state => absent(&frame, at.0, state)?,
+                }
+            }
+            frame.edges(true, column == 0)?;
+        }
+        key(canvas, (left, key_top), left + field, &entries)
+    })
+}

@@ -1,0 +1,272 @@
+//! What pictures have in common: the frame with its ticks, the key below it, colours for values.
+
+use super::ReportError;
+use super::axis::Axis;
+use super::canvas::{Anchor, Canvas, GREY, INK, PALE, WHITE, text_width};
+use crate::observe::Status;
+use plotters::style::RGBColor;
+
+/// Letters of ticks and keys, of labels, of titles.
+pub(super) const SMALL: f64 = 12.0;
+pub(super) const LABEL: f64 = 13.0;
+pub(super) const TITLE: f64 = 15.0;
+
+/// What a picture shows for one instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    Good,
+    /// A value of an instance that is not steady or sensitive.
+    Doubtful,
+    /// No value though nothing failed: never in contact.
+    Empty,
+    Failed,
+}
+
+impl State {
+    pub fn of(status: u8, value: f64) -> Self {
+        match Status::from_code(status) {
+            Some(Status::Ok) if value.is_finite() => Self::Good,
+            Some(Status::NotSteady | Status::Sensitive) if value.is_finite() => Self::Doubtful,
+            Some(Status::Ok | Status::NotSteady | Status::Sensitive) => Self::Empty,
+            _ => Self::Failed,
+        }
+    }
+
+    pub fn has_value(self) -> bool {
+        matches!(self, Self::Good | Self::Doubtful)
+    }
+}
+
+/// How many instances are in each state.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tally {
+    pub doubtful: usize,
+    pub empty: usize,
+    pub failed: usize,
+}
+
+impl Tally {
+    pub fn of(states: impl Iterator<Item = State>) -> Self {
+        let mut tally = Self::default();
+        for state in states {
+            match state {
+                State::Good => {}
+                State::Doubtful => tally.doubtful += 1,
+                State::Empty => tally.empty += 1,
+                State::Failed => tally.failed += 1,
+            }
+        }
+        tally
+    }
+}
+
+/// A sample in a key.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Key {
+    Line(RGBColor),
+    Dashes(RGBColor),
+    Dot(RGBColor),
+    Ring(RGBColor),
+    Cross(RGBColor),
+    /// An upright stroke.
+    Tick(RGBColor),
+    Swatch(RGBColor),
+    Marked(RGBColor),
+    Hatched,
+}
+
+/// Height of a key's row.
+pub(super) const KEY_ROW: f64 = 20.0;
+
+/// Draws samples with their meanings from (x, y) on, in rows that end before `right`.
+pub(super) fn key(
+    canvas: &Canvas,
+    (left, top): (f64, f64),
+    right: f64,
+    entries: &[(Key, String)],
+) -> Result<(), ReportError> {
+    let (mut x, mut y) = (left, top);
+    for (sample, text) in entries {
+        let width = 30.0 + text_width(text, SMALL) + 16.0;
+        if x > left && x + width > right {
+            (x, y) = (left, y + KEY_ROW);
+        }
+        let (a, b) = ((x, y - 6.0), (x + 22.0, y + 6.0));
+        let middle = (x + 11.0, y);
+        match *sample {
+            Key::Line(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Key::Dashes(colour) => canvas.dashes(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Key::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
+            Key::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
+            Key::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
+            Key::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
+            Key::Swatch(colour) => canvas.rectangle(a, b, colour)?,
+            Key::Marked(colour) => {
+                canvas.rectangle(a, b, colour)?;
+                mark(canvas, middle)?;
+            }
+            Key::Hatched => canvas.hatched(a, b)?,
+        }
+        canvas.text(text, (x + 28.0, y), SMALL, Anchor::Left, INK)?;
+        x += width;
+    }
+    Ok(())
+}
+
+/// Rows that [`key`] needs.
+pub(super) fn key_rows(width: f64, entries: &[(Key, String)]) -> f64 {
+    let (mut x, mut rows) = (0.0, f64::from(u8::from(!entries.is_empty())));
+    for (_, text) in entries {
+        let entry = 30.0 + text_width(text, SMALL) + 16.0;
+        if x > 0.0 && x + entry > width {
+            (x, rows) = (0.0, rows + 1.0);
+        }
+        x += entry;
+    }
+    rows
+}
+
+/// The mark of a doubtful value on a coloured cell: seen on dark and light colours.
+pub(super) fn mark(canvas: &Canvas, at: (f64, f64)) -> Result<(), ReportError> {
+    canvas.dot(at, 2.4, INK)?;
+    canvas.dot(at, 1.5, WHITE)
+}
+
+/// A plotting field with its two axes.
+pub(super) struct Frame<'a, 'c> {
+    pub canvas: &'a Canvas<'c>,
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+    pub x: &'a Axis,
+    pub y: &'a Axis,
+}
+
+impl Frame<'_, '_> {
+    /// Pixels of a value pair; NaN where it cannot be shown.
+    pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        (self.left + self.x.place(x) * self.width, self.top + (1.0 - self.y.place(y)) * self.height)
+    }
+
+    /// The fine grid, to be drawn before the data.
+    pub fn grid(&self) -> Result<(), ReportError> {
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        for (place, _) in self.x.ticks(self.x_count()).0 {
+            let x = self.left + place * self.width;
+            self.canvas.line(&[(x, self.top), (x, bottom)], PALE, 0.8)?;
+        }
+        for (place, _) in self.y.ticks(self.y_count()).0 {
+            let y = bottom - place * self.height;
+            self.canvas.line(&[(self.left, y), (right, y)], PALE, 0.8)?;
+        }
+        Ok(())
+    }
+
+    fn x_count(&self) -> usize {
+        (self.width / 75.0) as usize + 1
+    }
+
+    fn y_count(&self) -> usize {
+        (self.height / 45.0) as usize + 1
+    }
+
+    /// The box and its ticks, to be drawn after the data; labels where asked for.
+    pub fn edges(&self, x_labels: bool, y_labels: bool) -> Result<(), ReportError> {
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        let canvas = self.canvas;
+        let (ticks, small) = self.x.ticks(self.x_count());
+        let mut free = f64::NEG_INFINITY;
+        for (place, text) in &ticks {
+            let x = self.left + place * self.width;
+            canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
+            let half = text_width(text, SMALL) / 2.0;
+            if x_labels && x - half > free {
+                canvas.text(text, (x, bottom + 15.0), SMALL, Anchor::Middle, INK)?;
+                free = x + half + 4.0;
+            }
+        }
+        for place in small {
+            let x = self.left + place * self.width;
+            canvas.line(&[(x, bottom), (x, bottom + 3.0)], GREY, 0.8)?;
+        }
+        let (ticks, small) = self.y.ticks(self.y_count());
+        for (place, text) in &ticks {
+            let y = bottom - place * self.height;
+            canvas.line(&[(self.left - 5.0, y), (self.left, y)], INK, 1.0)?;
+            if y_labels {
+                canvas.text(text, (self.left - 8.0, y), SMALL, Anchor::Right, INK)?;
+            }
+        }
+        for place in small {
+            let y = bottom - place * self.height;
+            canvas.line(&[(self.left - 3.0, y), (self.left, y)], GREY, 0.8)?;
+        }
+        if x_labels {
+            let middle = self.left + self.width / 2.0;
+            canvas.text(&self.x.label, (middle, bottom + 36.0), LABEL, Anchor::Middle, INK)?;
+        }
+        if y_labels {
+            let x = self.left - 16.0 - widest(&ticks) - LABEL * 0.6;
+            upward(canvas, self.y, (x, self.top + self.height / 2.0), self.height)?;
+        }
+        canvas.outline((self.left, self.top), (right, bottom), INK, 1.0)
+    }
+}
+
+/// An upright label in the room it has: in smaller letters, or the unit alone, where it is too long.
+pub(super) fn upward(canvas: &Canvas, axis: &Axis, at: (f64, f64), room: f64) -> Result<(), ReportError> {
+    let room = room + 30.0;
+    let sizes = [LABEL, SMALL, 11.0, 10.0];
+    let size = sizes.into_iter().find(|size| text_width(&axis.label, *size) <= room);
+    let short = if axis.unit.text.is_empty() { String::new() } else { format!("in {}", axis.unit.text) };
+    let text = if size.is_some() { &axis.label } else { &short };
+    canvas.text(text, at, size.unwrap_or(LABEL), Anchor::Upward, INK)
+}
+
+fn widest(ticks: &[(f64, String)]) -> f64 {
+    ticks.iter().map(|(_, text)| text_width(text, SMALL)).fold(0.0, f64::max)
+}
+
+/// Room that an axis needs at the left of a field of this height.
+pub(super) fn left_margin(axis: &Axis, height: f64) -> f64 {
+    16.0 + widest(&axis.ticks((height / 45.0) as usize + 1).0) + LABEL * 1.2 + 10.0
+}
+
+/// A colour for a value from 0 to 1: from dark violet to yellow with lightness rising evenly, so that
+/// the order of values is seen with any colour vision and in a grey copy.
+pub(super) fn colour(place: f64) -> RGBColor {
+    // Evenly spaced in the lightness of the Oklab space (0.26 to 0.92), the hue turning from 305 to 100
+    // degrees, the saturation changing smoothly within what a screen can show.
+    const POINTS: [(u8, u8, u8); 12] = [
+        (52, 2, 85),
+        (49, 33, 110),
+        (40, 60, 126),
+        (26, 85, 137),
+        (19, 108, 143),
+        (33, 130, 146),
+        (42, 152, 150),
+        (67, 173, 148),
+        (104, 193, 140),
+        (149, 209, 126),
+        (200, 222, 109),
+        (253, 231, 95),
+    ];
+    let at = if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) } * (POINTS.len() - 1) as f64;
+    let below = (at as usize).min(POINTS.len() - 2);
+    let share = at - below as f64;
+    let (a, b) = (POINTS[below], POINTS[below + 1]);
+    let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+}
+
+/// Pieces of a title that fit a picture's width.
+pub(super) fn title(canvas: &Canvas, text: &str, left: f64, width: f64) -> Result<(), ReportError> {
+    let most = ((width - left - 8.0) / (TITLE * 0.56)) as usize;
+    let mut shown: String = text.chars().take(most.max(4)).collect();
+    if shown.len() < text.len() {
+        shown.pop();
+        shown.push('…');
+    }
+    canvas.text(&shown, (left, 20.0), TITLE, Anchor::Left, INK)
+}

@@ -1,0 +1,112 @@
+//! One instance over time: travel, indentation and force in panels above each other.
+
+use super::ReportError;
+use super::axis::Axis;
+use super::canvas::{Anchor, INK, LINES, PALE, picture};
+use super::frame::{Frame, KEY_ROW, Key, SMALL, key, left_margin, title};
+use crate::store::Waveforms;
+
+/// The picture of row `row` of the waveforms.
+pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<String, ReportError> {
+    let nothing = Vec::new();
+    let of = |rows: &'_ [Vec<f64>]| rows.get(row).cloned().unwrap_or_default();
+    let time = waveforms.time.get(row).or(waveforms.time.first()).unwrap_or(&nothing);
+    let (tip, top_of_rod) = (of(&waveforms.tip_travel), of(&waveforms.actuator_top));
+    let (indentation, force) = (of(&waveforms.indentation), of(&waveforms.force));
+    let t_axis = Axis::over(time.iter().copied(), "s", "time", false, 0.0);
+    type Lines<'a> = Vec<(&'a str, &'a [f64])>;
+    let panels: [(&str, &str, Lines); 3] = [
+        ("travel", "m", vec![("tip", &tip), ("actuator's top", &top_of_rod)]),
+        ("indentation", "m", vec![("indentation, negative for a gap", &indentation)]),
+        ("force on the tip", "N", vec![("force", &force)]),
+    ];
+    let axes: Vec<Axis> = panels
+        .iter()
+        .map(|(label, units, lines)| {
+            let values = lines.iter().flat_map(|(_, values)| values.iter().copied());
+            Axis::over(values, units, label, false, 0.08)
+        })
+        .collect();
+    let (width, height, gap, first) = (640.0, 150.0, 16.0, 68.0);
+    let left = axes.iter().map(|axis| left_margin(axis, height)).fold(0.0, f64::max);
+    let total_width = left + width + 24.0;
+    let bottom = first + 3.0 * (height + gap) - gap;
+    picture((total_width, bottom + 52.0), |canvas| {
+        title(canvas, heading, left, total_width)?;
+        let mut entries: Vec<(Key, String)> = panels[0]
+            .2
+            .iter()
+            .enumerate()
+            .map(|(number, (name, _))| match number {
+                0 => (Key::Line(LINES[0]), (*name).to_owned()),
+                _ => (Key::Dashes(LINES[number]), (*name).to_owned()),
+            })
+            .collect();
+        entries.push((Key::Swatch(PALE), "in contact".to_owned()));
+        key(canvas, (left, first - KEY_ROW), left + width, &entries)?;
+        for (number, ((_, _, lines), y_axis)) in panels.iter().zip(&axes).enumerate() {
+            let top = first + number as f64 * (height + gap);
+            let frame = Frame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
+            contact(&frame, time, &indentation)?;
+            frame.grid()?;
+            let zero = y_axis.place(0.0);
+            if (0.0..=1.0).contains(&zero) {
+                let y = top + (1.0 - zero) * height;
+                canvas.line(&[(left, y), (left + width, y)], INK, 0.8)?;
+            }
+            for (number, (_, values)) in lines.iter().enumerate() {
+                let mut piece = Vec::new();
+                for at in time.iter().zip(*values).map(|(&t, &value)| frame.at(t, value)) {
+                    if at.0.is_finite() && at.1.is_finite() {
+                        piece.push(at);
+                    } else {
+                        stroke(&frame, &mut piece, number)?;
+                    }
+                }
+                stroke(&frame, &mut piece, number)?;
+            }
+            if lines.iter().all(|(_, values)| !values.iter().any(|value| value.is_finite())) {
+                let middle = (left + width / 2.0, top + height / 2.0);
+                canvas.text("no values", middle, SMALL, Anchor::Middle, INK)?;
+            }
+            frame.edges(number == 2, true)?;
+        }
+        Ok(())
+    })
+}
+
+fn stroke(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {
+    match number {
+        0 => frame.canvas.line(piece, LINES[0], 1.6)?,
+        _ => frame.canvas.dashes(piece, LINES[number % LINES.len()], 1.6)?,
+    }
+    piece.clear();
+    Ok(())
+}
+
+/// Shades the times in contact.
+fn contact(frame: &Frame, time: &[f64], indentation: &[f64]) -> Result<(), ReportError> {
+    let mut start = None;
+    for (&t, &depth) in time.iter().zip(indentation) {
+        match (depth > 0.0, start) {
+            (true, None) => start = Some(t),
+            (false, Some(from)) => {
+                shade(frame, from, t)?;
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    match (start, time.last()) {
+        (Some(from), Some(&to)) => shade(frame, from, to),
+        _ => Ok(()),
+    }
+}
+
+fn shade(frame: &Frame, from: f64, to: f64) -> Result<(), ReportError> {
+    let (a, b) = (frame.at(from, f64::NAN).0, frame.at(to, f64::NAN).0);
+    if a.is_finite() && b.is_finite() {
+        frame.canvas.rectangle((a, frame.top), (b, frame.top + frame.height), PALE)?;
+    }
+    Ok(())
+}
