@@ -19,7 +19,7 @@ demo: build
 	$(PROGRAM) report results/quickstart.h5 -o results/quickstart
 	@echo
 	@echo "results: results/quickstart.h5"
-	@echo "page:    results/quickstart/$$(cd results/quickstart && ls | grep -m1 -E '\.(html|md)$$')"
+	@echo "page:    results/quickstart/index.html"
 
 build: deps
 	cargo build --release $(FEATURES)

@@ -240,3 +240,20 @@ fn swept_drives_have_their_own_times() {
         }
     }
 }
+
+#[test]
+fn a_report_is_made_from_the_results_file() {
+    let desk = Desk::new();
+    let path = desk.write("tap.toml", TAPPING);
+    desk.run(&path, &[]);
+    let said = desk.works(&["report", "results/tap.h5"]);
+    assert_eq!(said.out, "");
+    assert!(said.err.contains("results/tap/index.html"), "{}", said.err);
+    let page = std::fs::read_to_string(desk.path("results/tap/index.html")).unwrap();
+    assert!(page.contains("Small tapping sweep") && page.contains(".svg"));
+    let quiet = desk.works(&["report", "results/tap.h5", "-o", "elsewhere", "-q"]);
+    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
+    assert!(desk.path("elsewhere/index.html").is_file());
+    desk.refuses(&["report", "tap.toml"], &["is no results file of afmsweep"]);
+    desk.refuses(&["report", "nowhere.h5"], &["nowhere.h5: no such file"]);
+}

@@ -5,6 +5,7 @@
 
 mod check;
 mod error;
+mod history;
 mod labels;
 mod place;
 mod read;

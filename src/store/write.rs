@@ -4,6 +4,7 @@
 //! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
 
 use super::check::check;
+use super::history::history;
 use super::labels::{self, Scale, attach};
 use super::{Attribute, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms};
 use crate::observe::Status;
@@ -11,7 +12,6 @@ use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder}
 use hdf5::{Dataset, File, Group, H5Type};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Elements of a chunk: 512 KiB of f64, below the 1 MiB that readers cache by default.
 const CHUNK: usize = 65_536;
@@ -380,33 +380,4 @@ fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<CodedWords> {
         codes.push(code);
     }
     Ok((codes, meanings))
-}
-
-/// Now, as `2026-11-21T10:00:00Z afmsweep 0.1.0`.
-fn history() -> String {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let (mut days, clock) = (seconds / 86_400, seconds % 86_400);
-    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    let mut year = 1970;
-    while days >= 365 + u64::from(leap(year)) {
-        days -= 365 + u64::from(leap(year));
-        year += 1;
-    }
-    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-    let mut month = 1;
-    for length in lengths {
-        if days < length {
-            break;
-        }
-        days -= length;
-        month += 1;
-    }
-    format!(
-        "{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z afmsweep {}",
-        days + 1,
-        clock / 3600,
-        clock / 60 % 60,
-        clock % 60,
-        env!("CARGO_PKG_VERSION")
-    )
 }

@@ -1,0 +1,222 @@
+//! The shape of the source: which way imports go, how long files are, and that nothing unfinished is left.
+
+use std::path::{Path, PathBuf};
+
+/// Modules from the first to the last; a module imports only from those before it, and from none beside it.
+const ORDER: [&[&str]; 10] = [
+    &["suggest"],
+    &["units", "observe"],
+    &["scene"],
+    &["instrument", "contact", "kernel"],
+    &["plan"],
+    &["engine"],
+    &["store"],
+    &["record"],
+    &["report"],
+    &["cli"],
+];
+
+/// Beyond the order: modules that may import from these alone.
+const NARROW: [(&str, &[&str]); 3] = [
+    // What runs per step and instance stays free of set-up; of the scene it takes one limit.
+    ("kernel", &["observe", "scene"]),
+    // The file's format does not depend on how results came about.
+    ("store", &["observe"]),
+    // Pictures come from the results file alone.
+    ("report", &["observe", "store", "units"]),
+];
+
+/// Words that stop the program or are left over from its making, and where one is meant: file, and why.
+const LEFTOVERS: [&str; 8] =
+    ["todo!", "unimplemented!", "dbg!", "panic!", "unreachable!", ".unwrap()", ".expect(", "FIXME"];
+const MEANT: [(&str, &str, &str); 0] = [];
+
+const LINES: usize = 400;
+
+fn sources(folder: &str) -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = vec![root.join(folder)];
+    let mut files: Vec<PathBuf> = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false if path.extension().is_some_and(|extension| extension == "rs") => files.push(path),
+                false => {}
+            }
+        }
+    }
+    files.sort();
+    let name = |path: &PathBuf| path.strip_prefix(root).unwrap().to_str().unwrap().replace('\\', "/");
+    files.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+/// The top module a source file belongs to: `src/plan/steps.rs` and `src/plan.rs` to `plan`.
+fn module(file: &str) -> &str {
+    let inside = file.strip_prefix("src/").unwrap();
+    inside.split('/').next().unwrap().trim_end_matches(".rs")
+}
+
+/// The source without comments and without the items under `#[cfg(test)]`, one entry for each line.
+fn code(text: &str) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut skipped: Option<usize> = None;
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        if let Some(depth) = skipped {
+            let over = indent == depth && (line.trim_end().ends_with('}') || line.trim_end().ends_with(';'));
+            skipped = (!over).then_some(depth);
+            lines.push(String::new());
+        } else if line.trim() == "#[cfg(test)]" {
+            skipped = Some(indent);
+            lines.push(String::new());
+        } else {
+            let uncommented = match line.find("//") {
+                // Not the slashes of an address in a text.
+                Some(at) if !line[..at].ends_with(':') => &line[..at],
+                _ => line,
+            };
+            lines.push(uncommented.to_owned());
+        }
+    }
+    lines
+}
+
+/// The top modules that a source names: after `crate::` or `afmsweep::`, alone or in braces.
+fn imports(text: &str) -> Vec<String> {
+    let code = code(text).join("\n");
+    let mut found = Vec::new();
+    for prefix in ["crate::", "afmsweep::"] {
+        for (at, _) in code.match_indices(prefix) {
+            let rest = &code[at + prefix.len()..];
+            match rest.strip_prefix('{') {
+                None => found.push(word(rest)),
+                Some(list) => {
+                    let mut depth = 0;
+                    let mut start = true;
+                    for (i, letter) in list.char_indices() {
+                        match letter {
+                            '{' => depth += 1,
+                            '}' if depth == 0 => break,
+                            '}' => depth -= 1,
+                            ',' if depth == 0 => start = true,
+                            _ if start && letter.is_alphabetic() => {
+                                found.push(word(&list[i..]));
+                                start = false;
+                            }
+                            _ => {}
+                        }
+                    }
+                }
+            }
+        }
+    }
+    found
+}
+
+fn word(text: &str) -> String {
+    text.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
+}
+
+fn rank(module: &str) -> usize {
+    let found = ORDER.iter().position(|rank| rank.contains(&module));
+    found.unwrap_or_else(|| panic!("module {module} has no place in ORDER; give it one"))
+}
+
+/// What is wrong with the imports of a file of `from`.
+fn wrong_imports(file: &str, from: &str, text: &str) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for to in imports(text) {
+        // Code may name its own module from the top.
+        if to == from {
+            continue;
+        }
+        if rank(&to) >= rank(from) {
+            wrong.push(format!("{file}: {from} imports from {to}, which comes after it or stands beside it"));
+        }
+        let narrow = NARROW.iter().find(|(module, _)| *module == from);
+        if narrow.is_some_and(|(_, allowed)| !allowed.contains(&to.as_str())) {
+            wrong.push(format!("{file}: {from} imports from {to}, which it should not know"));
+        }
+    }
+    wrong
+}
+
+fn leftovers(file: &str, text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (number, line) in code(text).iter().enumerate() {
+        for leftover in LEFTOVERS {
+            let meant = MEANT.iter().any(|(path, what, _)| *path == file && *what == leftover);
+            if line.contains(leftover) && !meant {
+                found.push(format!("{file}:{}: {leftover}", number + 1));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn imports_go_one_way() {
+    let mut wrong = Vec::new();
+    let mut seen = 0;
+    for (file, text) in sources("src") {
+        if ["src/lib.rs", "src/main.rs"].contains(&file.as_str()) {
+            continue;
+        }
+        seen += imports(&text).len();
+        wrong.extend(wrong_imports(&file, module(&file), &text));
+    }
+    assert!(seen > 80, "only {seen} imports seen");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The check itself, on made-up files.
+#[test]
+fn wrong_imports_are_seen() {
+    for (from, text) in [
+        ("scene", "use crate::plan::Plan;\n"),
+        ("contact", "fn f() -> crate::instrument::Mode {}\n"),
+        ("plan", "use crate::{\n    contact::{Contact, Law},\n    engine::Cpu,\n};\n"),
+        ("store", "use crate::scene::Scene;\n"),
+        ("report", "use crate::plan::Plan;\n"),
+        ("engine", "#[cfg(test)]\nmod tests;\nuse crate::record::Facts;\n"),
+    ] {
+        assert!(!wrong_imports("made_up.rs", from, text).is_empty(), "{from}: {text}");
+    }
+    for (from, text) in [
+        ("plan", "use crate::{contact::{Contact, Law}, scene};\nuse crate::plan::Class;\n"),
+        ("scene", "// use crate::plan::Plan\n"),
+        ("contact", "#[cfg(test)]\nmod tests {\n    use crate::engine::Cpu;\n}\n"),
+    ] {
+        assert_eq!(wrong_imports("made_up.rs", from, text), [""; 0], "{from}: {text}");
+    }
+}
+
+#[test]
+fn files_stay_short() {
+    let long: Vec<String> = ["src", "tests"]
+        .into_iter()
+        .flat_map(sources)
+        .filter(|(_, text)| text.lines().count() > LINES)
+        .map(|(file, text)| format!("{file}: {} lines", text.lines().count()))
+        .collect();
+    assert!(long.is_empty(), "over {LINES} lines:\n{}", long.join("\n"));
+}
+
+#[test]
+fn nothing_unfinished_is_left() {
+    let found: Vec<String> = sources("src")
+        .iter()
+        // Files that are tests as a whole are declared so by their parent.
+        .filter(|(file, _)| !file.ends_with("/tests.rs"))
+        .flat_map(|(file, text)| leftovers(file, text))
+        .collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    for (file, leftover, why) in MEANT {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+        assert!(text.contains(leftover) && !why.is_empty(), "{file} has no {leftover} any more");
+    }
+    assert_eq!(leftovers("a.rs", "fn f() {\n    x.unwrap();\n}\n"), ["a.rs:2: .unwrap()"]);
+    assert_eq!(leftovers("a.rs", "#[cfg(test)]\nmod tests {\n    x.unwrap();\n}\n/// todo!\n"), [""; 0]);
+}
