@@ -5,7 +5,8 @@ SHELL := /bin/bash
 STATIC ?=
 FEATURES := $(if $(STATIC),--features static-hdf5)
 PROGRAM := target/release/afmsweep
-PYTHON := .venv/bin/python
+# Newer than the requirements once they are installed; python itself is a link to an old file.
+PYTHON := .venv/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
@@ -40,6 +41,7 @@ python: $(PYTHON)
 
 $(PYTHON): tests/python/requirements.txt
 	tools/venv.sh .venv tests/python/requirements.txt
+	@touch $@
 
 python-check: deps $(PYTHON)
 	tools/python_check.sh $(FEATURES)

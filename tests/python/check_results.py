@@ -56,9 +56,21 @@ def check_flags(variable, words):
     assert np.isin(variable.values, values).all(), variable
 
 
+def check_masks(variable):
+    """CF: one bit each, of the variable's own type; no bit without a meaning."""
+    masks = np.atleast_1d(variable.attrs["flag_masks"])
+    meanings = variable.attrs["flag_meanings"].split(" ")
+    assert masks.dtype == variable.dtype == np.uint8, (masks.dtype, variable.dtype)
+    assert len(masks) == len(meanings) == len(set(meanings)), (masks, meanings)
+    assert same(masks, 2 ** np.arange(len(masks))), masks
+    assert (variable.values < 2 ** len(masks)).all(), variable
+
+
 def check_variable(name, variable):
     assert isinstance(variable.attrs.get("long_name"), str) and variable.attrs["long_name"], name
-    if "flag_values" in variable.attrs:
+    if "flag_masks" in variable.attrs:
+        check_masks(variable)
+    if "flag_masks" in variable.attrs or "flag_values" in variable.attrs:
         return
     units = variable.attrs.get("units")
     assert isinstance(units, str) and units, f"{name} has no units"
@@ -86,7 +98,10 @@ def check_root(data):
     for name, variable in data.variables.items():
         check_variable(name, variable)
     for name, variable in data.data_vars.items():
-        if name in ("status", "steps_per_period"):
+        if "flag_values" in variable.attrs or "flag_masks" in variable.attrs:
+            assert variable.dims == dims, (name, variable.dims)
+            continue
+        if name == "steps_per_period":
             continue
         assert variable.dtype == np.float64, (name, variable.dtype)
         assert variable.dims in (dims, dims + ("harmonic",)), (name, variable.dims)
