@@ -65,9 +65,16 @@ impl Voice {
     /// Says a line on standard error unless silenced.
     pub fn say(self, line: impl std::fmt::Display) {
         if !self.quiet {
-            eprintln!("{line}");
+            say(line);
         }
     }
+}
+
+/// A line on standard error. `eprintln!` would panic where nobody reads it any more (`2>&1 | head`), and
+/// a run is worth more than its messages.
+fn say(line: impl std::fmt::Display) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Parses the arguments, runs the command and turns its outcome into an exit code.
@@ -86,12 +93,23 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             match error.downcast_ref::<SceneError>() {
-                Some(scene) => eprintln!("{}", scene.render(colour())),
-                None => eprintln!("error: {error:#}"),
+                Some(scene) => say(scene.render(colour())),
+                None => say(format_args!("error: {}", in_full(&error))),
             }
             ExitCode::FAILURE
         }
     }
+}
+
+/// An error and its causes on one line; a cause that the text so far tells already is not repeated.
+fn in_full(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(|cause| cause.to_string()) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
 }
 
 /// Colours only on a terminal, and never where NO_COLOR is set.

@@ -3,13 +3,22 @@
 use super::{SceneArgs, load, print, print_json};
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, summary};
 use anyhow::Context;
+use serde_json::json;
 
 pub fn main(args: &SceneArgs) -> anyhow::Result<()> {
     let scene = load(&args.scene)?;
     let instrument = Instrument::reduce(&scene.base.instrument, scene.base.drive.on, DEFAULT_TOLERANCE)
         .with_context(|| format!("{}", args.scene.display()))?;
     if args.json {
-        print_json(&summary::modes_json(&instrument))
+        // The list ends where frequencies can no longer be vouched for; shares count all modes.
+        let rest = |shares: Vec<f64>| shares[instrument.resolved..].iter().sum::<f64>();
+        let mut answer = summary::modes_json(&instrument);
+        answer["rest"] = json!({
+            "modes": instrument.modes.len() - instrument.resolved,
+            "tip_share": rest(instrument.tip_shares()),
+            "drive_share": rest(instrument.drive_shares()),
+        });
+        print_json(&answer)
     } else {
         print(&summary::modes_table(&instrument))
     }

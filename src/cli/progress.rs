@@ -1,6 +1,6 @@
 //! How far a run is: a bar on a terminal, plain lines elsewhere; and Ctrl-C.
 
-use super::Voice;
+use super::{Voice, say};
 use afmsweep::engine::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -69,7 +69,8 @@ fn lines(progress: &Progress, total: u64, over: &AtomicBool) {
         if start.elapsed() >= next {
             next += EVERY;
             let steps = progress.steps();
-            eprintln!("{:3.0} %  {}", 100.0 * steps as f64 / total.max(1) as f64, rate(steps, start));
+            let percent = 100.0 * steps as f64 / total.max(1) as f64;
+            say(format_args!("{percent:3.0} %  {}", rate(steps, start)));
         }
         std::thread::sleep(Duration::from_millis(10));
     }

@@ -125,12 +125,14 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         rate: if progress.steps() == 0 { 0.0 } else { progress.steps() as f64 / stepping },
         plan: summary.json().to_string(),
     };
+    // Ctrl-C after the last instance came too late to spoil anything.
+    let whole = outcome.results.iter().all(|one| one.status != Status::NotRun);
     let mut results = record::results(&scene, &plan, &outcome, &facts);
-    if let Some(request) = scene.output.waveforms.as_ref().filter(|_| !progress.stopped()) {
+    if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
         results.waveforms = Some(record::waveforms(&plan, request)?);
     }
     writer.write(&results)?;
-    if progress.stopped() {
+    if !whole {
         anyhow::bail!(
             "interrupted: {} of {} instances are in {}; run the scene again for a whole file",
             outcome.results.iter().filter(|one| one.status != Status::NotRun).count(),

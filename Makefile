@@ -1,0 +1,49 @@
+# make demo    builds, runs the example sweep and makes its page      (STATIC=1: builds HDF5 as well)
+# make test    all tests: Rust, then the results file in Python's readers
+# make lint    formatting, clippy, documentation
+SHELL := /bin/bash
+STATIC ?=
+FEATURES := $(if $(STATIC),--features static-hdf5)
+PROGRAM := target/release/afmsweep
+PYTHON := .venv/bin/python
+# Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
+export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
+
+.PHONY: help demo test deps build lint python python-check clean
+
+help:
+	@sed -n 's/^# //p' Makefile
+
+demo: build
+	$(PROGRAM) run scenes/quickstart.toml
+	$(PROGRAM) report results/quickstart.h5 -o results/quickstart
+	@echo
+	@echo "results: results/quickstart.h5"
+	@echo "page:    results/quickstart/$$(cd results/quickstart && ls | grep -m1 -E '\.(html|md)$$')"
+
+build: deps
+	cargo build --release $(FEATURES)
+
+deps:
+	@STATIC=$(STATIC) tools/deps.sh
+
+test: deps
+	cargo test $(FEATURES)
+	$(MAKE) --no-print-directory python-check
+
+lint: deps
+	cargo fmt --check
+	cargo clippy --all-targets $(FEATURES) -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps $(FEATURES)
+
+python: $(PYTHON)
+
+$(PYTHON): tests/python/requirements.txt
+	tools/venv.sh .venv tests/python/requirements.txt
+
+python-check: deps $(PYTHON)
+	tools/python_check.sh $(FEATURES)
+
+clean:
+	cargo clean
+	rm -rf .venv

@@ -1,0 +1,159 @@
+//! What the program refuses, and whether it says what to do about it.
+
+mod program;
+
+use program::{Desk, scene};
+use std::path::Path;
+
+const SMALL: &str =
+    "[sweep]\n\"approach.gap\" = { values = [\"0.3 nm\", \"1 nm\"] }\n[run]\nperiods = 3\nmeasure = 2\n";
+
+fn bad(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/bad").join(name).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_bad_scene_is_shown_with_its_place() {
+    let desk = Desk::new();
+    let path = bad("unknown_unit.toml");
+    for command in ["run", "plan", "modes", "force"] {
+        let said = desk.refuses(
+            &[command, &path],
+            &["`sample.youngs_modulus`", &format!("--> {path}:5:18"), "^^^^^^^", "did you mean \"1 GPa\"?"],
+        );
+        assert!(said.err.contains("5 | youngs_modulus = \"1 Gpa\""), "{}", said.err);
+        assert!(!desk.path("results").exists(), "refused before anything is made");
+    }
+    // Nothing on a terminal here, so NO_COLOR changes nothing; nor does it where it is set and empty.
+    for value in ["1", ""] {
+        let output = desk.command(&["run", &path]).env("NO_COLOR", value).output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(err, desk.call(&["run", &path]).err);
+    }
+    // Silence does not hide an error.
+    desk.refuses(&["run", &path, "-q"], &["5:18"]);
+}
+
+#[test]
+fn a_scene_that_is_not_there_is_named() {
+    let desk = Desk::new();
+    desk.refuses(&["run", "nowhere.toml"], &["nowhere.toml", "cannot be read", "check the name"]);
+    desk.refuses(&["force", "."], &["cannot be read"]);
+    desk.write("picture.toml", "\u{0}\u{1}");
+    desk.refuses(&["plan", "picture.toml"], &["picture.toml:1:3"]);
+    std::fs::write(desk.path("latin.toml"), b"title = \"\xe9\"\n").unwrap();
+    desk.refuses(&["plan", "latin.toml"], &["latin.toml", "UTF-8"]);
+}
+
+#[test]
+fn arguments_that_mean_nothing_end_with_code_2() {
+    let desk = Desk::new();
+    let path = scene("paper_fig4_hertz.toml");
+    for (arguments, word) in [
+        (vec!["run", &path, "--bakend", "cpu"], "--backend"),
+        (vec!["run", &path, "--backend", "abacus"], "possible values: auto"),
+        (vec!["run", &path, "--precision", "f16"], "f32, f64"),
+        (vec!["run", &path, "--steps-per-period", "3"], "16..=1000000"),
+        (vec!["run", &path, "--threads", "0"], "from 1 to 1024"),
+        (vec!["run", &path, "-q", "-v"], "cannot be used with"),
+        (vec!["run"], "<SCENE>"),
+        (vec!["force", &path, "--indentation", "75"], "75"),
+        (vec!["force", &path, "--indentation", "75 kHz"], "length"),
+        (vec!["frobnicate"], "unrecognized subcommand"),
+        (vec![], "Usage"),
+    ] {
+        let said = desk.call(&arguments);
+        assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{arguments:?}: {}", said.err);
+        assert!(said.err.contains(word), "{arguments:?} does not say {word:?}:\n{}", said.err);
+    }
+}
+
+#[test]
+fn results_of_another_scene_are_not_replaced_unasked() {
+    let desk = Desk::new();
+    let (one, other) = (desk.write("one.toml", SMALL), desk.write("other.toml", &format!("# two\n{SMALL}")));
+    let (one, other) = (one.to_str().unwrap(), other.to_str().unwrap());
+    desk.works(&["run", one, "-o", "out.h5", "-q"]);
+    let before = std::fs::read(desk.path("out.h5")).unwrap();
+    desk.refuses(
+        &["run", other, "-o", "out.h5"],
+        &["out.h5 holds results of another scene", "--overwrite", "-o"],
+    );
+    assert_eq!(std::fs::read(desk.path("out.h5")).unwrap(), before);
+    assert!(!desk.path("out.h5.partial").exists());
+    desk.works(&["run", other, "-o", "out.h5", "-q", "--overwrite"]);
+    let now = afmsweep::store::read(&desk.path("out.h5")).unwrap();
+    assert_eq!(now.text("scene").unwrap(), format!("# two\n{SMALL}"));
+    // A scene is no results file either, not even its own.
+    desk.refuses(&["run", one, "-o", one], &["is no results file of afmsweep", "--overwrite"]);
+    assert_eq!(std::fs::read_to_string(one).unwrap(), SMALL);
+}
+
+#[test]
+fn places_that_cannot_hold_results_are_refused_before_the_run() {
+    let desk = Desk::new();
+    let small = desk.write("small.toml", SMALL);
+    let small = small.to_str().unwrap();
+    std::fs::create_dir(desk.path("folder")).unwrap();
+    desk.write("file", "text");
+    desk.refuses(&["run", small, "-o", "folder"], &["folder is a folder", "-o"]);
+    let said =
+        desk.refuses(&["run", small, "-o", "file/out.h5"], &["a file stands where a folder is needed"]);
+    assert_eq!(said.err.matches("os error").count(), 1, "told once: {}", said.err);
+    desk.refuses(&["run", small, "-o", "nowhere/.."], &["names no file"]);
+    // The default folder's name is taken.
+    desk.write("results", "text");
+    desk.refuses(&["run", small], &["results", "a file stands where a folder is needed", "-o"]);
+    assert_eq!(std::fs::read_to_string(desk.path("results")).unwrap(), "text");
+}
+
+/// Permissions bind only ordinary users; the superuser's turn is the kernel's own tree.
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_without_permission_are_refused() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::new();
+    let small = desk.write("small.toml", SMALL);
+    let small = small.to_str().unwrap();
+    let locked = desk.path("locked");
+    std::fs::create_dir(&locked).unwrap();
+    std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o500)).unwrap();
+    if std::fs::write(locked.join("probe"), "").is_ok() {
+        desk.refuses(&["run", small, "-o", "/proc/afmsweep/out.h5"], &["cannot make the folder", "-o"]);
+    } else {
+        desk.refuses(
+            &["run", small, "-o", "locked/out.h5"],
+            &["Permission denied", "change its permissions"],
+        );
+    }
+    std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o700)).unwrap();
+}
+
+/// Ctrl-C keeps what is complete under the partial name, and the exit code says that the file is not whole.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_a_partial_file() {
+    use std::process::{Command, Stdio};
+    let desk = Desk::new();
+    let text = "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"9 nm\", points = 4000 }\n\
+                [contact]\nlaw = \"hertz\"\n[drive]\nfrequency = \"192 kHz\"\nvoltage = \"15 V\"\n\
+                [instrument.cantilever]\nquality_factor = 100\n[run]\nperiods = 20000\nsteps_per_period = 512\n";
+    desk.write("long.toml", text);
+    let mut command = desk.command(&["run", "long.toml", "-o", "long.h5"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // The partial file stands before the first step; by then Ctrl-C is listened to, a moment later.
+    while !desk.path("long.h5.partial").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let said = program::said(child.wait_with_output().unwrap());
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.err.contains("interrupted: ") && said.err.contains("of 4000 instances"), "{}", said.err);
+    assert!(said.err.contains("long.h5.partial"), "{}", said.err);
+    assert!(!desk.path("long.h5").exists());
+    let kept = afmsweep::store::read(&desk.path("long.h5.partial")).unwrap();
+    let not_run = afmsweep::observe::Status::NotRun as u8;
+    assert_eq!(kept.status.len(), 4000);
+    assert!(kept.status.contains(&not_run));
+}
