@@ -257,3 +257,21 @@ pub fn compare(scene: &Scene, steps: Option<u32>, what: Twin) -> (Status, u32, E
     let scales = scales(&plan, 0, truth.force_max, truth.force_min, truth.loss);
     (finished.status, plan.cases[0].steps, errors(&finished.measured, &truth, &scales))
 }
+
+/// The engine's own measurements as a truth for coarser ones.
+pub fn outcome(m: &Measured) -> Outcome {
+    Outcome {
+        amplitude: m.harmonics[0],
+        phase: m.phase,
+        harmonics: m.harmonics.iter().map(|amplitude| (*amplitude, f64::NAN)).collect(),
+        force_max: m.force_max,
+        force_min: m.force_min,
+        force_mean: m.force_mean,
+        indentation_max: m.indentation_max,
+        contact_share: m.contact_time,
+        contacts: m.contacts,
+        loss: m.dissipation,
+        virial: m.virial,
+        ..Outcome::default()
+    }
+}
