@@ -83,11 +83,20 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             flow.drag[k] = L::splat(-2.0 * mode.damping * angle * angle);
             let loss = 2.0 * mode.damping * angle;
             let work_u = (2.0 * loss * loss - angle * angle) * angle / 24.0;
-            flow.work_x[k] = L::splat(loss * angle * angle / 24.0);
             flow.work_u[k] = L::splat(work_u);
+            // g omega^2/24 in the limit of short steps; in this form a steady force does no work at
+            // all. Its state is the one that a kick and a step lead back to: -m s = (1 + m) kick.
+            let kick_x = mode.share * mode.damping * angle / 12.0;
+            let kick_u = factor / angle;
+            let (right_x, right_u) =
+                (kick_x + m00 * kick_x + m01 * kick_u, kick_u + m10 * kick_x + m11 * kick_u);
+            let scale = m01 * m10 - m00 * m11;
+            let still_x = (m11 * right_x - m01 * right_u) / scale;
+            let still_u = (m00 * right_u - m10 * right_x) / scale;
+            flow.work_x[k] = L::splat((angle - work_u) * (still_u + 0.5 * kick_u) / still_x);
             kick_work += 0.5 * work_u * factor / angle;
-            flow.kick_u[k] = L::splat(factor / angle);
-            flow.kick_x[k] = L::splat(mode.share * mode.damping * angle / 12.0);
+            flow.kick_u[k] = L::splat(kick_u);
+            flow.kick_x[k] = L::splat(kick_x);
             kick_speed += factor;
         }
         flow.kick_speed = L::splat(kick_speed);
