@@ -225,7 +225,9 @@ pub fn errors(measured: &Measured, truth: &Outcome, scales: &Scales) -> Errors {
     let deepest = match (measured.indentation_max.is_nan(), truth.indentation_max.is_nan()) {
         (true, true) => 0.0,
         (false, false) => measured.indentation_max - truth.indentation_max,
-        _ => f64::INFINITY,
+        // One of them just misses the sample.
+        (true, false) => truth.indentation_max,
+        (false, true) => measured.indentation_max,
     };
     let list = [
         ("amplitude", (measured.harmonics[0] - truth.amplitude) / scales.length),
