@@ -74,14 +74,12 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             rate: gather(|row| row.angle),
             pull: gather(|row| -row.angle * row.angle),
             drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
-            work_x: gather(|row| row.loss() * row.angle * row.angle / 24.0),
+            work_x: gather(Row::work_x),
             work_u: gather(Row::work_u),
-            kick_u: gather(|row| row.factor / row.angle),
-            kick_x: gather(|row| row.share * row.damping * row.angle / 12.0),
+            kick_u: gather(Row::kick_u),
+            kick_x: gather(Row::kick_x),
             kick_speed: L::from_lanes(|i| rows[i].iter().map(|row| row.factor).sum()),
-            kick_work: L::from_lanes(|i| {
-                rows[i].iter().map(|row| 0.5 * row.work_u() * row.factor / row.angle).sum()
-            }),
+            kick_work: L::from_lanes(|i| rows[i].iter().map(|row| 0.5 * row.work_u() * row.kick_u()).sum()),
         }
     }
 }
@@ -109,8 +107,32 @@ impl Row {
         2.0 * self.damping * self.angle
     }
 
+    fn kick_u(&self) -> f64 {
+        self.factor / self.angle
+    }
+
+    fn kick_x(&self) -> f64 {
+        self.share * self.damping * self.angle / 12.0
+    }
+
     fn work_u(&self) -> f64 {
         (2.0 * self.loss() * self.loss() - self.angle * self.angle) * self.angle / 24.0
+    }
+
+    /// g omega^2/24 in the limit of short steps; in this form a steady force does no work at all. Its
+    /// state is the one that a kick and a step lead back to: -m s = (1 + m) kick.
+    fn work_x(&self) -> f64 {
+        if self.share == 0.0 {
+            return 0.0;
+        }
+        let [m00, m01, m10, m11] = self.step;
+        let (kick_x, kick_u) = (self.kick_x(), self.kick_u());
+        let right_x = kick_x + m00 * kick_x + m01 * kick_u;
+        let right_u = kick_u + m10 * kick_x + m11 * kick_u;
+        let scale = m01 * m10 - m00 * m11;
+        let still_x = (m11 * right_x - m01 * right_u) / scale;
+        let still_u = (m00 * right_u - m10 * right_x) / scale;
+        (self.angle - self.work_u()) * (still_u + 0.5 * kick_u) / still_x
     }
 }
 
