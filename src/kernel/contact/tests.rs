@@ -113,7 +113,8 @@ fn means_along_a_path() {
 /// At rest the kick is the static force.
 #[test]
 fn standing_still() {
-    let laws: [(&dyn StaticLaw, &dyn Fn(f64, bool) -> f64); 3] = [
+    type Standing<'a> = &'a dyn Fn(f64, bool) -> f64;
+    let laws: [(&dyn StaticLaw, Standing); 3] = [
         (&contact::Hertz::new(MODULUS, RADIUS), &|d, t| kick(&hertz::<f64>(), d, d, t).impulse),
         (&contact::Dmt::new(MODULUS, RADIUS, WORK, DECAY), &|d, t| kick(&dmt::<f64>(), d, d, t).impulse),
         (&contact::Jkr::new(MODULUS, RADIUS, WORK), &|d, t| kick(&jkr::<f64>(), d, d, t).impulse),
