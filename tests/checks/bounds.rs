@@ -16,6 +16,8 @@ pub const STEPS_PLAN: f64 = 5e-4;
 /// Amplitude (of the free one) and phase (rad) of one mode at the plan's steps. Seen: 8e-6, 5e-5.
 pub const AMPLITUDE: f64 = 1e-5;
 pub const PHASE: f64 = 1.7e-4;
+/// A pull at the top of the swing, relative to itself. Seen: 3e-6; the free swing's is off by 0.03.
+pub const PULL_AT_TOP: f64 = 1e-4;
 /// Same oscillators with 2048 steps, every observable. Seen: 9e-7 (contact time).
 pub const STEPS_FINE: f64 = 3e-6;
 /// All modes of the instrument against those kept, every observable. Seen: 1.9e-3 (force on a
