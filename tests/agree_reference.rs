@@ -47,6 +47,20 @@ fn one_mode_on_soft_medium_and_stiff_samples() {
     }
 }
 
+/// The run starts in the free swing, wider than the one that is measured: nothing of it may show.
+/// Here the largest force is the faint pull at the top of the swing.
+#[test]
+fn extremes_are_those_of_the_measured_part() {
+    let scene = one_mode(2.0, 45e3, 25.0, 30e-9, 24e-9, |scene| {
+        sample(scene, LawChoice::Dmt, 10e6, 0.03, 10e-9);
+    });
+    let plan = checks::plan(&scene, None);
+    let (force, truth) =
+        (checks::one(&scene, None).measured.force_max, checks::reference(&plan, 0, Twin::Whole));
+    println!("largest force {force:.6e} N, expected {:.6e} N", truth.force_max);
+    assert!((force / truth.force_max - 1.0).abs() < bounds::PULL_AT_TOP);
+}
+
 /// The instrument of Table 1 at its resonance with losses, by another model of its rod.
 fn table1(law: LawChoice, model: ActuatorModel, frequency: DriveFrequency, level: DriveLevel) -> Scene {
     checks::scene(|scene| {

@@ -391,3 +391,17 @@ fn child_without_room() {
     assert!(matches!(error, StoreError::Io { .. }), "{error}");
     eprintln!("{error}");
 }
+
+#[test]
+fn a_spoilt_text_size_is_an_error_and_no_endless_loop() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    write(&path, &grid()).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let heap = bytes.windows(4).position(|four| four == b"GCOL").expect("texts lie in a global heap");
+    // The size of the first text, 24 bytes in; the library adds to it without looking and gets nowhere.
+    bytes[heap + 24..heap + 32].copy_from_slice(&(u64::MAX - 15).to_le_bytes());
+    std::fs::write(&path, &bytes).unwrap();
+    assert!(matches!(read(&path), Err(StoreError::Damaged { .. })));
+    assert!(matches!(Writer::create(&path, SCENE, false), Err(StoreError::Occupied { .. })));
+}

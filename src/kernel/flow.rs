@@ -43,15 +43,17 @@ impl<L: Lane, const M: usize> Flow<L, M> {
     /// there are modes that no impulse moves.
     ///
     /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
-    /// term that the path average asks for, in the form that makes a mode's answer to a steady
-    /// force exact however stiff it is. `kick_x` is the average's damping term (ARCHITECTURE.md).
+    /// term that the path average asks for, in the form that makes an undamped mode's answer to a
+    /// steady force exact however stiff it is. `kick_x` is the average's damping term
+    /// (ARCHITECTURE.md); with g = omega/Q it leaves the travel too large by (g h)^2/24, which the
+    /// factor's last term takes back.
     ///
-    /// Work: with f the force at the sample, f'' its second derivative, g = omega/Q and v a mode's
-    /// true speed, an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
-    /// v + h^2 (g f/24 + f'/8 + g^2 v/24). Over a period f f' sums to nothing and f'' v to f v''
-    /// with v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the
-    /// speed is h^2/24 (g omega^2 x + (2 g^2 - omega^2) v), in which f itself cancels. Without it the
-    /// loss is of second order and shows a law without loss as one that feeds the lever.
+    /// Work: with f the force at the sample, f'' its second derivative and v a mode's true speed,
+    /// an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
+    /// v + h^2 (g f/24 + f'/8). Over a period f f' sums to nothing and f'' v to f v'' with
+    /// v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the speed is
+    /// h^2/24 (g omega^2 x + (g^2 - omega^2) v), in which f itself cancels. Without it the loss is
+    /// of second order and shows a law without loss as one that feeds the lever.
     pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
         let rows: Vec<Vec<Row>> = instances
             .iter()
@@ -74,14 +76,12 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             rate: gather(|row| row.angle),
             pull: gather(|row| -row.angle * row.angle),
             drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
-            work_x: gather(|row| row.loss() * row.angle * row.angle / 24.0),
+            work_x: gather(Row::work_x),
             work_u: gather(Row::work_u),
-            kick_u: gather(|row| row.factor / row.angle),
-            kick_x: gather(|row| row.share * row.damping * row.angle / 12.0),
+            kick_u: gather(Row::kick_u),
+            kick_x: gather(Row::kick_x),
             kick_speed: L::from_lanes(|i| rows[i].iter().map(|row| row.factor).sum()),
-            kick_work: L::from_lanes(|i| {
-                rows[i].iter().map(|row| 0.5 * row.work_u() * row.factor / row.angle).sum()
-            }),
+            kick_work: L::from_lanes(|i| rows[i].iter().map(|row| 0.5 * row.work_u() * row.kick_u()).sum()),
         }
     }
 }
@@ -100,7 +100,8 @@ impl Row {
         let FlowMode { omega, damping, share } = *mode;
         let angle = omega * step;
         let half = 0.5 * angle;
-        let factor = share * half.tan() / half * (1.0 - angle * angle / 24.0);
+        let loss = 2.0 * damping * angle;
+        let factor = share * half.tan() / half * (1.0 - angle * angle / 24.0) * (1.0 - loss * loss / 24.0);
         Self { angle, damping, share, factor, step: increments(angle, damping) }
     }
 
@@ -109,8 +110,32 @@ impl Row {
         2.0 * self.damping * self.angle
     }
 
+    fn kick_u(&self) -> f64 {
+        self.factor / self.angle
+    }
+
+    fn kick_x(&self) -> f64 {
+        self.share * self.damping * self.angle / 12.0
+    }
+
     fn work_u(&self) -> f64 {
-        (2.0 * self.loss() * self.loss() - self.angle * self.angle) * self.angle / 24.0
+        (self.loss() * self.loss() - self.angle * self.angle) * self.angle / 24.0
+    }
+
+    /// g omega^2/24 in the limit of short steps; in this form a steady force does no work at all. Its
+    /// state is the one that a kick and a step lead back to: -m s = (1 + m) kick.
+    fn work_x(&self) -> f64 {
+        if self.share == 0.0 {
+            return 0.0;
+        }
+        let [m00, m01, m10, m11] = self.step;
+        let (kick_x, kick_u) = (self.kick_x(), self.kick_u());
+        let right_x = kick_x + m00 * kick_x + m01 * kick_u;
+        let right_u = kick_u + m10 * kick_x + m11 * kick_u;
+        let scale = m01 * m10 - m00 * m11;
+        let still_x = (m11 * right_x - m01 * right_u) / scale;
+        let still_u = (m00 * right_u - m10 * right_x) / scale;
+        (self.angle - self.work_u()) * (still_u + 0.5 * kick_u) / still_x
     }
 }
 
@@ -136,5 +161,84 @@ pub fn increments(angle: f64, damping: f64) -> [f64; 4] {
         let scaled = (shrink + 1.0) * if turn < 1e-8 { angle } else { turn.sinh() / root };
         let cosine = shrink + (shrink + 1.0) * 2.0 * (0.5 * turn).sinh().powi(2);
         [cosine + damping * scaled, scaled, -scaled, cosine - damping * scaled]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Matrix = [[f64; 2]; 2];
+
+    fn product(a: Matrix, b: Matrix) -> Matrix {
+        std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
+    }
+
+    /// exp(A) - 1 by Taylor's series of a small part of A, then (1 + m)^2 - 1 = 2m + m^2.
+    fn exponential(a: Matrix) -> Matrix {
+        let halvings = 20;
+        let part = a.map(|row| row.map(|v| v / f64::from(1 << halvings)));
+        let mut term = part;
+        let mut sum = part;
+        for n in 2..12 {
+            term = product(term, part).map(|row| row.map(|v| v / f64::from(n)));
+            sum = std::array::from_fn(|i| std::array::from_fn(|j| sum[i][j] + term[i][j]));
+        }
+        for _ in 0..halvings {
+            let square = product(sum, sum);
+            sum = std::array::from_fn(|i| std::array::from_fn(|j| 2.0 * sum[i][j] + square[i][j]));
+        }
+        sum
+    }
+
+    #[test]
+    fn increments_are_the_matrix_exponential() {
+        for damping in [0.0, 1e-9, 1e-4, 0.02, 0.5, 0.999_999, 1.0, 1.000_001, 1.25] {
+            for angle in [1e-6, 1e-3, 0.1, 0.9, 3.0] {
+                let [m00, m01, m10, m11] = increments(angle, damping);
+                let exact = exponential([[0.0, angle], [-angle, -2.0 * damping * angle]]);
+                let got = [[m00, m01], [m10, m11]];
+                for i in 0..2 {
+                    for j in 0..2 {
+                        // Relative to the entry while steps are short: increments must not cancel.
+                        let scale = exact[i][j].abs().max(1e-3 * angle * angle);
+                        let error = (got[i][j] - exact[i][j]).abs() / scale;
+                        assert!(
+                            error < 2e-9,
+                            "damping {damping}, angle {angle}, entry {i}{j}: {:e}, expected {:e}",
+                            got[i][j],
+                            exact[i][j]
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// Under a steady force the kicked mode settles where the force holds it (to fourth order, and
+    /// exactly without damping), and no work is done.
+    #[test]
+    fn a_steady_force_is_answered_exactly() {
+        for damping in [1e-5, 0.003, 0.1, 0.7] {
+            for angle in [0.01, 0.1, 0.5, 0.9] {
+                let mode = FlowMode { omega: angle, damping, share: 1.0 };
+                let flow = Flow::<f64, 1>::new(&[(&[mode][..], 1.0)]);
+                // The state before a kick that kick and step lead back to: -m s = (1 + m) kick.
+                let (kx, ku) = (flow.kick_x[0], flow.kick_u[0]);
+                let (m00, m01, m10, m11) = (flow.m00[0], flow.m01[0], flow.m10[0], flow.m11[0]);
+                let (rx, ru) = (kx + m00 * kx + m01 * ku, ku + m10 * kx + m11 * ku);
+                let scale = m01 * m10 - m00 * m11;
+                let (x, u) = ((m11 * rx - m01 * ru) / scale, (m00 * ru - m10 * rx) / scale);
+                // Of unit impulse per step: travel 1/angle^2. Midway through the kick, and with the
+                // corner, a 24th of the impulse, that the sample puts back.
+                let held = (x + 0.5 * kx + 1.0 / 24.0) * angle * angle;
+                let bound = 0.1 * damping * damping * angle.powi(4) + 1e-12;
+                assert!((held - 1.0).abs() < bound, "{damping}, {angle}: off by {:e}", held - 1.0);
+                let speed = (0.5 * flow.kick_speed - flow.kick_work) + flow.rate[0] * u
+                    - flow.work_x[0] * x
+                    - flow.work_u[0] * u;
+                assert!(speed.abs() < 1e-11, "{damping}, {angle}: {speed:e}");
+            }
+        }
     }
 }

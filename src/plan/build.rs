@@ -18,7 +18,8 @@ pub enum PlanError {
     Instrument { instance: usize, values: String, source: InstrumentError },
 }
 
-/// Most steps per period that keeping a fast oscillator may cost.
+/// Most steps that keeping a fast oscillator may cost, per period of the lever's first mode or of the
+/// drive, whichever is shorter.
 const STEPS_FOR_MODES: f64 = 2048.0;
 
 impl Plan {
@@ -139,7 +140,7 @@ fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result
     let free = instrument.free_motion(params.drive.level, frequency)?;
     let steps_max = match scene.run.steps_per_period {
         Some(steps) => f64::from(steps),
-        None => STEPS_FOR_MODES,
+        None => STEPS_FOR_MODES * (instrument.lever_frequency / frequency).max(1.0),
     };
     let kept = KeptModes::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
     Ok(Driven { instrument: Arc::clone(instrument), free, kept: Arc::new(kept) })

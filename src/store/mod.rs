@@ -5,6 +5,7 @@
 
 mod check;
 mod error;
+mod heap;
 mod history;
 mod labels;
 mod place;

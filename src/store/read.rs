@@ -1,5 +1,6 @@
 //! Reads a results file back, and says clearly what is wrong with one that cannot be read.
 
+use super::heap;
 use super::labels::{is_scale, read_text};
 use super::{
     Attribute, Audit, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable,
@@ -65,6 +66,12 @@ impl Source {
                 (true, true) => StoreError::Partial { path: own() },
                 (true, false) => StoreError::Foreign { path: own(), why: "it is empty".into() },
                 _ => StoreError::Foreign { path: own(), why: "it is no HDF5 file".into() },
+            });
+        }
+        if !heap::is_sound(&mut stream).map_err(failed)? {
+            return Err(match broken_off {
+                true => StoreError::Partial { path: own() },
+                false => StoreError::Damaged { path: own(), why: "its texts are spoilt".into() },
             });
         }
         match File::open(path) {

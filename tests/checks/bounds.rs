@@ -16,6 +16,8 @@ pub const STEPS_PLAN: f64 = 5e-4;
 /// Amplitude (of the free one) and phase (rad) of one mode at the plan's steps. Seen: 8e-6, 5e-5.
 pub const AMPLITUDE: f64 = 1e-5;
 pub const PHASE: f64 = 1.7e-4;
+/// A pull at the top of the swing, relative to itself. Seen: 3e-6; the free swing's is off by 0.03.
+pub const PULL_AT_TOP: f64 = 1e-4;
 /// Same oscillators with 2048 steps, every observable. Seen: 9e-7 (contact time).
 pub const STEPS_FINE: f64 = 3e-6;
 /// All modes of the instrument against those kept, every observable. Seen: 1.9e-3 (force on a
@@ -39,3 +41,12 @@ pub const JKR_LOSS: f64 = 2e-3;
 /// work. Seen: 9e-8, and 8e-6 for levers of several modes (the modes beyond those kept).
 pub const NO_LOSS: f64 = 1e-4;
 pub const BOOKS: f64 = 1e-4;
+
+/// f32 against f64, both at the plan's steps for 1e-3. Seen: 1.0e-5 (largest force).
+pub const SINGLE: f64 = 5e-5;
+
+/// Sixteen steps a period on a medium sample, whatever the accuracy asked for. Seen: 3.8e-3.
+pub const SIXTEEN: f64 = 1e-2;
+/// A graze of a part in 1e6 of the swing, much shorter than a step: its time is known to a third of
+/// one. Seen: 2.2e-3 of the period at 128 steps; everything else within 1e-4.
+pub const GRAZE: f64 = 3e-3;

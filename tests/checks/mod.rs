@@ -191,37 +191,43 @@ pub struct Scales {
     pub force: f64,
     /// Work of the drive in a period, with or without the sample, or the loss: the largest, J.
     pub work: f64,
+    /// The same or the virial itself, J.
+    pub virial: f64,
 }
 
 /// An observable's name and its error on its scale.
 pub type Errors = Vec<(&'static str, f64)>;
 
-pub fn scales(plan: &Plan, instance: usize, force_max: f64, force_min: f64, loss: f64) -> Scales {
-    let length = plan.drives[plan.cases[instance].drive as usize].free.tip.norm();
-    let force = force_max.abs().max(force_min.abs());
+/// The scales of an instance whose true measurements are `truth`.
+pub fn scales(plan: &Plan, instance: usize, truth: &Outcome) -> Scales {
+    let case = &plan.cases[instance];
+    let driven = &plan.drives[case.drive as usize];
+    let length = driven.free.tip.norm();
+    // A graze shallower than lengths are accurate to has no force to speak of.
+    let graze = case.contact.modulus * case.contact.radius.sqrt() * (plan.run.accuracy * length).powf(1.5);
+    let force = truth.force_max.abs().max(truth.force_min.abs()).max(graze);
     let work = match plan.run.start {
         // A tip held fast takes next to nothing from its drive (1e-25 J in a case met): there the
         // scale is what the drive does without the sample.
-        Start::Steady => {
-            let driven = &plan.drives[plan.cases[instance].drive as usize];
-            energy::balance(plan, instance).drive.abs().max(energy::free_work(driven).abs()).max(loss.abs())
-        }
+        Start::Steady => energy::balance(plan, instance).drive.abs().max(energy::free_work(driven).abs()),
         // No period is like the next: what the largest force could do over the free swing.
         Start::Rest => force * length,
     };
-    Scales { length, force, work }
+    let work = work.max(truth.loss.abs());
+    Scales { length, force, work, virial: work.max(truth.virial.abs()) }
 }
 
 /// Each observable against the independent integrator's.
 pub fn errors(measured: &Measured, truth: &Outcome, scales: &Scales) -> Errors {
     let turn = (measured.phase - truth.phase + 180.0).rem_euclid(360.0) - 180.0;
-    // Forces are compared on their largest; nothing else is left where there is none.
-    let force = scales.force.max(f64::MIN_POSITIVE);
+    let force = scales.force;
     let harmonics = measured.harmonics.iter().zip(&truth.harmonics).skip(1);
     let deepest = match (measured.indentation_max.is_nan(), truth.indentation_max.is_nan()) {
         (true, true) => 0.0,
         (false, false) => measured.indentation_max - truth.indentation_max,
-        _ => f64::INFINITY,
+        // One of them just misses the sample.
+        (true, false) => truth.indentation_max,
+        (false, true) => measured.indentation_max,
     };
     let list = [
         ("amplitude", (measured.harmonics[0] - truth.amplitude) / scales.length),
@@ -233,7 +239,7 @@ pub fn errors(measured: &Measured, truth: &Outcome, scales: &Scales) -> Errors {
         ("indentation_max", deepest / scales.length),
         ("contact_time", measured.contact_time - truth.contact_share),
         ("dissipation", (measured.dissipation - truth.loss) / scales.work),
-        ("virial", (measured.virial - truth.virial) / scales.work),
+        ("virial", (measured.virial - truth.virial) / scales.virial),
         ("contacts", measured.contacts - truth.contacts),
     ];
     list.into_iter().map(|(name, error)| (name, error.abs())).collect()
@@ -254,6 +260,24 @@ pub fn compare(scene: &Scene, steps: Option<u32>, what: Twin) -> (Status, u32, E
     let plan = plan(scene, steps);
     let truth = reference(&plan, 0, what);
     let finished = run(&plan)[0];
-    let scales = scales(&plan, 0, truth.force_max, truth.force_min, truth.loss);
+    let scales = scales(&plan, 0, &truth);
     (finished.status, plan.cases[0].steps, errors(&finished.measured, &truth, &scales))
+}
+
+/// The engine's own measurements as a truth for coarser ones.
+pub fn outcome(m: &Measured) -> Outcome {
+    Outcome {
+        amplitude: m.harmonics[0],
+        phase: m.phase,
+        harmonics: m.harmonics.iter().map(|amplitude| (*amplitude, f64::NAN)).collect(),
+        force_max: m.force_max,
+        force_min: m.force_min,
+        force_mean: m.force_mean,
+        indentation_max: m.indentation_max,
+        contact_share: m.contact_time,
+        contacts: m.contacts,
+        loss: m.dissipation,
+        virial: m.virial,
+        ..Outcome::default()
+    }
 }

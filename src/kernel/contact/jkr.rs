@@ -18,7 +18,8 @@ const TOUCH: f64 = 0.587_401_051_968_199_4;
 
 /// Solves e^2 (e^2 + 4e + 6) = t for e >= 0 (t below zero counts as the fold, e = 0).
 ///
-/// The start is within 4 %; three Newton steps leave rounding only.
+/// The start is close where adhesion matters and 27 % too small far beyond; four Newton steps
+/// leave rounding in f32 and at most 2e-13 in f64.
 #[inline(always)]
 fn root<L: Lane>(t: L) -> L {
     let s = t.max(L::splat(1e-30)).sqrt();
@@ -121,5 +122,81 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
     #[inline(always)]
     fn touching_at(&self, indentation: L) -> L {
         L::select(L::splat(0.0).less(indentation), L::splat(1.0), L::splat(0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// t at e = y - 1.
+    fn curve(e: f64) -> f64 {
+        e * e * (6.0 + e * (4.0 + e))
+    }
+
+    #[test]
+    fn root_over_twenty_decades() {
+        let (mut worst, mut worst_single): (f64, f64) = (0.0, 0.0);
+        for i in 0..=4000 {
+            // e from 1e-10 to 1e9, so t from 6e-20 to 1e36.
+            let e = 10f64.powf(-10.0 + 19.0 * f64::from(i) / 4000.0);
+            let error = (root(curve(e)) / e - 1.0).abs();
+            worst = worst.max(error);
+            // Where adhesion matters it is rounding alone.
+            assert!(e > 2.0 || error < 4.0 * f64::EPSILON, "e = {e:e}: {error:e}");
+            // The single one is held against what its own rounded t asks for.
+            let t = curve(e) as f32;
+            let exact = root(f64::from(t));
+            worst_single = worst_single.max((f64::from(root(t)) / exact - 1.0).abs());
+        }
+        println!("largest relative errors {worst:.1e} in f64, {worst_single:.1e} in f32");
+        assert!(worst < 3e-13, "{worst:e}");
+        assert!(worst_single < 4.0 * f64::from(f32::EPSILON), "{worst_single:e}");
+        // The fold, and below it.
+        for t in [0.0, -1.0, -1e20] {
+            assert!(root(t) < 1e-14);
+        }
+        assert!((root(3.0) / TOUCH - 1.0).abs() < 1e-15);
+    }
+
+    /// F = y^6/6 - y^3 at e = y - 1.
+    fn force(e: f64) -> f64 {
+        let y3 = (1.0 + e).powi(3);
+        y3 * y3 / 6.0 - y3
+    }
+
+    #[test]
+    fn mean_and_slope_between_any_two_points() {
+        for i in 0..60 {
+            let e1 = 10f64.powf(-6.0 + 0.13 * f64::from(i));
+            for ratio in [1e-3, 0.5, 0.999, 1.0, 1.001, 7.0, 1e3] {
+                let e2 = e1 * ratio;
+                let (value, slope) = mean(e1, e2);
+                // Simpson's rule in e, where F dD/de is a polynomial of degree nine.
+                let count = 2000;
+                let width = (e2 - e1) / f64::from(count);
+                let density = |e: f64| force(e) * (4.0 * (1.0 + e).powi(3) - 4.0);
+                let sum: f64 = (0..count)
+                    .map(|n| {
+                        let e = e1 + f64::from(n) * width;
+                        width / 6.0 * (density(e) + 4.0 * density(e + 0.5 * width) + density(e + width))
+                    })
+                    .sum();
+                let distance = curve(e2) - curve(e1);
+                let (expected, steep) = if ratio == 1.0 {
+                    // The curve itself, dF/dD = (y^5 - 3 y^2)/(4 y^3 - 4).
+                    let y = 1.0 + 0.5 * (e1 + e2);
+                    (force(y - 1.0), (y.powi(5) - 3.0 * y * y) / (4.0 * (y - 1.0) * (y * y + y + 1.0)))
+                } else {
+                    (sum / distance, (force(e2) - force(e1)) / distance)
+                };
+                let scale = force(e1).abs().max(force(e2).abs()).max(1.0);
+                assert!((value - expected).abs() < 2e-6 * scale, "{e1:e} {e2:e}: {value:e} {expected:e}");
+                let steepest = steep.abs().max(1.0);
+                assert!((slope - steep).abs() < 1e-4 * steepest, "{e1:e} {e2:e}: slope {slope:e} {steep:e}");
+            }
+        }
+        // At the fold itself the force is -5/6.
+        assert!((mean(0.0, 0.0).0 + 5.0 / 6.0).abs() < 1e-12);
     }
 }

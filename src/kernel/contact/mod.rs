@@ -4,6 +4,8 @@ mod dmt;
 mod hertz;
 mod jkr;
 mod path;
+#[cfg(test)]
+mod tests;
 
 pub use dmt::Dmt;
 pub use hertz::Hertz;
