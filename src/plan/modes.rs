@@ -43,7 +43,7 @@ pub(super) const ANGLE_MAX: f64 = 1.2;
 
 impl KeptModes {
     /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
-    /// is left out is below ten times `accuracy`, the rest as a residual oscillator where it is
+    /// is left out is below three times `accuracy`, the rest as a residual oscillator where it is
     /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period.
     /// `count` overrides: exactly so many modes, nothing for the rest.
     pub fn choose(
@@ -69,7 +69,7 @@ impl KeptModes {
         for &k in &order {
             let done = match count {
                 Some(_) => false,
-                None => left <= 10.0 * accuracy,
+                None => left <= 3.0 * accuracy,
             };
             if modes.len() == wanted || done || share(k) == 0.0 {
                 break;
