@@ -1,4 +1,49 @@
-//! afmsweep: ensemble sweeps of atomic force microscope dynamics.
+//! Ensemble sweeps of atomic force microscope dynamics: a piezoelectric rod, a cantilever on it, a tip at
+//! its end and a sample below, thousands of instances side by side.
+//!
+//! The instrument is that of J.-L. Ha, R.-F. Fung and Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4),
+//! 705-709 (2005), cited as "Ha, Fung & Chen 2005"; contact is Hertz, DMT or JKR.
+//!
+//! # Flow
+//!
+//! [`scene`] (what the user wrote) to [`instrument`] (modes and free motion) and [`contact`] (laws), to
+//! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]), to [`record`] and [`store`]
+//! (the results file), to [`report`] (pictures from that file). Imports go the same way.
+//!
+//! # Units and signs
+//!
+//! SI throughout, f64; only [`kernel`] has units of its own. Travel is positive away from the sample, so is
+//! the tip force. Indentation is positive in contact. The drive is a sine and phases are lags behind it.
+//!
+//! # Limits
+//!
+//! The instrument is linear and its damping modal; the sample is elastic, and the contact force depends on
+//! the indentation and, under JKR, on whether the tip was in contact. A contact shorter than about four
+//! steps is reported as out of range.
+//!
+//! ```
+//! use afmsweep::engine::{Cpu, Engine, Progress};
+//! use afmsweep::plan::{Plan, Precision};
+//! use afmsweep::scene::Scene;
+//!
+//! let text = r#"
+//! [instrument.cantilever]
+//! quality_factor = 100
+//! [contact]
+//! law = "hertz"
+//! [drive]
+//! frequency = "resonance"
+//! free_amplitude = "20 nm"
+//! [approach]
+//! gap = "15 nm"
+//! "#;
+//! let scene = Scene::parse("example.toml".as_ref(), text)?;
+//! let plan = Plan::new(&scene, Precision::F64)?;
+//! let outcome = Cpu::default().run(&plan, &Progress::default())?;
+//! let amplitude = outcome.results[0].measured.harmonics[0];
+//! assert!(amplitude > 15e-9 && amplitude < 20e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod contact;
 pub mod engine;

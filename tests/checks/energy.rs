@@ -28,7 +28,8 @@ pub fn force_harmonics(plan: &Plan, instance: usize) -> Vec<Complex<f64>> {
     // Cosine and sine by table: harmonic m of sample n is entry m (2n + 1) of 2N.
     let table: Vec<Complex<f64>> =
         (0..2 * count).map(|j| Complex::from_polar(1.0, -PI * j as f64 / count as f64)).collect();
-    let most = (count / 2).min(512);
+    // JKR's jumps ring modes far above the drive: enough to reach them when it is slow.
+    let most = (count / 2).min(4096);
     (0..=most)
         .map(|m| {
             let sum: Complex<f64> = (trace.samples.iter().enumerate())
