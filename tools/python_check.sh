@@ -3,7 +3,9 @@
 # Arguments go to cargo.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build "$@"
+# Builds the program beside the test, as the other tests do: `cargo build` alone would choose other
+# features for shared dependencies and compile everything once more.
+cargo test "$@" --test store_python --no-run
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 for scene in tests/python/*.toml; do
