@@ -45,7 +45,7 @@ fn heading(results: &Results, file: &Path) -> String {
 }
 
 fn tables(results: &Results) -> Vec<Table> {
-    [run(results), axes(results), status(results), observables(results)]
+    [run(results), axes(results), status(results), flags(results), observables(results)]
         .into_iter()
         .chain([plan(results), harmonics(results)])
         .filter(|table| table.rows.len() > 1)
@@ -115,6 +115,24 @@ fn status(results: &Results) -> Table {
         rows.push(vec![meaning, count.to_string(), format!("{} %", number(share, 3))]);
     }
     Table { caption: "What became of the instances".into(), rows }
+}
+
+/// Contact laws used, warnings, and whatever else is told in words.
+fn flags(results: &Results) -> Table {
+    let mut rows = vec![row(["contact", "", "instances"])];
+    for flags in &results.flags {
+        for (number, word) in flags.meanings.iter().enumerate() {
+            let is_set = |data: u8| match flags.bits {
+                true => u32::from(data) >> number & 1 == 1,
+                false => usize::from(data) == number,
+            };
+            let count = flags.data.iter().filter(|data| is_set(**data)).count();
+            if count > 0 {
+                rows.push(vec![flags.long_name.clone(), word.replace('_', " "), count.to_string()]);
+            }
+        }
+    }
+    Table { caption: "Contact laws and warnings".into(), rows }
 }
 
 fn observables(results: &Results) -> Table {
