@@ -161,7 +161,8 @@ fn imports_go_one_way() {
     let mut wrong = Vec::new();
     let mut seen = 0;
     for (file, text) in sources("src") {
-        if ["src/lib.rs", "src/main.rs"].contains(&file.as_str()) {
+        // The roots name every module; files that are tests as a whole may look anywhere for their truth.
+        if ["src/lib.rs", "src/main.rs"].contains(&file.as_str()) || file.ends_with("/tests.rs") {
             continue;
         }
         seen += imports(&text).len();
