@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 STATIC ?=
 FEATURES := $(if $(STATIC),--features static-hdf5)
-PROGRAM := target/release/afmsweep
+PROGRAM := $(or $(CARGO_TARGET_DIR),target)/release/afmsweep
 # Newer than the requirements once they are installed; python itself is a link to an old file.
 PYTHON := .venv/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.

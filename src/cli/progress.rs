@@ -3,7 +3,7 @@
 use super::{Voice, say};
 use afmsweep::engine::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -88,6 +88,8 @@ pub fn on_interrupt(progress: &Arc<Progress>) {
             std::process::exit(130);
         }
         progress.stop();
+        // Standard error may be gone; the run still ends.
+        let _ = writeln!(std::io::stderr(), "stopping; Ctrl-C again ends the program at once");
     });
     // Without a handler Ctrl-C ends the program at once, which is what it does everywhere.
     drop(asked);

@@ -15,8 +15,6 @@ pub struct ReportArgs {
 
 pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
     let folder = report::write(&args.file, args.output.as_deref())?;
-    if !voice.quiet {
-        eprintln!("report in {}", folder.join("index.html").display());
-    }
+    voice.say(format_args!("report in {}", folder.join("index.html").display()));
     Ok(())
 }

@@ -92,9 +92,17 @@ fn default_output(scene: &Path) -> PathBuf {
     Path::new("results").join(name)
 }
 
+/// Whether two paths lead to one file; a file that is not there is no other's.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let mut scene = load(&args.scene)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
+    if same_file(&args.scene, &output) {
+        anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
+    }
     let mut writer = Writer::create(&output, &scene.source, args.overwrite)?;
     let start = Instant::now();
     let plan = args.engine.plan(&mut scene)?;
@@ -158,7 +166,7 @@ fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice
         let count = outcome.results.iter().filter(|one| one.status == status).count();
         if count > 0 && status != Status::Ok {
             voice.say(format_args!(
-                "{count} of {} {}: {}",
+                "{count} of {} marked {}: {}",
                 instances(outcome.results.len()),
                 status.meaning().replace('_', " "),
                 advice(status)
@@ -178,7 +186,7 @@ fn advice(status: Status) -> &'static str {
     match status {
         Status::Ok => "nothing to do",
         Status::NotSteady => {
-            "the response still changes by more than the accuracy asked for; more [run] periods, or it has no steady state"
+            "the response still changes by more than the accuracy asked for; more [run] periods settle it if every mode that rings has a quality factor and the tapping has a steady state"
         }
         Status::Sensitive => "a tiny change of the start moves the result",
         Status::NonFinite => "values ran out of the range of numbers; more steps per period may help",

@@ -112,7 +112,7 @@ impl std::fmt::Display for Warning {
             ),
             Warning::RigidTip { sample_modulus } => write!(
                 f,
-                "the tip counts as rigid, yet the sample has {:.3} GPa: give instrument.tip.youngs_modulus",
+                "the tip counts as rigid, yet the sample has {:.3e} GPa: give instrument.tip.youngs_modulus",
                 sample_modulus * 1e-9
             ),
         }

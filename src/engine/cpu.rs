@@ -19,12 +19,22 @@ pub struct Cpu {
     pub threads: Option<usize>,
 }
 
-/// Samples of decaying free motion tabulated at a time, for a start from rest.
+/// Steps between two looks at the progress; samples of decaying free motion tabulated at a time.
 const BLOCK: usize = 1 << 18;
+
+/// The processor's name, where the system tells it, or its architecture.
+pub fn processor() -> String {
+    let name = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+        let line = text.lines().find(|line| line.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_owned())
+    });
+    name.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
+}
 
 impl Engine for Cpu {
     fn device(&self) -> String {
-        format!("CPU, {} threads", self.threads.unwrap_or_else(rayon::current_num_threads))
+        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
+        format!("{}, {threads} thread{}", processor(), if threads == 1 { "" } else { "s" })
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
@@ -111,8 +121,19 @@ fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
         return vec![Finished::NOT_RUN; pack.len()];
     }
     let mut track = Track::<L, I, M>::new(pack, plan.run.start);
-    track.advance(&plan.run, plan.run.periods, waves, None, plan.wants);
-    progress.add(pack.len() as u64 * u64::from(plan.run.periods) * waves[0].len() as u64);
+    let steps = waves[0].len();
+    // In blocks, so that a long run tells how far it is and can be stopped.
+    let block = (BLOCK / steps).max(1) as u32;
+    let mut done = 0;
+    while done < plan.run.periods {
+        if progress.stopped() {
+            return vec![Finished::NOT_RUN; pack.len()];
+        }
+        let periods = block.min(plan.run.periods - done);
+        track.advance(&plan.run, periods, waves, None, plan.wants);
+        progress.add(pack.len() as u64 * u64::from(periods) * steps as u64);
+        done += periods;
+    }
     finish_pack(plan, pack, &track.sums)
 }
 

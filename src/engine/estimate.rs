@@ -2,11 +2,13 @@
 
 use super::{Engine, EngineError, Progress};
 use crate::plan::{Class, Plan};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Instances tried per class, and steps tried in all.
-const INSTANCES: usize = 8;
+const INSTANCES: usize = 64;
 const STEPS: f64 = 2e6;
+/// Time tried.
+const ENOUGH: Duration = Duration::from_millis(40);
 
 /// Time (s) the plan takes on `engine`, from a trial of a few instances over a few periods.
 pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
@@ -25,9 +27,16 @@ pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
     let per_period: f64 =
         trial.classes.iter().map(|class| f64::from(class.steps) * class.instances.len() as f64).sum();
     trial.run.periods = ((STEPS / per_period) as u32).clamp(1, plan.run.periods);
-    trial.run.measure = (trial.run.periods * plan.run.measure / plan.run.periods).max(1);
-    let start = Instant::now();
+    let share = u64::from(trial.run.periods) * u64::from(plan.run.measure) / u64::from(plan.run.periods);
+    trial.run.measure = (share as u32).clamp(1, trial.run.periods);
+    // The first run starts the threads; then as often as it takes to outlast the clock's grain.
     engine.run(&trial, &Progress::default())?;
-    let seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let mut runs = 0.0;
+    while start.elapsed() < ENOUGH {
+        engine.run(&trial, &Progress::default())?;
+        runs += 1.0;
+    }
+    let seconds = start.elapsed().as_secs_f64() / runs;
     Ok(seconds * plan.instance_steps() as f64 / trial.instance_steps() as f64)
 }

@@ -8,6 +8,7 @@ use crate::kernel::{LENGTH, Lane, Tally};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven};
 use crate::scene::Run;
+use nalgebra::Complex;
 
 /// Sums over the measured periods in f64, and how the fundamental moves from period to period.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub(super) struct Sums {
     /// The fundamental of the last period, and its latest changes, newest first.
     last: [f64; 2],
     changes: [f64; 4],
+    /// The largest change into a measured period: observables stand for all of them.
+    largest: f64,
 }
 
 /// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer
@@ -55,8 +58,10 @@ impl Sums {
             impulse: 0.0,
             work: 0.0,
             virial: 0.0,
-            last: [f64::NAN; 2],
-            changes: [f64::NAN; 4],
+            // Before the first period there was free flight.
+            last: [0.0; 2],
+            changes: [0.0; 4],
+            largest: 0.0,
         }
     }
 
@@ -71,6 +76,7 @@ impl Sums {
         if !measured {
             return;
         }
+        self.largest = self.largest.max(change);
         self.periods += 1.0;
         self.steps += steps as f64;
         for n in 0..HARMONICS {
@@ -91,7 +97,7 @@ impl Sums {
 
     /// How far the fundamental (m) still is from where it will end, by its latest change and the
     /// slowest kept mode's decay over a period: a geometric series of changes no longer than that.
-    fn unsettled(&self, run: &Run, driven: &Driven) -> f64 {
+    fn unsettled(&self, driven: &Driven) -> f64 {
         let decay = driven
             .kept
             .modes
@@ -101,8 +107,7 @@ impl Sums {
             })
             .map(f64::abs)
             .fold(f64::INFINITY, f64::min);
-        let seen = (run.periods.saturating_sub(1)).min(4) as usize;
-        let change = self.changes[..seen].iter().copied().fold(0.0, f64::max);
+        let change = self.changes.iter().copied().fold(self.largest, f64::max);
         if change == 0.0 { 0.0 } else { change * LENGTH / decay.min(1.0) }
     }
 }
@@ -122,7 +127,7 @@ pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, w
             start::phasor(free.0 + scale * sums.cosine[n], free.1 + scale * sums.sine[n], n + 1, phase);
         measured.harmonics[n] = travel.norm();
         if n == 0 {
-            measured.phase = (-travel.arg().to_degrees()).rem_euclid(360.0);
+            measured.phase = lag(travel);
         }
     }
     let force = force_scale(driven, case.steps);
@@ -157,7 +162,7 @@ pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
     let mut measured = Measured::NONE;
     measured.harmonics[..wants.harmonics].fill(0.0);
     measured.harmonics[0] = driven.free.tip.norm();
-    measured.phase = (-driven.free.tip.arg().to_degrees()).rem_euclid(360.0);
+    measured.phase = lag(driven.free.tip);
     if wants.contact {
         (measured.contact_time, measured.contacts) = (0.0, 0.0);
     }
@@ -170,14 +175,21 @@ pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
     Finished { measured, status: Status::Ok }
 }
 
+/// Lag behind the drive's sine, degree, 0 to below 360.
+fn lag(travel: Complex<f64>) -> f64 {
+    let lag = (-travel.arg().to_degrees()).rem_euclid(360.0);
+    // The remainder of a tiny negative number rounds up to the whole turn.
+    if lag < 360.0 { lag } else { 0.0 }
+}
+
 fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -> Status {
     let deepest = sums.deepest * LENGTH;
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }
-    // The scale of accuracy for amplitudes: the free amplitude.
-    let scale = driven.free.tip.norm();
-    if sums.unsettled(run, driven) > run.accuracy * scale {
+    // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
+    let scale = driven.free.tip.norm().max(1e-15);
+    if sums.unsettled(driven) > run.accuracy * scale {
         return Status::NotSteady;
     }
     Status::Ok

@@ -8,7 +8,7 @@ mod start;
 mod trace;
 mod track;
 
-pub use cpu::Cpu;
+pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use trace::{Between, Trace, TraceSample, trace};
 

@@ -42,6 +42,7 @@ impl Plan {
             wants: Wants::of(&scene.output.observables),
             run: scene.run.clone(),
             precision,
+            waveforms: scene.output.waveforms.clone(),
         })
     }
 }

@@ -13,7 +13,7 @@ pub use summary::Summary;
 use crate::contact::{Contact, Law};
 use crate::instrument::{FreeMotion, Instrument};
 use crate::observe::{Observable, Wants};
-use crate::scene::Run;
+use crate::scene::{Run, WaveformRequest};
 use std::sync::Arc;
 
 /// Arithmetic of the engine's inner loop.
@@ -47,6 +47,8 @@ pub struct Plan {
     pub wants: Wants,
     pub run: Run,
     pub precision: Precision,
+    /// Waveforms asked for.
+    pub waveforms: Option<WaveformRequest>,
 }
 
 /// One instrument at one drive.

@@ -31,6 +31,9 @@ impl Plan {
         let mut drives = Vec::new();
         for (index, drive) in self.drives.iter().enumerate() {
             if index >= TOLD && index + 1 != self.drives.len() {
+                if index == TOLD {
+                    text += "...\n";
+                }
                 continue;
             }
             let kept = &drive.kept;
@@ -71,7 +74,7 @@ impl Plan {
             self.instance_steps() as f64
         );
         text += &format!(
-            "results file at most {}, memory about {}\n",
+            "results {} before compression, memory about {}\n",
             bytes(self.file_bytes()),
             bytes(self.memory_bytes())
         );
@@ -127,12 +130,16 @@ impl Plan {
         })
     }
 
-    /// Bytes of the results file before compression, waveforms apart.
+    /// Bytes of the numbers in the results file before compression, force curves and texts apart.
     pub fn file_bytes(&self) -> u64 {
         let columns: usize = self.observables.iter().map(|one| one.width()).sum();
         // Tabor's parameter, steps, status, law and warnings beside the observables.
         let each = 8 * (columns as u64 + 1) + 4 + 3;
-        each * self.cases.len() as u64
+        let waveforms = self.waveforms.as_ref().map_or(0, |request| {
+            let samples = u64::from(request.samples_per_period) * u64::from(request.periods);
+            8 * samples * (1 + 4 * request.instances.len() as u64)
+        });
+        each * self.cases.len() as u64 + waveforms
     }
 
     /// Bytes a run holds in memory: plan, measurements and results file.

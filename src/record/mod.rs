@@ -129,11 +129,10 @@ fn warnings(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Vec<u8> {
     (0..plan.cases.len())
         .into_par_iter()
         .map(|index| {
-            let measured = outcome.results[index].measured.indentation_max;
-            let depth = if measured.is_nan() { plan.expected_depth(index) } else { measured };
+            let depth = depth(plan, index, outcome.results[index].measured.indentation_max);
             let params = scene.instance(index);
             let contact = &plan.cases[index].contact;
-            contact.warnings(&params, Some(depth)).iter().map(bit).fold(0, |all, one| all | one)
+            contact.warnings(&params, depth).iter().map(bit).fold(0, |all, one| all | one)
         })
         .collect()
 }
@@ -148,9 +147,11 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<Strin
             let first = flags.data.iter().position(|bits| bits & mask != 0)?;
             let params: Params = scene.instance(first);
             let contact: &Contact = &plan.cases[first].contact;
-            let depth = depth(plan, results, first);
+            let name = Observable::IndentationMax.name();
+            let measured = results.variables.iter().find(|variable| variable.name == name);
+            let depth = depth(plan, first, measured.map_or(f64::NAN, |variable| variable.data[first]));
             let words = contact
-                .warnings(&params, Some(depth))
+                .warnings(&params, depth)
                 .into_iter()
                 .find(|warning| bit(warning) == mask)
                 .map_or_else(|| WARNINGS[number].replace('_', " "), |warning| warning.to_string());
@@ -162,13 +163,13 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<Strin
         .collect()
 }
 
-/// Largest indentation of an instance, measured or else expected, m.
-fn depth(plan: &Plan, results: &Results, instance: usize) -> f64 {
-    let name = Observable::IndentationMax.name();
-    let measured = results.variables.iter().find(|variable| variable.name == name);
-    match measured.map(|variable| variable.data[instance]) {
-        Some(depth) if !depth.is_nan() => depth,
-        _ => plan.expected_depth(instance),
+/// Largest indentation of an instance, m: measured; none where it was measured and there was no contact;
+/// else what the plan expects.
+fn depth(plan: &Plan, instance: usize, measured: f64) -> Option<f64> {
+    match measured.is_nan() {
+        false => Some(measured),
+        true if plan.wants.extremes || plan.cases[instance].steps == 0 => None,
+        true => Some(plan.expected_depth(instance)),
     }
 }
 

@@ -6,6 +6,7 @@ use crate::instrument::Place;
 use crate::plan::Plan;
 use crate::scene::{Start, WaveformRequest};
 use crate::store::Waveforms;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Computes the waveforms a scene asks for: the last periods of the run, from a zero of the
@@ -14,9 +15,13 @@ use std::f64::consts::TAU;
 pub fn waveforms(plan: &Plan, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
     let mut all = Waveforms::default();
     let mut times: Vec<Vec<f64>> = Vec::new();
-    for &instance in &request.instances {
-        let rows = instance_rows(plan, instance, request)?;
-        all.instances.push(instance as u64);
+    let rows: Vec<Rows> = request
+        .instances
+        .par_iter()
+        .map(|&instance| instance_rows(plan, instance, request))
+        .collect::<Result<_, _>>()?;
+    all.instances = request.instances.iter().map(|&instance| instance as u64).collect();
+    for rows in rows {
         times.push(rows.time);
         all.tip_travel.push(rows.tip_travel);
         all.actuator_top.push(rows.actuator_top);

@@ -62,7 +62,13 @@ pub fn write(file: &Path, output: Option<&Path>) -> Result<PathBuf, ReportError>
 
 /// `results/a` for `results/a.h5`; a file without an ending gets one for its folder.
 fn default_folder(file: &Path) -> PathBuf {
-    let folder = file.with_extension("");
+    // A partial file's own folder would stand where its results file is to be.
+    let whole = if file.extension().is_some_and(|end| end == "partial") {
+        file.with_extension("")
+    } else {
+        file.to_path_buf()
+    };
+    let folder = whole.with_extension("");
     if folder == file { file.with_extension("report") } else { folder }
 }
 

@@ -24,11 +24,13 @@ const USUAL: [Observable; 7] = [
     Observable::Dissipation,
 ];
 
-/// Most steps of one instance: about half a minute of one core, and far beyond any settling time.
+/// Most steps of one instance, far beyond any settling time: a typing error is likelier.
 const MOST_STEPS: u64 = 1_000_000_000;
-/// What a period counts for where the scene leaves the steps to the plan.
+/// What a period counts for where the scene leaves the steps to the plan: the fewest it takes.
 const LIKELY_STEPS: u64 = 64;
 const MOST_SAMPLES_PER_PERIOD: u64 = 65_536;
+/// Most samples of all waveforms together: 32 bytes each in the file, and five times that in memory.
+const MOST_SAMPLES: u64 = 10_000_000;
 
 /// Refuses keys that a section does not have.
 fn known<'a, 'i>(
@@ -175,6 +177,14 @@ fn waveforms(value: &Value, run: &Run, instances: usize) -> Checked<WaveformRequ
                 fault
                     .help(format!("the run has {} periods: ask for fewer, or raise run.periods", run.periods))
             })? as u32;
+    }
+    let samples =
+        request.instances.len() as u64 * u64::from(request.samples_per_period) * u64::from(request.periods);
+    if samples > MOST_SAMPLES {
+        return Err(Fault::at(value.span(), format!("`{PATH}` asks for too many samples"))
+            .label(format!("found {samples} in all"))
+            .expected(format!("at most {MOST_SAMPLES}: instances times samples_per_period times periods"))
+            .help("ask for fewer instances, periods or samples per period"));
     }
     Ok(request)
 }

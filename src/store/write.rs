@@ -292,12 +292,14 @@ fn write_waveforms(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
     let mut layout = Layout::group(file, "waveforms")?;
     let instance = layout.instances(&waveforms.instances)?;
     let long_name = "time from the drive's zero phase";
+    let mut own_time = false;
     let dims = if let [time] = waveforms.time.as_slice() {
         vec![instance, layout.coordinate("time", "s", long_name, time)?]
     } else {
         let length = waveforms.time.first().map_or(0, Vec::len);
         let dims = vec![instance, layout.dimension("sample", length)?];
         layout.quantity("time", "s", long_name, &dims, &waveforms.time.concat())?;
+        own_time = true;
         dims
     };
     for (name, units, long_name, rows) in [
@@ -306,7 +308,10 @@ fn write_waveforms(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
         ("indentation", "m", "indentation, negative for a gap", &waveforms.indentation),
         ("force", "N", "force on the tip, positive away from the sample", &waveforms.force),
     ] {
-        layout.quantity(name, units, long_name, &dims, &rows.concat())?;
+        let dataset = layout.quantity(name, units, long_name, &dims, &rows.concat())?;
+        if own_time {
+            labels::text(&dataset, "coordinates", "time")?;
+        }
     }
     layout.close()
 }
