@@ -84,8 +84,9 @@ fn results_of_another_scene_are_not_replaced_unasked() {
     desk.works(&["run", other, "-o", "out.h5", "-q", "--overwrite"]);
     let now = afmsweep::store::read(&desk.path("out.h5")).unwrap();
     assert_eq!(now.text("scene").unwrap(), format!("# two\n{SMALL}"));
-    // A scene is no results file either, not even its own.
-    desk.refuses(&["run", one, "-o", one], &["is no results file of afmsweep", "--overwrite"]);
+    // A scene is no results file either; its own is safe whatever is said.
+    desk.refuses(&["run", other, "-o", one], &["is no results file of afmsweep", "--overwrite"]);
+    desk.refuses(&["run", one, "-o", one, "--overwrite"], &["is the scene itself", "-o"]);
     assert_eq!(std::fs::read_to_string(one).unwrap(), SMALL);
 }
 

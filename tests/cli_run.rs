@@ -131,7 +131,7 @@ fn results_hold_the_scene_and_how_it_was_run() {
     assert_eq!(results.text("scene"), Some(TAPPING));
     assert_eq!(results.text("version"), Some(env!("CARGO_PKG_VERSION")));
     assert_eq!(results.text("precision"), Some("f64"));
-    assert!(results.text("device").unwrap().contains("CPU"));
+    assert!(results.text("device").unwrap().contains("thread"));
     let plan: serde_json::Value = serde_json::from_str(results.text("plan").unwrap()).unwrap();
     assert_eq!(plan["instances"], 6);
     let steps: f64 = results.steps_per_period.iter().map(|steps| 200.0 * f64::from(*steps)).sum();
