@@ -63,6 +63,20 @@ pub struct Sample<L> {
     pub kick: Kick<L>,
 }
 
+/// The body for each of M modes, written out: left as a loop of four or more, the compiler gives up
+/// on vector registers and the step takes six times as long.
+macro_rules! each_mode {
+    ($count:ident, $k:ident => $body:block) => {
+        each_mode!(@ $count, $k, $body, 0 1 2 3 4 5 6 7);
+    };
+    (@ $count:ident, $k:ident, $body:block, $($index:literal)*) => {
+        $(if $count > $index {
+            let $k = $index;
+            $body
+        })*
+    };
+}
+
 impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     /// Kick at the sample, then exact flow to the next one.
     #[inline(always)]
@@ -85,25 +99,25 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             speed = speed + L::broadcast(decay.speed);
             acceleration = acceleration + L::broadcast(decay.acceleration);
         }
-        for k in 0..M {
+        each_mode!(M, k => {
             beyond = beyond + state.x[k];
             speed = flow.rate[k].mul_add(state.u[k], speed);
             acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
             excess = flow.work_x[k].mul_add(state.x[k], excess);
             excess = flow.work_u[k].mul_add(state.u[k], excess);
-        }
+        });
         let indentation = -(self.gap + steady + beyond);
         let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
         let kick = self.law.kick(approach, state.touching);
         let impulse = kick.impulse;
         state.touching = kick.touching;
-        for k in 0..M {
+        each_mode!(M, k => {
             let u = flow.kick_u[k].mul_add(impulse, state.u[k]);
             let x = flow.kick_x[k].mul_add(impulse, state.x[k]);
             state.x[k] = x + flow.m00[k].mul_add(x, flow.m01[k] * u);
             state.u[k] = u + flow.m10[k].mul_add(x, flow.m11[k] * u);
-        }
+        });
         // A kick's corner against the smooth path it stands for.
         let corner = impulse * L::splat(1.0 / 24.0);
         Sample {
