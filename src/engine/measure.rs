@@ -178,8 +178,8 @@ pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
 /// Lag behind the drive's sine, degree, 0 to below 360.
 fn lag(travel: Complex<f64>) -> f64 {
     let lag = (-travel.arg().to_degrees()).rem_euclid(360.0);
-    // The remainder of a tiny negative number rounds up to the whole turn.
-    if lag < 360.0 { lag } else { 0.0 }
+    // The remainder of a tiny negative number rounds up to the whole turn, and -0 is no phase.
+    if lag < 360.0 { lag + 0.0 } else { 0.0 }
 }
 
 fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -> Status {
