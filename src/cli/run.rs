@@ -173,7 +173,7 @@ fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice
             ));
         }
     }
-    for line in record::warning_lines(scene, plan, results) {
+    for line in record::warning_lines(scene, plan, outcome, results) {
         voice.say(format_args!("warning: {line}"));
     }
 }

@@ -138,7 +138,7 @@ fn warnings(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Vec<u8> {
 }
 
 /// How many instances have each warning of [`WARNINGS`], and the first one's own words.
-pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<String> {
+pub fn warning_lines(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results) -> Vec<String> {
     let Some(flags) = results.flags.iter().find(|flags| flags.bits) else { return Vec::new() };
     (0..WARNINGS.len())
         .filter_map(|number| {
@@ -147,9 +147,7 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, results: &Results) -> Vec<Strin
             let first = flags.data.iter().position(|bits| bits & mask != 0)?;
             let params: Params = scene.instance(first);
             let contact: &Contact = &plan.cases[first].contact;
-            let name = Observable::IndentationMax.name();
-            let measured = results.variables.iter().find(|variable| variable.name == name);
-            let depth = depth(plan, first, measured.map_or(f64::NAN, |variable| variable.data[first]));
+            let depth = depth(plan, first, outcome.results[first].measured.indentation_max);
             let words = contact
                 .warnings(&params, depth)
                 .into_iter()
