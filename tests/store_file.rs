@@ -3,8 +3,8 @@
 
 mod common;
 
-use afmsweep::store::{Attribute, Results, StoreError, Waveforms, Writer, partial_path, read};
-use common::{SCENE, coordinate, grid, list, ramp, results, scalar};
+use afmsweep::store::{Attribute, Results, StoreError, Writer, partial_path, read};
+use common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
 use std::path::Path;
 
 fn write(path: &Path, results: &Results) -> Result<(), StoreError> {
@@ -57,17 +57,7 @@ fn a_single_instance_and_a_single_point_axis_come_back_as_written() {
 
 #[test]
 fn waveforms_with_times_of_their_own_come_back_as_written() {
-    let mut results = grid();
-    let rows = |scale: f64| vec![ramp(8, scale), ramp(8, scale * 2.0)];
-    results.waveforms = Some(Waveforms {
-        instances: vec![3, 5],
-        time: rows(1e-7),
-        tip_travel: rows(1e-9),
-        actuator_top: rows(1e-9),
-        indentation: rows(1e-9),
-        force: rows(1e-9),
-    });
-    assert_round_trip(&results);
+    assert_round_trip(&own_times());
 }
 
 #[test]

@@ -3,8 +3,8 @@
 
 mod common;
 
-use afmsweep::store::{Attribute, Results, Waveforms, Writer};
-use common::{SCENE, coordinate, grid, list, ramp, results, scalar};
+use afmsweep::store::{Attribute, Results, Writer};
+use common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
 use std::io::Write;
 use std::path::Path;
 use std::process::Command;
@@ -41,16 +41,7 @@ fn python_reads_every_kind_of_results_file() {
 }
 
 fn examples() -> Vec<(&'static str, Results)> {
-    let mut own_times = grid();
-    let rows = |scale: f64| vec![ramp(8, scale), ramp(8, scale * 2.0)];
-    own_times.waveforms = Some(Waveforms {
-        instances: vec![3, 5],
-        time: rows(1e-7),
-        tip_travel: rows(1e-9),
-        actuator_top: rows(1e-9),
-        indentation: rows(1e-9),
-        force: rows(1e-9),
-    });
+    let mut own_times = own_times();
     own_times.variables[0].data.fill(f64::NAN);
     let mut long_text = scalar();
     long_text.attributes[1].1 = Attribute::Text("κ = \"30 nm\"\n".repeat(20_000));

@@ -110,3 +110,18 @@ pub fn list() -> Results {
 pub fn scalar() -> Results {
     results(Vec::new(), false)
 }
+
+/// A grid whose two waveforms have different drive frequencies, and so times of their own.
+pub fn own_times() -> Results {
+    let mut results = grid();
+    let rows = |scale: f64| vec![ramp(8, scale), ramp(8, scale * 2.0)];
+    results.waveforms = Some(Waveforms {
+        instances: vec![3, 5],
+        time: rows(1e-7),
+        tip_travel: rows(1e-9),
+        actuator_top: rows(1e-9),
+        indentation: rows(1e-9),
+        force: rows(1e-9),
+    });
+    results
+}
