@@ -134,7 +134,7 @@ fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
         progress.add(pack.len() as u64 * u64::from(periods) * steps as u64);
         done += periods;
     }
-    finish_pack(plan, pack, &track.sums)
+    finish_pack(plan, pack, &track.sums(&plan.run, steps))
 }
 
 fn finish_pack(plan: &Plan, pack: &[Member], sums: &[Sums]) -> Vec<Finished> {
@@ -167,11 +167,15 @@ fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
         let decay = decays::<L>(driven, steps as u32, first, periods as usize * steps);
         tracks.par_iter_mut().for_each(|track| {
             track.advance(run, periods, waves, Some(&decay), plan.wants);
-            progress.add(track.sums.len() as u64 * u64::from(periods) * steps as u64);
+            progress.add(track.members() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;
     }
-    tracks.iter().zip(packs).flat_map(|(track, pack)| finish_pack(plan, pack, &track.sums)).collect()
+    tracks
+        .iter()
+        .zip(packs)
+        .flat_map(|(track, pack)| finish_pack(plan, pack, &track.sums(&plan.run, steps)))
+        .collect()
 }
 
 /// The decaying free motion of the modes that are not stepped, at the middle of each step.

@@ -4,36 +4,20 @@ use super::Finished;
 use super::start;
 use super::track::force_scale;
 use crate::contact::{Contact, Law};
-use crate::kernel::{LENGTH, Lane, Tally};
-use crate::observe::{HARMONICS, Measured, Status, Wants};
+use crate::kernel::{LENGTH, Lane, Ledger};
+use crate::observe::{Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven};
 use crate::scene::Run;
 use nalgebra::Complex;
 
-/// Sums over the measured periods in f64, and how the fundamental moves from period to period.
+/// One instance's ledger in f64, and whether its state stayed a number.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
-    /// False once the state is no number any more.
+    /// False once the state is no number any more, or beyond f32's range.
     pub finite: bool,
     periods: f64,
     steps: f64,
-    cosine: [f64; HARMONICS],
-    sine: [f64; HARMONICS],
-    deepest: f64,
-    highest: f64,
-    held: f64,
-    time: f64,
-    begun: f64,
-    ended: f64,
-    apart: f64,
-    impulse: f64,
-    work: f64,
-    virial: f64,
-    /// The fundamental of the last period, and its latest changes, newest first.
-    last: [f64; 2],
-    changes: [f64; 4],
-    /// The largest change into a measured period: observables stand for all of them.
-    largest: f64,
+    ledger: Ledger<f64>,
 }
 
 /// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer
@@ -41,58 +25,10 @@ pub(super) struct Sums {
 const UNRESOLVED: f64 = 0.7;
 
 impl Sums {
-    pub fn new() -> Self {
-        Self {
-            finite: true,
-            periods: 0.0,
-            steps: 0.0,
-            cosine: [0.0; HARMONICS],
-            sine: [0.0; HARMONICS],
-            deepest: f64::NEG_INFINITY,
-            highest: f64::INFINITY,
-            held: f64::INFINITY,
-            time: 0.0,
-            begun: 0.0,
-            ended: 0.0,
-            apart: 0.0,
-            impulse: 0.0,
-            work: 0.0,
-            virial: 0.0,
-            // Before the first period there was free flight.
-            last: [0.0; 2],
-            changes: [0.0; 4],
-            largest: 0.0,
-        }
-    }
-
-    /// Takes in one period of one lane.
-    pub fn add<L: Lane>(&mut self, tally: &Tally<L>, lane: usize, steps: usize, measured: bool) {
-        let fundamental = [tally.cosine[0].lane(lane), tally.sine[0].lane(lane)];
-        let change =
-            2.0 / steps as f64 * f64::hypot(fundamental[0] - self.last[0], fundamental[1] - self.last[1]);
-        self.changes.rotate_right(1);
-        self.changes[0] = change;
-        self.last = fundamental;
-        if !measured {
-            return;
-        }
-        self.largest = self.largest.max(change);
-        self.periods += 1.0;
-        self.steps += steps as f64;
-        for n in 0..HARMONICS {
-            self.cosine[n] += tally.cosine[n].lane(lane);
-            self.sine[n] += tally.sine[n].lane(lane);
-        }
-        self.deepest = self.deepest.max(tally.deepest.lane(lane));
-        self.highest = self.highest.min(tally.highest.lane(lane));
-        self.held = self.held.min(tally.held.lane(lane));
-        self.time += tally.time.lane(lane);
-        self.begun += tally.begun.lane(lane);
-        self.ended += tally.ended.lane(lane);
-        self.apart = self.apart.max(tally.apart.lane(lane));
-        self.impulse += tally.impulse.lane(lane);
-        self.work += tally.work.lane(lane);
-        self.virial += tally.virial.lane(lane);
+    /// Lane `lane` of a ledger over `periods` measured periods of `steps` steps.
+    pub fn new<L: Lane>(ledger: &Ledger<L>, lane: usize, finite: bool, periods: u32, steps: u32) -> Self {
+        let periods = f64::from(periods);
+        Self { finite, periods, steps: periods * f64::from(steps), ledger: ledger.lane(lane) }
     }
 
     /// How far the fundamental (m) still is from where it will end, by its latest change and the
@@ -107,7 +43,7 @@ impl Sums {
             })
             .map(f64::abs)
             .fold(f64::INFINITY, f64::min);
-        let change = self.changes.iter().copied().fold(self.largest, f64::max);
+        let change = self.ledger.changes.iter().copied().fold(self.ledger.largest, f64::max);
         if change == 0.0 { 0.0 } else { change * LENGTH / decay.min(1.0) }
     }
 }
@@ -117,6 +53,7 @@ pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, w
     if !sums.finite {
         return Finished { measured: Measured::NONE, status: Status::NonFinite };
     }
+    let ledger = &sums.ledger;
     let phase = start::phase(driven, run.start);
     let (cosine, sine) = start::amplitudes(driven, run.start);
     let mut measured = Measured::NONE;
@@ -124,7 +61,7 @@ pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, w
     for n in 0..wants.harmonics {
         let free = if n == 0 { (cosine, sine) } else { (0.0, 0.0) };
         let travel =
-            start::phasor(free.0 + scale * sums.cosine[n], free.1 + scale * sums.sine[n], n + 1, phase);
+            start::phasor(free.0 + scale * ledger.cosine[n], free.1 + scale * ledger.sine[n], n + 1, phase);
         measured.harmonics[n] = travel.norm();
         if n == 0 {
             measured.phase = lag(travel);
@@ -132,23 +69,23 @@ pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, w
     }
     let force = force_scale(driven, case.steps);
     if wants.contact {
-        measured.contact_time = sums.time / sums.steps;
-        measured.contacts = sums.begun / sums.periods;
+        measured.contact_time = ledger.time / sums.steps;
+        measured.contacts = ledger.begun / sums.periods;
     }
     if wants.energy {
-        measured.force_mean = sums.impulse / sums.steps / force;
-        measured.dissipation = -sums.work / sums.periods / force * LENGTH;
-        measured.virial = sums.virial / sums.steps / force * LENGTH;
+        measured.force_mean = ledger.impulse / sums.steps / force;
+        measured.dissipation = -ledger.work / sums.periods / force * LENGTH;
+        measured.virial = ledger.virial / sums.steps / force * LENGTH;
     }
     if wants.extremes {
-        let touched = sums.time > 0.0 || sums.begun > 0.0;
+        let touched = ledger.time > 0.0 || ledger.begun > 0.0;
         let range = Range {
-            deepest: sums.deepest * LENGTH,
-            highest: sums.highest * LENGTH,
-            held: sums.held * LENGTH,
+            deepest: ledger.deepest * LENGTH,
+            highest: ledger.highest * LENGTH,
+            held: ledger.held * LENGTH,
             touched,
-            apart: sums.apart > 0.0,
-            let_go: sums.ended > 0.0,
+            apart: ledger.apart > 0.0,
+            let_go: ledger.ended > 0.0,
         };
         (measured.force_min, measured.force_max) = range.forces(&case.contact);
         measured.indentation_max = if touched { range.deepest } else { f64::NAN };
@@ -183,7 +120,7 @@ fn lag(travel: Complex<f64>) -> f64 {
 }
 
 fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -> Status {
-    let deepest = sums.deepest * LENGTH;
+    let deepest = sums.ledger.deepest * LENGTH;
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }

@@ -4,7 +4,7 @@ use super::law::KernelLaw;
 use super::measure::Sums;
 use super::start;
 use crate::kernel::{
-    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, State, Tally, Wave, increments, period,
+    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, State, Tally, Wave, increments, period,
 };
 use crate::observe::Wants;
 use crate::plan::{CasePlan, Driven};
@@ -94,8 +94,9 @@ pub(super) struct Track<L, I, const M: usize> {
     case: Case<L, I, M>,
     state: State<L, M>,
     tally: Tally<L>,
-    /// One for each member.
-    pub sums: Vec<Sums>,
+    ledger: Ledger<L>,
+    /// Of each member, whether its state is still a number.
+    finite: Vec<bool>,
     /// Drive periods done.
     done: u32,
 }
@@ -109,7 +110,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         let state = state(&case, &filled, start);
         let first = L::from_lanes(|i| first_indentation(&filled[i], start));
         let tally = Tally::start(first, state.touching);
-        Self { case, state, tally, sums: vec![Sums::new(); members.len()], done: 0 }
+        Self { case, state, tally, ledger: Ledger::new(), finite: vec![true; members.len()], done: 0 }
     }
 
     /// Steps through `periods` more periods; `decay` holds their samples for a start from rest.
@@ -124,20 +125,35 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         let steps = waves[0].len();
         let warm = run.periods - run.measure;
         for index in 0..periods {
-            if self.sums.iter().all(|sums| !sums.finite) {
+            if self.finite.iter().all(|finite| !finite) {
                 return;
             }
             let rows = decay.map(|rows| &rows[index as usize * steps..][..steps]);
             // Before the measured part only what judges steadiness is kept.
-            let wants = if self.done < warm { Wants::FUNDAMENTAL } else { wants };
-            period(&self.case, &mut self.state, waves, rows, wants, &mut self.tally);
-            for (lane, sums) in self.sums.iter_mut().enumerate() {
+            let measured = (self.done >= warm).then_some(wants);
+            let sums = measured.unwrap_or(Wants::FUNDAMENTAL);
+            period(&self.case, &mut self.state, waves, rows, sums, &mut self.tally);
+            for (lane, finite) in self.finite.iter_mut().enumerate() {
                 let state = self.state.x.iter().chain(&self.state.u);
-                sums.finite &= state.fold(true, |all, value| all & value.lane(lane).is_finite());
-                sums.add(&self.tally, lane, steps, self.done >= warm);
+                // Beyond f32 counts as no number, so that both precisions and a shader agree on it.
+                *finite &= state.fold(true, |all, value| all & (value.lane(lane) as f32).is_finite());
             }
+            self.ledger.close(&self.tally, steps, measured);
             self.tally.next_period();
             self.done += 1;
         }
+    }
+
+    /// What has been measured of each member, with `steps` steps a period.
+    pub fn sums(&self, run: &Run, steps: usize) -> Vec<Sums> {
+        let sum = |(lane, finite): (usize, &bool)| {
+            Sums::new(&self.ledger, lane, *finite, run.measure, steps as u32)
+        };
+        self.finite.iter().enumerate().map(sum).collect()
+    }
+
+    /// Members.
+    pub fn members(&self) -> usize {
+        self.finite.len()
     }
 }

@@ -13,14 +13,17 @@
 //!
 //! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
 
+mod constants;
 pub mod contact;
 mod flow;
 mod lane;
+mod ledger;
 mod step;
 mod tally;
 
 pub use flow::{Flow, FlowMode, increments};
 pub use lane::{Lane, Pack, Pack32, Pack64};
+pub use ledger::Ledger;
 pub use step::{Case, Decay, Free, Sample, State, Wave, period};
 pub use tally::Tally;
 

@@ -1,5 +1,6 @@
 //! One step, and one drive period of steps.
 
+use super::constants::{HALF, TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
 use super::{Flow, Lane, Tally};
 use crate::observe::Wants;
@@ -91,9 +92,9 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
         let steady = free.cosine.mul_add(cosine, free.sine * sine);
         let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
-        let mut excess = -(free.rate * free.rate * speed * L::splat(1.0 / 24.0));
+        let mut excess = -(free.rate * free.rate * speed * L::splat(TWENTY_FOURTH));
         let mut acceleration = -(free.rate * free.rate * steady);
-        let mut beyond = L::splat(0.0);
+        let mut beyond = L::splat(ZERO);
         if let Some(decay) = decay {
             beyond = L::broadcast(decay.travel);
             speed = speed + L::broadcast(decay.speed);
@@ -119,13 +120,13 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             state.u[k] = u + flow.m10[k].mul_add(x, flow.m11[k] * u);
         });
         // A kick's corner against the smooth path it stands for.
-        let corner = impulse * L::splat(1.0 / 24.0);
+        let corner = impulse * L::splat(TWENTY_FOURTH);
         Sample {
             steady,
             beyond: beyond + corner,
             indentation: indentation - corner,
-            speed: (L::splat(0.5) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed - excess),
-            centred: acceleration.mul_add(L::splat(-1.0 / 24.0), steady + beyond),
+            speed: (L::splat(HALF) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed - excess),
+            centred: acceleration.mul_add(L::splat(-TWENTY_FOURTH), steady + beyond),
             kick,
         }
     }

@@ -1,6 +1,7 @@
 //! Sums and extremes over the steps of a period, from which the observables follow.
 
 use super::Lane;
+use super::constants::{EIGHT, FAR, ONE, ZERO};
 use super::step::{Sample, Wave};
 use crate::observe::{HARMONICS, Wants};
 
@@ -28,25 +29,22 @@ pub struct Tally<L> {
     touched: L,
 }
 
-/// Beyond any indentation, within f32.
-const FAR: f64 = 1e30;
-
 impl<L: Lane> Tally<L> {
     /// Before the first period: as if the tip had rested at that indentation.
     pub fn start(indentation: L, touching: L) -> Self {
         let mut tally = Self {
-            cosine: [L::splat(0.0); HARMONICS],
-            sine: [L::splat(0.0); HARMONICS],
-            deepest: L::splat(0.0),
-            highest: L::splat(0.0),
-            held: L::splat(0.0),
-            time: L::splat(0.0),
-            begun: L::splat(0.0),
-            ended: L::splat(0.0),
-            apart: L::splat(0.0),
-            impulse: L::splat(0.0),
-            work: L::splat(0.0),
-            virial: L::splat(0.0),
+            cosine: [L::splat(ZERO); HARMONICS],
+            sine: [L::splat(ZERO); HARMONICS],
+            deepest: L::splat(ZERO),
+            highest: L::splat(ZERO),
+            held: L::splat(ZERO),
+            time: L::splat(ZERO),
+            begun: L::splat(ZERO),
+            ended: L::splat(ZERO),
+            apart: L::splat(ZERO),
+            impulse: L::splat(ZERO),
+            work: L::splat(ZERO),
+            virial: L::splat(ZERO),
             last: [indentation; 2],
             touched: touching,
         };
@@ -56,7 +54,7 @@ impl<L: Lane> Tally<L> {
 
     /// Empties the sums for the next period; what links samples across its start is kept.
     pub fn next_period(&mut self) {
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         self.cosine = [zero; HARMONICS];
         self.sine = [zero; HARMONICS];
         self.deepest = L::splat(-FAR);
@@ -89,7 +87,7 @@ impl<L: Lane> Tally<L> {
             self.add_extremes(sample);
         }
         if wants.contact {
-            let (one, zero) = (L::splat(1.0), L::splat(0.0));
+            let (one, zero) = (L::splat(ONE), L::splat(ZERO));
             let before = zero.less(self.touched);
             let now = zero.less(sample.kick.touching);
             self.time = self.time + sample.kick.contact;
@@ -111,14 +109,14 @@ impl<L: Lane> Tally<L> {
     /// The middle of the last three samples, moved to the top of their parabola where it is one.
     #[inline(always)]
     fn add_extremes(&mut self, sample: &Sample<L>) {
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         let [first, middle] = self.last;
         let next = sample.indentation;
         let turns = ((middle - first) * (next - middle)).less(zero);
         let slope = next - first;
         let bend = (next - middle) - (middle - first);
         // `bend` is zero only where nothing turns.
-        let top = middle - slope * slope / (L::splat(8.0) * bend);
+        let top = middle - slope * slope / (L::splat(EIGHT) * bend);
         let value = L::select(turns, top, middle);
         self.deepest = self.deepest.max(value);
         self.highest = self.highest.min(value);

@@ -5,6 +5,7 @@
 use super::hertz::Hertz;
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane};
+use crate::kernel::constants::{ONE, TWELFTH, TWO, ZERO};
 
 /// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -18,13 +19,13 @@ impl<L: Lane> Dmt<L> {
     /// Distance from the surface in decay lengths; 0 in contact.
     #[inline(always)]
     fn distance(&self, indentation: L) -> L {
-        (-indentation).max(L::splat(0.0)) * self.inverse_decay
+        (-indentation).max(L::splat(ZERO)) * self.inverse_decay
     }
 
     /// Mean attraction along a piece of path: 1/((1 + x1)(1 + x2)) outside, 1 inside, by shares.
     #[inline(always)]
     fn attraction(&self, path: Path<L>, inside: L) -> L {
-        let one = L::splat(1.0);
+        let one = L::splat(ONE);
         let product = (one + self.distance(path.start)) * (one + self.distance(path.end));
         self.adhesion * ((one - inside) / product + inside)
     }
@@ -33,23 +34,23 @@ impl<L: Lane> Dmt<L> {
 impl<L: Lane> Interaction<L> for Dmt<L> {
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        let one = L::splat(1.0);
+        let one = L::splat(ONE);
         let y = one / (one + self.distance(at.indentation));
         let sample = self.hertz.sample(at.indentation) - self.adhesion * y * y;
         let path = Path::around(at, sample);
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         if !L::any(L::either(zero.less(path.start), zero.less(path.end))) {
             let pull = self.attraction(path, zero);
-            let slope = -(L::splat(2.0) * pull * self.inverse_decay * y);
-            let impulse = -pull + pull * slope * L::splat(1.0 / 12.0);
+            let slope = -(L::splat(TWO) * pull * self.inverse_decay * y);
+            let impulse = -pull + pull * slope * L::splat(TWELFTH);
             return Kick { impulse, contact: zero, touching: zero };
         }
         let mean = self.hertz.mean(path);
         let pull = self.attraction(path, mean.share);
         let force = mean.force - pull;
         // Slope of the attraction outside: -2 pull/(D0 + distance), in contact none.
-        let slope = mean.slope - L::splat(2.0) * pull * self.inverse_decay * y * (one - mean.share);
-        let impulse = force - force * slope * L::splat(1.0 / 12.0);
+        let slope = mean.slope - L::splat(TWO) * pull * self.inverse_decay * y * (one - mean.share);
+        let impulse = force - force * slope * L::splat(TWELFTH);
         Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
     }
 

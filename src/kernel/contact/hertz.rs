@@ -2,6 +2,7 @@
 
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane};
+use crate::kernel::constants::{HERTZ_ENERGY, LEAST, ONE, TWELFTH, ZERO};
 
 /// `stiffness` is K sqrt(R) in kernel units: impulse per step of a unit indentation.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +22,7 @@ impl<L: Lane> Hertz<L> {
     /// Force at one indentation.
     #[inline(always)]
     pub(super) fn sample(&self, indentation: L) -> L {
-        let inside = indentation.max(L::splat(0.0));
+        let inside = indentation.max(L::splat(ZERO));
         self.stiffness * inside * inside.sqrt()
     }
 
@@ -29,16 +30,15 @@ impl<L: Lane> Hertz<L> {
     /// nothing vanishes where the tip turns round.
     #[inline(always)]
     pub(super) fn mean(&self, path: Path<L>) -> Mean<L> {
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         let a = path.start.max(zero).sqrt();
         let b = path.end.max(zero).sqrt();
         let share = path.share_inside();
         let (aa, bb, ab) = (a * a, b * b, a * b);
         let sum = aa + bb;
-        // The smallest normal f32 keeps 0/0 out where the tip is outside.
-        let scale = self.stiffness * share / (a + b).max(L::splat(1e-30));
+        let scale = self.stiffness * share / (a + b).max(L::splat(LEAST));
         let quartic = sum.mul_add(sum + ab, -(ab * ab));
-        Mean { force: L::splat(0.4) * quartic * scale, slope: (sum + ab) * scale, share }
+        Mean { force: L::splat(HERTZ_ENERGY) * quartic * scale, slope: (sum + ab) * scale, share }
     }
 }
 
@@ -50,12 +50,12 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
         }
         let path = Path::around(at, self.sample(at.indentation));
         let mean = self.mean(path);
-        let impulse = mean.force - mean.force * mean.slope * L::splat(1.0 / 12.0);
+        let impulse = mean.force - mean.force * mean.slope * L::splat(TWELFTH);
         Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
     }
 
     #[inline(always)]
     fn touching_at(&self, indentation: L) -> L {
-        L::select(L::splat(0.0).less(indentation), L::splat(1.0), L::splat(0.0))
+        L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
     }
 }

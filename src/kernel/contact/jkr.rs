@@ -5,6 +5,12 @@
 
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane};
+use crate::kernel::constants::{
+    FIVE, FOUR, JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5, JKR_ROOT_A,
+    JKR_ROOT_B, JKR_ROOT_SIX, JKR_STEEPEST, JKR_TINY, JKR_TOUCH, JKR_WORK_0, JKR_WORK_1, JKR_WORK_2,
+    JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7, JKR_WORK_8, LEAST, ONE, SIX, THREE, TWELFTH,
+    TWO, ZERO,
+};
 
 /// `unit_force` is pi w R as impulse per step; `inverse_unit` R/a_s^2 per unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -13,24 +19,21 @@ pub struct Jkr<L> {
     pub inverse_unit: L,
 }
 
-/// e at first touch, D = 0: 4^(1/3) - 1.
-const TOUCH: f64 = 0.587_401_051_968_199_4;
-
 /// Solves e^2 (e^2 + 4e + 6) = t for e >= 0 (t below zero counts as the fold, e = 0).
 ///
 /// The start is close where adhesion matters and 27 % too small far beyond; four Newton steps
 /// leave rounding in f32 and at most 2e-13 in f64.
 #[inline(always)]
 fn root<L: Lane>(t: L) -> L {
-    let s = t.max(L::splat(1e-30)).sqrt();
+    let s = t.max(L::splat(LEAST)).sqrt();
     // e sqrt(6 + 4e + e^2) = s: s/sqrt(6 + ...) for small s, sqrt(s) - 1 for large.
     let q = s.sqrt();
-    let mut e = s / (L::splat(2.449_489_7) + L::splat(0.36) * q + s / (L::splat(0.75) + q));
+    let mut e = s / (L::splat(JKR_ROOT_SIX) + L::splat(JKR_ROOT_A) * q + s / (L::splat(JKR_ROOT_B) + q));
     for _ in 0..4 {
-        let p = (e + L::splat(4.0)).mul_add(e, L::splat(6.0));
+        let p = (e + L::splat(FOUR)).mul_add(e, L::splat(SIX));
         let r = p.sqrt();
         // Newton on e sqrt(p) - s, whose slope (2e^2 + 6e + 6)/sqrt(p) never vanishes.
-        let slope = (L::splat(2.0) * e + L::splat(6.0)).mul_add(e, L::splat(6.0));
+        let slope = (L::splat(TWO) * e + L::splat(SIX)).mul_add(e, L::splat(SIX));
         e = e - (e * r - s) * r / slope;
     }
     e
@@ -42,15 +45,16 @@ fn root<L: Lane>(t: L) -> L {
 /// homogeneous symmetric polynomials of (e1, e2).
 #[inline(always)]
 fn mean<L: Lane>(e1: L, e2: L) -> (L, L) {
-    // Antiderivative of F dD/de by powers 2 to 10, of F by powers 1 to 6.
-    const WORK: [f64; 9] =
-        [-5.0, -34.0 / 3.0, -25.0 / 3.0, 14.0 / 5.0, 28.0 / 3.0, 22.0 / 3.0, 3.0, 2.0 / 3.0, 1.0 / 15.0];
-    const FORCE: [f64; 6] = [-2.0, -0.5, 7.0 / 3.0, 2.5, 1.0, 1.0 / 6.0];
+    const WORK: [f64; 9] = [
+        JKR_WORK_0, JKR_WORK_1, JKR_WORK_2, JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7,
+        JKR_WORK_8,
+    ];
+    const FORCE: [f64; 6] = [JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5];
     let mut power = e2;
     let mut h = e1 + e2;
     let mut work = L::splat(WORK[0]) * h;
     let mut slope = h.mul_add(L::splat(FORCE[1]), L::splat(FORCE[0]));
-    let mut distance = L::splat(6.0) * h;
+    let mut distance = L::splat(SIX) * h;
     for k in 1..9 {
         power = power * e2;
         h = e1.mul_add(h, power);
@@ -59,23 +63,23 @@ fn mean<L: Lane>(e1: L, e2: L) -> (L, L) {
             slope = h.mul_add(L::splat(FORCE[k + 1]), slope);
         }
         if k == 1 {
-            distance = h.mul_add(L::splat(4.0), distance);
+            distance = h.mul_add(L::splat(FOUR), distance);
         }
         if k == 2 {
             distance = distance + h;
         }
     }
     // At the fold itself both differences vanish; their quotient there is -5/6.
-    let tiny = L::splat(1e-20);
-    let inverse = L::splat(1.0) / (distance + L::splat(6.0) * tiny);
-    ((work - L::splat(5.0) * tiny) * inverse, slope * inverse)
+    let tiny = L::splat(JKR_TINY);
+    let inverse = L::splat(ONE) / (distance + L::splat(SIX) * tiny);
+    ((work - L::splat(FIVE) * tiny) * inverse, slope * inverse)
 }
 
 impl<L: Lane> Jkr<L> {
     /// One evaluation with the mid-kick speed implied by `impulse`.
     #[inline(always)]
     fn evaluate(&self, at: Approach<L>, touching: L, impulse: L) -> Kick<L> {
-        let (zero, one, three) = (L::splat(0.0), L::splat(1.0), L::splat(3.0));
+        let (zero, one, three) = (L::splat(ZERO), L::splat(ONE), L::splat(THREE));
         let path = Path::around(at, impulse);
         let t1 = path.start.mul_add(self.inverse_unit, three);
         let t2 = path.end.mul_add(self.inverse_unit, three);
@@ -90,7 +94,7 @@ impl<L: Lane> Jkr<L> {
         if !L::any(acting) {
             return Kick::none();
         }
-        let e1 = L::select(touches, L::splat(TOUCH), root(t1));
+        let e1 = L::select(touches, L::splat(JKR_TOUCH), root(t1));
         let e2 = L::select(lets_go, zero, root(t2));
         // Shares of the path in contact: all of it, from touch on, or up to the fold.
         let after_touch = (t2 - three) / (t2 - t1);
@@ -100,8 +104,8 @@ impl<L: Lane> Jkr<L> {
         let (force, slope) = mean(e1, e2);
         let force = force * self.unit_force * share;
         // The slope is infinite at the fold; a step cannot use more than it resolves.
-        let slope = (slope * self.unit_force * self.inverse_unit).max(L::splat(-0.5));
-        let corrected = force - force * slope * L::splat(1.0 / 12.0);
+        let slope = (slope * self.unit_force * self.inverse_unit).max(L::splat(JKR_STEEPEST));
+        let corrected = force - force * slope * L::splat(TWELFTH);
         let impulse = L::select(stays, corrected, force);
         let touching = L::select(L::either(stays, touches), one, zero);
         Kick { impulse, contact: share, touching }
@@ -111,7 +115,7 @@ impl<L: Lane> Jkr<L> {
 impl<L: Lane> Interaction<L> for Jkr<L> {
     #[inline(always)]
     fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         if !L::any(L::either(zero.less(touching), at.may_touch())) {
             return Kick::none();
         }
@@ -121,7 +125,7 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
 
     #[inline(always)]
     fn touching_at(&self, indentation: L) -> L {
-        L::select(L::splat(0.0).less(indentation), L::splat(1.0), L::splat(0.0))
+        L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
     }
 }
 
@@ -156,7 +160,7 @@ mod tests {
         for t in [0.0, -1.0, -1e20] {
             assert!(root(t) < 1e-14);
         }
-        assert!((root(3.0) / TOUCH - 1.0).abs() < 1e-15);
+        assert!((root(3.0) / JKR_TOUCH - 1.0).abs() < 1e-15);
     }
 
     /// F = y^6/6 - y^3 at e = y - 1.

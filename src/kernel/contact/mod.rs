@@ -12,6 +12,7 @@ pub use hertz::Hertz;
 pub use jkr::Jkr;
 
 use super::Lane;
+use super::constants::ZERO;
 
 /// The tip at one sample: indentation, its rate of change over the step before the kick, and its
 /// acceleration by everything but the contact force. Kernel units.
@@ -54,7 +55,7 @@ impl<L: Lane> Kick<L> {
     /// No force, out of contact.
     #[inline(always)]
     fn none() -> Self {
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         Self { impulse: zero, contact: zero, touching: zero }
     }
 }
@@ -71,6 +72,6 @@ impl<L: Lane> Interaction<L> for Nothing {
 
     #[inline(always)]
     fn touching_at(&self, _: L) -> L {
-        L::splat(0.0)
+        L::splat(ZERO)
     }
 }

@@ -1,6 +1,7 @@
 //! A straight piece of the tip's path, from half a step before a sample to half a step after it.
 
 use super::{Approach, Lane};
+use crate::kernel::constants::{HALF, ONE, TWENTY_FOURTH, ZERO};
 
 /// Indentation at the two ends, in order of time.
 #[derive(Clone, Copy, Debug)]
@@ -15,21 +16,21 @@ impl<L: Lane> Path<L> {
     /// chord is the mean over time to fourth order.
     #[inline(always)]
     pub fn around(at: Approach<L>, impulse: L) -> Self {
-        let half = L::splat(0.5);
+        let half = L::splat(HALF);
         let reach = half * (at.speed - half * impulse);
-        let centre = at.acceleration.mul_add(L::splat(1.0 / 24.0), at.indentation);
+        let centre = at.acceleration.mul_add(L::splat(TWENTY_FOURTH), at.indentation);
         Self { start: centre - reach, end: centre + reach }
     }
 
     /// Share of the piece with positive indentation.
     #[inline(always)]
     pub fn share_inside(self) -> L {
-        let zero = L::splat(0.0);
+        let zero = L::splat(ZERO);
         let low = self.start.min(self.end);
         let high = self.start.max(self.end);
         // high - low is positive wherever the quotient is used.
         let crossing = high / (high - low);
         let outside = L::select(high.less(zero), zero, crossing);
-        L::select(low.less(zero), outside, L::splat(1.0))
+        L::select(low.less(zero), outside, L::splat(ONE))
     }
 }

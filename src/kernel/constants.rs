@@ -1,0 +1,57 @@
+//! Every number of the kernel's arithmetic, once: constants here, and by the same names in the
+//! generated head of the shader.
+
+macro_rules! constants {
+    ($($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
+        $($(#[$doc])* pub(crate) const $name: f64 = $value;)*
+        /// Name and value of each.
+        pub(crate) const ALL: &[(&str, f64)] = &[$((stringify!($name), $name)),*];
+    };
+}
+
+constants! {
+    ZERO = 0.0;
+    ONE = 1.0;
+    TWO = 2.0;
+    THREE = 3.0;
+    FOUR = 4.0;
+    FIVE = 5.0;
+    SIX = 6.0;
+    EIGHT = 8.0;
+    HALF = 0.5;
+    TWELFTH = 1.0 / 12.0;
+    TWENTY_FOURTH = 1.0 / 24.0;
+    /// Beyond any indentation, within f32.
+    FAR = 1e30;
+    /// Keeps 0/0 out where the tip is outside; far below any root of an indentation.
+    LEAST = 1e-30;
+    /// Factor of Hertz's energy, (2/5) d^2.5.
+    HERTZ_ENERGY = 0.4;
+    /// e = y - 1 at JKR's first touch, D = 0: 4^(1/3) - 1.
+    JKR_TOUCH = 0.587_401_051_968_199_4;
+    /// Start of the root search: sqrt(6), and two numbers fitted so that four Newton steps do.
+    JKR_ROOT_SIX = 2.449_489_7;
+    JKR_ROOT_A = 0.36;
+    JKR_ROOT_B = 0.75;
+    /// Antiderivative of F dD/de by powers 2 to 10 of e.
+    JKR_WORK_0 = -5.0;
+    JKR_WORK_1 = -34.0 / 3.0;
+    JKR_WORK_2 = -25.0 / 3.0;
+    JKR_WORK_3 = 14.0 / 5.0;
+    JKR_WORK_4 = 28.0 / 3.0;
+    JKR_WORK_5 = 22.0 / 3.0;
+    JKR_WORK_6 = 3.0;
+    JKR_WORK_7 = 2.0 / 3.0;
+    JKR_WORK_8 = 1.0 / 15.0;
+    /// F by powers 1 to 6 of e.
+    JKR_FORCE_0 = -2.0;
+    JKR_FORCE_1 = -0.5;
+    JKR_FORCE_2 = 7.0 / 3.0;
+    JKR_FORCE_3 = 2.5;
+    JKR_FORCE_4 = 1.0;
+    JKR_FORCE_5 = 1.0 / 6.0;
+    /// Stands for a vanishing difference at the fold itself.
+    JKR_TINY = 1e-20;
+    /// JKR's slope is infinite at the fold; a step cannot use more than it resolves.
+    JKR_STEEPEST = -0.5;
+}
