@@ -1,8 +1,9 @@
 //! `afmsweep devices`: what could run a scene here.
 
 use super::{print, print_json};
+use afmsweep::engine::gpu::{AdapterReport, adapters};
 use afmsweep::engine::processor;
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[derive(clap::Args)]
 pub struct DevicesArgs {
@@ -13,13 +14,50 @@ pub struct DevicesArgs {
 
 pub fn main(args: &DevicesArgs) -> anyhow::Result<()> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let adapters = adapters();
     if args.json {
-        return print_json(&json!({ "devices": [{
+        let mut devices = vec![json!({
             "backend": "cpu",
             "name": processor(),
             "threads": threads,
             "precisions": ["f32", "f64"],
-        }] }));
+        })];
+        devices.extend(adapters.iter().map(adapter_json));
+        return print_json(&json!({ "devices": devices }));
     }
-    print(&format!("cpu  {}, {threads} threads, f32 and f64\n", processor()))
+    let mut text = format!("cpu    {}, {threads} threads, f32 and f64\n", processor());
+    for one in &adapters {
+        text += &format!(
+            "gpu {}  {}, {}; {} MiB a binding, {} MiB a buffer, workgroups of {} threads\n",
+            one.index,
+            one.title(),
+            if one.double { "f32 and f64" } else { "f32" },
+            one.binding_bytes >> 20,
+            one.buffer_bytes >> 20,
+            one.workgroup_threads,
+        );
+    }
+    if adapters.is_empty() {
+        text += "gpu    none: no Vulkan, Metal or DirectX 12 driver with an adapter was found\n";
+    } else if adapters.iter().all(AdapterReport::software) {
+        text +=
+            "       only software adapters, which compute on the processor: --backend auto takes the cpu\n";
+    }
+    print(&text)
+}
+
+fn adapter_json(one: &AdapterReport) -> Value {
+    json!({
+        "backend": "gpu",
+        "index": one.index,
+        "name": one.name,
+        "kind": one.kind,
+        "interface": one.interface,
+        "driver": one.driver,
+        "precisions": if one.double { vec!["f32", "f64"] } else { vec!["f32"] },
+        "binding_bytes": one.binding_bytes,
+        "buffer_bytes": one.buffer_bytes,
+        "workgroups": one.workgroups,
+        "workgroup_threads": one.workgroup_threads,
+    })
 }

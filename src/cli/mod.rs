@@ -1,5 +1,6 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
+mod backend;
 mod devices;
 mod force;
 mod modes;
@@ -83,7 +84,7 @@ pub fn main() -> ExitCode {
     let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
-        Command::Plan(args) => plan::main(&args),
+        Command::Plan(args) => plan::main(&args, voice),
         Command::Modes(args) => modes::main(&args),
         Command::Force(args) => force::main(&args),
         Command::Devices(args) => devices::main(&args),

@@ -1,7 +1,7 @@
 //! `afmsweep plan`: what a run would do.
 
-use super::run::EngineArgs;
-use super::{load, print, print_json};
+use super::backend::EngineArgs;
+use super::{Voice, load, print, print_json};
 use afmsweep::engine::estimate;
 use std::path::PathBuf;
 
@@ -16,9 +16,10 @@ pub struct PlanArgs {
     engine: EngineArgs,
 }
 
-pub fn main(args: &PlanArgs) -> anyhow::Result<()> {
+pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
     let mut scene = load(&args.scene)?;
-    let plan = args.engine.plan(&mut scene)?;
-    let summary = plan.summary(Some(estimate(&plan, &args.engine.engine())?));
+    let mut plan = args.engine.plan(&mut scene)?;
+    let engine = args.engine.engine(&mut plan, voice)?;
+    let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
     if args.json { print_json(summary.json()) } else { print(&summary.to_string()) }
 }

@@ -1,14 +1,14 @@
 //! `afmsweep run`: the main job.
 
+use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, load};
-use afmsweep::engine::{Cpu, Engine, Outcome, Progress};
+use afmsweep::engine::{Outcome, Progress};
 use afmsweep::observe::Status;
-use afmsweep::plan::{Plan, Precision};
+use afmsweep::plan::Plan;
 use afmsweep::record::{self, Facts};
 use afmsweep::scene::Scene;
 use afmsweep::store::{Results, Writer};
-use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,63 +25,6 @@ pub struct RunArgs {
     overwrite: bool,
     #[command(flatten)]
     engine: EngineArgs,
-}
-
-/// Which engine runs it, and how.
-#[derive(clap::Args)]
-pub struct EngineArgs {
-    /// Engine; auto takes the best there is
-    #[arg(long, value_enum, default_value_t = Backend::Auto)]
-    backend: Backend,
-    /// Arithmetic of the inner loop
-    #[arg(long, value_enum, default_value_t = PrecisionArg::F64)]
-    precision: PrecisionArg,
-    /// Steps per drive period for every instance, in place of the plan's choice
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1_000_000))]
-    steps_per_period: Option<u32>,
-    /// Threads of the CPU engine [default: all cores]
-    #[arg(long, value_name = "N", value_parser = parse_threads)]
-    threads: Option<usize>,
-}
-
-fn parse_threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(threads @ 1..=1024) => Ok(threads),
-        _ => Err("expected a whole number from 1 to 1024".into()),
-    }
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Backend {
-    Auto,
-    Cpu,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum PrecisionArg {
-    F32,
-    F64,
-}
-
-impl EngineArgs {
-    /// The engine asked for.
-    pub fn engine(&self) -> impl Engine + use<> {
-        match self.backend {
-            Backend::Auto | Backend::Cpu => Cpu { threads: self.threads },
-        }
-    }
-
-    /// The scene's plan with these arguments put in.
-    pub fn plan(&self, scene: &mut Scene) -> anyhow::Result<Plan> {
-        if self.steps_per_period.is_some() {
-            scene.run.steps_per_period = self.steps_per_period;
-        }
-        let precision = match self.precision {
-            PrecisionArg::F32 => Precision::F32,
-            PrecisionArg::F64 => Precision::F64,
-        };
-        Plan::new(scene, precision).with_context(|| format!("{}", scene.path.display()))
-    }
 }
 
 /// `results/<scene>.h5`, in the current folder.
@@ -105,8 +48,8 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     }
     let mut writer = Writer::create(&output, &scene.source, args.overwrite)?;
     let start = Instant::now();
-    let plan = args.engine.plan(&mut scene)?;
-    let engine = args.engine.engine();
+    let mut plan = args.engine.plan(&mut scene)?;
+    let engine = args.engine.engine(&mut plan, voice)?;
     let summary = plan.summary(None);
     if voice.verbose {
         voice.say(summary.to_string().trim_end());
@@ -149,6 +92,9 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         );
     }
     writer.finish()?;
+    for note in &outcome.notes {
+        voice.say(format_args!("note: {note}"));
+    }
     close(&scene, &plan, &outcome, &results, voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",

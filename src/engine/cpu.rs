@@ -2,14 +2,15 @@
 
 use super::law::KernelLaw;
 use super::measure::{Sums, finish, finish_free};
+use super::saved::Saved;
 use super::start;
-use super::track::{Member, Track, step_length};
+use super::track::{Member, Track, member, step_length};
 use super::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::contact::Law;
 use crate::instrument::Place;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
 use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Pack32, Pack64, Wave};
-use crate::plan::{CasePlan, Class, Driven, Plan, Precision};
+use crate::plan::{Class, Driven, Plan, Precision};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -53,28 +54,58 @@ fn run(plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
     let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
     for class in &plan.classes {
         let finished = match plan.precision {
-            Precision::F32 => class_in::<Pack32>(plan, class, progress)?,
-            Precision::F64 => class_in::<Pack64>(plan, class, progress)?,
+            Precision::F32 => class_in::<Pack32>(plan, class, None, progress)?,
+            Precision::F64 => class_in::<Pack64>(plan, class, None, progress)?,
         };
         for (instance, result) in class.instances.iter().zip(finished) {
             results[*instance as usize] = result;
         }
     }
-    Ok(Outcome { results })
+    Ok(Outcome { results, notes: Vec::new() })
+}
+
+/// Instances as they stood after some periods, in the order of their class.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resume<'a> {
+    pub saved: &'a [Saved],
+    /// Periods done.
+    pub done: u32,
+}
+
+/// Finishes a class that another engine began.
+pub(super) fn resume(
+    plan: &Plan,
+    class: &Class,
+    from: Option<Resume>,
+    progress: &Progress,
+) -> Result<Vec<Finished>, EngineError> {
+    match plan.precision {
+        Precision::F32 => class_in::<Pack32>(plan, class, from, progress),
+        Precision::F64 => class_in::<Pack64>(plan, class, from, progress),
+    }
+}
+
+/// Results of instances that never reach the sample.
+pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Finished> {
+    class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants)).collect()
 }
 
 /// Results in the order of the class' instances.
-fn class_in<L: Lane>(plan: &Plan, class: &Class, progress: &Progress) -> Result<Vec<Finished>, EngineError> {
+fn class_in<L: Lane>(
+    plan: &Plan,
+    class: &Class,
+    from: Option<Resume>,
+    progress: &Progress,
+) -> Result<Vec<Finished>, EngineError> {
     if class.steps == 0 {
-        let driven = |instance: &u32| &plan.drives[plan.cases[*instance as usize].drive as usize];
-        return Ok(class.instances.iter().map(|i| finish_free(driven(i), plan.wants)).collect());
+        return Ok(free_class(plan, class));
     }
     // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
     macro_rules! modes {
         ($law:ty, $($count:literal)+) => {
             match class.modes {
                 0 => Err(EngineError::NoModes),
-                $(..=$count => Ok(instances::<L, $law, $count>(plan, class, progress)),)+
+                $(..=$count => Ok(instances::<L, $law, $count>(plan, class, from, progress)),)+
                 modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
             }
         };
@@ -90,6 +121,7 @@ fn class_in<L: Lane>(plan: &Plan, class: &Class, progress: &Progress) -> Result<
 fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     plan: &Plan,
     class: &Class,
+    from: Option<Resume>,
     progress: &Progress,
 ) -> Vec<Finished> {
     let waves = start::waves::<L>(class.steps, plan.wants.harmonics);
@@ -97,34 +129,57 @@ fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     if plan.run.start == Start::Steady {
         return members
             .par_chunks(L::WIDTH)
-            .flat_map_iter(|pack| steady::<L, I, M>(plan, pack, &waves, progress))
+            .enumerate()
+            .flat_map_iter(|(number, pack)| {
+                let track = track::<L, I, M>(plan, pack, from, number * L::WIDTH);
+                steady(plan, pack, track, &waves, progress)
+            })
             .collect();
     }
     // Instances of one drive stand together: each group shares its decaying free motion.
     let same_drive = |a: &Member, b: &Member| a.0.drive == b.0.drive;
-    let groups: Vec<&[Member]> = members.chunk_by(same_drive).collect();
-    groups.par_iter().flat_map_iter(|group| from_rest::<L, I, M>(plan, group, &waves, progress)).collect()
+    let mut before = 0;
+    let groups: Vec<(usize, &[Member])> = members
+        .chunk_by(same_drive)
+        .map(|group| {
+            before += group.len();
+            (before - group.len(), group)
+        })
+        .collect();
+    groups
+        .par_iter()
+        .flat_map_iter(|(first, group)| {
+            let packs = group.chunks(L::WIDTH).enumerate();
+            let tracks = packs.map(|(n, pack)| track(plan, pack, from, first + n * L::WIDTH)).collect();
+            from_rest::<L, I, M>(plan, group, tracks, &waves, progress)
+        })
+        .collect()
 }
 
-fn member(plan: &Plan, instance: u32) -> Member<'_> {
-    let case: &CasePlan = &plan.cases[instance as usize];
-    (case, &plan.drives[case.drive as usize])
+/// The pack whose first member is number `first` of its class, at the run's start or where it was saved.
+fn track<L: Lane, I: KernelLaw<L>, const M: usize>(
+    plan: &Plan,
+    pack: &[Member],
+    from: Option<Resume>,
+    first: usize,
+) -> Track<L, I, M> {
+    match from {
+        None => Track::new(pack, plan.run.start),
+        Some(from) => Track::resumed(pack, plan.run.start, &from.saved[first..first + pack.len()], from.done),
+    }
 }
 
 fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
     plan: &Plan,
     pack: &[Member],
+    mut track: Track<L, I, M>,
     waves: &[Vec<Wave<L::Element>>],
     progress: &Progress,
 ) -> Vec<Finished> {
-    if progress.stopped() {
-        return vec![Finished::NOT_RUN; pack.len()];
-    }
-    let mut track = Track::<L, I, M>::new(pack, plan.run.start);
     let steps = waves[0].len();
     // In blocks, so that a long run tells how far it is and can be stopped.
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = 0;
+    let mut done = track.done;
     while done < plan.run.periods {
         if progress.stopped() {
             return vec![Finished::NOT_RUN; pack.len()];
@@ -148,6 +203,7 @@ fn finish_pack(plan: &Plan, pack: &[Member], sums: &[Sums]) -> Vec<Finished> {
 fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     plan: &Plan,
     group: &[Member],
+    mut tracks: Vec<Track<L, I, M>>,
     waves: &[Vec<Wave<L::Element>>],
     progress: &Progress,
 ) -> Vec<Finished> {
@@ -155,9 +211,8 @@ fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     let driven = group[0].1;
     let steps = waves[0].len();
     let packs: Vec<&[Member]> = group.chunks(L::WIDTH).collect();
-    let mut tracks: Vec<Track<L, I, M>> = packs.iter().map(|pack| Track::new(pack, run.start)).collect();
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = 0;
+    let mut done = tracks[0].done;
     while done < run.periods {
         if progress.stopped() {
             return vec![Finished::NOT_RUN; group.len()];

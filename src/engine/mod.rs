@@ -2,8 +2,10 @@
 
 mod cpu;
 mod estimate;
+pub mod gpu;
 mod law;
 mod measure;
+mod saved;
 mod start;
 mod trace;
 mod track;
@@ -37,12 +39,16 @@ pub enum EngineError {
     NoModes,
     #[error("no threads for the CPU engine: {0}")]
     Threads(String),
+    #[error(transparent)]
+    Gpu(#[from] gpu::GpuError),
 }
 
 /// What a run yields, by instance.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub results: Vec<Finished>,
+    /// What a user should know of how it went: one line each.
+    pub notes: Vec<String>,
 }
 
 /// One instance, measured.

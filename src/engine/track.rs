@@ -2,12 +2,13 @@
 
 use super::law::KernelLaw;
 use super::measure::Sums;
+use super::saved::Saved;
 use super::start;
 use crate::kernel::{
     Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, State, Tally, Wave, increments, period,
 };
 use crate::observe::Wants;
-use crate::plan::{CasePlan, Driven};
+use crate::plan::{CasePlan, Driven, Plan};
 use crate::scene::{Run, Start};
 use std::f64::consts::TAU;
 
@@ -23,6 +24,12 @@ pub(super) fn force_scale(driven: &Driven, steps: u32) -> f64 {
 
 /// An instance and its driven instrument.
 pub(super) type Member<'a> = (&'a CasePlan, &'a Driven);
+
+/// Instance `instance` of the plan.
+pub(super) fn member(plan: &Plan, instance: u32) -> Member<'_> {
+    let case = &plan.cases[instance as usize];
+    (case, &plan.drives[case.drive as usize])
+}
 
 /// The instances' constants as the kernel takes them; `members` has one for each lane.
 pub(super) fn case<L: Lane, I: KernelLaw<L>, const M: usize>(
@@ -51,7 +58,7 @@ pub(super) fn case<L: Lane, I: KernelLaw<L>, const M: usize>(
 }
 
 /// Indentation at the run's first instant, kernel units.
-fn first_indentation((plan, driven): &Member, start: Start) -> f64 {
+pub(super) fn first_indentation((plan, driven): &Member, start: Start) -> f64 {
     let travel = match start {
         Start::Rest => 0.0,
         Start::Steady => start::amplitudes(driven, start).0,
@@ -98,7 +105,7 @@ pub(super) struct Track<L, I, const M: usize> {
     /// Of each member, whether its state is still a number.
     finite: Vec<bool>,
     /// Drive periods done.
-    done: u32,
+    pub done: u32,
 }
 
 impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
@@ -111,6 +118,23 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         let first = L::from_lanes(|i| first_indentation(&filled[i], start));
         let tally = Tally::start(first, state.touching);
         Self { case, state, tally, ledger: Ledger::new(), finite: vec![true; members.len()], done: 0 }
+    }
+
+    /// Members that were saved after `done` periods.
+    pub fn resumed(members: &[Member], start: Start, saved: &[Saved], done: u32) -> Self {
+        let mut track = Self::new(members, start);
+        let at = |i: usize| &saved[i.min(saved.len() - 1)];
+        track.state = State {
+            x: std::array::from_fn(|k| L::from_lanes(|i| at(i).x.get(k).copied().unwrap_or(0.0))),
+            u: std::array::from_fn(|k| L::from_lanes(|i| at(i).u.get(k).copied().unwrap_or(0.0))),
+            touching: L::from_lanes(|i| at(i).touching),
+        };
+        let last = [0, 1].map(|n| L::from_lanes(|i| at(i).last[n]));
+        track.tally = Tally::resume(last, L::from_lanes(|i| at(i).touched));
+        track.ledger = Ledger::from_lanes(|i| &at(i).ledger);
+        track.finite = saved.iter().map(|one| one.finite).collect();
+        track.done = done;
+        track
     }
 
     /// Steps through `periods` more periods; `decay` holds their samples for a start from rest.

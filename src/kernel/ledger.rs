@@ -53,6 +53,29 @@ impl<L: Lane> Ledger<L> {
         }
     }
 
+    /// Several instances' side by side.
+    pub fn from_lanes<'a>(ledger: impl Fn(usize) -> &'a Ledger<f64>) -> Self {
+        let lanes = |value: fn(&Ledger<f64>) -> f64| L::from_lanes(|i| value(ledger(i)));
+        Self {
+            last_cosine: lanes(|one| one.last_cosine),
+            last_sine: lanes(|one| one.last_sine),
+            changes: std::array::from_fn(|n| L::from_lanes(|i| ledger(i).changes[n])),
+            largest: lanes(|one| one.largest),
+            cosine: std::array::from_fn(|n| L::from_lanes(|i| ledger(i).cosine[n])),
+            sine: std::array::from_fn(|n| L::from_lanes(|i| ledger(i).sine[n])),
+            deepest: lanes(|one| one.deepest),
+            highest: lanes(|one| one.highest),
+            held: lanes(|one| one.held),
+            time: lanes(|one| one.time),
+            begun: lanes(|one| one.begun),
+            ended: lanes(|one| one.ended),
+            apart: lanes(|one| one.apart),
+            impulse: lanes(|one| one.impulse),
+            work: lanes(|one| one.work),
+            virial: lanes(|one| one.virial),
+        }
+    }
+
     /// One instance's, in f64.
     pub fn lane(&self, lane: usize) -> Ledger<f64> {
         let all = |values: &[L; HARMONICS]| values.map(|value| value.lane(lane));

@@ -18,12 +18,14 @@ pub mod contact;
 mod flow;
 mod lane;
 mod ledger;
+mod shader;
 mod step;
 mod tally;
 
 pub use flow::{Flow, FlowMode, increments};
 pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
+pub use shader::{ShaderSpec, WORKGROUP};
 pub use step::{Case, Decay, Free, Sample, State, Wave, period};
 pub use tally::Tally;
 

@@ -116,8 +116,9 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         each_mode!(M, k => {
             let u = flow.kick_u[k].mul_add(impulse, state.u[k]);
             let x = flow.kick_x[k].mul_add(impulse, state.x[k]);
-            state.x[k] = x + flow.m00[k].mul_add(x, flow.m01[k] * u);
-            state.u[k] = u + flow.m10[k].mul_add(x, flow.m11[k] * u);
+            // A chain of sums: drivers take x + (a + b) apart into one.
+            state.x[k] = flow.m01[k].mul_add(u, flow.m00[k].mul_add(x, x));
+            state.u[k] = flow.m11[k].mul_add(u, flow.m10[k].mul_add(x, u));
         });
         // A kick's corner against the smooth path it stands for.
         let corner = impulse * L::splat(TWENTY_FOURTH);
@@ -125,8 +126,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             steady,
             beyond: beyond + corner,
             indentation: indentation - corner,
-            speed: (L::splat(HALF) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed - excess),
-            centred: acceleration.mul_add(L::splat(-TWENTY_FOURTH), steady + beyond),
+            speed: (L::splat(HALF) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed) - excess,
+            centred: steady + beyond - acceleration * L::splat(TWENTY_FOURTH),
             kick,
         }
     }

@@ -32,6 +32,11 @@ pub struct Tally<L> {
 impl<L: Lane> Tally<L> {
     /// Before the first period: as if the tip had rested at that indentation.
     pub fn start(indentation: L, touching: L) -> Self {
+        Self::resume([indentation; 2], touching)
+    }
+
+    /// Between two periods, from the indentation at the last two samples and contact at the last one.
+    pub fn resume(last: [L; 2], touching: L) -> Self {
         let mut tally = Self {
             cosine: [L::splat(ZERO); HARMONICS],
             sine: [L::splat(ZERO); HARMONICS],
@@ -45,7 +50,7 @@ impl<L: Lane> Tally<L> {
             impulse: L::splat(ZERO),
             work: L::splat(ZERO),
             virial: L::splat(ZERO),
-            last: [indentation; 2],
+            last,
             touched: touching,
         };
         tally.next_period();

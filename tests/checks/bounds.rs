@@ -47,6 +47,11 @@ pub const BOOKS: f64 = 1e-4;
 /// f32 against f64, both at the plan's steps for 1e-3. Seen: 1.0e-5 (largest force).
 pub const SINGLE: f64 = 5e-5;
 
+/// The shader against the CPU in the same precision, steady instances, after more than 10,000 steps.
+/// Seen on lavapipe: see the output of tests/agree_gpu.rs.
+pub const SHADER_SINGLE: f64 = 5e-5;
+pub const SHADER_DOUBLE: f64 = 1e-9;
+
 /// Sixteen steps a period on a medium sample, whatever the accuracy asked for. Seen: 3.8e-3.
 pub const SIXTEEN: f64 = 1e-2;
 /// A graze of a part in 1e6 of the swing, much shorter than a step: its time is known to a third of

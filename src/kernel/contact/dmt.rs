@@ -4,7 +4,7 @@
 
 use super::hertz::Hertz;
 use super::path::Path;
-use super::{Approach, Interaction, Kick, Lane};
+use super::{Approach, Interaction, Kick, Lane, LawShader, hertz};
 use crate::kernel::constants::{ONE, TWELFTH, TWO, ZERO};
 
 /// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
@@ -27,11 +27,22 @@ impl<L: Lane> Dmt<L> {
     fn attraction(&self, path: Path<L>, inside: L) -> L {
         let one = L::splat(ONE);
         let product = (one + self.distance(path.start)) * (one + self.distance(path.end));
-        self.adhesion * ((one - inside) / product + inside)
+        let outside = one / product;
+        self.adhesion * inside.mul_add(one - outside, outside)
     }
 }
 
 impl<L: Lane> Interaction<L> for Dmt<L> {
+    const SHADER: &'static LawShader = &LawShader {
+        name: "dmt",
+        texts: &[hertz::TEXT, include_str!("../../../shaders/contact/dmt.wgsl")],
+        fields: &["stiffness", "adhesion", "inverse_decay"],
+    };
+
+    fn numbers(&self) -> Vec<L> {
+        vec![self.hertz.stiffness, self.adhesion, self.inverse_decay]
+    }
+
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
         let one = L::splat(ONE);

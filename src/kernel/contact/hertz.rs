@@ -1,8 +1,10 @@
 //! Hertz (1882): f = K sqrt(R) d^1.5 in contact; equation (14) of Ha, Fung & Chen 2005.
 
 use super::path::Path;
-use super::{Approach, Interaction, Kick, Lane};
+use super::{Approach, Interaction, Kick, Lane, LawShader};
 use crate::kernel::constants::{HERTZ_ENERGY, LEAST, ONE, TWELFTH, ZERO};
+
+pub(super) const TEXT: &str = include_str!("../../../shaders/contact/hertz.wgsl");
 
 /// `stiffness` is K sqrt(R) in kernel units: impulse per step of a unit indentation.
 #[derive(Clone, Copy, Debug)]
@@ -31,18 +33,24 @@ impl<L: Lane> Hertz<L> {
     #[inline(always)]
     pub(super) fn mean(&self, path: Path<L>) -> Mean<L> {
         let zero = L::splat(ZERO);
-        let a = path.start.max(zero).sqrt();
-        let b = path.end.max(zero).sqrt();
+        let (aa, bb) = (path.start.max(zero), path.end.max(zero));
+        let (a, b) = (aa.sqrt(), bb.sqrt());
         let share = path.share_inside();
-        let (aa, bb, ab) = (a * a, b * b, a * b);
+        let ab = a * b;
         let sum = aa + bb;
         let scale = self.stiffness * share / (a + b).max(L::splat(LEAST));
         let quartic = sum.mul_add(sum + ab, -(ab * ab));
-        Mean { force: L::splat(HERTZ_ENERGY) * quartic * scale, slope: (sum + ab) * scale, share }
+        Mean { force: quartic * scale * L::splat(HERTZ_ENERGY), slope: (sum + ab) * scale, share }
     }
 }
 
 impl<L: Lane> Interaction<L> for Hertz<L> {
+    const SHADER: &'static LawShader = &LawShader { name: "hertz", texts: &[TEXT], fields: &["stiffness"] };
+
+    fn numbers(&self) -> Vec<L> {
+        vec![self.stiffness]
+    }
+
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
         if !L::any(at.may_touch()) {

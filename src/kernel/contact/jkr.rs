@@ -4,7 +4,7 @@
 //! e = y - 1 and t = D + 3 it reads t = e^2 (e^2 + 4e + 6): no cancellation at the fold e = 0.
 
 use super::path::Path;
-use super::{Approach, Interaction, Kick, Lane};
+use super::{Approach, Interaction, Kick, Lane, LawShader};
 use crate::kernel::constants::{
     FIVE, FOUR, JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5, JKR_ROOT_A,
     JKR_ROOT_B, JKR_ROOT_SIX, JKR_STEEPEST, JKR_TINY, JKR_TOUCH, JKR_WORK_0, JKR_WORK_1, JKR_WORK_2,
@@ -82,7 +82,8 @@ impl<L: Lane> Jkr<L> {
         let (zero, one, three) = (L::splat(ZERO), L::splat(ONE), L::splat(THREE));
         let path = Path::around(at, impulse);
         let t1 = path.start.mul_add(self.inverse_unit, three);
-        let t2 = path.end.mul_add(self.inverse_unit, three);
+        let end = path.end * self.inverse_unit;
+        let t2 = end + three;
         let was = zero.less(touching);
         // Already inside at the start of the piece: touched in the gap between two pieces.
         let begins = L::either(was, zero.less(path.start));
@@ -97,7 +98,7 @@ impl<L: Lane> Jkr<L> {
         let e1 = L::select(touches, L::splat(JKR_TOUCH), root(t1));
         let e2 = L::select(lets_go, zero, root(t2));
         // Shares of the path in contact: all of it, from touch on, or up to the fold.
-        let after_touch = (t2 - three) / (t2 - t1);
+        let after_touch = end / (t2 - t1);
         let before_fold = t1 / (t1 - t2);
         let part = L::select(touches, after_touch, L::select(lets_go, before_fold, one));
         let share = L::select(acting, part, zero);
@@ -113,6 +114,16 @@ impl<L: Lane> Jkr<L> {
 }
 
 impl<L: Lane> Interaction<L> for Jkr<L> {
+    const SHADER: &'static LawShader = &LawShader {
+        name: "jkr",
+        texts: &[include_str!("../../../shaders/contact/jkr.wgsl")],
+        fields: &["unit_force", "inverse_unit"],
+    };
+
+    fn numbers(&self) -> Vec<L> {
+        vec![self.unit_force, self.inverse_unit]
+    }
+
     #[inline(always)]
     fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
         let zero = L::splat(ZERO);

@@ -43,8 +43,25 @@ pub struct Kick<L> {
     pub touching: L,
 }
 
+/// A law's other half: its part of the shader.
+#[derive(Debug, PartialEq, Eq)]
+pub struct LawShader {
+    /// Its kick is `fn <name>_kick`.
+    pub name: &'static str,
+    /// Its files, in order.
+    pub texts: &'static [&'static str],
+    /// Its constants, in the order of [`Interaction::numbers`].
+    pub fields: &'static [&'static str],
+}
+
 /// One contact law with its constants in kernel units.
 pub trait Interaction<L: Lane>: Copy {
+    /// The same law in the shader.
+    const SHADER: &'static LawShader;
+
+    /// Its constants, in the order of the shader's fields.
+    fn numbers(&self) -> Vec<L>;
+
     /// The kick of one step. `touching` is what the last kick returned.
     fn kick(&self, approach: Approach<L>, touching: L) -> Kick<L>;
     /// Whether an indentation at rest counts as contact, for the start of a run.
@@ -65,6 +82,16 @@ impl<L: Lane> Kick<L> {
 pub struct Nothing;
 
 impl<L: Lane> Interaction<L> for Nothing {
+    const SHADER: &'static LawShader = &LawShader {
+        name: "nothing",
+        texts: &[include_str!("../../../shaders/contact/nothing.wgsl")],
+        fields: &[],
+    };
+
+    fn numbers(&self) -> Vec<L> {
+        Vec::new()
+    }
+
     #[inline(always)]
     fn kick(&self, _: Approach<L>, _: L) -> Kick<L> {
         Kick::none()

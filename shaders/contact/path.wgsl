@@ -1,0 +1,43 @@
+// A straight piece of the tip's path, from half a step before a sample to half a step after it.
+// Twin: src/kernel/contact/path.rs, mod.rs
+
+// The tip at one sample, before the kick.
+struct Approach {
+    indentation: real,
+    speed: real,
+    acceleration: real,
+}
+
+// What the sample does to the tip during one step.
+struct Kick {
+    impulse: real,
+    contact: real,
+    touching: real,
+}
+
+struct Path {
+    start: real,
+    end: real,
+}
+
+fn no_kick() -> Kick {
+    return Kick(ZERO, ZERO, ZERO);
+}
+
+fn may_touch(at: Approach) -> bool {
+    return -(abs(at.speed) + abs(at.acceleration)) < at.indentation;
+}
+
+fn path_around(at: Approach, impulse: real) -> Path {
+    let reach = HALF * (at.speed - HALF * impulse);
+    let centre = at.acceleration * TWENTY_FOURTH + at.indentation;
+    return Path(centre - reach, centre + reach);
+}
+
+fn share_inside(path: Path) -> real {
+    let low = min(path.start, path.end);
+    let high = max(path.start, path.end);
+    let crossing = high / (high - low);
+    let outside = select(crossing, ZERO, high < ZERO);
+    return select(ONE, outside, low < ZERO);
+}

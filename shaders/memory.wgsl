@@ -1,0 +1,111 @@
+// What a thread reads when a dispatch begins and writes when it ends.
+
+fn at(field: u32, i: u32) -> u32 {
+    return field * job.instances + i;
+}
+
+fn case_of(i: u32) -> Case {
+    let row = drive_of[i];
+    var lever: Case;
+    //% each mode
+    lever.m00_$ = drives[DRIVE_M00_$ * job.drives + row];
+    lever.m01_$ = drives[DRIVE_M01_$ * job.drives + row];
+    lever.m10_$ = drives[DRIVE_M10_$ * job.drives + row];
+    lever.m11_$ = drives[DRIVE_M11_$ * job.drives + row];
+    lever.rate_$ = drives[DRIVE_RATE_$ * job.drives + row];
+    lever.pull_$ = drives[DRIVE_PULL_$ * job.drives + row];
+    lever.drag_$ = drives[DRIVE_DRAG_$ * job.drives + row];
+    lever.kick_u_$ = drives[DRIVE_KICK_U_$ * job.drives + row];
+    lever.kick_x_$ = drives[DRIVE_KICK_X_$ * job.drives + row];
+    //% end
+    //% if energy
+    //% each mode
+    lever.work_x_$ = drives[DRIVE_WORK_X_$ * job.drives + row];
+    lever.work_u_$ = drives[DRIVE_WORK_U_$ * job.drives + row];
+    //% end
+    lever.kick_speed = drives[DRIVE_KICK_SPEED * job.drives + row];
+    lever.kick_work = drives[DRIVE_KICK_WORK * job.drives + row];
+    //% end
+    lever.free_cosine = drives[DRIVE_FREE_COSINE * job.drives + row];
+    lever.free_sine = drives[DRIVE_FREE_SINE * job.drives + row];
+    lever.free_rate = drives[DRIVE_FREE_RATE * job.drives + row];
+    lever.gap = cases[at(CASE_GAP, i)];
+    return lever;
+}
+
+fn state_of(i: u32) -> State {
+    var state: State;
+    //% each mode
+    state.x_$ = states[at(STATE_X_$, i)];
+    state.u_$ = states[at(STATE_U_$, i)];
+    //% end
+    state.touching = states[at(STATE_TOUCHING, i)];
+    return state;
+}
+
+fn tally_of(i: u32) -> Tally {
+    var tally: Tally;
+    tally_next_period(&tally);
+    // A dispatch may begin within a period.
+    if job.first > 0u {
+        //% each harmonic
+        tally.cosine_$ = states[at(TALLY_COSINE_$, i)];
+        tally.sine_$ = states[at(TALLY_SINE_$, i)];
+        //% end
+        //% if extremes
+        tally.deepest = states[at(TALLY_DEEPEST, i)];
+        tally.highest = states[at(TALLY_HIGHEST, i)];
+        tally.held = states[at(TALLY_HELD, i)];
+        //% end
+        //% if contact
+        tally.time = states[at(TALLY_TIME, i)];
+        tally.begun = states[at(TALLY_BEGUN, i)];
+        tally.ended = states[at(TALLY_ENDED, i)];
+        tally.apart = states[at(TALLY_APART, i)];
+        //% end
+        //% if energy
+        tally.impulse = states[at(TALLY_IMPULSE, i)];
+        tally.work = states[at(TALLY_WORK, i)];
+        tally.virial = states[at(TALLY_VIRIAL, i)];
+        //% end
+    }
+    //% if carried
+    tally.last_0 = states[at(TALLY_LAST_0, i)];
+    tally.last_1 = states[at(TALLY_LAST_1, i)];
+    tally.touched = states[at(TALLY_TOUCHED, i)];
+    //% end
+    return tally;
+}
+
+fn store(i: u32, state: State, tally: Tally) {
+    //% each mode
+    states[at(STATE_X_$, i)] = state.x_$;
+    states[at(STATE_U_$, i)] = state.u_$;
+    //% end
+    states[at(STATE_TOUCHING, i)] = state.touching;
+    //% each harmonic
+    states[at(TALLY_COSINE_$, i)] = tally.cosine_$;
+    states[at(TALLY_SINE_$, i)] = tally.sine_$;
+    //% end
+    //% if extremes
+    states[at(TALLY_DEEPEST, i)] = tally.deepest;
+    states[at(TALLY_HIGHEST, i)] = tally.highest;
+    states[at(TALLY_HELD, i)] = tally.held;
+    //% end
+    //% if contact
+    states[at(TALLY_TIME, i)] = tally.time;
+    states[at(TALLY_BEGUN, i)] = tally.begun;
+    states[at(TALLY_ENDED, i)] = tally.ended;
+    states[at(TALLY_APART, i)] = tally.apart;
+    //% end
+    //% if energy
+    states[at(TALLY_IMPULSE, i)] = tally.impulse;
+    states[at(TALLY_WORK, i)] = tally.work;
+    states[at(TALLY_VIRIAL, i)] = tally.virial;
+    //% end
+    //% if carried
+    states[at(TALLY_LAST_0, i)] = tally.last_0;
+    states[at(TALLY_LAST_1, i)] = tally.last_1;
+    states[at(TALLY_TOUCHED, i)] = tally.touched;
+    //% end
+}

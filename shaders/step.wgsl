@@ -1,0 +1,101 @@
+// One step: kick at the sample, then exact flow to the next one. Twin: src/kernel/step.rs
+// Lines between `//% each mode` and `//% end` are written once for each mode, $ its number.
+
+// Lever, free motion and gap of one instance, kernel units.
+struct Case {
+    //% each mode
+    m00_$: real,
+    m01_$: real,
+    m10_$: real,
+    m11_$: real,
+    rate_$: real,
+    pull_$: real,
+    drag_$: real,
+    kick_u_$: real,
+    kick_x_$: real,
+    //% end
+    //% if energy
+    //% each mode
+    work_x_$: real,
+    work_u_$: real,
+    //% end
+    kick_speed: real,
+    kick_work: real,
+    //% end
+    free_cosine: real,
+    free_sine: real,
+    free_rate: real,
+    gap: real,
+}
+
+// Deviation of each mode at a sample before its kick, and the memory of contact.
+struct State {
+    //% each mode
+    x_$: real,
+    u_$: real,
+    //% end
+    touching: real,
+}
+
+// Free travel beyond the steady one (a start from rest), its speed per step and acceleration.
+struct Decay {
+    travel: real,
+    speed: real,
+    acceleration: real,
+}
+
+// What a step saw.
+struct Sample {
+    beyond: real,
+    indentation: real,
+    //% if energy
+    speed: real,
+    centred: real,
+    //% end
+    kick: Kick,
+}
+
+fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: real, decay: Decay) -> Sample {
+    let steady = lever.free_cosine * cosine + lever.free_sine * sine;
+    var speed = lever.free_rate * (lever.free_sine * cosine + -(lever.free_cosine * sine));
+    //% if energy
+    var excess = -(lever.free_rate * lever.free_rate * speed * TWENTY_FOURTH);
+    //% end
+    var acceleration = -(lever.free_rate * lever.free_rate * steady);
+    var beyond = ZERO;
+    //% if decay
+    beyond = decay.travel;
+    speed = speed + decay.speed;
+    acceleration = acceleration + decay.acceleration;
+    //% end
+    //% each mode
+    beyond = beyond + (*state).x_$;
+    speed = lever.rate_$ * (*state).u_$ + speed;
+    acceleration = lever.pull_$ * (*state).x_$ + acceleration;
+    acceleration = lever.drag_$ * (*state).u_$ + acceleration;
+    //% if energy
+    excess = lever.work_x_$ * (*state).x_$ + excess;
+    excess = lever.work_u_$ * (*state).u_$ + excess;
+    //% end
+    //% end
+    let indentation = -(lever.gap + steady + beyond);
+    let kick = $law_kick(law, Approach(indentation, -speed, -acceleration), (*state).touching);
+    let impulse = kick.impulse;
+    (*state).touching = kick.touching;
+    //% each mode
+    let u_$ = lever.kick_u_$ * impulse + (*state).u_$;
+    let x_$ = lever.kick_x_$ * impulse + (*state).x_$;
+    (*state).x_$ = lever.m01_$ * u_$ + (lever.m00_$ * x_$ + x_$);
+    (*state).u_$ = lever.m11_$ * u_$ + (lever.m10_$ * x_$ + u_$);
+    //% end
+    let corner = impulse * TWENTY_FOURTH;
+    return Sample(
+        beyond + corner,
+        indentation - corner,
+        //% if energy
+        (HALF * lever.kick_speed - lever.kick_work) * impulse + speed - excess,
+        steady + beyond - acceleration * TWENTY_FOURTH,
+        //% end
+        kick,
+    );
+}

@@ -1,0 +1,80 @@
+// The only bindings and the entry point: one thread takes one instance through a dispatch's steps.
+// Names in capitals come from the generated head (src/kernel/shader.rs).
+
+// What one dispatch does.
+struct Job {
+    // Instances, and rows of the table of drives.
+    instances: u32,
+    drives: u32,
+    // Steps per period; the first step of this dispatch within its period; steps of this dispatch.
+    steps: u32,
+    first: u32,
+    count: u32,
+    // Workgroups side by side in x.
+    width: u32,
+}
+
+@group(0) @binding(0) var<uniform> job: Job;
+// Cosine and sine of the drive's phase: [harmonic][step][2].
+@group(0) @binding(1) var<storage, read> waves: array<real>;
+// Constants of each driven instrument: [field][drive].
+@group(0) @binding(2) var<storage, read> drives: array<real>;
+// Constants of each instance: [field][instance].
+@group(0) @binding(3) var<storage, read> cases: array<real>;
+// Which drive each instance has.
+@group(0) @binding(4) var<storage, read> drive_of: array<u32>;
+// Where each instance is, and what it has measured: [field][instance].
+@group(0) @binding(5) var<storage, read_write> states: array<real>;
+// Steps done, and whether the state stopped being a number: [2][instance].
+@group(0) @binding(6) var<storage, read_write> marks: array<u32>;
+//% if decay
+// Decaying free motion at this dispatch's steps: [drive][step][3].
+@group(0) @binding(7) var<storage, read> decays: array<real>;
+//% end
+
+// A number by its exponent's bits: comparisons with NaN are not to be trusted.
+fn finite(value: real) -> bool {
+    return (bitcast<u32>(f32(value)) & EXPONENT) != EXPONENT;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let i = (group.y * job.width + group.x) * WORKGROUP + local;
+    if i >= job.instances {
+        return;
+    }
+    let lever = case_of(i);
+    let law = law_of(i);
+    var state = state_of(i);
+    var tally = tally_of(i);
+    var numbers = true;
+    var index = job.first;
+    var done = 0u;
+    loop {
+        if done >= job.count {
+            break;
+        }
+        var decay: Decay;
+        //% if decay
+        let row = 3u * (drive_of[i] * job.count + done);
+        decay = Decay(decays[row], decays[row + 1u], decays[row + 2u]);
+        //% end
+        let sample = step(lever, law, &state, waves[2u * index], waves[2u * index + 1u], decay);
+        tally_add(&tally, sample, index);
+        done += 1u;
+        index += 1u;
+        if index == job.steps {
+            //% each mode
+            numbers = numbers && finite(state.x_$) && finite(state.u_$);
+            //% end
+            close_period(i, tally);
+            tally_next_period(&tally);
+            index = 0u;
+        }
+    }
+    store(i, state, tally);
+    marks[i] = marks[i] + done;
+    if !numbers {
+        marks[job.instances + i] = 1u;
+    }
+}

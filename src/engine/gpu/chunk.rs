@@ -1,0 +1,224 @@
+//! A chunk of instances on its way through a run, dispatch by dispatch.
+
+use super::pace::Pace;
+use super::pack::{self, Numbers, Tables};
+use super::session::Session;
+use super::{Drill, Failure};
+use crate::engine::Progress;
+use crate::engine::cpu::decays;
+use crate::engine::saved::Saved;
+use crate::kernel::{ShaderSpec, WORKGROUP};
+use crate::plan::{Class, Plan};
+use std::time::{Duration, Instant};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, SubmissionIndex};
+
+/// What one dispatch does; `Job` of shaders/sweep.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Job {
+    pub instances: u32,
+    pub drives: u32,
+    pub steps: u32,
+    pub first: u32,
+    pub count: u32,
+    pub width: u32,
+}
+
+/// Between two copies of the state to the host.
+const SAVE_EVERY: Duration = Duration::from_secs(5);
+/// Bytes of decaying free motion sent with one dispatch.
+const DECAY_BYTES: u64 = 16 << 20;
+
+/// Where a chunk is: its instances after so many periods.
+pub(super) struct Checkpoint {
+    pub saved: Vec<Saved>,
+    pub done: u32,
+}
+
+impl Checkpoint {
+    /// Of a part of the instances.
+    pub fn part(&self, range: std::ops::Range<usize>) -> Self {
+        Self { saved: self.saved[range].to_vec(), done: self.done }
+    }
+}
+
+/// A chunk on a device.
+pub(super) struct Chunk<'a> {
+    pub plan: &'a Plan,
+    pub class: &'a Class,
+    pub session: &'a Session,
+    pub drill: &'a Drill,
+    spec: ShaderSpec,
+    tables: &'a Tables,
+    job: Buffer,
+    waves: Buffer,
+    drives: Buffer,
+    cases: Buffer,
+    drive_of: Buffer,
+    states: Buffer,
+    marks: Buffer,
+}
+
+impl<'a> Chunk<'a> {
+    /// Buffers for the tables.
+    pub fn new(
+        plan: &'a Plan,
+        class: &'a Class,
+        session: &'a Session,
+        drill: &'a Drill,
+        tables: &'a Tables,
+    ) -> Result<Self, Failure> {
+        if drill.memory_for.is_some_and(|most| tables.instances.len() > most) {
+            return Err(Failure::Memory);
+        }
+        let read = BufferUsages::STORAGE;
+        let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let (name, uniform) = ("job", BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        Ok(Self {
+            job: session.empty(name, size_of::<Job>() as u64, uniform)?,
+            waves: session.buffer("waves", tables.waves.bytes(), read)?,
+            drives: session.buffer("drives", tables.drive_table.bytes(), read)?,
+            cases: session.buffer("cases", tables.cases.bytes(), read)?,
+            drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
+            states: session.buffer("states", tables.states.bytes(), write)?,
+            marks: session.buffer("marks", bytemuck::cast_slice(&tables.marks), write)?,
+            spec: pack::spec(plan, class),
+            plan,
+            class,
+            session,
+            drill,
+            tables,
+        })
+    }
+
+    /// Steps the chunk from `done` periods to the end of the run, keeping the latest checkpoint.
+    pub fn run(
+        &self,
+        done: u32,
+        pace: &mut Pace,
+        checkpoint: &mut Option<Checkpoint>,
+        progress: &Progress,
+    ) -> Result<Option<Vec<Saved>>, Failure> {
+        let steps = u64::from(self.class.steps);
+        let warm = u64::from(self.plan.run.periods - self.plan.run.measure) * steps;
+        let total = u64::from(self.plan.run.periods) * steps;
+        let begun = u64::from(done) * steps;
+        let mut at = begun;
+        let mut pending: Option<(SubmissionIndex, u64)> = None;
+        let mut clock = Instant::now();
+        let mut kept = Instant::now();
+        while at < total {
+            if progress.stopped() {
+                return Ok(None);
+            }
+            let limit = if at < warm { warm } else { total };
+            let count = pace.steps(self.class.steps, (at % steps) as u32, self.longest()).min(limit - at);
+            let submitted = self.dispatch(at, count as u32, at >= warm)?;
+            at += count;
+            // One dispatch runs while the next is prepared.
+            if let Some((before, count)) = pending.replace((submitted, count)) {
+                self.session.wait(Some(before))?;
+                pace.took(count, clock.elapsed());
+                progress.add(count * self.tables.instances.len() as u64);
+                clock = Instant::now();
+            }
+            if at % steps == 0 && at < total && kept.elapsed() > self.drill.save_every.unwrap_or(SAVE_EVERY) {
+                let saved = self.saved(at - begun)?;
+                *checkpoint = Some(Checkpoint { saved, done: (at / steps) as u32 });
+                kept = Instant::now();
+            }
+        }
+        if let Some((last, count)) = pending {
+            self.session.wait(Some(last))?;
+            progress.add(count * self.tables.instances.len() as u64);
+        }
+        self.saved(total - begun).map(Some)
+    }
+
+    /// Most steps of a dispatch that its table of decaying motion allows.
+    fn longest(&self) -> u32 {
+        if !self.spec.decay {
+            return u32::MAX;
+        }
+        let row = 3 * self.spec.bytes() * self.tables.drives.len() as u64;
+        (DECAY_BYTES / row).max(1) as u32
+    }
+
+    pub(super) fn dispatch(&self, at: u64, count: u32, measured: bool) -> Result<SubmissionIndex, Failure> {
+        self.drill.strike(self.session);
+        let steps = self.class.steps;
+        let groups = (self.tables.instances.len() as u32).div_ceil(WORKGROUP);
+        let width = groups.min(1 << 15);
+        let job = Job {
+            instances: self.tables.instances.len() as u32,
+            drives: self.tables.drives.len() as u32,
+            steps,
+            first: (at % u64::from(steps)) as u32,
+            count,
+            width,
+        };
+        self.session.queue.write_buffer(&self.job, 0, bytemuck::bytes_of(&job));
+        let (pipeline, layout) = self.session.pipeline(ShaderSpec { measured, ..self.spec })?;
+        let bindings = self.bindings(&layout, at, count)?;
+        let mut encoder = self.session.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bindings, &[]);
+        pass.dispatch_workgroups(width, groups.div_ceil(width), 1);
+        drop(pass);
+        let submitted = self.session.queue.submit([encoder.finish()]);
+        self.session.check()?;
+        Ok(submitted)
+    }
+
+    fn bindings(&self, layout: &BindGroupLayout, at: u64, count: u32) -> Result<BindGroup, Failure> {
+        let mut buffers = vec![
+            &self.job,
+            &self.waves,
+            &self.drives,
+            &self.cases,
+            &self.drive_of,
+            &self.states,
+            &self.marks,
+        ];
+        let table;
+        if self.spec.decay {
+            table = self.decay_table(at, count)?;
+            buffers.push(&table);
+        }
+        let entries: Vec<wgpu::BindGroupEntry> = buffers
+            .iter()
+            .enumerate()
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding: binding as u32,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: Some("chunk"), layout, entries: &entries };
+        Ok(self.session.device.create_bind_group(&descriptor))
+    }
+
+    /// `[drive][step][travel, speed, acceleration]` for this dispatch.
+    fn decay_table(&self, at: u64, count: u32) -> Result<Buffer, Failure> {
+        let rows = self.tables.drives.iter().flat_map(|drive| {
+            let driven = &self.plan.drives[*drive as usize];
+            decays::<f64>(driven, self.class.steps, at, count as usize)
+        });
+        let values = rows.flat_map(|row| [row.travel, row.speed, row.acceleration]).collect();
+        let numbers = Numbers::new(self.spec.double, values);
+        self.session.buffer("decays", numbers.bytes(), BufferUsages::STORAGE)
+    }
+
+    /// Waits, reads the state back, and checks that each instance did `steps` steps.
+    pub(super) fn saved(&self, steps: u64) -> Result<Vec<Saved>, Failure> {
+        let count = self.tables.instances.len();
+        let (states, marks) = (self.tables.states.bytes().len() as u64, 8 * count as u64);
+        let bytes = self.session.read(&[(&self.states, states), (&self.marks, marks)])?;
+        let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
+        let expected = steps as u32;
+        match marks[..count].iter().find(|done| **done != expected) {
+            Some(done) => Err(Failure::Steps { done: *done, expected }),
+            None => Ok(pack::saved(&self.spec, &Numbers::read(self.spec.double, &bytes[0]), &marks)),
+        }
+    }
+}

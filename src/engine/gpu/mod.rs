@@ -1,0 +1,243 @@
+//! The GPU engine: one thread of a compute shader takes one instance through the run.
+
+mod adapter;
+mod chunk;
+mod pace;
+mod pack;
+mod session;
+
+pub use adapter::{AdapterReport, adapters};
+pub use chunk::Job;
+
+use super::cpu::{self, Resume};
+use super::measure::{Sums, finish};
+use super::saved::Saved;
+use super::track::member;
+use super::{Engine, EngineError, Finished, Outcome, Progress};
+use crate::plan::{Class, Plan, Precision};
+use chunk::{Checkpoint, Chunk};
+use pace::Pace;
+use rayon::prelude::*;
+use session::Session;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+use thiserror::Error;
+
+/// Why no GPU can run the plan.
+#[derive(Debug, Error)]
+pub enum GpuError {
+    #[error(
+        "no GPU adapter found: install the GPU's Vulkan driver, or a software one (Debian and Ubuntu: apt install mesa-vulkan-drivers), or use --backend cpu"
+    )]
+    NoAdapter,
+    #[error("no GPU adapter `{wanted}`; there is: {}", found.join(", "))]
+    NoSuchAdapter { wanted: String, found: Vec<String> },
+    #[error("{0} cannot compute in f64 in shaders: use --precision f32, or --backend cpu")]
+    NoDouble(String),
+    #[error("{adapter} cannot be opened: {why}; use --backend cpu")]
+    Device { adapter: String, why: String },
+}
+
+/// What can go wrong on a device that was opened.
+#[derive(Clone, Debug, Error)]
+pub(crate) enum Failure {
+    #[error("out of memory")]
+    Memory,
+    #[error("the device was lost ({0})")]
+    Lost(String),
+    #[error("the driver refused: {0}")]
+    Refused(String),
+    #[error("an instance did {done} steps of {expected}")]
+    Steps { done: u32, expected: u32 },
+}
+
+/// Breaks things on purpose, so that what happens then can be tested.
+#[derive(Debug, Default)]
+pub struct Drill {
+    /// The device is destroyed before this dispatch, counted from 1; each time the count is reached
+    /// `times` more dispatches decide anew.
+    pub lose_at: Option<u32>,
+    /// How often that happens.
+    pub times: u32,
+    /// Chunks of more instances are refused for want of memory.
+    pub memory_for: Option<usize>,
+    /// Time between checkpoints in place of some seconds.
+    pub save_every: Option<Duration>,
+    dispatches: AtomicU32,
+    lost: AtomicU32,
+}
+
+impl Drill {
+    fn strike(&self, session: &Session) {
+        let Some(at) = self.lose_at else { return };
+        let number = self.dispatches.fetch_add(1, Ordering::Relaxed) + 1;
+        if number % at == 0 && self.lost.fetch_add(1, Ordering::Relaxed) < self.times {
+            session.device.destroy();
+        }
+    }
+}
+
+/// A GPU, or a driver that plays one.
+pub struct Gpu {
+    adapter: wgpu::Adapter,
+    report: AdapterReport,
+    /// Most instances on the device at a time, below what its memory allows.
+    pub chunk: Option<usize>,
+    /// For tests of what happens when a device fails.
+    pub drill: Drill,
+}
+
+/// Failures on one chunk after which the CPU takes over.
+const TRIES: u32 = 3;
+
+impl Gpu {
+    /// The adapter asked for by index or part of its name; else the best there is.
+    pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
+        let (adapter, report) = adapter::choose(wanted)?;
+        Ok(Self { adapter, report, chunk: None, drill: Drill::default() })
+    }
+
+    /// What it can do.
+    pub fn report(&self) -> &AdapterReport {
+        &self.report
+    }
+
+    /// Most instances of the class that the device takes at a time.
+    fn capacity(&self, plan: &Plan, class: &Class) -> usize {
+        let spec = pack::spec(plan, class);
+        let each = spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64;
+        let most = self.report.binding_bytes.min(self.report.buffer_bytes) / each;
+        // Threads are numbered with 32 bits, workgroups up to the device's limit in two dimensions.
+        let most = most.min(1 << 24) as usize;
+        self.chunk.map_or(most, |chunk| chunk.min(most)).max(1)
+    }
+
+    fn class(
+        &self,
+        plan: &Plan,
+        class: &Class,
+        opened: &mut Opened,
+        progress: &Progress,
+    ) -> Result<Vec<Finished>, EngineError> {
+        let chunks: Vec<&[u32]> = class.instances.chunks(self.capacity(plan, class)).collect();
+        let mut out = Vec::with_capacity(class.instances.len());
+        let mut next = chunks.first().map(|first| pack::tables(plan, class, first, None));
+        for number in 0..chunks.len() {
+            let Some(tables) = next.take() else { break };
+            // The next chunk's tables are made while this one runs.
+            let (finished, made) = std::thread::scope(|scope| {
+                let after = chunks
+                    .get(number + 1)
+                    .map(|after| scope.spawn(move || pack::tables(plan, class, after, None)));
+                let finished = self.chunk(plan, class, tables, None, opened, progress);
+                (finished, after.and_then(|made| made.join().ok()))
+            });
+            out.extend(finished?);
+            next = made;
+        }
+        Ok(out)
+    }
+
+    /// One chunk, whatever happens: on the device, with half as many instances, on the CPU.
+    fn chunk(
+        &self,
+        plan: &Plan,
+        class: &Class,
+        mut tables: pack::Tables,
+        mut checkpoint: Option<Checkpoint>,
+        opened: &mut Opened,
+        progress: &Progress,
+    ) -> Result<Vec<Finished>, EngineError> {
+        for _ in 0..TRIES {
+            let done = checkpoint.as_ref().map_or(0, |at| at.done);
+            opened.open(self, plan.precision);
+            let Opened { session: Some(session), pace, .. } = opened else { break };
+            let run = Chunk::new(plan, class, session, &self.drill, &tables)
+                .and_then(|chunk| chunk.run(done, pace, &mut checkpoint, progress));
+            let failure = match run {
+                Ok(Some(saved)) => return Ok(finish_all(plan, class, &tables.instances, &saved)),
+                Ok(None) => return Ok(vec![Finished::NOT_RUN; tables.instances.len()]),
+                Err(failure) => failure,
+            };
+            opened.session = None;
+            opened.pace.slow_down();
+            let saved = checkpoint.as_ref().map(|at| at.saved.as_slice());
+            let count = tables.instances.len();
+            if matches!(failure, Failure::Memory) && count > 1 {
+                opened.notes.push(format!("{failure} with {count} instances: going on with half of them"));
+                let mut out = Vec::with_capacity(count);
+                for half in [0..count / 2, count / 2..count] {
+                    let at = checkpoint.as_ref().map(|at| at.part(half.clone()));
+                    let saved = at.as_ref().map(|at| at.saved.as_slice());
+                    let tables = pack::tables(plan, class, &tables.instances[half], saved);
+                    out.extend(self.chunk(plan, class, tables, at, opened, progress)?);
+                }
+                return Ok(out);
+            }
+            let from = checkpoint.as_ref().map_or(0, |at| at.done);
+            opened.notes.push(format!("{failure}: going on from period {from} with a new device"));
+            tables = pack::tables(plan, class, &tables.instances, saved);
+        }
+        let from = checkpoint.as_ref().map_or(0, |at| at.done);
+        opened.notes.push(format!("going on from period {from} on the CPU"));
+        let rest = Class { instances: tables.instances, ..class.clone() };
+        let resume = checkpoint.as_ref().map(|at| Resume { saved: &at.saved, done: at.done });
+        cpu::resume(plan, &rest, resume, progress)
+    }
+}
+
+fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) -> Vec<Finished> {
+    instances
+        .par_iter()
+        .zip(saved)
+        .map(|(instance, saved)| {
+            let (case, driven) = member(plan, *instance);
+            let sums = Sums::new(&saved.ledger, 0, saved.finite, plan.run.measure, class.steps);
+            finish(&sums, case, driven, &plan.run, plan.wants)
+        })
+        .collect()
+}
+
+/// The device while it holds, and what there is to tell.
+struct Opened {
+    session: Option<Session>,
+    pace: Pace,
+    notes: Vec<String>,
+}
+
+impl Opened {
+    /// Opens a device if none is open.
+    fn open(&mut self, gpu: &Gpu, precision: Precision) {
+        if self.session.is_none() {
+            match Session::open(&gpu.adapter, &gpu.report, precision == Precision::F64) {
+                Ok(session) => self.session = Some(session),
+                Err(error) => self.notes.push(error.to_string()),
+            }
+        }
+    }
+}
+
+impl Engine for Gpu {
+    fn device(&self) -> String {
+        self.report.title()
+    }
+
+    fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+        // A device that cannot be opened at all is an error, before anything is computed.
+        let session = Session::open(&self.adapter, &self.report, plan.precision == Precision::F64)?;
+        let pace = Pace::new(self.report.software());
+        let mut opened = Opened { session: Some(session), pace, notes: Vec::new() };
+        let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
+        for class in &plan.classes {
+            let finished = match class.steps {
+                0 => cpu::free_class(plan, class),
+                _ if progress.stopped() => continue,
+                _ => self.class(plan, class, &mut opened, progress)?,
+            };
+            for (instance, result) in class.instances.iter().zip(finished) {
+                results[*instance as usize] = result;
+            }
+        }
+        Ok(Outcome { results, notes: opened.notes })
+    }
+}

@@ -1,0 +1,286 @@
+//! A chunk of a class as the shader's tables, and what comes back as saved instances.
+
+use crate::contact::Law;
+use crate::engine::law::KernelLaw;
+use crate::engine::saved::Saved;
+use crate::engine::start;
+use crate::engine::track::{Member, case, first_indentation, force_scale, member, state};
+use crate::kernel::contact::{Dmt, Hertz, Interaction, Jkr, LawShader, Nothing};
+use crate::kernel::{Ledger, MODES_MAX, ShaderSpec};
+use crate::observe::HARMONICS;
+use crate::plan::{Class, Plan, Precision};
+use rayon::prelude::*;
+
+/// Numbers of the shader's precision.
+#[derive(Clone, Debug)]
+pub(super) enum Numbers {
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+}
+
+impl Numbers {
+    pub fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Single(list) => bytemuck::cast_slice(list),
+            Self::Double(list) => bytemuck::cast_slice(list),
+        }
+    }
+
+    /// Rounded to the precision.
+    pub fn new(double: bool, values: Vec<f64>) -> Self {
+        match double {
+            true => Self::Double(values),
+            false => Self::Single(values.into_iter().map(|value| value as f32).collect()),
+        }
+    }
+
+    /// As they came back.
+    pub fn read(double: bool, bytes: &[u8]) -> Self {
+        match double {
+            true => Self::Double(bytemuck::pod_collect_to_vec(bytes)),
+            false => Self::Single(bytemuck::pod_collect_to_vec(bytes)),
+        }
+    }
+
+    pub(super) fn get(&self, index: usize) -> f64 {
+        match self {
+            Self::Single(list) => f64::from(list[index]),
+            Self::Double(list) => list[index],
+        }
+    }
+}
+
+/// What a chunk of instances needs on the device.
+pub(super) struct Tables {
+    /// Instance numbers of the plan, in the class' order.
+    pub instances: Vec<u32>,
+    /// The plan's drives that they have, in order.
+    pub drives: Vec<u32>,
+    pub waves: Numbers,
+    pub drive_table: Numbers,
+    pub cases: Numbers,
+    pub drive_of: Vec<u32>,
+    pub states: Numbers,
+    pub marks: Vec<u32>,
+}
+
+/// What the shader of a class is made for; the measured part's.
+pub(super) fn spec(plan: &Plan, class: &Class) -> ShaderSpec {
+    ShaderSpec {
+        law: shader(class.law),
+        modes: class.modes,
+        wants: plan.wants,
+        measured: true,
+        decay: plan.run.start == crate::scene::Start::Rest,
+        double: plan.precision == Precision::F64,
+    }
+}
+
+fn shader(law: Law) -> &'static LawShader {
+    match law {
+        Law::None => <Nothing as Interaction<f64>>::SHADER,
+        Law::Hertz => <Hertz<f64> as Interaction<f64>>::SHADER,
+        Law::Dmt => <Dmt<f64> as Interaction<f64>>::SHADER,
+        Law::Jkr => <Jkr<f64> as Interaction<f64>>::SHADER,
+    }
+}
+
+/// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
+pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
+    match class.law {
+        Law::None => fill::<Nothing>(plan, class, instances, saved),
+        Law::Hertz => fill::<Hertz<f64>>(plan, class, instances, saved),
+        Law::Dmt => fill::<Dmt<f64>>(plan, class, instances, saved),
+        Law::Jkr => fill::<Jkr<f64>>(plan, class, instances, saved),
+    }
+}
+
+fn fill<I: KernelLaw<f64>>(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
+    let spec = spec(plan, class);
+    let members: Vec<Member> = instances.iter().map(|instance| member(plan, *instance)).collect();
+    let mut drives: Vec<u32> = Vec::new();
+    let mut first_of: Vec<Member> = Vec::new();
+    let drive_of: Vec<u32> = members
+        .iter()
+        .map(|one| {
+            // Instances of a class are ordered by their drive.
+            if drives.last() != Some(&one.0.drive) {
+                drives.push(one.0.drive);
+                first_of.push(*one);
+            }
+            drives.len() as u32 - 1
+        })
+        .collect();
+    let rows: Vec<Vec<f64>> = first_of.iter().map(|one| drive_row::<I>(plan, &spec, *one)).collect();
+    let columns: Vec<(Vec<f64>, Vec<f64>)> = members
+        .par_iter()
+        .enumerate()
+        .map(|(i, one)| {
+            let law = I::build(&[(one.0.contact, force_scale(one.1, one.0.steps))]);
+            let mut constants = vec![one.0.gap / crate::kernel::LENGTH];
+            constants.extend(law.numbers());
+            let place = match saved {
+                Some(saved) => saved[i],
+                None => begin::<I>(plan, *one),
+            };
+            (constants, write(&spec, &place))
+        })
+        .collect();
+    let count = instances.len();
+    let mut marks = vec![0; 2 * count];
+    for (mark, one) in marks[count..].iter_mut().zip(saved.unwrap_or_default()) {
+        *mark = u32::from(!one.finite);
+    }
+    Tables {
+        instances: instances.to_vec(),
+        waves: Numbers::new(spec.double, waves(plan, class.steps)),
+        drive_table: Numbers::new(spec.double, transposed(&rows, |row| row)),
+        cases: Numbers::new(spec.double, transposed(&columns, |column| &column.0)),
+        states: Numbers::new(spec.double, transposed(&columns, |column| &column.1)),
+        drives,
+        drive_of,
+        marks,
+    }
+}
+
+/// `[field][row]` from rows of fields.
+fn transposed<T>(rows: &[T], values: impl Fn(&T) -> &Vec<f64>) -> Vec<f64> {
+    let fields = rows.first().map_or(0, |row| values(row).len());
+    let mut out = Vec::with_capacity(fields * rows.len());
+    for field in 0..fields {
+        out.extend(rows.iter().map(|row| values(row)[field]));
+    }
+    out
+}
+
+fn waves(plan: &Plan, steps: u32) -> Vec<f64> {
+    let waves = start::waves::<f64>(steps, plan.wants.harmonics);
+    waves.iter().flatten().flat_map(|wave| [wave.cosine, wave.sine]).collect()
+}
+
+/// In the order of [`ShaderSpec::drive_fields`].
+fn drive_row<I: KernelLaw<f64>>(plan: &Plan, spec: &ShaderSpec, member: Member) -> Vec<f64> {
+    let case = case::<f64, I, MODES_MAX>(&[member], plan.run.start);
+    let flow = &case.flow;
+    let modes = [
+        flow.m00,
+        flow.m01,
+        flow.m10,
+        flow.m11,
+        flow.rate,
+        flow.pull,
+        flow.drag,
+        flow.kick_u,
+        flow.kick_x,
+        flow.work_x,
+        flow.work_u,
+    ];
+    let mut row: Vec<f64> = modes.iter().flat_map(|values| values[..spec.modes].to_vec()).collect();
+    row.extend([flow.kick_speed, flow.kick_work, case.free.cosine, case.free.sine, case.free.rate]);
+    row
+}
+
+/// At the start of a run.
+fn begin<I: KernelLaw<f64>>(plan: &Plan, member: Member) -> Saved {
+    let start = plan.run.start;
+    let case = case::<f64, I, MODES_MAX>(&[member], start);
+    let state = state(&case, &[member], start);
+    Saved {
+        x: state.x,
+        u: state.u,
+        touching: state.touching,
+        last: [first_indentation(&member, start); 2],
+        touched: state.touching,
+        ledger: Ledger::new(),
+        finite: true,
+    }
+}
+
+/// Sums that the tally of a part of a period leaves in the state.
+fn tally_sums(spec: &ShaderSpec) -> usize {
+    let wants = spec.wants;
+    let groups = [(wants.extremes, 3), (wants.contact, 4), (wants.energy, 3)];
+    2 * wants.harmonics + groups.iter().map(|(wanted, count)| usize::from(*wanted) * count).sum::<usize>()
+}
+
+/// In the order of [`ShaderSpec::state_fields`]; the tally's own sums begin anew with a period.
+fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
+    let ledger = &place.ledger;
+    let wants = spec.wants;
+    let mut out = Vec::new();
+    for k in 0..spec.modes {
+        out.extend([place.x[k], place.u[k]]);
+    }
+    out.push(place.touching);
+    out.extend(std::iter::repeat_n(0.0, tally_sums(spec)));
+    for n in 0..wants.harmonics {
+        out.extend([ledger.cosine[n], ledger.sine[n]]);
+    }
+    if wants.extremes {
+        out.extend([ledger.deepest, ledger.highest, ledger.held]);
+    }
+    if wants.contact {
+        out.extend([ledger.time, ledger.begun, ledger.ended, ledger.apart]);
+    }
+    if wants.energy {
+        out.extend([ledger.impulse, ledger.work, ledger.virial]);
+    }
+    if wants.extremes || wants.contact {
+        out.extend([place.last[0], place.last[1], place.touched]);
+    }
+    out.extend([ledger.last_cosine, ledger.last_sine]);
+    out.extend(ledger.changes);
+    out.push(ledger.largest);
+    out
+}
+
+/// The instances of a chunk as the device left them between two periods.
+pub(super) fn saved(spec: &ShaderSpec, states: &Numbers, marks: &[u32]) -> Vec<Saved> {
+    let count = marks.len() / 2;
+    (0..count)
+        .map(|i| {
+            let mut field = 0;
+            let mut next = || {
+                field += 1;
+                states.get((field - 1) * count + i)
+            };
+            read(spec, &mut next, marks[count + i] == 0)
+        })
+        .collect()
+}
+
+fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Saved {
+    let wants = spec.wants;
+    let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
+    for k in 0..spec.modes {
+        (x[k], u[k]) = (next(), next());
+    }
+    let touching = next();
+    (0..tally_sums(spec)).for_each(|_| {
+        next();
+    });
+    let mut ledger = Ledger::new();
+    let (mut cosine, mut sine) = ([0.0; HARMONICS], [0.0; HARMONICS]);
+    for n in 0..wants.harmonics {
+        (cosine[n], sine[n]) = (next(), next());
+    }
+    (ledger.cosine, ledger.sine) = (cosine, sine);
+    if wants.extremes {
+        (ledger.deepest, ledger.highest, ledger.held) = (next(), next(), next());
+    }
+    if wants.contact {
+        (ledger.time, ledger.begun, ledger.ended, ledger.apart) = (next(), next(), next(), next());
+    }
+    if wants.energy {
+        (ledger.impulse, ledger.work, ledger.virial) = (next(), next(), next());
+    }
+    let (mut last, mut touched) = ([0.0; 2], touching);
+    if wants.extremes || wants.contact {
+        last = [next(), next()];
+        touched = next();
+    }
+    (ledger.last_cosine, ledger.last_sine) = (next(), next());
+    ledger.changes = [next(), next(), next(), next()];
+    ledger.largest = next();
+    Saved { x, u, touching, last, touched, ledger, finite }
+}

@@ -1,0 +1,158 @@
+//! One open device: its queue, its pipelines, and whatever went wrong on it.
+
+use super::adapter::AdapterReport;
+use super::{Failure, GpuError};
+use crate::kernel::ShaderSpec;
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::sync::{Arc, Mutex};
+use wgpu::{
+    Adapter, BindGroupLayout, Buffer, BufferUsages, ComputePipeline, Device, DeviceDescriptor, Features,
+    MapMode, PollType, Queue, ShaderModuleDescriptor, ShaderRuntimeChecks, ShaderSource, SubmissionIndex,
+};
+
+/// A device and what is compiled on it.
+pub(super) struct Session {
+    pub device: Device,
+    pub queue: Queue,
+    pipelines: RefCell<Vec<(ShaderSpec, ComputePipeline)>>,
+    trouble: Arc<Mutex<Option<Failure>>>,
+}
+
+/// Keeps the first thing that went wrong: what follows is its echo.
+fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
+    if let Ok(mut slot) = trouble.lock() {
+        slot.get_or_insert(failure);
+    }
+}
+
+impl Session {
+    pub fn open(adapter: &Adapter, report: &AdapterReport, double: bool) -> Result<Self, GpuError> {
+        let mut features = Features::empty();
+        if double {
+            if !report.double {
+                return Err(GpuError::NoDouble(report.name.clone()));
+            }
+            features |= Features::SHADER_F64;
+        }
+        let descriptor = DeviceDescriptor {
+            label: Some("afmsweep"),
+            required_features: features,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuError::Device { adapter: report.name.clone(), why: error.to_string() })?;
+        let trouble = Arc::new(Mutex::new(None));
+        let seen = Arc::clone(&trouble);
+        // The default handler ends the program.
+        device.on_uncaptured_error(Arc::new(move |error| {
+            let failure = match &error {
+                wgpu::Error::OutOfMemory { .. } => Failure::Memory,
+                _ => Failure::Refused(error.to_string()),
+            };
+            note(&seen, failure);
+        }));
+        let seen = Arc::clone(&trouble);
+        device.set_device_lost_callback(move |reason, message| {
+            note(&seen, Failure::Lost(format!("{reason:?} {message}").trim().to_owned()));
+        });
+        Ok(Self { device, queue, pipelines: RefCell::default(), trouble })
+    }
+
+    /// What went wrong so far.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.trouble.lock() {
+            Ok(slot) => slot.clone().map_or(Ok(()), Err),
+            Err(_) => Err(Failure::Refused("the error record was left locked".into())),
+        }
+    }
+
+    /// The compiled shader for `spec`, and the layout of its bindings.
+    pub fn pipeline(&self, spec: ShaderSpec) -> Result<(ComputePipeline, BindGroupLayout), Failure> {
+        let mut pipelines = self.pipelines.borrow_mut();
+        let found = pipelines.iter().find(|(known, _)| *known == spec).map(|(_, pipeline)| pipeline.clone());
+        let pipeline = match found {
+            Some(pipeline) => pipeline,
+            None => {
+                let pipeline = self.compile(&spec)?;
+                pipelines.push((spec, pipeline.clone()));
+                pipeline
+            }
+        };
+        let layout = pipeline.get_bind_group_layout(0);
+        Ok((pipeline, layout))
+    }
+
+    fn compile(&self, spec: &ShaderSpec) -> Result<ComputePipeline, Failure> {
+        let descriptor = ShaderModuleDescriptor {
+            label: Some("sweep"),
+            source: ShaderSource::Wgsl(Cow::Owned(spec.compose())),
+        };
+        // SAFETY: the text is our own. Every index is below the buffers' lengths once the instance's number
+        // is, which the entry point checks; its one loop ends after `job.count` turns.
+        let module =
+            unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) };
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("sweep"),
+            layout: None,
+            module: &module,
+            entry_point: Some("sweep"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        self.check()?;
+        Ok(pipeline)
+    }
+
+    /// A buffer that holds `bytes`.
+    pub fn buffer(&self, label: &str, bytes: &[u8], usage: BufferUsages) -> Result<Buffer, Failure> {
+        let buffer = self.empty(label, bytes.len() as u64, usage | BufferUsages::COPY_DST)?;
+        self.queue.write_buffer(&buffer, 0, bytes);
+        self.check()?;
+        Ok(buffer)
+    }
+
+    pub fn empty(&self, label: &str, size: u64, usage: BufferUsages) -> Result<Buffer, Failure> {
+        let size = size.next_multiple_of(4).max(16);
+        let descriptor =
+            wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+        let buffer = self.device.create_buffer(&descriptor);
+        self.check()?;
+        Ok(buffer)
+    }
+
+    /// Waits until everything up to that submission is done.
+    pub fn wait(&self, submission: Option<SubmissionIndex>) -> Result<(), Failure> {
+        let poll = PollType::Wait { submission_index: submission, timeout: None };
+        let polled = self.device.poll(poll);
+        self.check()?;
+        polled.map(|_| ()).map_err(|error| Failure::Lost(error.to_string()))
+    }
+
+    /// The contents of buffers that can be copied from, `sizes` bytes of each.
+    pub fn read(&self, buffers: &[(&Buffer, u64)]) -> Result<Vec<Vec<u8>>, Failure> {
+        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut copies = Vec::new();
+        for (buffer, size) in buffers {
+            let copy = self.empty("readback", *size, usage)?;
+            encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, Some(*size));
+            copies.push(copy);
+        }
+        self.queue.submit([encoder.finish()]);
+        for copy in &copies {
+            // What goes wrong shows when the range is asked for.
+            copy.slice(..).map_async(MapMode::Read, |_| ());
+        }
+        self.wait(None)?;
+        copies
+            .iter()
+            .zip(buffers)
+            .map(|(copy, (_, size))| {
+                let view = copy.slice(..*size).get_mapped_range();
+                view.map(|view| view.to_vec()).map_err(|error| Failure::Lost(error.to_string()))
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,225 @@
+//! The shader's text: the files of `shaders/`, composed for what a class needs, behind a generated
+//! head that holds every number and the places of every field.
+//!
+//! The files are WGSL but for a few directives in comments, so that only what is needed exists in
+//! the text: `//% each mode`, `//% each harmonic` (lines written once for each, `$` the number),
+//! `//% if NAME`, `//% end`, and `$law` for the contact law's name.
+
+use super::constants;
+use super::contact::LawShader;
+use crate::observe::Wants;
+use std::fmt::Write;
+
+/// Threads of a workgroup.
+pub const WORKGROUP: u32 = 64;
+
+/// What the shader of a class is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShaderSpec {
+    pub law: &'static LawShader,
+    /// Stepped modes, 1 to [`super::MODES_MAX`].
+    pub modes: usize,
+    /// What the run measures: the layout of the buffers follows from it.
+    pub wants: Wants,
+    /// Whether this part of the run is measured; before it only the fundamental is summed.
+    pub measured: bool,
+    /// Whether free motion decays beside the steady one (a start from rest).
+    pub decay: bool,
+    /// f64 in place of f32.
+    pub double: bool,
+}
+
+const SWEEP: &str = include_str!("../../shaders/sweep.wgsl");
+const STEP: &str = include_str!("../../shaders/step.wgsl");
+const MEMORY: &str = include_str!("../../shaders/memory.wgsl");
+const PATH: &str = include_str!("../../shaders/contact/path.wgsl");
+const TALLY: &str = include_str!("../../shaders/observe/tally.wgsl");
+const FOURIER: &str = include_str!("../../shaders/observe/fourier.wgsl");
+const EXTREMES: &str = include_str!("../../shaders/observe/extremes.wgsl");
+const CONTACT: &str = include_str!("../../shaders/observe/contact.wgsl");
+const ENERGY: &str = include_str!("../../shaders/observe/energy.wgsl");
+const LEDGER: &str = include_str!("../../shaders/observe/ledger.wgsl");
+
+impl ShaderSpec {
+    /// Bytes of a number.
+    pub fn bytes(&self) -> u64 {
+        if self.double { 8 } else { 4 }
+    }
+
+    /// Sums that this part of the run keeps.
+    fn sums(&self) -> Wants {
+        if self.measured { self.wants } else { Wants::FUNDAMENTAL }
+    }
+
+    /// Fields of a row of the table of drives, in order.
+    pub fn drive_fields(&self) -> Vec<String> {
+        let modes =
+            ["m00", "m01", "m10", "m11", "rate", "pull", "drag", "kick_u", "kick_x", "work_x", "work_u"];
+        let mut fields: Vec<String> =
+            modes.iter().flat_map(|name| (0..self.modes).map(move |k| format!("{name}_{k}"))).collect();
+        let rest = ["kick_speed", "kick_work", "free_cosine", "free_sine", "free_rate"];
+        fields.extend(rest.map(str::to_owned));
+        fields
+    }
+
+    /// Fields of an instance's constants, in order.
+    pub fn case_fields(&self) -> Vec<String> {
+        let law = self.law.fields.iter().map(|name| format!("law_{name}"));
+        std::iter::once("gap".to_owned()).chain(law).collect()
+    }
+
+    /// Fields of an instance's state, tally and ledger, in order.
+    pub fn state_fields(&self) -> Vec<String> {
+        let mut fields: Vec<String> =
+            (0..self.modes).flat_map(|k| [format!("state_x_{k}"), format!("state_u_{k}")]).collect();
+        fields.push("state_touching".into());
+        for sheet in ["tally", "ledger"] {
+            for n in 0..self.wants.harmonics {
+                fields.extend([format!("{sheet}_cosine_{n}"), format!("{sheet}_sine_{n}")]);
+            }
+            let groups: [(bool, &[&str]); 3] = [
+                (self.wants.extremes, &["deepest", "highest", "held"]),
+                (self.wants.contact, &["time", "begun", "ended", "apart"]),
+                (self.wants.energy, &["impulse", "work", "virial"]),
+            ];
+            for (_, names) in groups.iter().filter(|(wanted, _)| *wanted) {
+                fields.extend(names.iter().map(|name| format!("{sheet}_{name}")));
+            }
+        }
+        if self.carried() {
+            fields.extend(["tally_last_0", "tally_last_1", "tally_touched"].map(str::to_owned));
+        }
+        let ledger = ["last_cosine", "last_sine", "change_0", "change_1", "change_2", "change_3", "largest"];
+        fields.extend(ledger.map(|name| format!("ledger_{name}")));
+        fields
+    }
+
+    /// Whether anything measured looks back at earlier samples.
+    fn carried(&self) -> bool {
+        self.wants.extremes || self.wants.contact
+    }
+
+    /// The whole shader.
+    pub fn compose(&self) -> String {
+        let sums = self.sums();
+        let mut text = self.head();
+        let mut add = |file: &str| {
+            text.push('\n');
+            text += &self.expand(file);
+        };
+        add(PATH);
+        self.law.texts.iter().for_each(|file| add(file));
+        add(STEP);
+        add(TALLY);
+        add(FOURIER);
+        let groups = [(sums.extremes, EXTREMES), (sums.contact, CONTACT), (sums.energy, ENERGY)];
+        groups.iter().filter(|(wanted, _)| *wanted).for_each(|(_, file)| add(file));
+        add(LEDGER);
+        add(MEMORY);
+        add(SWEEP);
+        text
+    }
+
+    fn head(&self) -> String {
+        let mut head = format!(
+            "// {} law, {} modes, {}\nalias real = {};\n",
+            self.law.name,
+            self.modes,
+            if self.measured { "measured" } else { "settling" },
+            if self.double { "f64" } else { "f32" }
+        );
+        // Writing to a String cannot fail.
+        for (name, value) in constants::ALL {
+            let _ = writeln!(head, "const {name}: real = {};", self.literal(*value));
+        }
+        let _ = writeln!(head, "const WORKGROUP: u32 = {WORKGROUP}u;");
+        let _ = writeln!(head, "const EXPONENT: u32 = {:#x}u;", f32::INFINITY.to_bits());
+        let tables =
+            [("DRIVE_", self.drive_fields()), ("CASE_", self.case_fields()), ("", self.state_fields())];
+        for (prefix, fields) in &tables {
+            for (place, field) in fields.iter().enumerate() {
+                let _ = writeln!(head, "const {prefix}{}: u32 = {place}u;", field.to_uppercase());
+            }
+        }
+        let (mut members, mut values) = (String::new(), String::new());
+        for field in self.law.fields {
+            let _ = writeln!(members, "    {field}: real,");
+            let _ = write!(values, "cases[at(CASE_LAW_{}, i)], ", field.to_uppercase());
+        }
+        if self.law.fields.is_empty() {
+            // A structure must have a member.
+            (members, values) = ("    none: real,\n".into(), "ZERO".into());
+        }
+        head + &format!(
+            "\nstruct Law {{\n{members}}}\n\nfn law_of(i: u32) -> Law {{\n    return Law({values});\n}}\n"
+        )
+    }
+
+    /// A number as the shader's text has it: the nearest of its precision.
+    fn literal(&self, value: f64) -> String {
+        if self.double { format!("{value:?}lf") } else { format!("{:?}f", value as f32) }
+    }
+
+    /// Carries out a file's directives.
+    fn expand(&self, file: &str) -> String {
+        let lines: Vec<&str> = file.lines().collect();
+        let mut out = String::new();
+        self.block(&lines, None, &mut out);
+        out.replace("$law", self.law.name)
+    }
+
+    fn block(&self, lines: &[&str], number: Option<usize>, out: &mut String) {
+        let mut at = 0;
+        while at < lines.len() {
+            let line = lines[at];
+            let Some(directive) = line.trim().strip_prefix("//% ") else {
+                match number {
+                    Some(number) if !line.contains("$law") => {
+                        *out += &line.replace('$', &number.to_string());
+                    }
+                    _ => *out += line,
+                }
+                out.push('\n');
+                at += 1;
+                continue;
+            };
+            let end = at + 1 + closing(&lines[at + 1..]);
+            let inside = &lines[at + 1..end];
+            match directive {
+                "each mode" => (0..self.modes).for_each(|k| self.block(inside, Some(k), out)),
+                "each harmonic" => (0..self.sums().harmonics).for_each(|n| self.block(inside, Some(n), out)),
+                _ if directive.strip_prefix("if ").is_some_and(|name| self.holds(name)) => {
+                    self.block(inside, number, out);
+                }
+                _ => {}
+            }
+            at = end + 1;
+        }
+    }
+
+    fn holds(&self, condition: &str) -> bool {
+        match condition {
+            "extremes" => self.sums().extremes,
+            "contact" => self.sums().contact,
+            "energy" => self.sums().energy,
+            "carried" => self.carried(),
+            "measured" => self.measured,
+            "decay" => self.decay,
+            _ => false,
+        }
+    }
+}
+
+/// Lines up to the `//% end` that closes a block.
+fn closing(lines: &[&str]) -> usize {
+    let mut depth = 0;
+    for (number, line) in lines.iter().enumerate() {
+        match line.trim() {
+            "//% end" if depth == 0 => return number,
+            "//% end" => depth -= 1,
+            line if line.starts_with("//% ") => depth += 1,
+            _ => {}
+        }
+    }
+    lines.len()
+}
