@@ -19,6 +19,6 @@ pub struct PlanArgs {
 pub fn main(args: &PlanArgs) -> anyhow::Result<()> {
     let mut scene = load(&args.scene)?;
     let plan = args.engine.plan(&mut scene)?;
-    let summary = plan.summary(Some(estimate(&plan, &args.engine.engine())?));
+    let summary = plan.summary(Some(estimate(&plan, args.engine.engine().as_ref())?));
     if args.json { print_json(summary.json()) } else { print(&summary.to_string()) }
 }

@@ -2,7 +2,7 @@
 
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, load};
-use afmsweep::engine::{Cpu, Engine, Outcome, Progress};
+use afmsweep::engine::{Cpu, Engine, Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::record::{self, Facts};
@@ -55,6 +55,8 @@ fn parse_threads(text: &str) -> Result<usize, String> {
 enum Backend {
     Auto,
     Cpu,
+    /// Adaptive, order 8, contact events located: slow, for checks
+    Reference,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -65,9 +67,10 @@ enum PrecisionArg {
 
 impl EngineArgs {
     /// The engine asked for.
-    pub fn engine(&self) -> impl Engine + use<> {
+    pub fn engine(&self) -> Box<dyn Engine> {
         match self.backend {
-            Backend::Auto | Backend::Cpu => Cpu { threads: self.threads },
+            Backend::Auto | Backend::Cpu => Box::new(Cpu { threads: self.threads }),
+            Backend::Reference => Box::new(Reference { threads: self.threads, ..Reference::default() }),
         }
     }
 

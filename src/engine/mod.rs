@@ -4,12 +4,14 @@ mod cpu;
 mod estimate;
 mod law;
 mod measure;
+mod reference;
 mod start;
 mod trace;
 mod track;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
+pub use reference::{Model, Reference, TOLERANCE, Work, solve};
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
@@ -37,6 +39,10 @@ pub enum EngineError {
     NoModes,
     #[error("no threads for the CPU engine: {0}")]
     Threads(String),
+    #[error("the reference engine's tolerance is {0:e}: give one from 1e-14 to 1e-3")]
+    Tolerance(f64),
+    #[error("no instance {instance}: the plan has {count}, numbered from 0")]
+    NoInstance { instance: usize, count: usize },
 }
 
 /// What a run yields, by instance.
