@@ -5,7 +5,7 @@ mod support;
 
 use afmsweep::engine::{Model, Reference, solve};
 use afmsweep::observe::Status;
-use afmsweep::scene::{LawChoice, Scene};
+use afmsweep::scene::{LawChoice, Lever, LeverMode, Scene, Start};
 use checks::{Twin, one_mode, sample};
 use std::path::Path;
 use std::time::Instant;
@@ -49,5 +49,21 @@ fn soft_medium_and_stiff_under_every_law() {
             });
             agree(&format!("{law:?}, {modulus:e} Pa"), &scene, Model::Kept, 1e-9);
         }
+    }
+}
+
+/// From rest both programs see the transients of every mode, one in closed form, the other as motion.
+#[test]
+fn two_modes_from_rest() {
+    for law in [LawChoice::Hertz, LawChoice::Jkr] {
+        let scene = one_mode(5.0, 70e3, 10.0, 30e-9, 22e-9, |scene| {
+            let first = LeverMode { stiffness: 5.0, frequency: 70e3, quality_factor: 10.0, drive: 1.0 };
+            let second = LeverMode { stiffness: 200.0, frequency: 440e3, quality_factor: 20.0, drive: 1.0 };
+            scene.base.instrument.cantilever.lever = Lever::Modes(vec![first, second]);
+            sample(scene, law, 500e6, 0.02, 10e-9);
+            scene.run.start = Start::Rest;
+            (scene.run.periods, scene.run.measure) = (60, 10);
+        });
+        agree(&format!("two modes from rest, {law:?}"), &scene, Model::Whole, 1e-9);
     }
 }
