@@ -1,5 +1,5 @@
 //! The reference engine against closed forms: collisions, linear response in contact, loss per cycle,
-//! the lever's energy balance, and the order of its method.
+//! the lever's energy balance, and the digits that a tolerance buys.
 
 mod checks;
 mod support;
@@ -156,9 +156,9 @@ fn books_of_one_mode() {
     assert!((books - loss).abs() < 1e-8 && loss.abs() < 1e-10);
 }
 
-/// Attraction without contact is smooth: error against work falls with the method's order.
+/// Attraction without contact is smooth: the error after ten periods follows the tolerance.
 #[test]
-fn order_on_a_smooth_problem() {
+fn tolerance_buys_digits() {
     let scene = one_mode(20.0, 100e3, 10.0, 20e-9, 21.5e-9, |scene| {
         sample(scene, LawChoice::Dmt, 1e9, 0.01, 10e-9);
         scene.base.contact.decay_length = 0.6e-9;
@@ -166,21 +166,15 @@ fn order_on_a_smooth_problem() {
     });
     let plan = checks::plan(&scene, None);
     let (truth, _) = solved(&plan, 1e-14);
-    let rows: Vec<(f64, f64)> = [1e-5, 1e-7, 1e-9]
-        .into_iter()
-        .map(|tolerance| {
-            let (finished, work) = solved(&plan, tolerance);
-            let (m, t) = (finished.measured, truth.measured);
-            let error =
-                (m.harmonics[0] - t.harmonics[0]).hypot((m.phase - t.phase).to_radians() * t.harmonics[0]);
-            println!("tolerance {tolerance:.0e}: off by {:.1e} of the swing, {work:?}", error / 20e-9);
-            assert!(m.contacts == 0.0 && error / 20e-9 <= 30.0 * tolerance);
-            (work.accepted as f64, error)
-        })
-        .collect();
-    let order = (rows[0].1 / rows[2].1).ln() / (rows[2].0 / rows[0].0).ln();
-    println!("order {order:.2}");
-    assert!(order > 7.0, "order {order}");
+    for tolerance in [1e-8, 1e-9, 1e-10, 1e-11, 1e-12] {
+        let (finished, work) = solved(&plan, tolerance);
+        let (m, t) = (finished.measured, truth.measured);
+        let error =
+            (m.harmonics[0] - t.harmonics[0]).hypot((m.phase - t.phase).to_radians() * t.harmonics[0]);
+        println!("tolerance {tolerance:.0e}: off by {:.1e} of the swing, {work:?}", error / 20e-9);
+        // Seen: 4 times the tolerance at most, from 170 steps (1e-8) to 290 (1e-12).
+        assert!(m.contacts == 0.0 && error / 20e-9 <= 10.0 * tolerance);
+    }
 }
 
 /// What the reference takes is bounded: four figures of work on a confirmed point, each within a factor of two.

@@ -116,3 +116,68 @@ impl Dense {
         self.start + u * (t0 + w * (t1 + u * (t2 + w * (t3 + u * (t4 + w * (t5 + u * t6))))))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x'' = -x + sin(2 theta)/(2 + x): smooth, driven and nonlinear.
+    struct Pendulum;
+
+    impl Rates for Pendulum {
+        fn rates(&mut self, theta: f64, y: &[f64], out: &mut [f64]) -> f64 {
+            out[0] = y[1];
+            out[1] = -y[0] + (2.0 * theta).sin() / (2.0 + y[0]);
+            y[0]
+        }
+    }
+
+    /// The end of `steps` equal steps to 4, and the first step's continuous extension at three places.
+    fn to_four(steps: u32) -> (f64, [f64; 3]) {
+        let h = 4.0 / f64::from(steps);
+        let (mut y, mut theta) = ([0.5, 1.0], 0.0);
+        let mut stepper = Stepper::new(2);
+        let mut inside = [0.0; 3];
+        for step in 0..steps {
+            stepper.begin(&mut Pendulum, theta, &y);
+            stepper.step(&mut Pendulum, theta, &y, h);
+            if step == 0 {
+                stepper.extend(&mut Pendulum, theta, &y, h);
+                inside = [0.2, 0.5, 0.9].map(|u| stepper.dense(&y, 0..1, h).at(u));
+            }
+            y.copy_from_slice(&stepper.end);
+            theta += h;
+        }
+        (y[0], inside)
+    }
+
+    /// State at the share `u` of a first step of length `h`, by many short ones.
+    fn within(h: f64, u: f64) -> f64 {
+        let steps = 64;
+        let mut y = [0.5, 1.0];
+        let mut stepper = Stepper::new(2);
+        for step in 0..steps {
+            let (theta, h) = (f64::from(step) / f64::from(steps) * u * h, u * h / f64::from(steps));
+            stepper.begin(&mut Pendulum, theta, &y);
+            stepper.step(&mut Pendulum, theta, &y, h);
+            y.copy_from_slice(&stepper.end);
+        }
+        y[0]
+    }
+
+    /// Halving steps takes 2^8 off the end's error and 2^8 off one step's extension (order 7, local).
+    #[test]
+    fn steps_are_of_order_eight_and_extensions_of_seven() {
+        let truth = to_four(1024).0;
+        let [coarse, fine] = [16, 32].map(|steps| (to_four(steps).0 - truth).abs());
+        let order = (coarse / fine).log2();
+        assert!((7.5..9.5).contains(&order), "order {order}: {coarse:e}, {fine:e}");
+        let local = [8, 16].map(|steps| {
+            let h = 4.0 / f64::from(steps);
+            let found = to_four(steps).1;
+            [0.2, 0.5, 0.9].iter().zip(found).map(|(u, x)| (x - within(h, *u)).abs()).fold(0.0, f64::max)
+        });
+        let order = (local[0] / local[1]).log2();
+        assert!((7.3..9.5).contains(&order), "order {order}: {local:?}");
+    }
+}

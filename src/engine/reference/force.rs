@@ -150,3 +150,41 @@ fn growth(rise: f64) -> f64 {
     }
     e
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Adhesion, LawChoice, Params};
+
+    /// Both programs' laws, over and beyond the places where they change.
+    #[test]
+    fn forces_agree_with_the_closed_forms_of_the_contact_module() {
+        for law in [LawChoice::Hertz, LawChoice::Dmt, LawChoice::Jkr] {
+            for modulus in [1e6, 1e9, 1e11] {
+                let mut params = Params::default();
+                params.contact.law = law;
+                params.sample.youngs_modulus = modulus;
+                params.sample.adhesion = Adhesion::Work(0.05);
+                let contact = Contact::new(&params);
+                let force = Force::new(&contact);
+                let unit = PI * contact.work * contact.radius;
+                let fold = force.level(true).unwrap_or(0.0);
+                for step in 1..4000 {
+                    let delta = fold + f64::from(step) * f64::from(step) * 1e-15;
+                    for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
+                        let (own, other) = (force.at(delta, touching), contact.force(delta, touching));
+                        // Next to the fold a rounding of the indentation shows by its square root.
+                        let bound = 1e-12 * (unit + other.abs());
+                        assert!(
+                            (own - other).abs() <= bound,
+                            "{law:?} {modulus:e} {delta:e}: {own:e}, {other:e}"
+                        );
+                    }
+                }
+                if let Some(pull) = force.deepest_pull() {
+                    assert!((force.at(pull, true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
+                }
+            }
+        }
+    }
+}
