@@ -3,7 +3,7 @@
 
 mod program;
 
-use afmsweep::engine::{Cpu, Engine, Finished, Progress};
+use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
@@ -256,4 +256,31 @@ fn a_report_is_made_from_the_results_file() {
     assert!(desk.path("elsewhere/index.html").is_file());
     desk.refuses(&["report", "tap.toml"], &["is no results file of afmsweep"]);
     desk.refuses(&["report", "nowhere.h5"], &["nowhere.h5: no such file"]);
+}
+
+/// The reference engine by its name: the library's own answer to the bit, close to the CPU engine's.
+#[test]
+fn reference_backend() {
+    let desk = Desk::new();
+    let scene = desk.write(
+        "small.toml",
+        "[instrument.actuator]\nmodel = \"rigid\"\n[instrument.cantilever]\n\
+         modes = [{ stiffness = \"5 N/m\", frequency = \"75 kHz\", quality_factor = 20 }]\n\
+         [contact]\nlaw = \"hertz\"\n[drive]\non = \"tip\"\nfrequency = \"75 kHz\"\n\
+         free_amplitude = \"20 nm\"\n[approach]\ngap = \"15 nm\"\n[run]\nperiods = 60\nmeasure = 4\n\
+         [sweep]\n\"sample.youngs_modulus\" = { values = [\"50 MPa\", \"500 MPa\"] }\n\
+         [output]\nobservables = [\"amplitude\", \"force_max\"]\n",
+    );
+    let results = desk.run(&scene, &["--backend", "reference", "--threads", "1"]);
+    let device = results.attributes.iter().find(|(name, _)| name == "device").unwrap();
+    assert!(matches!(&device.1, Attribute::Text(text) if text.starts_with("reference integrator, DOP853")));
+    let plan = Plan::new(&Scene::load(&scene).unwrap(), Precision::F64).unwrap();
+    let expected = Reference::default().run(&plan, &Progress::default()).unwrap().results;
+    let (_, stepped) = engine(&scene, Precision::F64, None);
+    for (i, (own, other)) in expected.iter().zip(&stepped).enumerate() {
+        assert_eq!(variable(&results, "amplitude")[i], own.measured.harmonics[0]);
+        assert_eq!(variable(&results, "force_max")[i], own.measured.force_max);
+        assert!((own.measured.harmonics[0] - other.measured.harmonics[0]).abs() < 1e-3 * 20e-9);
+        assert_ne!(own.measured.harmonics[0], other.measured.harmonics[0]);
+    }
 }

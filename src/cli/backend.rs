@@ -2,7 +2,7 @@
 
 use super::Voice;
 use afmsweep::engine::gpu::{Gpu, adapters};
-use afmsweep::engine::{Cpu, Engine};
+use afmsweep::engine::{Cpu, Engine, Reference};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use anyhow::Context;
@@ -39,6 +39,8 @@ enum Backend {
     Auto,
     Gpu,
     Cpu,
+    /// Adaptive, contact events located: slow and exact
+    Reference,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -55,11 +57,14 @@ const SINGLE: f64 = 1e-3;
 impl EngineArgs {
     /// The engine asked for; sets the plan's precision where it was left to the engine.
     pub fn engine(&self, plan: &mut Plan, voice: Voice) -> anyhow::Result<Box<dyn Engine>> {
-        if self.device.is_some() && self.backend == Backend::Cpu {
+        if self.device.is_some() && matches!(self.backend, Backend::Cpu | Backend::Reference) {
             anyhow::bail!("--device names a GPU adapter: use it with --backend gpu");
         }
         match (self.backend, &self.device) {
             (Backend::Cpu, _) => Ok(self.cpu()),
+            (Backend::Reference, _) => {
+                Ok(Box::new(Reference { threads: self.threads, ..Reference::default() }))
+            }
             (Backend::Gpu, wanted) | (Backend::Auto, wanted @ Some(_)) => {
                 self.gpu(wanted.as_deref(), plan, voice)
             }

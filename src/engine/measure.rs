@@ -31,21 +31,32 @@ impl Sums {
         Self { finite, periods, steps: periods * f64::from(steps), ledger: ledger.lane(lane) }
     }
 
-    /// How far the fundamental (m) still is from where it will end, by its latest change and the
-    /// slowest kept mode's decay over a period: a geometric series of changes no longer than that.
-    fn unsettled(&self, driven: &Driven) -> f64 {
-        let decay = driven
-            .kept
-            .modes
-            .iter()
-            .map(|mode| {
-                -(std::f64::consts::TAU * mode.damping * mode.omega / driven.free.omega).exp_m1().abs()
-            })
-            .map(f64::abs)
-            .fold(f64::INFINITY, f64::min);
-        let change = self.ledger.changes.iter().copied().fold(self.ledger.largest, f64::max);
-        if change == 0.0 { 0.0 } else { change * LENGTH / decay.min(1.0) }
+    /// Largest change (m) of the fundamental, of the latest ones and of those into a measured period.
+    fn change(&self) -> f64 {
+        self.ledger.changes.iter().copied().fold(self.ledger.largest, f64::max) * LENGTH
     }
+}
+
+/// How far the fundamental (m) still is from where it will end, by its latest change (m) and the
+/// slowest kept mode's decay over a period: a geometric series of changes no longer than that.
+fn unsettled(change: f64, driven: &Driven) -> f64 {
+    let decay = driven
+        .kept
+        .modes
+        .iter()
+        .map(|mode| -(std::f64::consts::TAU * mode.damping * mode.omega / driven.free.omega).exp_m1().abs())
+        .map(f64::abs)
+        .fold(f64::INFINITY, f64::min);
+    if change == 0.0 { 0.0 } else { change / decay.min(1.0) }
+}
+
+/// Whether what such a change leaves to come is within the accuracy asked for.
+pub(super) fn settled(change: f64, driven: &Driven, run: &Run) -> bool {
+    // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
+    let scale = driven.free.tip.norm().max(1e-15);
+    // A change that is no number leaves it to the state to say so.
+    let left = unsettled(change, driven);
+    left <= run.accuracy * scale || left.is_nan()
 }
 
 /// Measurements of an instance that was stepped.
@@ -113,7 +124,7 @@ pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
 }
 
 /// Lag behind the drive's sine, degree, 0 to below 360.
-fn lag(travel: Complex<f64>) -> f64 {
+pub(super) fn lag(travel: Complex<f64>) -> f64 {
     let lag = (-travel.arg().to_degrees()).rem_euclid(360.0);
     // The remainder of a tiny negative number rounds up to the whole turn, and -0 is no phase.
     if lag < 360.0 { lag + 0.0 } else { 0.0 }
@@ -124,9 +135,7 @@ fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }
-    // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
-    let scale = driven.free.tip.norm().max(1e-15);
-    if sums.unsettled(driven) > run.accuracy * scale {
+    if !settled(sums.change(), driven, run) {
         return Status::NotSteady;
     }
     Status::Ok

@@ -5,6 +5,7 @@ mod estimate;
 pub mod gpu;
 mod law;
 mod measure;
+mod reference;
 mod saved;
 mod start;
 mod trace;
@@ -12,6 +13,7 @@ mod track;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
+pub use reference::{Model, Reference, TOLERANCE, Work, solve};
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
@@ -41,6 +43,10 @@ pub enum EngineError {
     Threads(String),
     #[error(transparent)]
     Gpu(#[from] gpu::GpuError),
+    #[error("the reference engine's tolerance is {0:e}: give one from 1e-14 to 1e-3")]
+    Tolerance(f64),
+    #[error("no instance {instance}: the plan has {count}, numbered from 0")]
+    NoInstance { instance: usize, count: usize },
 }
 
 /// What a run yields, by instance.

@@ -1,0 +1,135 @@
+//! What is measured over a period, from the steps and their continuous extensions.
+
+use super::dop853::Dense;
+use super::system::System;
+use crate::observe::{HARMONICS, Wants};
+
+/// Gauss-Legendre points and weights on 0 to 1, eight and four of them.
+const EIGHT: [(f64, f64); 8] = [
+    (0.019_855_071_751_231_856, 0.050_614_268_145_188_13),
+    (0.101_666_761_293_186_64, 0.111_190_517_226_687_24),
+    (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
+    (0.408_282_678_752_175_1, 0.181_341_891_689_180_99),
+    (0.591_717_321_247_824_9, 0.181_341_891_689_180_99),
+    (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
+    (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
+    (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
+];
+const FOUR: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+/// Steps (rad) shorter than this take four points.
+const SHORT: f64 = 0.05;
+
+/// A step with its continuous extensions.
+#[derive(Clone, Copy)]
+pub(super) struct Piece {
+    pub theta: f64,
+    pub h: f64,
+    /// Tip travel beyond the free one, m, and its rate, m per rad.
+    pub travel: Dense,
+    pub rate: Dense,
+}
+
+impl Piece {
+    /// Indentation (m) and its rate (m per rad) at the share `u` of the step.
+    pub fn indentation(&self, system: &System, u: f64) -> (f64, f64) {
+        system.indentation(self.theta + u * self.h, self.travel.at(u), self.rate.at(u))
+    }
+}
+
+/// Sums and extremes; those of harmonics over one period, the rest since the measured part began.
+#[derive(Clone, Debug)]
+pub(super) struct Meter {
+    /// Integrals of the travel beyond the steady free one times cosine and sine, this period.
+    pub cosine: [f64; HARMONICS],
+    pub sine: [f64; HARMONICS],
+    /// Time in contact, rad; contacts begun.
+    pub time: f64,
+    pub begun: f64,
+    pub touched: bool,
+    pub deepest: f64,
+    pub force_min: f64,
+    pub force_max: f64,
+    harmonics: usize,
+}
+
+impl Meter {
+    pub fn new(wants: Wants) -> Self {
+        Self {
+            cosine: [0.0; HARMONICS],
+            sine: [0.0; HARMONICS],
+            time: 0.0,
+            begun: 0.0,
+            touched: false,
+            deepest: f64::NEG_INFINITY,
+            force_min: f64::INFINITY,
+            force_max: f64::NEG_INFINITY,
+            harmonics: wants.harmonics.max(1),
+        }
+    }
+
+    /// Takes note of an indentation passed.
+    pub fn see(&mut self, system: &System, delta: f64) {
+        let force = system.force.at(delta, system.touching);
+        self.deepest = self.deepest.max(delta);
+        self.force_min = self.force_min.min(force);
+        self.force_max = self.force_max.max(force);
+    }
+
+    /// Takes in a step, whose turning points stand at the shares `turns` of it; `last` is the indentation
+    /// at its end.
+    pub fn pass(&mut self, system: &System, piece: &Piece, turns: &[f64], first: f64, last: f64) {
+        self.add_waves(system, piece);
+        let mut before = first;
+        let inside = turns.iter().map(|u| piece.indentation(system, *u).0);
+        for delta in inside.chain([last]) {
+            self.see(system, delta);
+            if let (true, Some(pull)) = (system.touching, system.force.deepest_pull())
+                && (before - pull) * (delta - pull) < 0.0
+            {
+                self.see(system, pull);
+            }
+            before = delta;
+        }
+        if system.touching {
+            self.touched = true;
+            self.time += piece.h;
+        }
+    }
+
+    fn add_waves(&mut self, system: &System, piece: &Piece) {
+        let rule: &[(f64, f64)] = if piece.h < SHORT { &FOUR } else { &EIGHT };
+        for (u, weight) in rule {
+            let theta = piece.theta + u * piece.h;
+            let beyond = piece.travel.at(*u) + system.transient(theta).0;
+            let (sine, cosine) = theta.sin_cos();
+            let (mut s, mut c) = (sine * beyond * weight * piece.h, cosine * beyond * weight * piece.h);
+            for n in 0..self.harmonics {
+                self.cosine[n] += c;
+                self.sine[n] += s;
+                (c, s) = (c * cosine - s * sine, s * cosine + c * sine);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quadrature_is_exact_for_polynomials_of_its_degree() {
+        let check = |rule: &[(f64, f64)]| {
+            for power in 0..2 * rule.len() as i32 {
+                let sum: f64 = rule.iter().map(|(u, weight)| weight * u.powi(power)).sum();
+                assert!((sum * f64::from(power + 1) - 1.0).abs() < 1e-14, "{power}: {sum}");
+            }
+        };
+        check(&FOUR);
+        check(&EIGHT);
+    }
+}

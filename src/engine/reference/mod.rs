@@ -1,0 +1,211 @@
+//! The reference engine: one instance at a time, f64, adaptive order 8, contact events located.
+//!
+//! It answers what the stepped engines' error is. It shares the instrument, the free motion and the laws'
+//! parameters with them, and neither the stepping nor the forces: the deviation from free motion is integrated with
+//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`force.rs`), every touch, release and turning
+//! point is located (`walk.rs`), and observables are integrals over the continuous path (`meter.rs`).
+
+mod dop853;
+mod force;
+mod meter;
+mod system;
+mod tableau;
+mod walk;
+
+use super::measure::{finish_free, lag, settled};
+use super::{Engine, EngineError, Finished, Outcome, Progress, start};
+use crate::observe::{HARMONICS, Measured, Status, Wants};
+use crate::plan::{CasePlan, Driven, Plan};
+use meter::Meter;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use system::System;
+use walk::Walk;
+
+/// What the reference engine integrates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Model {
+    /// The instrument's own modes until less than 1e-6 of the tip's flexibility is left, and at least
+    /// those that the plan keeps: shows the error of reduction and steps together.
+    #[default]
+    Whole,
+    /// The plan's oscillators: shows the error of the steps alone.
+    Kept,
+}
+
+/// Error that a step may make, on the scales of the largest travel, force and energy met.
+pub const TOLERANCE: f64 = 1e-12;
+
+/// The reference engine.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference {
+    /// All cores, or as many threads as asked for.
+    pub threads: Option<usize>,
+    /// See [`TOLERANCE`]; from 1e-14 to 1e-3.
+    pub tolerance: f64,
+    pub model: Model,
+}
+
+impl Default for Reference {
+    fn default() -> Self {
+        Self { threads: None, tolerance: TOLERANCE, model: Model::Whole }
+    }
+}
+
+/// What an integration took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Steps taken, and tried in vain.
+    pub accepted: u64,
+    pub rejected: u64,
+    /// Evaluations of the equations, each with one of the contact force.
+    pub evaluations: u64,
+    /// Touches and releases.
+    pub events: u64,
+    /// Oscillators integrated.
+    pub modes: usize,
+    /// Share of the tip's flexibility that none of them carries.
+    pub left_out: f64,
+}
+
+impl Engine for Reference {
+    fn device(&self) -> String {
+        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
+        let s = if threads == 1 { "" } else { "s" };
+        format!("reference integrator, DOP853, tolerance {:e}, {threads} thread{s}", self.tolerance)
+    }
+
+    fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+        // The plan's classes say which instances run: a trial has fewer than the plan has cases.
+        let instances: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.clone()).collect();
+        let all = || -> Result<Outcome, EngineError> {
+            let each: Vec<(u32, Finished)> = instances
+                .par_iter()
+                .map(|&index| Ok((index, self.instance(plan, index as usize, progress)?.0)))
+                .collect::<Result<_, EngineError>>()?;
+            let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
+            each.into_iter().for_each(|(index, finished)| results[index as usize] = finished);
+            Ok(Outcome { results, notes: Vec::new() })
+        };
+        match self.threads {
+            None => all(),
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(|error| EngineError::Threads(error.to_string()))?
+                .install(all),
+        }
+    }
+}
+
+/// One instance of a plan by the reference engine, and what it took; for audits.
+///
+/// # Errors
+/// An instance that the plan does not have, a tolerance out of range, a tip that no mode moves.
+pub fn solve(plan: &Plan, instance: usize, options: &Reference) -> Result<(Finished, Work), EngineError> {
+    options.instance(plan, instance, &Progress::default())
+}
+
+impl Reference {
+    fn instance(
+        &self,
+        plan: &Plan,
+        instance: usize,
+        progress: &Progress,
+    ) -> Result<(Finished, Work), EngineError> {
+        if !(1e-14..=1e-3).contains(&self.tolerance) {
+            return Err(EngineError::Tolerance(self.tolerance));
+        }
+        let Some(case) = plan.cases.get(instance) else {
+            return Err(EngineError::NoInstance { instance, count: plan.cases.len() });
+        };
+        let driven = &plan.drives[case.drive as usize];
+        if case.steps == 0 {
+            return Ok((finish_free(driven, plan.wants), Work::default()));
+        }
+        let system = System::new(case, driven, plan.run.start, self.model);
+        if system.modes() == 0 {
+            return Err(EngineError::NoModes);
+        }
+        let mut walk = Walk::new(system, self.tolerance);
+        let finished = integrate(&mut walk, plan, case, driven, progress);
+        Ok((finished, Work { modes: walk.system.modes(), left_out: walk.system.left_out, ..walk.work }))
+    }
+}
+
+fn integrate(
+    walk: &mut Walk,
+    plan: &Plan,
+    case: &CasePlan,
+    driven: &Driven,
+    progress: &Progress,
+) -> Finished {
+    let (run, wants) = (&plan.run, plan.wants);
+    let warm = run.periods - run.measure;
+    // The fundamental's changes into the last four periods and into every measured one are judged.
+    let judged = (run.periods - run.measure.max(4).min(run.periods)).saturating_sub(1);
+    let mut sums = Meter::new(wants);
+    let (mut cosine, mut sine) = ([0.0; HARMONICS], [0.0; HARMONICS]);
+    let mut last = (0.0, 0.0);
+    let mut change: f64 = 0.0;
+    for number in 0..run.periods {
+        if progress.stopped() {
+            return Finished::NOT_RUN;
+        }
+        let measured = number >= warm;
+        if measured && wants.energy {
+            walk.system.measuring = true;
+        }
+        let mut look = Meter::new(Wants::FUNDAMENTAL);
+        let meter = if measured { &mut sums } else { &mut look };
+        meter.cosine = [0.0; HARMONICS];
+        meter.sine = [0.0; HARMONICS];
+        if !walk.period(number, (number >= judged).then_some(&mut *meter)) {
+            return Finished { measured: Measured::NONE, status: Status::NonFinite };
+        }
+        progress.add(u64::from(case.steps));
+        if number < judged {
+            continue;
+        }
+        let now = (meter.cosine[0], meter.sine[0]);
+        if number > judged || judged == 0 {
+            change = change.max((now.0 - last.0).hypot(now.1 - last.1) / std::f64::consts::PI);
+        }
+        last = now;
+        if measured {
+            for n in 0..HARMONICS {
+                cosine[n] += meter.cosine[n];
+                sine[n] += meter.sine[n];
+            }
+        }
+    }
+    let span = TAU * f64::from(run.measure);
+    let phase = start::phase(driven, run.start);
+    let free = start::amplitudes(driven, run.start);
+    let mut measured = Measured::NONE;
+    for n in 0..wants.harmonics {
+        let steady = if n == 0 { free } else { (0.0, 0.0) };
+        let parts = (steady.0 + 2.0 * cosine[n] / span, steady.1 + 2.0 * sine[n] / span);
+        let travel = start::phasor(parts.0, parts.1, n + 1, phase);
+        measured.harmonics[n] = travel.norm();
+        if n == 0 {
+            measured.phase = lag(travel);
+        }
+    }
+    if wants.contact {
+        measured.contact_time = sums.time / span;
+        measured.contacts = sums.begun / f64::from(run.measure);
+    }
+    if wants.energy {
+        let n = 2 * walk.system.modes();
+        measured.force_mean = walk.y[n] / span;
+        measured.dissipation = -walk.y[n + 1] / f64::from(run.measure);
+        measured.virial = walk.y[n + 2] / span;
+    }
+    if wants.extremes {
+        (measured.force_min, measured.force_max) = (sums.force_min, sums.force_max);
+        measured.indentation_max = if sums.touched { sums.deepest } else { f64::NAN };
+    }
+    let status = if settled(change, driven, run) { Status::Ok } else { Status::NotSteady };
+    Finished { measured, status }
+}

@@ -1,0 +1,204 @@
+//! The instrument and its sample as the reference integrates them: the deviation from free motion.
+
+use super::Model;
+use super::dop853::Rates;
+use super::force::Force;
+use crate::engine::start;
+use crate::instrument::Mode;
+use crate::plan::{CasePlan, Driven};
+use crate::scene::Start;
+use std::f64::consts::TAU;
+
+/// Modes in order of their share of the tip's flexibility are taken until less than this is left.
+const LEFT_OUT: f64 = 1e-6;
+/// Transients smaller than this part of the scale of length are over.
+const OVER: f64 = 1e-17;
+
+/// Tip travel z(theta) = z_free + sum x_k, x_k'' + (w_k/(Q_k w)) x_k' + (w_k/w)^2 x_k = (c_k b_k/w^2) f,
+/// theta = w t being the drive's angle since the run's start, counted afresh in each period.
+///
+/// Unknowns: x_k (m), then x_k' (m per rad), then, while measuring, the integrals of f, f z' and f z.
+pub(super) struct System {
+    /// (w_k/w)^2, w_k/(Q_k w), c_k b_k/w^2 of each oscillator.
+    stiffness: Vec<f64>,
+    loss: Vec<f64>,
+    push: Vec<f64>,
+    /// Amplitudes of the steady free motion's cosine and sine, m.
+    free: (f64, f64),
+    /// Decaying free motion after a start from rest: each mode with its start as tip travel and speed.
+    transients: Vec<(Mode, [f64; 2])>,
+    /// rad/s
+    pub omega: f64,
+    /// Time at which the present period began, s.
+    begun: f64,
+    gap: f64,
+    pub force: Force,
+    pub touching: bool,
+    /// Whether the integrals are among the unknowns.
+    pub measuring: bool,
+    /// Share of the tip's flexibility that no oscillator carries.
+    pub left_out: f64,
+    /// Fastest transient worth resolving, over the drive.
+    pub fastest_transient: f64,
+}
+
+impl System {
+    pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model) -> Self {
+        let omega = driven.free.omega;
+        let (modes, left_out) = oscillators(driven, model);
+        let mut system = Self {
+            stiffness: modes.iter().map(|mode| (mode[0] / omega).powi(2)).collect(),
+            loss: modes.iter().map(|mode| mode[1] / omega).collect(),
+            push: modes.iter().map(|mode| mode[2] / (omega * omega)).collect(),
+            free: start::amplitudes(driven, start),
+            transients: Vec::new(),
+            omega,
+            begun: 0.0,
+            gap: case.gap,
+            force: Force::new(&case.contact),
+            touching: false,
+            measuring: false,
+            left_out,
+            fastest_transient: 0.0,
+        };
+        if start == Start::Rest {
+            let modes = driven.instrument.modes.iter().zip(&driven.free.transient);
+            system.transients =
+                modes.map(|(mode, [q, rate])| (*mode, [mode.tip * q, mode.tip * rate])).collect();
+            system.begin_period(0);
+            let size = |(mode, [x, v]): &(Mode, [f64; 2])| x.abs() + v.abs() / mode.omega;
+            let seen = 1e-12 * system.length();
+            let fast = system.transients.iter().filter(|one| size(one) > seen);
+            system.fastest_transient = fast.map(|(mode, _)| mode.omega / omega).fold(0.0, f64::max);
+        }
+        system.touching = system.force.touching_at(-(case.gap + system.free_at(0.0).0));
+        system
+    }
+
+    /// Oscillators.
+    pub fn modes(&self) -> usize {
+        self.push.len()
+    }
+
+    /// Unknowns.
+    pub fn size(&self) -> usize {
+        2 * self.modes() + if self.measuring { 3 } else { 0 }
+    }
+
+    /// Scale of length that errors count on at first, m: the free swing, or a femtometre.
+    pub fn length(&self) -> f64 {
+        self.free.0.hypot(self.free.1).max(1e-15)
+    }
+
+    /// Frequency of oscillator `k` over the drive's, at least 1: its speeds are that much larger than its travel.
+    pub fn pace(&self, k: usize) -> f64 {
+        self.stiffness[k].sqrt().max(1.0)
+    }
+
+    /// Static travel of the tip per force by all oscillators, m/N.
+    pub fn flexibility(&self) -> f64 {
+        self.push.iter().zip(&self.stiffness).map(|(push, stiffness)| push / stiffness).sum()
+    }
+
+    /// Counts the angle from period `number` on and lets go of transients that are over.
+    pub fn begin_period(&mut self, number: u32) {
+        self.begun = f64::from(number) * TAU / self.omega;
+        let (begun, over) = (self.begun, OVER * self.length());
+        self.transients.retain(|(mode, state)| {
+            let [x, v] = turned(mode, begun, *state);
+            x.abs() + v.abs() / mode.omega > over
+        });
+    }
+
+    /// Decaying part of the free motion: travel (m) and its rate (m per rad).
+    pub fn transient(&self, theta: f64) -> (f64, f64) {
+        let time = self.begun + theta / self.omega;
+        let sum = self.transients.iter().fold([0.0; 2], |sum, (mode, state)| {
+            let [x, v] = turned(mode, time, *state);
+            [sum[0] + x, sum[1] + v]
+        });
+        (sum[0], sum[1] / self.omega)
+    }
+
+    /// Travel (m) without a sample and its rate (m per rad).
+    pub fn free_at(&self, theta: f64) -> (f64, f64) {
+        let (sine, cosine) = theta.sin_cos();
+        let (travel, rate) =
+            (self.free.0 * cosine + self.free.1 * sine, self.free.1 * cosine - self.free.0 * sine);
+        if self.transients.is_empty() {
+            return (travel, rate);
+        }
+        let (more, faster) = self.transient(theta);
+        (travel + more, rate + faster)
+    }
+
+    /// Indentation (m) with the oscillators' travel `beyond`, and its rate (m per rad) with theirs.
+    pub fn indentation(&self, theta: f64, beyond: f64, rate: f64) -> (f64, f64) {
+        let (travel, free_rate) = self.free_at(theta);
+        (-(self.gap + travel + beyond), -(free_rate + rate))
+    }
+
+    /// The same of a state.
+    pub fn indentation_of(&self, theta: f64, y: &[f64]) -> (f64, f64) {
+        let n = self.modes();
+        self.indentation(theta, y[..n].iter().sum(), y[n..2 * n].iter().sum())
+    }
+}
+
+impl Rates for System {
+    fn rates(&mut self, theta: f64, y: &[f64], out: &mut [f64]) -> f64 {
+        let n = self.modes();
+        let (x, rest) = y.split_at(n);
+        let v = &rest[..n];
+        let (free, free_rate) = self.free_at(theta);
+        let travel = free + x.iter().sum::<f64>();
+        let delta = -(self.gap + travel);
+        let force = self.force.at(delta, self.touching);
+        out[..n].copy_from_slice(v);
+        let bent = out[n..2 * n].iter_mut().zip(x).zip(v);
+        let constants = self.stiffness.iter().zip(&self.loss).zip(&self.push);
+        for (((out, x), v), ((stiffness, loss), push)) in bent.zip(constants) {
+            *out = push * force - loss * v - stiffness * x;
+        }
+        if self.measuring {
+            let rate = free_rate + v.iter().sum::<f64>();
+            out[2 * n..2 * n + 3].copy_from_slice(&[force, force * rate, force * travel]);
+        }
+        delta
+    }
+}
+
+fn turned(mode: &Mode, time: f64, [x, v]: [f64; 2]) -> [f64; 2] {
+    let [[a, b], [c, d]] = mode.propagator(time);
+    [a * x + b * v, c * x + d * v]
+}
+
+/// Frequency, frequency over quality factor, and mobility of each oscillator; the share left out.
+fn oscillators(driven: &Driven, model: Model) -> (Vec<[f64; 3]>, f64) {
+    if model == Model::Kept {
+        let kept = &driven.kept;
+        let each = kept.modes.iter().map(|m| [m.omega, 2.0 * m.damping * m.omega, m.mobility]);
+        return (each.collect(), kept.residual_share);
+    }
+    let modes = &driven.instrument.modes;
+    let share = |k: usize| modes[k].tip * modes[k].force / (modes[k].omega * modes[k].omega);
+    let whole: f64 = (0..modes.len()).map(share).sum();
+    let mut order: Vec<usize> = (0..modes.len()).filter(|&k| share(k) != 0.0).collect();
+    order.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()));
+    // From the smallest up: what may go. A mode that the plan keeps stays.
+    let planned = |k: usize| driven.kept.modes.iter().any(|mode| mode.index == Some(k));
+    let (mut left, mut absolute) = (0.0, 0.0);
+    while let Some(&k) = order.last() {
+        absolute += (share(k) / whole).abs();
+        if absolute > LEFT_OUT || planned(k) {
+            break;
+        }
+        left += share(k) / whole;
+        order.pop();
+    }
+    let each = order.iter().map(|&k| {
+        let mode = &modes[k];
+        [mode.omega, mode.omega / mode.quality_factor, mode.tip * mode.force]
+    });
+    (each.collect(), left)
+}
