@@ -143,8 +143,7 @@ fn growth(rise: f64) -> f64 {
         }
         let moved = (next - e).abs();
         e = next;
-        // Written so that a NaN ends it too.
-        if !(moved > 2.0 * f64::EPSILON * e) {
+        if moved <= 2.0 * f64::EPSILON * e || moved.is_nan() {
             break;
         }
     }

@@ -250,7 +250,7 @@ impl Walk {
         let size = self.system.size();
         let mut h = guess;
         let mut last = f64::INFINITY;
-        for _ in 0..6 {
+        for round in 0..6 {
             if h <= 0.0 {
                 return 0.0;
             }
@@ -264,7 +264,7 @@ impl Walk {
                 break;
             }
             let next = h + shift;
-            if !(next > 0.0 && next <= 1.01 * longest) || shift.abs() > 0.01 * longest {
+            if round == 5 || !(next > 0.0 && next <= 1.01 * longest) || shift.abs() > 0.01 * longest {
                 break;
             }
             (h, last) = (next, shift.abs());
