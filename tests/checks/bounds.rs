@@ -48,9 +48,10 @@ pub const BOOKS: f64 = 1e-4;
 pub const SINGLE: f64 = 5e-5;
 
 /// The shader against the CPU in the same precision, steady instances, after more than 10,000 steps.
-/// Seen on lavapipe: see the output of tests/agree_gpu.rs.
-pub const SHADER_SINGLE: f64 = 5e-5;
-pub const SHADER_DOUBLE: f64 = 1e-9;
+/// Seen on lavapipe: 1.4e-4 in the largest force on 30 GPa, whose indentation is a small difference of travels
+/// (swing and phase 1.5e-7), and 4.4e-13 in f64.
+pub const SHADER_SINGLE: f64 = 4e-4;
+pub const SHADER_DOUBLE: f64 = 1e-11;
 
 /// Sixteen steps a period on a medium sample, whatever the accuracy asked for. Seen: 3.8e-3.
 pub const SIXTEEN: f64 = 1e-2;

@@ -71,7 +71,7 @@ impl Drill {
     fn strike(&self, session: &Session) {
         let Some(at) = self.lose_at else { return };
         let number = self.dispatches.fetch_add(1, Ordering::Relaxed) + 1;
-        if number % at == 0 && self.lost.fetch_add(1, Ordering::Relaxed) < self.times {
+        if number.is_multiple_of(at) && self.lost.fetch_add(1, Ordering::Relaxed) < self.times {
             session.device.destroy();
         }
     }
@@ -157,7 +157,7 @@ impl Gpu {
             let failure = match run {
                 Ok(Some(saved)) => return Ok(finish_all(plan, class, &tables.instances, &saved)),
                 Ok(None) => return Ok(vec![Finished::NOT_RUN; tables.instances.len()]),
-                Err(failure) => failure,
+                Err(failure) => session.cause(failure),
             };
             opened.session = None;
             opened.pace.slow_down();

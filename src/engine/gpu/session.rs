@@ -19,10 +19,12 @@ pub(super) struct Session {
     trouble: Arc<Mutex<Option<Failure>>>,
 }
 
-/// Keeps the first thing that went wrong: what follows is its echo.
+/// Keeps the first thing that went wrong, since what follows is its echo; but a lost device explains all.
 fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
-    if let Ok(mut slot) = trouble.lock() {
-        slot.get_or_insert(failure);
+    if let Ok(mut slot) = trouble.lock()
+        && (slot.is_none() || matches!(failure, Failure::Lost(_)))
+    {
+        *slot = Some(failure);
     }
 }
 
@@ -58,6 +60,13 @@ impl Session {
             note(&seen, Failure::Lost(format!("{reason:?} {message}").trim().to_owned()));
         });
         Ok(Self { device, queue, pipelines: RefCell::default(), trouble })
+    }
+
+    /// What `failure` came from: the word of a lost device may come after its first consequences.
+    pub fn cause(&self, failure: Failure) -> Failure {
+        // Only its callbacks matter here.
+        let _ = self.device.poll(PollType::Poll);
+        self.check().err().unwrap_or(failure)
     }
 
     /// What went wrong so far.
