@@ -103,7 +103,7 @@ fn same(ours: &[Finished], theirs: &[Finished], what: &str) -> Result<usize, Fai
     }
 }
 
-/// Every law, every observable, both starts: whole runs of more than 10,000 steps with that many modes.
+/// Every law, every observable, both starts: whole runs of more than 20,000 steps with that many modes.
 ///
 /// Without a sample the bits are the same. In contact this driver's compiler takes sums and products apart in
 /// its own way in places, which moves the last bits.
@@ -115,9 +115,9 @@ fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
     let (mut compared, mut worst_seen, mut identical, mut all) = (0, 0.0, 0, 0);
     for law in LAWS {
         for start in ["steady", "rest"] {
-            // 80 periods of 128 steps; with more than 4 modes the fastest needs 512.
+            // 160 periods of 128 steps; with more than 4 modes the fastest needs 512.
             let steps = if modes > 4 { 512 } else { 128 };
-            let scene = scene(law, start, modes, steps, 10_240 / 128);
+            let scene = scene(law, start, modes, steps, 160);
             let plan = checks::plan_in(&scene, None, precision);
             let what = format!("{law}, {start}, {modes} modes, {}", precision.name());
             let outcome = on(&gpu(), &plan);
@@ -130,8 +130,11 @@ fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
             for (i, (ours, theirs)) in outcome.results.iter().zip(&truths).enumerate() {
                 all += 1;
                 identical += usize::from(bits(ours) == bits(theirs));
-                assert_eq!(ours.status, theirs.status, "{what}, instance {i}");
-                if theirs.status != Status::Ok {
+                // Which of them a response that just settles is called hangs on its last bits.
+                let settling = [Status::Ok, Status::NotSteady];
+                let near = settling.contains(&ours.status) && settling.contains(&theirs.status);
+                assert!(near || ours.status == theirs.status, "{what}, instance {i}");
+                if ours.status != Status::Ok || theirs.status != Status::Ok {
                     continue;
                 }
                 let truth = checks::outcome(&theirs.measured);
