@@ -19,8 +19,8 @@ pub struct PlanArgs {
 pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
     let mut scene = load(&args.scene)?;
     let mut plan = args.engine.plan(&mut scene)?;
-    // JSON is asked for by programs: nothing beside it.
-    let voice = Voice { quiet: voice.quiet || args.json, ..voice };
+    // Nothing runs: which engine would is told to those who ask.
+    let voice = Voice { quiet: !voice.verbose || args.json, ..voice };
     let engine = args.engine.engine(&mut plan, voice)?;
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
     if args.json { print_json(summary.json()) } else { print(&summary.to_string()) }
