@@ -25,7 +25,7 @@ mod tally;
 pub use flow::{Flow, FlowMode, increments};
 pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
-pub use shader::{ShaderSpec, WORKGROUP};
+pub use shader::{Binding, ShaderSpec, WORKGROUP};
 pub use step::{Case, Decay, Free, Sample, State, Wave, period};
 pub use tally::Tally;
 

@@ -29,6 +29,14 @@ pub struct ShaderSpec {
     pub double: bool,
 }
 
+/// What a binding of `shaders/sweep.wgsl` is to the shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binding {
+    Uniform,
+    Read,
+    Write,
+}
+
 const SWEEP: &str = include_str!("../../shaders/sweep.wgsl");
 const STEP: &str = include_str!("../../shaders/step.wgsl");
 const MEMORY: &str = include_str!("../../shaders/memory.wgsl");
@@ -49,6 +57,16 @@ impl ShaderSpec {
     /// Sums that this part of the run keeps.
     fn sums(&self) -> Wants {
         if self.measured { self.wants } else { Wants::FUNDAMENTAL }
+    }
+
+    /// The bindings of group 0, in order.
+    pub fn bindings(&self) -> Vec<Binding> {
+        use Binding::{Read, Uniform, Write};
+        let mut all = vec![Uniform, Read, Read, Read, Read, Write, Write];
+        if self.decay {
+            all.push(Read);
+        }
+        all
     }
 
     /// Fields of a row of the table of drives, in order.

@@ -1,7 +1,7 @@
 //! Which GPUs there are, and which one to take.
 
 use super::GpuError;
-use wgpu::{Adapter, Backends, DeviceType, Features, Instance, InstanceDescriptor};
+use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
 
 /// What one adapter can do.
 #[derive(Clone, Debug)]
@@ -16,6 +16,8 @@ pub struct AdapterReport {
     pub driver: String,
     /// Whether shaders can compute in f64.
     pub double: bool,
+    /// Whether it can be kept from fusing sums and products.
+    pub strict: bool,
     /// Largest buffer that a shader can see, and largest buffer at all, bytes.
     pub binding_bytes: u64,
     pub buffer_bytes: u64,
@@ -56,6 +58,7 @@ fn report(index: usize, adapter: &Adapter) -> AdapterReport {
         },
         interface: info.backend.to_str().to_owned(),
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        strict: info.backend == Backend::Vulkan && adapter.features().contains(Features::PASSTHROUGH_SHADERS),
         double: adapter.features().contains(Features::SHADER_F64),
         binding_bytes: limits.max_storage_buffer_binding_size,
         buffer_bytes: limits.max_buffer_size,

@@ -5,6 +5,7 @@ mod chunk;
 mod pace;
 mod pack;
 mod session;
+mod strict;
 
 pub use adapter::{AdapterReport, adapters};
 pub use chunk::Job;
@@ -34,6 +35,8 @@ pub enum GpuError {
     NoSuchAdapter { wanted: String, found: Vec<String> },
     #[error("{0} cannot compute in f64 in shaders: use --precision f32, or --backend cpu")]
     NoDouble(String),
+    #[error("{0} cannot be kept from fusing sums and products: only a Vulkan driver can")]
+    NoStrict(String),
     #[error("{adapter} cannot be opened: {why}; use --backend cpu")]
     Device { adapter: String, why: String },
 }
@@ -63,6 +66,8 @@ pub struct Drill {
     pub memory_for: Option<usize>,
     /// Time between checkpoints in place of some seconds.
     pub save_every: Option<Duration>,
+    /// Changes the shader's text before it is compiled.
+    pub edit: Option<fn(String) -> String>,
     dispatches: AtomicU32,
     lost: AtomicU32,
 }
@@ -83,6 +88,10 @@ pub struct Gpu {
     report: AdapterReport,
     /// Most instances on the device at a time, below what its memory allows.
     pub chunk: Option<usize>,
+    /// Forbids the driver to fuse or reorder sums and products: what it computes is then what the CPU does,
+    /// bit by bit, as far as the device divides and takes roots as IEEE 754 asks. From the start on for
+    /// software drivers, to which it costs nothing; only a Vulkan driver can do it.
+    pub strict: bool,
     /// For tests of what happens when a device fails.
     pub drill: Drill,
 }
@@ -94,7 +103,8 @@ impl Gpu {
     /// The adapter asked for by index or part of its name; else the best there is.
     pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
         let (adapter, report) = adapter::choose(wanted)?;
-        Ok(Self { adapter, report, chunk: None, drill: Drill::default() })
+        let strict = report.strict && report.software();
+        Ok(Self { adapter, report, chunk: None, strict, drill: Drill::default() })
     }
 
     /// What it can do.
@@ -209,7 +219,7 @@ impl Opened {
     /// Opens a device if none is open.
     fn open(&mut self, gpu: &Gpu, precision: Precision) {
         if self.session.is_none() {
-            match Session::open(&gpu.adapter, &gpu.report, precision == Precision::F64) {
+            match Session::open(gpu, precision == Precision::F64) {
                 Ok(session) => self.session = Some(session),
                 Err(error) => self.notes.push(error.to_string()),
             }
@@ -224,7 +234,7 @@ impl Engine for Gpu {
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         // A device that cannot be opened at all is an error, before anything is computed.
-        let session = Session::open(&self.adapter, &self.report, plan.precision == Precision::F64)?;
+        let session = Session::open(self, plan.precision == Precision::F64)?;
         let pace = Pace::new(self.report.software());
         let mut opened = Opened { session: Some(session), pace, notes: Vec::new() };
         let mut results = vec![Finished::NOT_RUN; plan.cases.len()];

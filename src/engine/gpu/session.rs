@@ -1,20 +1,25 @@
 //! One open device: its queue, its pipelines, and whatever went wrong on it.
 
-use super::adapter::AdapterReport;
 use super::{Failure, GpuError};
-use crate::kernel::ShaderSpec;
+use super::{Gpu, strict};
+use crate::kernel::{Binding, ShaderSpec, WORKGROUP};
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex};
 use wgpu::{
-    Adapter, BindGroupLayout, Buffer, BufferUsages, ComputePipeline, Device, DeviceDescriptor, Features,
-    MapMode, PollType, Queue, ShaderModuleDescriptor, ShaderRuntimeChecks, ShaderSource, SubmissionIndex,
+    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
+    BufferUsages, ComputePipeline, Device, DeviceDescriptor, Features, MapMode, PassthroughShaderEntryPoint,
+    PipelineLayout, PipelineLayoutDescriptor, PollType, Queue, ShaderModule, ShaderModuleDescriptor,
+    ShaderModuleDescriptorPassthrough, ShaderRuntimeChecks, ShaderSource, ShaderStages, SubmissionIndex,
 };
 
 /// A device and what is compiled on it.
 pub(super) struct Session {
     pub device: Device,
     pub queue: Queue,
+    /// Whether the driver must round after each operation.
+    strict: bool,
+    edit: Option<fn(String) -> String>,
     pipelines: RefCell<Vec<(ShaderSpec, ComputePipeline)>>,
     trouble: Arc<Mutex<Option<Failure>>>,
 }
@@ -29,13 +34,20 @@ fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
 }
 
 impl Session {
-    pub fn open(adapter: &Adapter, report: &AdapterReport, double: bool) -> Result<Self, GpuError> {
+    pub fn open(gpu: &Gpu, double: bool) -> Result<Self, GpuError> {
+        let Gpu { adapter, report, strict, .. } = gpu;
         let mut features = Features::empty();
         if double {
             if !report.double {
                 return Err(GpuError::NoDouble(report.name.clone()));
             }
             features |= Features::SHADER_F64;
+        }
+        if *strict {
+            if !report.strict {
+                return Err(GpuError::NoStrict(report.name.clone()));
+            }
+            features |= Features::PASSTHROUGH_SHADERS;
         }
         let descriptor = DeviceDescriptor {
             label: Some("afmsweep"),
@@ -59,7 +71,14 @@ impl Session {
         device.set_device_lost_callback(move |reason, message| {
             note(&seen, Failure::Lost(format!("{reason:?} {message}").trim().to_owned()));
         });
-        Ok(Self { device, queue, pipelines: RefCell::default(), trouble })
+        Ok(Self {
+            device,
+            queue,
+            strict: *strict,
+            edit: gpu.drill.edit,
+            pipelines: RefCell::default(),
+            trouble,
+        })
     }
 
     /// What `failure` came from: the word of a lost device may come after its first consequences.
@@ -94,17 +113,13 @@ impl Session {
     }
 
     fn compile(&self, spec: &ShaderSpec) -> Result<ComputePipeline, Failure> {
-        let descriptor = ShaderModuleDescriptor {
-            label: Some("sweep"),
-            source: ShaderSource::Wgsl(Cow::Owned(spec.compose())),
-        };
-        // SAFETY: the text is our own. Every index is below the buffers' lengths once the instance's number
-        // is, which the entry point checks; its one loop ends after `job.count` turns.
-        let module =
-            unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) };
+        let text = spec.compose();
+        let text = self.edit.map_or_else(|| text.clone(), |edit| edit(text.clone()));
+        let module = if self.strict { self.strict_module(&text)? } else { self.module(text) };
+        let layout = self.layout(spec);
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("sweep"),
-            layout: None,
+            layout: Some(&layout),
             module: &module,
             entry_point: Some("sweep"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
@@ -112,6 +127,58 @@ impl Session {
         });
         self.check()?;
         Ok(pipeline)
+    }
+
+    fn module(&self, text: String) -> ShaderModule {
+        let source = ShaderSource::Wgsl(Cow::Owned(text));
+        let descriptor = ShaderModuleDescriptor { label: Some("sweep"), source };
+        // SAFETY: the text is our own. Every index is below the buffers' lengths once the instance's number
+        // is, which the entry point checks; its one loop ends after `job.count` turns.
+        unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) }
+    }
+
+    fn strict_module(&self, text: &str) -> Result<ShaderModule, Failure> {
+        let words = strict::compile(text)?;
+        let point = PassthroughShaderEntryPoint { name: "sweep".into(), workgroup_size: (WORKGROUP, 1, 1) };
+        let descriptor = ShaderModuleDescriptorPassthrough {
+            label: Some("sweep"),
+            entry_points: Cow::Owned(vec![point]),
+            spirv: Some(Cow::Owned(words)),
+            ..Default::default()
+        };
+        // SAFETY: as above; the words are naga's, which checked the text.
+        Ok(unsafe { self.device.create_shader_module_passthrough(descriptor) })
+    }
+
+    /// The bindings of `sweep.wgsl`, in order.
+    fn layout(&self, spec: &ShaderSpec) -> PipelineLayout {
+        let bindings = spec.bindings();
+        let entries: Vec<BindGroupLayoutEntry> = bindings
+            .iter()
+            .enumerate()
+            .map(|(binding, kind)| BindGroupLayoutEntry {
+                binding: binding as u32,
+                visibility: ShaderStages::COMPUTE,
+                ty: BindingType::Buffer {
+                    ty: match kind {
+                        Binding::Uniform => BufferBindingType::Uniform,
+                        Binding::Read => BufferBindingType::Storage { read_only: true },
+                        Binding::Write => BufferBindingType::Storage { read_only: false },
+                    },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            })
+            .collect();
+        let bindings = self
+            .device
+            .create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some("sweep"), entries: &entries });
+        self.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: Some("sweep"),
+            bind_group_layouts: &[Some(&bindings)],
+            ..Default::default()
+        })
     }
 
     /// A buffer that holds `bytes`.

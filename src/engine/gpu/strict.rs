@@ -1,0 +1,73 @@
+//! The shader as SPIR-V that forbids what a driver may otherwise do with a sum of products: fuse them, or
+//! take them apart and add them up in another order. What then runs rounds after each operation of the text,
+//! as the CPU path does.
+
+use super::Failure;
+use naga::back::spv;
+use naga::front::wgsl;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// Words before the first instruction.
+const HEADER: usize = 5;
+// SPIR-V specification, section 3: instructions and the decoration.
+const DECORATE: u32 = 71;
+const NO_CONTRACTION: u32 = 42;
+/// FNegate, FAdd, FSub, FMul, FDiv.
+const ARITHMETIC: [u32; 5] = [127, 129, 131, 133, 136];
+
+/// The text compiled, with every result of float arithmetic decorated `NoContraction`.
+pub(super) fn compile(text: &str) -> Result<Vec<u32>, Failure> {
+    let refused = |why: String| Failure::Refused(why);
+    let module = wgsl::parse_str(text).map_err(|error| refused(error.emit_to_string(text)))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::FLOAT64)
+        .validate(&module)
+        .map_err(|error| refused(error.emit_to_string(text)))?;
+    let options = spv::Options { flags: spv::WriterFlags::empty(), ..spv::Options::default() };
+    let words = spv::write_vec(&module, &info, &options, None).map_err(|error| refused(error.to_string()))?;
+    Ok(decorated(&words))
+}
+
+fn decorated(words: &[u32]) -> Vec<u32> {
+    let mut place = None;
+    let mut decorations = Vec::new();
+    let mut at = HEADER;
+    while let Some(first) = words.get(at) {
+        let (code, length) = (first & 0xffff, (first >> 16) as usize);
+        if code == DECORATE {
+            place.get_or_insert(at);
+        }
+        if ARITHMETIC.contains(&code)
+            && let Some(result) = words.get(at + 2)
+        {
+            decorations.extend([3 << 16 | DECORATE, *result, NO_CONTRACTION]);
+        }
+        at += length.max(1);
+    }
+    // The bindings are decorated, so there is a place.
+    let place = place.unwrap_or(HEADER);
+    [&words[..place], &decorations, &words[place..]].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sum_and_product_is_decorated() {
+        let text = "@group(0) @binding(0) var<storage, read_write> a: array<f32>;
+            @compute @workgroup_size(1) fn sweep() { a[0] = a[1] * a[2] + a[3] - a[4] / -a[5]; }";
+        let words = compile(text).unwrap();
+        let (mut results, mut targets, mut at) = (Vec::new(), Vec::new(), HEADER);
+        while at < words.len() {
+            match words[at] & 0xffff {
+                DECORATE if words[at + 2] == NO_CONTRACTION => targets.push(words[at + 1]),
+                code if ARITHMETIC.contains(&code) => results.push(words[at + 2]),
+                _ => {}
+            }
+            at += (words[at] >> 16) as usize;
+        }
+        assert_eq!(at, words.len());
+        assert_eq!(results.len(), 5);
+        assert_eq!(targets, results);
+    }
+}

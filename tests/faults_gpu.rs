@@ -1,0 +1,119 @@
+//! What the comparison of bits is worth: faults planted in the shader's text, one at a time, must each be
+//! seen. A constant moved by its last bit, operations in another order, a line left out.
+//!
+//! Without a software GPU driver these tests are listed as ignored.
+
+mod checks;
+mod shader;
+mod support;
+
+use afmsweep::plan::Precision;
+use libtest_mimic::{Arguments, Failed, Trial};
+use shader::{cpu, gpu, on, same, scene};
+
+/// A law, a fault, and how to plant it.
+type Fault = (&'static str, &'static str, fn(String) -> String);
+
+/// Replaces a piece of text; where it is not there, no fault is planted and none will be seen.
+fn swap(text: &str, from: &str, to: &str) -> String {
+    text.replace(from, to)
+}
+
+/// Moves a constant of the head by one unit in its last place.
+fn nudge(text: &str, name: &str) -> String {
+    let from = format!("const {name}: real = ");
+    let start = text.find(&from).expect("the head names it") + from.len();
+    let end = start + text[start..].find("f;").expect("an f32 literal");
+    let value: f32 = text[start..end].parse().expect("a number");
+    let moved = f32::from_bits(value.to_bits() + 1);
+    format!("{}{moved:?}{}", &text[..start], &text[end..])
+}
+
+const FAULTS: &[Fault] = &[
+    ("hertz", "TWELFTH one bit up", |text| nudge(&text, "TWELFTH")),
+    ("hertz", "TWENTY_FOURTH one bit up", |text| nudge(&text, "TWENTY_FOURTH")),
+    ("hertz", "HERTZ_ENERGY one bit up", |text| nudge(&text, "HERTZ_ENERGY")),
+    ("dmt", "HALF one bit up", |text| nudge(&text, "HALF")),
+    ("jkr", "JKR_TOUCH one bit up", |text| nudge(&text, "JKR_TOUCH")),
+    ("jkr", "JKR_WORK_0 one bit up", |text| nudge(&text, "JKR_WORK_0")),
+    ("jkr", "JKR_WORK_3 one bit up", |text| nudge(&text, "JKR_WORK_3")),
+    ("jkr", "JKR_WORK_8 one bit up", |text| nudge(&text, "JKR_WORK_8")),
+    ("jkr", "JKR_FORCE_2 one bit up", |text| nudge(&text, "JKR_FORCE_2")),
+    ("jkr", "JKR_FORCE_5 one bit up", |text| nudge(&text, "JKR_FORCE_5")),
+    ("hertz", "flow added up in another order", |text| {
+        swap(&text, "(lever.m00_1 * x_1 + x_1)", "lever.m00_1 * x_1 + x_1")
+    }),
+    ("hertz", "modes added up in another order", |text| {
+        let (first, second) = ("beyond = beyond + (*state).x_1;", "beyond = beyond + (*state).x_2;");
+        swap(&swap(&swap(&text, first, "FIRST"), second, first), "FIRST", second)
+    }),
+    ("dmt", "attraction multiplied out", |text| {
+        let (from, to) =
+            ("(inside * (ONE - outside) + outside)", "inside * (ONE - outside) + law.adhesion * outside");
+        swap(&text, from, to)
+    }),
+    ("jkr", "first pass for the second", |text| {
+        swap(&text, "return jkr_evaluate(law, at, touching, guess.impulse);", "return guess;")
+    }),
+    ("jkr", "one Newton step less", |text| swap(&text, "return jkr_newton(e, s);", "return e;")),
+    ("jkr", "memory taken before the step", |text| swap(&text, "(*state).touching = kick.touching;", "")),
+    ("dmt", "samples of the parabola swapped", |text| {
+        swap(&text, "let first = (*tally).last_0;", "let first = (*tally).last_1;")
+    }),
+    ("hertz", "contact time of the step before", |text| {
+        swap(&text, "(*tally).time + sample.kick.contact", "(*tally).time + (*tally).touched")
+    }),
+    ("dmt", "a period's sums cleared before they are kept", |text| {
+        let (close, clear) =
+            ("close_period(i, tally);", "tally_next_period(&tally);\n            index = 0u;");
+        let without = swap(&text, close, "");
+        swap(&without, clear, &format!("{clear}\n            {close}"))
+    }),
+    ("hertz", "wave of the next step", |text| {
+        swap(&text, "waves[2u * index + 1u], decay", "waves[2u * index + 3u], decay")
+    }),
+    ("dmt", "centre added up in another order", |text| {
+        swap(
+            &text,
+            "steady + beyond - acceleration * TWENTY_FOURTH",
+            "steady + (beyond - acceleration * TWENTY_FOURTH)",
+        )
+    }),
+];
+
+/// Faults that no test should see: the text says the same.
+const HARMLESS: &[Fault] = &[
+    ("jkr", "nothing", |text| text),
+    ("hertz", "factors swapped", |text| swap(&text, "impulse * TWENTY_FOURTH", "TWENTY_FOURTH * impulse")),
+];
+
+/// Whether the comparison sees it.
+fn seen((law, _, plant): &Fault) -> bool {
+    let plan = checks::plan_in(&scene(law, "steady", 3, 64, 80), None, Precision::F32);
+    let mut faulty = gpu();
+    faulty.drill.edit = Some(*plant);
+    same(&on(&faulty, &plan).results, &cpu(&plan), "planted").is_err()
+}
+
+fn every_fault_is_seen() -> Result<(), Failed> {
+    let missed: Vec<&str> = FAULTS.iter().filter(|fault| !seen(fault)).map(|fault| fault.1).collect();
+    println!("{} of {} planted faults seen", FAULTS.len() - missed.len(), FAULTS.len());
+    assert!(missed.is_empty(), "not seen: {missed:?}");
+    Ok(())
+}
+
+fn nothing_else_is() -> Result<(), Failed> {
+    let wrong: Vec<&str> = HARMLESS.iter().filter(|fault| seen(fault)).map(|fault| fault.1).collect();
+    assert!(wrong.is_empty(), "seen: {wrong:?}");
+    Ok(())
+}
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let ignored = !shader::exact(&shader::found());
+    let tests = vec![
+        Trial::test("every_fault_is_seen", every_fault_is_seen).with_ignored_flag(ignored),
+        Trial::test("nothing_else_is", nothing_else_is).with_ignored_flag(ignored),
+    ];
+    libtest_mimic::run(&arguments, tests).exit();
+}

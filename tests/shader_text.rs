@@ -1,0 +1,240 @@
+//! The composed shader of every combination: naga's validation, the project's own lint, and the layout of
+//! its bindings and tables against what the engine packs.
+
+use afmsweep::engine::gpu::Job;
+use afmsweep::kernel::contact::{Dmt, Hertz, Interaction, Jkr, LawShader, Nothing};
+use afmsweep::kernel::{Binding, MODES_MAX, ShaderSpec, WORKGROUP};
+use afmsweep::observe::{HARMONICS, Wants};
+use naga::front::wgsl;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
+
+fn laws() -> [&'static LawShader; 4] {
+    [
+        <Nothing as Interaction<f64>>::SHADER,
+        <Hertz<f64> as Interaction<f64>>::SHADER,
+        <Dmt<f64> as Interaction<f64>>::SHADER,
+        <Jkr<f64> as Interaction<f64>>::SHADER,
+    ]
+}
+
+/// Every law, every number of modes, every set of observables, both starts, both parts of a run, both
+/// precisions.
+fn every_spec() -> Vec<ShaderSpec> {
+    let mut all = Vec::new();
+    for law in laws() {
+        for modes in 1..=MODES_MAX {
+            for groups in 0..8 {
+                for harmonics in [1, HARMONICS] {
+                    let wants = Wants {
+                        harmonics,
+                        extremes: groups & 1 != 0,
+                        contact: groups & 2 != 0,
+                        energy: groups & 4 != 0,
+                    };
+                    for kind in 0..8 {
+                        let (measured, decay, double) = (kind & 1 != 0, kind & 2 != 0, kind & 4 != 0);
+                        all.push(ShaderSpec { law, modes, wants, measured, decay, double });
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+fn parsed(spec: &ShaderSpec) -> (String, Module) {
+    let text = spec.compose();
+    let module = wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    (text, module)
+}
+
+/// What a shader is for, as its first line says.
+fn title(text: &str) -> &str {
+    text.lines().next().unwrap_or_default()
+}
+
+/// Calls of mathematics that every device rounds alike, or nearly.
+const ALLOWED: [MathFunction; 4] =
+    [MathFunction::Sqrt, MathFunction::Min, MathFunction::Max, MathFunction::Abs];
+
+/// What the lint finds in a text.
+fn lint(text: &str, module: &Module) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut functions: Vec<_> = module.functions.iter().map(|(_, function)| function).collect();
+    functions.extend(module.entry_points.iter().map(|point| &point.function));
+    for function in functions {
+        for (_, expression) in function.expressions.iter() {
+            match expression {
+                Expression::Math { fun, .. } if !ALLOWED.contains(fun) => found.push(format!("{fun:?}")),
+                // A number equals itself, says an optimiser: this never finds a NaN.
+                Expression::Binary { op, left, right }
+                    if matches!(op, naga::BinaryOperator::Equal | naga::BinaryOperator::NotEqual)
+                        && same(function, *left, *right) =>
+                {
+                    found.push("x != x".into());
+                }
+                _ => {}
+            }
+        }
+    }
+    // The head has every number, by name; below it there are none but whole ones.
+    let (head, body) = text.split_once("struct Law").expect("the head ends with the law's structure");
+    assert!(head.contains("const TWELFTH"), "no head");
+    for line in body.lines() {
+        let code = line.split("//").next().unwrap_or_default();
+        let bytes = code.as_bytes();
+        let digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+        let point =
+            (0..bytes.len()).any(|at| bytes[at] == b'.' && (digit(at + 1) || at > 0 && digit(at - 1)));
+        let suffix = code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| {
+            word.starts_with(|c: char| c.is_ascii_digit())
+                && word.contains(['f', 'h', 'e', 'l'])
+                && !word.starts_with("0x")
+        });
+        if point || suffix {
+            found.push(format!("a number: {}", code.trim()));
+        }
+    }
+    found
+}
+
+/// Whether two operands are one: the same expression, or loads of the same place.
+fn same(function: &naga::Function, left: Handle<Expression>, right: Handle<Expression>) -> bool {
+    let load = |handle| match &function.expressions[handle] {
+        Expression::Load { pointer } => Some(*pointer),
+        _ => None,
+    };
+    left == right || load(left).is_some_and(|place| load(right) == Some(place))
+}
+
+#[test]
+fn every_combination_passes_naga_and_the_lint() {
+    let all = every_spec();
+    let threads = 4;
+    let part = all.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        for specs in all.chunks(part) {
+            scope.spawn(move || {
+                let mut validator = Validator::new(ValidationFlags::all(), Capabilities::FLOAT64);
+                for spec in specs {
+                    let (text, module) = parsed(spec);
+                    if let Err(error) = validator.validate(&module) {
+                        panic!("{}: {}", title(&text), error.emit_to_string(&text));
+                    }
+                    assert_eq!(lint(&text, &module), Vec::<String>::new(), "{}", title(&text));
+                    let code = |line: &str| line.split("// ").next().unwrap_or_default().to_owned();
+                    let left = text.lines().map(code).find(|line| line.contains("//%") || line.contains('$'));
+                    assert_eq!(left, None, "{}", title(&text));
+                }
+            });
+        }
+    });
+    println!("{} shaders", all.len());
+    assert_eq!(all.len(), 4 * MODES_MAX * 8 * 2 * 8);
+}
+
+#[test]
+fn the_lint_sees_what_it_is_for() {
+    for (line, finding) in [
+        ("let y = pow(x, x);", "Pow"),
+        ("let y = exp(x);", "Exp"),
+        ("let y = sin(x);", "Sin"),
+        ("let y = x != x;", "x != x"),
+        ("let y = x * 1.5;", "a number"),
+        ("let y = x * 2f;", "a number"),
+        ("let y = x + 1e3;", "a number"),
+    ] {
+        let text =
+            format!("const TWELFTH: f32 = 0.1f;\nstruct Law {{ a: f32 }}\nfn f(x: f32) {{ {line} }}\n");
+        let module = wgsl::parse_str(&text).unwrap();
+        let found = lint(&text, &module);
+        assert!(found.iter().any(|one| one.starts_with(finding)), "{line}: {found:?}");
+    }
+    let text = "const TWELFTH: f32 = 0.1f;\nstruct Law { a: f32 }\nfn f(x: f32) -> f32 { return sqrt(x) * TWELFTH; }\n";
+    assert_eq!(lint(text, &wgsl::parse_str(text).unwrap()), Vec::<String>::new());
+}
+
+#[test]
+fn bindings_are_those_of_the_parsed_shader() {
+    for spec in every_spec() {
+        if spec.modes > 2 {
+            continue;
+        }
+        let (_, module) = parsed(&spec);
+        let mut found: Vec<(u32, Binding, Option<u8>)> = module
+            .global_variables
+            .iter()
+            .map(|(_, variable)| {
+                let place = variable.binding.expect("only bound variables");
+                assert_eq!(place.group, 0);
+                let kind = match variable.space {
+                    AddressSpace::Uniform => Binding::Uniform,
+                    AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => {
+                        Binding::Write
+                    }
+                    AddressSpace::Storage { .. } => Binding::Read,
+                    space => panic!("{space:?}"),
+                };
+                let width = match &module.types[variable.ty].inner {
+                    TypeInner::Array { base, .. } => match module.types[*base].inner {
+                        TypeInner::Scalar(Scalar { width, .. }) => Some(width),
+                        ref inner => panic!("{inner:?}"),
+                    },
+                    _ => None,
+                };
+                (place.binding, kind, width)
+            })
+            .collect();
+        found.sort_by_key(|(binding, ..)| *binding);
+        let kinds: Vec<Binding> = found.iter().map(|(_, kind, _)| *kind).collect();
+        assert_eq!(kinds, spec.bindings(), "{spec:?}");
+        // Numbers have the precision's width, but for the job, which drive and the marks.
+        let real = Some(spec.bytes() as u8);
+        let mut widths = vec![None, real, real, real, Some(4), real, Some(4)];
+        widths.extend(spec.decay.then_some(real));
+        assert_eq!(found.iter().map(|(.., width)| *width).collect::<Vec<_>>(), widths, "{spec:?}");
+        let point = &module.entry_points[0];
+        assert_eq!((point.name.as_str(), point.workgroup_size), ("sweep", [WORKGROUP, 1, 1]));
+    }
+}
+
+#[test]
+fn the_job_lies_as_the_shader_reads_it() {
+    let spec = every_spec()[0];
+    let (_, module) = parsed(&spec);
+    let (_, kind) = module.types.iter().find(|(_, one)| one.name.as_deref() == Some("Job")).unwrap();
+    let TypeInner::Struct { members, span } = &kind.inner else { panic!("{kind:?}") };
+    assert_eq!(*span as usize, size_of::<Job>());
+    let ours = [
+        ("instances", std::mem::offset_of!(Job, instances)),
+        ("drives", std::mem::offset_of!(Job, drives)),
+        ("steps", std::mem::offset_of!(Job, steps)),
+        ("first", std::mem::offset_of!(Job, first)),
+        ("count", std::mem::offset_of!(Job, count)),
+        ("width", std::mem::offset_of!(Job, width)),
+    ];
+    let theirs: Vec<(&str, usize)> =
+        members.iter().map(|one| (one.name.as_deref().unwrap(), one.offset as usize)).collect();
+    assert_eq!(theirs, ours);
+}
+
+/// The head's places are the engine's: each field once, in order, and nothing else is asked for.
+#[test]
+fn every_field_has_its_place() {
+    for spec in every_spec() {
+        let text = spec.compose();
+        let tables =
+            [("DRIVE_", spec.drive_fields()), ("CASE_", spec.case_fields()), ("", spec.state_fields())];
+        for (prefix, fields) in &tables {
+            for (place, field) in fields.iter().enumerate() {
+                let line = format!("const {prefix}{}: u32 = {place}u;\n", field.to_uppercase());
+                assert_eq!(text.matches(&line).count(), 1, "{}: {line}", title(&text));
+            }
+            let mut names = fields.clone();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), fields.len(), "{spec:?}: a field twice");
+        }
+    }
+}
