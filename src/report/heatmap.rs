@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use super::axis::{Axis, is_log_spaced, spans_decades};
-use super::canvas::{Anchor, Canvas, INK, PALE, picture};
+use super::canvas::{Anchor, Canvas, INK, PALE, WHITE, picture};
 use super::frame::{
     Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, mark, title, upward,
 };
@@ -12,20 +12,28 @@ use crate::store::Coordinate;
 const MOST_CELLS: usize = 128;
 
 /// One field: a row of values for each value of the y axis.
-pub(super) struct Panel {
+pub struct Panel {
     pub caption: String,
+    /// The x axis runs fastest.
     pub values: Vec<(f64, State)>,
+    /// Lines over the cells, in SI units of the axes: the `i`-th goes by the `i`-th name of
+    /// [`Heatmap::lines`]. What lies outside the axes is left out.
+    pub lines: Vec<Vec<(f64, f64)>>,
 }
 
 /// Panels in rows of `columns`, on common axes and one colour scale.
-pub(super) struct Heatmap<'a> {
+pub struct Heatmap<'a> {
     pub title: String,
+    /// SI unit of the values, as the results file writes it.
     pub units: &'a str,
+    /// What the values are, for the colour bar.
     pub long_name: &'a str,
     pub x: &'a Coordinate,
     pub y: &'a Coordinate,
     pub columns: usize,
     pub panels: Vec<Panel>,
+    /// Names of the lines over the cells: the first is drawn through, the others dashed.
+    pub lines: Vec<String>,
 }
 
 /// The cells along one axis: where they end and which values they show.
@@ -80,6 +88,10 @@ pub(super) fn label(coordinate: &Coordinate) -> &str {
 }
 
 impl Heatmap<'_> {
+    /// The picture as SVG.
+    ///
+    /// # Errors
+    /// [`ReportError::Draw`].
     pub fn draw(&self) -> Result<String, ReportError> {
         let (across, up) = (Cells::along(self.x), Cells::along(self.y));
         let all = || self.panels.iter().flat_map(|panel| &panel.values);
@@ -118,6 +130,7 @@ impl Heatmap<'_> {
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
                 self.cells(&frame, panel, &across, &up, &bar)?;
+                overlay(&frame, &panel.lines)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.edges(lowest, column == 0)?;
             }
@@ -163,7 +176,11 @@ impl Heatmap<'_> {
 
     fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
         let tally = Tally::of(states);
-        let mut entries = Vec::new();
+        let mut entries: Vec<(Key, String)> = Vec::new();
+        for (number, name) in self.lines.iter().enumerate() {
+            let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
+            entries.push((sample, name.clone()));
+        }
         if tally.empty > 0 {
             entries.push((Key::Swatch(PALE), format!("no value, nothing failed ({})", tally.empty)));
         }
@@ -181,6 +198,25 @@ impl Heatmap<'_> {
         }
         entries
     }
+}
+
+/// Lines over the cells: dark on a light border, to be seen on any colour.
+fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
+    let inside = |(x, y): (f64, f64)| {
+        let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
+        (frame.left..=right).contains(&x) && (frame.top..=bottom).contains(&y)
+    };
+    for (number, line) in lines.iter().enumerate() {
+        let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
+        for piece in places.split(|&at| !inside(at)) {
+            frame.canvas.line(piece, WHITE, 3.6)?;
+            match number {
+                0 => frame.canvas.line(piece, INK, 1.6)?,
+                _ => frame.canvas.dashes(piece, INK, 1.6)?,
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The mean of a cell's values, and what most of its instances are.
