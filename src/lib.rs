@@ -55,5 +55,6 @@ pub mod record;
 pub mod report;
 pub mod scene;
 pub mod store;
+pub mod study;
 mod suggest;
 pub mod units;
