@@ -75,10 +75,11 @@ impl Document {
                     write!(page, "{}", table.html())
                 }
                 Block::Figure { file, caption } => {
-                    let (file, caption) = (escape(file), escape(caption));
+                    let (short, file) = (escape(brief(caption)), escape(file));
+                    let caption = escape(caption);
                     writeln!(
                         page,
-                        "<figure>\n<a href=\"{file}\"><img src=\"{file}\" alt=\"{caption}\"/></a>\n\
+                        "<figure>\n<a href=\"{file}\"><img src=\"{file}\" alt=\"{short}\"/></a>\n\
                          <figcaption>{caption}</figcaption>\n</figure>"
                     )
                 }
@@ -103,7 +104,8 @@ impl Document {
                     write!(page, "{}\n", table.markdown())
                 }
                 Block::Figure { file, caption } => {
-                    write!(page, "![{0}]({file})\n\n*{0}*\n\n", plain(caption))
+                    let (short, caption) = (plain(brief(caption)), plain(caption));
+                    write!(page, "![{short}]({file})\n\n*{caption}*\n\n")
                 }
             };
         }
@@ -141,6 +143,11 @@ impl Table {
         }
         text
     }
+}
+
+/// The beginning of a caption, for readers to whom the picture is described.
+fn brief(caption: &str) -> &str {
+    caption.split(['.', ':', ';']).next().unwrap_or(caption)
 }
 
 /// Text for HTML, quotes included.

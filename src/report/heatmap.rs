@@ -7,6 +7,7 @@ use super::frame::{
     Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, mark, title, upward,
 };
 use crate::store::Coordinate;
+use plotters::style::RGBColor;
 
 /// Cells along an axis at most; finer grids are averaged.
 const MOST_CELLS: usize = 128;
@@ -151,7 +152,9 @@ impl Heatmap<'_> {
         let x_at = |edge: f64| frame.left + frame.x.place_scaled(edge) * frame.width;
         let y_at = |edge: f64| frame.top + (1.0 - frame.y.place_scaled(edge)) * frame.height;
         let marks = across.members.len() * up.members.len() <= 2500;
+        let mut doubtful = Vec::new();
         for (row, ys) in up.members.iter().enumerate() {
+            let mut run = None;
             let (bottom, top) = (y_at(up.edges[row]), y_at(up.edges[row + 1]));
             for (column, xs) in across.members.iter().enumerate() {
                 let (left, right) = (x_at(across.edges[column]), x_at(across.edges[column + 1]));
@@ -161,17 +164,29 @@ impl Heatmap<'_> {
                 // Over a pixel of the neighbours drawn next, or the background shows through the seams.
                 let end = (frame.left + frame.width, frame.top);
                 let (a, b) = ((left, bottom), ((right + 1.0).min(end.0), (top - 1.0).max(end.1)));
-                match state {
-                    State::Failed => canvas.hatched(a, b)?,
-                    State::Empty => canvas.rectangle(a, b, PALE)?,
-                    State::Good | State::Doubtful => canvas.rectangle(a, b, colour(bar.place(value)))?,
+                let shade = match state {
+                    State::Failed => None,
+                    State::Empty => Some(PALE),
+                    State::Good | State::Doubtful => Some(colour(bar.place(value))),
+                };
+                // Neighbours of one colour are one rectangle.
+                match (shade, &mut run) {
+                    (Some(shade), Some((_, end, same))) if shade == *same => *end = b,
+                    _ => {
+                        fill(canvas, run.take())?;
+                        match shade {
+                            Some(shade) => run = Some((a, b, shade)),
+                            None => canvas.hatched(a, b)?,
+                        }
+                    }
                 }
                 if state == State::Doubtful && marks {
-                    mark(canvas, ((left + right) / 2.0, (bottom + top) / 2.0))?;
+                    doubtful.push(((left + right) / 2.0, (bottom + top) / 2.0));
                 }
             }
+            fill(canvas, run)?;
         }
-        Ok(())
+        doubtful.into_iter().try_for_each(|at| mark(canvas, at))
     }
 
     fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
@@ -198,6 +213,13 @@ impl Heatmap<'_> {
         }
         entries
     }
+}
+
+/// Corners and colour of cells to be drawn as one.
+type Run = ((f64, f64), (f64, f64), RGBColor);
+
+fn fill(canvas: &Canvas, run: Option<Run>) -> Result<(), ReportError> {
+    run.map_or(Ok(()), |(a, b, shade)| canvas.rectangle(a, b, shade))
 }
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.

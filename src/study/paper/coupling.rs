@@ -202,7 +202,7 @@ impl Apart {
             y: &y,
             columns: 1,
             panels: vec![panel],
-            lines: vec!["1 %".into()],
+            lines: vec!["1 %; more below the line".into()],
         };
         Ok(heatmap.draw()?)
     }

@@ -39,9 +39,8 @@ fn draw(params: &Params) -> Result<String, StudyError> {
     let jkr = contact(params, LawChoice::Jkr);
     let (fold, touch) = (jkr.law().release(), jkr.force(0.0, true));
     let release = jkr.force(fold, true);
-    let words = |what: &str, delta: f64, force: f64| {
-        format!("{what}: {}, {}", shown(delta, "m", 3), shown(force, "N", 3))
-    };
+    let jump = format!("touch: jumps to {}", shown(touch, "N", 3));
+    let release_text = format!("fold: lets go at {}, {}", shown(fold, "m", 3), shown(release, "N", 3));
     let chart = Chart {
         title: "Figure 3: force against deformation".into(),
         x: Field { label: "deformation, negative for a gap".into(), units: "m".into(), log: false },
@@ -61,18 +60,8 @@ fn draw(params: &Params) -> Result<String, StudyError> {
                 curve(LawChoice::Jkr, Branch::Retract),
             ],
             marks: vec![
-                Mark {
-                    x: 0.0,
-                    y: touch,
-                    text: words("jumps into contact to", 0.0, touch),
-                    offset: (60.0, -26.0),
-                },
-                Mark {
-                    x: fold,
-                    y: release,
-                    text: words("fold, lets go", fold, release),
-                    offset: (14.0, 110.0),
-                },
+                Mark { x: 0.0, y: touch, text: jump, offset: (60.0, -26.0) },
+                Mark { x: fold, y: release, text: release_text, offset: (14.0, 110.0) },
             ],
             height: 360.0,
         }],

@@ -152,7 +152,7 @@ fn picture(runs: &[Ran], title: &str) -> Result<String, StudyError> {
             panel.push(pairs(&waves.time[0], &values[0]));
         }
     }
-    let widths = [4.4, 2.6, 1.1];
+    let widths = [5.0, 2.8, 1.1];
     let [top, tip, depth, force] = lines;
     let chart = Chart {
         title: title.to_owned(),

@@ -125,6 +125,9 @@ fn adhesion(numbers: &mut Numbers, params: &Params) {
     numbers.add("jkr.rest_depth", "deformation without load, JKR", jkr.zero_force(), "m");
     let fold = jkr.release();
     numbers.add("jkr.fold_depth", "deformation at the fold, where JKR lets go", fold, "m");
+    let reach = numbers.get("tip.amplitude") + params.approach.gap;
+    let meaning = "height of the fold over that of the free tip above the sample";
+    numbers.add("jkr.fold_over_reach", meaning, -fold / reach, "1");
     numbers.add("jkr.fold_force", "force at the fold", jkr.force(fold, true), "N");
     numbers.add("jkr.fold_radius", "contact radius at the fold", jkr.contact_radius(fold, true), "m");
     numbers.add("jkr.loss", "loss per tap, JKR", jkr.loss_per_cycle(), "J");
