@@ -101,7 +101,7 @@ impl Document {
                     if !table.caption.is_empty() {
                         let _ = write!(page, "{}\n\n", plain(&table.caption));
                     }
-                    write!(page, "{}\n", table.markdown())
+                    writeln!(page, "{}", table.markdown())
                 }
                 Block::Figure { file, caption } => {
                     let (short, caption) = (plain(brief(caption)), plain(caption));

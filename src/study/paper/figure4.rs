@@ -74,18 +74,18 @@ fn three(numbers: &mut Numbers, key: &str, voltage: Option<f64>) -> Result<Vec<R
             "1",
         );
         add("contact_time", "share of the time in contact", measured.contact_time, "1");
-        let (waves, _) = waveform(&ran)?;
+        let waves = waveform(&ran)?;
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        add("top", "largest travel of the rod's top", largest(&waves.actuator_top[0]), "m");
-        add("tip", "largest travel of the tip", largest(&waves.tip_travel[0]), "m");
+        add("top", "largest travel of the rod's top", largest(&waves.top), "m");
+        add("tip", "largest travel of the tip", largest(&waves.tip), "m");
         all.push(ran);
     }
-    let (hertz, _) = waveform(&all[0])?;
+    let hertz = waveform(&all[0])?;
     for (ran, (law, name)) in all.iter().zip(LAWS).skip(1) {
-        let (other, _) = waveform(ran)?;
+        let other = waveform(ran)?;
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let tip = apart(&hertz.tip_travel[0], &other.tip_travel[0]);
-        let top = apart(&hertz.actuator_top[0], &other.actuator_top[0]);
+        let tip = apart(&hertz.tip, &other.tip);
+        let top = apart(&hertz.top, &other.top);
         numbers.add(
             format!("{key}.{law}.tip_apart"),
             format!("largest distance of the tip's travel from that under Hertz, {name}"),
@@ -122,12 +122,29 @@ fn voltage_for(depth: f64) -> Result<f64, StudyError> {
     Err(StudyError::NoDrive { wanted: depth, reached: new_gap + depth, voltage: new })
 }
 
-/// A run's waveforms; the scenes of figure 4 all ask for those of their one instance.
-fn waveform(ran: &Ran) -> Result<(Waveforms, usize), StudyError> {
-    let Some(request) = &ran.scene.output.waveforms else { return Ok((Waveforms::default(), 0)) };
-    let waves = record::waveforms(&ran.plan, request)?;
-    let count = waves.time.first().map_or(0, Vec::len);
-    Ok((waves, count))
+/// One run over time, SI.
+struct Wave {
+    time: Vec<f64>,
+    top: Vec<f64>,
+    tip: Vec<f64>,
+    depth: Vec<f64>,
+    force: Vec<f64>,
+}
+
+/// The waveforms of a run's first instance; empty for a scene that does not ask for them.
+fn waveform(ran: &Ran) -> Result<Wave, StudyError> {
+    let waves = match &ran.scene.output.waveforms {
+        Some(request) => record::waveforms(&ran.plan, request)?,
+        None => Waveforms::default(),
+    };
+    let first = |rows: Vec<Vec<f64>>| rows.into_iter().next().unwrap_or_default();
+    Ok(Wave {
+        time: first(waves.time),
+        top: first(waves.actuator_top),
+        tip: first(waves.tip_travel),
+        depth: first(waves.indentation),
+        force: first(waves.force),
+    })
 }
 
 fn pairs(time: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
@@ -146,13 +163,13 @@ fn time_axis() -> Field {
 fn picture(runs: &[Ran], title: &str) -> Result<String, StudyError> {
     let mut lines: [Vec<Vec<(f64, f64)>>; 4] = Default::default();
     for ran in runs {
-        let (waves, _) = waveform(ran)?;
-        let kinds = [&waves.actuator_top, &waves.tip_travel, &waves.indentation, &waves.force];
+        let waves = waveform(ran)?;
+        let kinds = [&waves.top, &waves.tip, &waves.depth, &waves.force];
         for (panel, values) in lines.iter_mut().zip(kinds) {
-            panel.push(pairs(&waves.time[0], &values[0]));
+            panel.push(pairs(&waves.time, values));
         }
     }
-    let widths = [5.0, 2.8, 1.1];
+    let widths = [6.0, 3.6, 1.4];
     let [top, tip, depth, force] = lines;
     let chart = Chart {
         title: title.to_owned(),
@@ -186,9 +203,9 @@ fn readings(numbers: &mut Numbers, runs: &[Ran]) -> Result<String, StudyError> {
     let mut depths = Vec::new();
     let mut forces = Vec::new();
     for ran in [&runs[0], &runs[2]] {
-        let (waves, _) = waveform(ran)?;
-        depths.push(pairs(&waves.time[0], &waves.indentation[0]));
-        forces.push(pairs(&waves.time[0], &waves.force[0]));
+        let waves = waveform(ran)?;
+        depths.push(pairs(&waves.time, &waves.depth));
+        forces.push(pairs(&waves.time, &waves.force));
     }
     let travel = depths[1].clone();
     depths.push(travel.iter().map(|&(t, value)| (t, read(value).0)).collect());
@@ -198,8 +215,8 @@ fn readings(numbers: &mut Numbers, runs: &[Ran]) -> Result<String, StudyError> {
         title: "Figure 4(c) and (d), the two readings".into(),
         x: time_axis(),
         series: vec![
-            look("Hertz", 4.4),
-            look("JKR, deformation = travel less gap", 1.4),
+            look("Hertz", 5.0),
+            look("JKR, deformation = travel less gap", 2.2),
             look("JKR, the paper's reading: a²/R = travel less gap", 1.4),
         ],
         panels: vec![panel("(c) deformation", "m", depths), panel("(d) force", "N", forces)],
