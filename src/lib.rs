@@ -8,7 +8,8 @@
 //!
 //! [`scene`] (what the user wrote) to [`instrument`] (modes and free motion) and [`contact`] (laws), to
 //! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]), to [`record`] and [`store`]
-//! (the results file), to [`report`] (pictures from that file). Imports go the same way.
+//! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`study`] answers a
+//! question by many scenes and one page.
 //!
 //! # Units and signs
 //!
@@ -55,5 +56,6 @@ pub mod record;
 pub mod report;
 pub mod scene;
 pub mod store;
+pub mod study;
 mod suggest;
 pub mod units;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last; a module imports only from those before it, and from none beside it.
-const ORDER: [&[&str]; 10] = [
+const ORDER: [&[&str]; 11] = [
     &["suggest"],
     &["units", "observe"],
     &["scene"],
@@ -13,6 +13,7 @@ const ORDER: [&[&str]; 10] = [
     &["store"],
     &["record"],
     &["report"],
+    &["study"],
     &["cli"],
 ];
 

@@ -8,6 +8,7 @@ mod plan;
 mod progress;
 mod report;
 mod run;
+mod study;
 
 use afmsweep::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
@@ -43,6 +44,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Pictures and a page of tables from a results file
     Report(report::ReportArgs),
+    /// A question answered by one command and one page
+    Study(study::StudyArgs),
 }
 
 /// A scene file and the form of the answer.
@@ -89,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Force(args) => force::main(&args),
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
+        Command::Study(args) => study::main(&args, voice),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

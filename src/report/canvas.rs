@@ -54,6 +54,8 @@ pub(super) fn picture(
     }
     // The drawing keeps its fine units; the picture is shown at its size in pixels.
     let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
+    // Said of every shape and true without saying: a third of a map's size.
+    let svg = svg.replace(" opacity=\"1\"", "").replace(" stroke=\"none\"", "");
     Ok(svg.replacen(&fine, &format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox"), 1))
 }
 

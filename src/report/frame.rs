@@ -13,16 +13,19 @@ pub(super) const TITLE: f64 = 15.0;
 
 /// What a picture shows for one instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum State {
+pub enum State {
+    /// A value to be trusted.
     Good,
     /// A value of an instance that is not steady or sensitive.
     Doubtful,
     /// No value though nothing failed: never in contact.
     Empty,
+    /// No value to be had.
     Failed,
 }
 
 impl State {
+    /// Of a status code (see [`Status`]) and a value.
     pub fn of(status: u8, value: f64) -> Self {
         match Status::from_code(status) {
             Some(Status::Ok) if value.is_finite() => Self::Good,
@@ -32,6 +35,7 @@ impl State {
         }
     }
 
+    /// Whether there is a value to show.
     pub fn has_value(self) -> bool {
         matches!(self, Self::Good | Self::Doubtful)
     }

@@ -2,30 +2,39 @@
 
 use super::ReportError;
 use super::axis::{Axis, is_log_spaced, spans_decades};
-use super::canvas::{Anchor, Canvas, INK, PALE, picture};
+use super::canvas::{Anchor, Canvas, INK, PALE, WHITE, picture};
 use super::frame::{
     Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, mark, title, upward,
 };
 use crate::store::Coordinate;
+use plotters::style::RGBColor;
 
 /// Cells along an axis at most; finer grids are averaged.
 const MOST_CELLS: usize = 128;
 
 /// One field: a row of values for each value of the y axis.
-pub(super) struct Panel {
+pub struct Panel {
     pub caption: String,
+    /// The x axis runs fastest.
     pub values: Vec<(f64, State)>,
+    /// Lines over the cells, in SI units of the axes: the `i`-th goes by the `i`-th name of
+    /// [`Heatmap::lines`]. What lies outside the axes is left out.
+    pub lines: Vec<Vec<(f64, f64)>>,
 }
 
 /// Panels in rows of `columns`, on common axes and one colour scale.
-pub(super) struct Heatmap<'a> {
+pub struct Heatmap<'a> {
     pub title: String,
+    /// SI unit of the values, as the results file writes it.
     pub units: &'a str,
+    /// What the values are, for the colour bar.
     pub long_name: &'a str,
     pub x: &'a Coordinate,
     pub y: &'a Coordinate,
     pub columns: usize,
     pub panels: Vec<Panel>,
+    /// Names of the lines over the cells: the first is drawn through, the others dashed.
+    pub lines: Vec<String>,
 }
 
 /// The cells along one axis: where they end and which values they show.
@@ -80,6 +89,10 @@ pub(super) fn label(coordinate: &Coordinate) -> &str {
 }
 
 impl Heatmap<'_> {
+    /// The picture as SVG.
+    ///
+    /// # Errors
+    /// [`ReportError::Draw`].
     pub fn draw(&self) -> Result<String, ReportError> {
         let (across, up) = (Cells::along(self.x), Cells::along(self.y));
         let all = || self.panels.iter().flat_map(|panel| &panel.values);
@@ -118,6 +131,7 @@ impl Heatmap<'_> {
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
                 self.cells(&frame, panel, &across, &up, &bar)?;
+                overlay(&frame, &panel.lines)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.edges(lowest, column == 0)?;
             }
@@ -138,7 +152,9 @@ impl Heatmap<'_> {
         let x_at = |edge: f64| frame.left + frame.x.place_scaled(edge) * frame.width;
         let y_at = |edge: f64| frame.top + (1.0 - frame.y.place_scaled(edge)) * frame.height;
         let marks = across.members.len() * up.members.len() <= 2500;
+        let mut doubtful = Vec::new();
         for (row, ys) in up.members.iter().enumerate() {
+            let mut run = None;
             let (bottom, top) = (y_at(up.edges[row]), y_at(up.edges[row + 1]));
             for (column, xs) in across.members.iter().enumerate() {
                 let (left, right) = (x_at(across.edges[column]), x_at(across.edges[column + 1]));
@@ -148,22 +164,38 @@ impl Heatmap<'_> {
                 // Over a pixel of the neighbours drawn next, or the background shows through the seams.
                 let end = (frame.left + frame.width, frame.top);
                 let (a, b) = ((left, bottom), ((right + 1.0).min(end.0), (top - 1.0).max(end.1)));
-                match state {
-                    State::Failed => canvas.hatched(a, b)?,
-                    State::Empty => canvas.rectangle(a, b, PALE)?,
-                    State::Good | State::Doubtful => canvas.rectangle(a, b, colour(bar.place(value)))?,
+                let shade = match state {
+                    State::Failed => None,
+                    State::Empty => Some(PALE),
+                    State::Good | State::Doubtful => Some(colour(bar.place(value))),
+                };
+                // Neighbours of one colour are one rectangle.
+                match (shade, &mut run) {
+                    (Some(shade), Some((_, end, same))) if shade == *same => *end = b,
+                    _ => {
+                        fill(canvas, run.take())?;
+                        match shade {
+                            Some(shade) => run = Some((a, b, shade)),
+                            None => canvas.hatched(a, b)?,
+                        }
+                    }
                 }
                 if state == State::Doubtful && marks {
-                    mark(canvas, ((left + right) / 2.0, (bottom + top) / 2.0))?;
+                    doubtful.push(((left + right) / 2.0, (bottom + top) / 2.0));
                 }
             }
+            fill(canvas, run)?;
         }
-        Ok(())
+        doubtful.into_iter().try_for_each(|at| mark(canvas, at))
     }
 
     fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
         let tally = Tally::of(states);
-        let mut entries = Vec::new();
+        let mut entries: Vec<(Key, String)> = Vec::new();
+        for (number, name) in self.lines.iter().enumerate() {
+            let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
+            entries.push((sample, name.clone()));
+        }
         if tally.empty > 0 {
             entries.push((Key::Swatch(PALE), format!("no value, nothing failed ({})", tally.empty)));
         }
@@ -181,6 +213,32 @@ impl Heatmap<'_> {
         }
         entries
     }
+}
+
+/// Corners and colour of cells to be drawn as one.
+type Run = ((f64, f64), (f64, f64), RGBColor);
+
+fn fill(canvas: &Canvas, run: Option<Run>) -> Result<(), ReportError> {
+    run.map_or(Ok(()), |(a, b, shade)| canvas.rectangle(a, b, shade))
+}
+
+/// Lines over the cells: dark on a light border, to be seen on any colour.
+fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
+    let inside = |(x, y): (f64, f64)| {
+        let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
+        (frame.left..=right).contains(&x) && (frame.top..=bottom).contains(&y)
+    };
+    for (number, line) in lines.iter().enumerate() {
+        let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
+        for piece in places.split(|&at| !inside(at)) {
+            frame.canvas.line(piece, WHITE, 3.6)?;
+            match number {
+                0 => frame.canvas.line(piece, INK, 1.6)?,
+                _ => frame.canvas.dashes(piece, INK, 1.6)?,
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The mean of a cell's values, and what most of its instances are.

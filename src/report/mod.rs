@@ -1,8 +1,12 @@
 //! Pictures and a page of tables from a results file; the file is all it needs.
+//!
+//! What such a page is made of serves other pages too: [`Document`], [`Chart`], [`Heatmap`], [`shown`].
 
 mod axis;
 mod canvas;
+mod chart;
 mod curve;
+mod document;
 mod force_curve;
 mod frame;
 mod heatmap;
@@ -10,6 +14,12 @@ mod page;
 mod pictures;
 mod quantity;
 mod waveform;
+
+pub use chart::{Chart, Field, Look, Mark, Plot};
+pub use document::{Block, Document, Table};
+pub use frame::State;
+pub use heatmap::{Heatmap, Panel};
+pub use quantity::shown;
 
 use crate::store::{StoreError, read};
 use std::fs;
@@ -41,23 +51,34 @@ pub enum ReportError {
 /// than an earlier report is left alone.
 pub fn write(file: &Path, output: Option<&Path>) -> Result<PathBuf, ReportError> {
     let folder = output.map_or_else(|| default_folder(file), Path::to_path_buf);
-    check_folder(&folder)?;
+    check_folder(&folder, MARKER)?;
     let results = read(file)?;
     let pictures = pictures::all(&results)?;
+    let page = ("index.html".to_owned(), page::html(&results, file, &pictures));
+    let text = ("report.md".to_owned(), page::markdown(&results, file, &pictures));
+    let drawn = pictures.into_iter().map(|picture| (picture.file, picture.svg));
+    let files: Vec<(String, String)> = [page, text].into_iter().chain(drawn).collect();
+    save(&folder, MARKER, &files)?;
+    Ok(folder)
+}
+
+/// Writes files (name, content) into a folder, which is made if need be. `index.html` is to come first
+/// and to name `generator`: were the rest to fail, the folder is known as its own all the same.
+///
+/// # Errors
+/// A folder that holds anything else than what the same generator left, and what the disk says.
+pub fn save(folder: &Path, generator: &str, files: &[(String, String)]) -> Result<(), ReportError> {
+    check_folder(folder, generator)?;
     let failed = |path: &Path, doing| {
         let path = path.to_path_buf();
         move |source| ReportError::Io { path, doing, source }
     };
-    fs::create_dir_all(&folder).map_err(failed(&folder, "make the folder"))?;
-    // The page first: were the rest to fail, the folder is known as a report all the same.
-    let page = (Path::new("index.html"), page::html(&results, file, &pictures));
-    let text = (Path::new("report.md"), page::markdown(&results, file, &pictures));
-    let drawn = pictures.iter().map(|picture| (Path::new(&picture.file), picture.svg.clone()));
-    for (name, content) in [page, text].into_iter().chain(drawn) {
+    fs::create_dir_all(folder).map_err(failed(folder, "make the folder"))?;
+    for (name, content) in files {
         let path = folder.join(name);
         fs::write(&path, content).map_err(failed(&path, "write"))?;
     }
-    Ok(folder)
+    Ok(())
 }
 
 /// `results/a` for `results/a.h5`; a file without an ending gets one for its folder.
@@ -72,7 +93,11 @@ fn default_folder(file: &Path) -> PathBuf {
     if folder == file { file.with_extension("report") } else { folder }
 }
 
-fn check_folder(folder: &Path) -> Result<(), ReportError> {
+/// Whether files may be written into this folder: it is not there, empty, or an earlier page's of `generator`.
+///
+/// # Errors
+/// [`ReportError::Occupied`], [`ReportError::NotAFolder`], and what the disk says.
+pub fn check_folder(folder: &Path, generator: &str) -> Result<(), ReportError> {
     let own = || folder.to_path_buf();
     if folder.is_file() {
         return Err(ReportError::NotAFolder { path: own() });
@@ -83,6 +108,6 @@ fn check_folder(folder: &Path) -> Result<(), ReportError> {
         Err(source) => return Err(ReportError::Io { path: own(), doing: "read the folder", source }),
     };
     let page = fs::read_to_string(folder.join("index.html")).unwrap_or_default();
-    let marked = page.contains(&format!("name=\"generator\" content=\"{MARKER}\""));
+    let marked = page.contains(&format!("name=\"generator\" content=\"{generator}\""));
     if entries.next().is_none() || marked { Ok(()) } else { Err(ReportError::Occupied { path: own() }) }
 }

@@ -1,6 +1,7 @@
 //! The page around the pictures: HTML to look at, Markdown to paste.
 
 use super::MARKER;
+use super::document::{self, Table, escape, plain};
 use super::frame::State;
 use super::pictures::{Picture, capital};
 use super::quantity::{Unit, number};
@@ -11,30 +12,6 @@ use std::path::Path;
 
 /// Pictures larger than this stay outside the page, in bytes.
 const MOST_INLINE: usize = 3_000_000;
-
-/// A table with a caption: first row is its head.
-struct Table {
-    caption: String,
-    rows: Vec<Vec<String>>,
-}
-
-/// Text for HTML, quotes included.
-pub(super) fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            // Other control characters are not allowed in any page.
-            c if c.is_control() && !matches!(c, '\n' | '\t' | '\r') => escaped.push('\u{fffd}'),
-            c => escaped.push(c),
-        }
-    }
-    escaped
-}
 
 /// The title of the page.
 fn heading(results: &Results, file: &Path) -> String {
@@ -236,30 +213,17 @@ fn remark(results: &Results) -> String {
 
 /// `index.html`.
 pub(super) fn html(results: &Results, file: &Path, pictures: &[Picture]) -> String {
-    let mut page = String::new();
+    let mut page = document::open(&heading(results, file), MARKER);
     // Writing to a String cannot fail.
-    let title = escape(&heading(results, file));
-    let _ = write!(
+    let _ = writeln!(
         page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"generator\" content=\"{MARKER}\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-         <p>From <code>{}</code>. {}</p>\n",
+        "<p>From <code>{}</code>. {}</p>",
         escape(&file.display().to_string()),
         escape(&remark(results)),
     );
     for table in tables(results) {
-        let _ = write!(page, "<h2>{}</h2>\n<div class=\"wide\"><table>\n", escape(&table.caption));
-        for (number, cells) in table.rows.iter().enumerate() {
-            let tag = if number == 0 { "th" } else { "td" };
-            page.push_str("<tr>");
-            for cell in cells {
-                let _ = write!(page, "<{tag}>{}</{tag}>", escape(cell));
-            }
-            page.push_str("</tr>\n");
-        }
-        page.push_str("</table></div>\n");
+        let _ = writeln!(page, "<h2>{}</h2>", escape(&table.caption));
+        page.push_str(&table.html());
     }
     for (name, text) in texts(results) {
         let (name, text) = (escape(&name), escape(text));
@@ -285,7 +249,7 @@ pub(super) fn html(results: &Results, file: &Path, pictures: &[Picture]) -> Stri
             "<figcaption>{name}. {note} <a href=\"{file}\">{file}</a></figcaption>\n</figure>"
         );
     }
-    page.push_str("</body>\n</html>\n");
+    page.push_str(document::CLOSE);
     page
 }
 
@@ -295,15 +259,7 @@ pub(super) fn markdown(results: &Results, file: &Path, pictures: &[Picture]) -> 
     let _ = write!(page, "# {}\n\n", plain(&heading(results, file)));
     let _ = write!(page, "From `{}`. {}\n\n", file.display(), remark(results));
     for table in tables(results) {
-        let _ = write!(page, "## {}\n\n", table.caption);
-        for (number, cells) in table.rows.iter().enumerate() {
-            let cells: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
-            let _ = writeln!(page, "| {} |", cells.join(" | "));
-            if number == 0 {
-                let _ = writeln!(page, "|{}", "---|".repeat(cells.len()));
-            }
-        }
-        page.push('\n');
+        let _ = write!(page, "## {}\n\n{}\n", table.caption, table.markdown());
     }
     for picture in pictures {
         let title = plain(&picture.title);
@@ -322,26 +278,3 @@ pub(super) fn markdown(results: &Results, file: &Path, pictures: &[Picture]) -> 
     }
     page
 }
-
-/// Text that Markdown takes as it is, on one line.
-fn plain(text: &str) -> String {
-    let mut plain = String::with_capacity(text.len());
-    for letter in text.chars() {
-        if letter.is_control() {
-            plain.push(' ');
-            continue;
-        }
-        if "\\`*[]<>|#&".contains(letter) {
-            plain.push('\\');
-        }
-        plain.push(letter);
-    }
-    plain
-}
-
-const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;background:#fff;max-width:62rem;margin:2rem auto;\
-padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2rem}.wide{overflow-x:auto}\
-table{border-collapse:collapse;font-size:.9rem}td,th{padding:.25rem .8rem .25rem 0;text-align:left;\
-vertical-align:top;border-bottom:1px solid #ddd}th{color:#555;font-weight:600}figure{margin:1.5rem 0}\
-figure svg,figure img{max-width:100%;height:auto}figcaption{font-size:.85rem;color:#555}\
-pre{background:#f5f5f5;padding:.8rem;overflow-x:auto;font-size:.85rem}details{margin:.5rem 0}";

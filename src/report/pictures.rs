@@ -150,17 +150,28 @@ fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>
                 .map(|one| Panel {
                     caption: if harmonics > 1 { one.name } else { String::new() },
                     values: one.values,
+                    lines: Vec::new(),
                 })
                 .collect();
             let columns = if panels.len() > 2 { 3 } else { panels.len() };
-            Heatmap { title: heading.clone(), units, long_name: name, x, y, columns, panels }.draw()?
+            Heatmap {
+                title: heading.clone(),
+                units,
+                long_name: name,
+                x,
+                y,
+                columns,
+                panels,
+                lines: Vec::new(),
+            }
+            .draw()?
         }
         (false, [slow @ .., y, x]) => {
             let (columns, panels, fixed) = slices(slow, y, x, harmonics, &of_harmonic);
             note = fixed;
             let named: Vec<&str> = slow.iter().take(2).map(|axis| label(axis)).collect();
             let title = format!("{heading}, by {}", named.join(" and "));
-            Heatmap { title, units, long_name: name, x, y, columns, panels }.draw()?
+            Heatmap { title, units, long_name: name, x, y, columns, panels, lines: Vec::new() }.draw()?
         }
     };
     Ok(Some(Picture { file: format!("{}.svg", file_name(&variable.name)), title: heading, note, svg }))
@@ -226,7 +237,7 @@ fn slices(
                     captions.push(format!("harmonic {}", harmonic + 1));
                 }
                 let part = values.iter().skip(start * plane).take(plane).copied().collect();
-                panels.push(Panel { caption: captions.join(", "), values: part });
+                panels.push(Panel { caption: captions.join(", "), values: part, lines: Vec::new() });
             }
         }
     }

@@ -60,13 +60,29 @@ impl Unit {
 
     /// A value with its unit: `12.5 nm`.
     pub fn value(&self, value: f64) -> String {
-        let number = number(self.show(value), 4);
+        self.digits(value, 4)
+    }
+
+    /// As [`Unit::value`], with so many significant digits.
+    fn digits(&self, value: f64, digits: usize) -> String {
+        let number = number(self.show(value), digits);
         match self.text.as_str() {
             "" => number,
             "°" => format!("{number}°"),
             unit => format!("{number} {unit}"),
         }
     }
+}
+
+/// A value in SI `units` as people read it, with at most so many significant digits: `5.70416 nm`.
+///
+/// ```
+/// use afmsweep::report::shown;
+/// assert_eq!(shown(5.70415785e-9, "m", 6), "5.70416 nm");
+/// assert_eq!(shown(0.0123, "1", 2), "0.012");
+/// ```
+pub fn shown(value: f64, units: &str, digits: usize) -> String {
+    Unit::fitting(units, value.abs()).digits(value, digits)
 }
 
 /// At most so many significant digits, no trailing zeros, powers of ten written out where they are needed.

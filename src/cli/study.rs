@@ -1,0 +1,29 @@
+//! `afmsweep study`: a question answered by one command and one page.
+
+use super::Voice;
+use afmsweep::study::paper::{self, Extent};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub struct StudyArgs {
+    /// Which study
+    #[arg(value_enum)]
+    study: Study,
+    /// Folder for the page, its pictures and the results files [default: results/<study>]
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Study {
+    /// Ha, Fung & Chen 2005, reproduced and questioned
+    Paper,
+}
+
+pub fn main(args: &StudyArgs, voice: Voice) -> anyhow::Result<()> {
+    let Study::Paper = args.study;
+    let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("results/paper"));
+    paper::write(&folder, Extent::Full, &|what| voice.say(what))?;
+    voice.say(format_args!("study in {}", folder.join("index.html").display()));
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! Pages: the same content as HTML to look at and as Markdown to read anywhere.
+
+use std::fmt::Write;
+
+/// A table with a caption: the first row is its head.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    pub caption: String,
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A piece of a [`Document`], in plain text: what is special to HTML or Markdown is escaped.
+#[derive(Clone, Debug)]
+pub enum Block {
+    Heading(String),
+    /// Words that stand out, then the rest; either may be empty.
+    Paragraph {
+        lead: String,
+        text: String,
+    },
+    /// With its caption above it, if there is one.
+    Table(Table),
+    /// A picture in a file beside the page.
+    Figure {
+        file: String,
+        caption: String,
+    },
+}
+
+/// A page: a title and what stands below it.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    pub title: String,
+    pub blocks: Vec<Block>,
+}
+
+impl Document {
+    /// A section's heading.
+    pub fn heading(&mut self, text: &str) {
+        self.blocks.push(Block::Heading(text.to_owned()));
+    }
+
+    /// A paragraph that begins with words that stand out, which may be empty.
+    pub fn paragraph(&mut self, lead: &str, text: impl Into<String>) {
+        self.blocks.push(Block::Paragraph { lead: lead.to_owned(), text: text.into() });
+    }
+
+    /// A table.
+    pub fn table(&mut self, caption: &str, rows: Vec<Vec<String>>) {
+        self.blocks.push(Block::Table(Table { caption: caption.to_owned(), rows }));
+    }
+
+    /// A picture in a file beside the page.
+    pub fn figure(&mut self, file: &str, caption: &str) {
+        self.blocks.push(Block::Figure { file: file.to_owned(), caption: caption.to_owned() });
+    }
+
+    /// The page as HTML; `generator` names the program's part that made it.
+    pub fn html(&self, generator: &str) -> String {
+        let mut page = open(&self.title, generator);
+        // Writing to a String cannot fail.
+        for block in &self.blocks {
+            let _ = match block {
+                Block::Heading(text) => writeln!(page, "<h2>{}</h2>", escape(text)),
+                Block::Paragraph { lead, text } if lead.is_empty() => {
+                    writeln!(page, "<p>{}</p>", escape(text))
+                }
+                Block::Paragraph { lead, text } => {
+                    writeln!(page, "<p><b>{}</b> {}</p>", escape(lead), escape(text))
+                }
+                Block::Table(table) => {
+                    if !table.caption.is_empty() {
+                        let _ = writeln!(page, "<p class=\"caption\">{}</p>", escape(&table.caption));
+                    }
+                    write!(page, "{}", table.html())
+                }
+                Block::Figure { file, caption } => {
+                    let (short, file) = (escape(brief(caption)), escape(file));
+                    let caption = escape(caption);
+                    writeln!(
+                        page,
+                        "<figure>\n<a href=\"{file}\"><img src=\"{file}\" alt=\"{short}\"/></a>\n\
+                         <figcaption>{caption}</figcaption>\n</figure>"
+                    )
+                }
+            };
+        }
+        page.push_str(CLOSE);
+        page
+    }
+
+    /// The page as Markdown.
+    pub fn markdown(&self) -> String {
+        let mut page = format!("# {}\n\n", plain(&self.title));
+        for block in &self.blocks {
+            let _ = match block {
+                Block::Heading(text) => write!(page, "## {}\n\n", plain(text)),
+                Block::Paragraph { lead, text } if lead.is_empty() => write!(page, "{}\n\n", plain(text)),
+                Block::Paragraph { lead, text } => write!(page, "**{}** {}\n\n", plain(lead), plain(text)),
+                Block::Table(table) => {
+                    if !table.caption.is_empty() {
+                        let _ = write!(page, "{}\n\n", plain(&table.caption));
+                    }
+                    writeln!(page, "{}", table.markdown())
+                }
+                Block::Figure { file, caption } => {
+                    let (short, caption) = (plain(brief(caption)), plain(caption));
+                    write!(page, "![{short}]({file})\n\n*{caption}*\n\n")
+                }
+            };
+        }
+        page.truncate(page.trim_end().len());
+        page.push('\n');
+        page
+    }
+}
+
+impl Table {
+    /// As HTML, without the caption.
+    pub(super) fn html(&self) -> String {
+        let mut text = String::from("<div class=\"wide\"><table>\n");
+        for (number, cells) in self.rows.iter().enumerate() {
+            let tag = if number == 0 { "th" } else { "td" };
+            text.push_str("<tr>");
+            for cell in cells {
+                let _ = write!(text, "<{tag}>{}</{tag}>", escape(cell));
+            }
+            text.push_str("</tr>\n");
+        }
+        text.push_str("</table></div>\n");
+        text
+    }
+
+    /// As Markdown, without the caption.
+    pub(super) fn markdown(&self) -> String {
+        let mut text = String::new();
+        for (number, cells) in self.rows.iter().enumerate() {
+            let cells: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
+            let _ = writeln!(text, "| {} |", cells.join(" | "));
+            if number == 0 {
+                let _ = writeln!(text, "|{}", "---|".repeat(cells.len()));
+            }
+        }
+        text
+    }
+}
+
+/// The beginning of a caption, for readers to whom the picture is described.
+fn brief(caption: &str) -> &str {
+    caption.split(['.', ':', ';']).next().unwrap_or(caption)
+}
+
+/// Text for HTML, quotes included.
+pub(super) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            // Other control characters are not allowed in any page.
+            c if c.is_control() && !matches!(c, '\n' | '\t' | '\r') => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// Text that Markdown takes as it is, on one line.
+pub(super) fn plain(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if letter.is_control() {
+            plain.push(' ');
+            continue;
+        }
+        if "\\`*[]<>|#&".contains(letter) {
+            plain.push('\\');
+        }
+        plain.push(letter);
+    }
+    plain
+}
+
+/// A page's head and title; [`CLOSE`] ends it.
+pub(super) fn open(title: &str, generator: &str) -> String {
+    let title = escape(title);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"generator\" content=\"{generator}\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+    )
+}
+
+pub(super) const CLOSE: &str = "</body>\n</html>\n";
+
+const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;background:#fff;max-width:62rem;margin:2rem auto;\
+padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2rem}.wide{overflow-x:auto}\
+table{border-collapse:collapse;font-size:.9rem}td,th{padding:.25rem .8rem .25rem 0;text-align:left;\
+vertical-align:top;border-bottom:1px solid #ddd}th{color:#555;font-weight:600}figure{margin:1.5rem 0}\
+figure svg,figure img{max-width:100%;height:auto}figcaption,.caption{font-size:.85rem;color:#555}\
+pre{background:#f5f5f5;padding:.8rem;overflow-x:auto;font-size:.85rem}details{margin:.5rem 0}";
