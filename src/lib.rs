@@ -8,8 +8,8 @@
 //!
 //! [`scene`] (what the user wrote) to [`instrument`] (modes and free motion) and [`contact`] (laws), to
 //! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]), to [`record`] and [`store`]
-//! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`study`] answers a
-//! question by many scenes and one page.
+//! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`compare`] says how
+//! far results are from each other, [`study`] answers a question by many scenes and one page.
 //!
 //! # Units and signs
 //!
@@ -46,6 +46,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod compare;
 pub mod contact;
 pub mod engine;
 pub mod instrument;

@@ -16,6 +16,7 @@ use afmsweep::scene::{Scene, Start};
 use checks::{bounds, worst};
 use libtest_mimic::{Arguments, Failed, Trial};
 use shader::{LAWS, cpu, gpu, on, same, scene};
+use std::path::Path;
 use std::time::Duration;
 
 /// 160 periods, more than 20,000 steps; with more than 4 modes the fastest needs 512 a period.
@@ -38,6 +39,21 @@ fn same_bits(modes: usize, precision: Precision) -> Result<(), Failed> {
         }
     }
     println!("{modes} modes, {}: {all} of {all} instances identical", precision.name());
+    Ok(())
+}
+
+/// The scenes that come with the program, as they are but for their waveforms.
+fn same_bits_in_every_scene(precision: Precision) -> Result<(), Failed> {
+    for name in ["quickstart", "paper_fig4_hertz", "paper_fig4_dmt", "paper_fig4_jkr"] {
+        let path = format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let mut scene = Scene::load(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"));
+        if scene.len() > 1 && precision == Precision::F64 {
+            scene.run.periods = 40;
+        }
+        let plan = checks::plan_in(&scene, None, precision);
+        let count = same(&on(&gpu(), &plan).results, &cpu(&plan), name)?;
+        println!("{name}, {}: {count} of {count} instances identical", precision.name());
+    }
     Ok(())
 }
 
@@ -171,6 +187,9 @@ fn main() {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f64");
         add(name, exact && double, Box::new(move || same_bits(modes, Precision::F64)));
     }
+    let scenes = "same_bits_as_the_cpu_in_every_scene";
+    add(format!("{scenes}_f32"), exact, Box::new(|| same_bits_in_every_scene(Precision::F32)));
+    add(format!("{scenes}_f64"), exact && double, Box::new(|| same_bits_in_every_scene(Precision::F64)));
     for modes in [1, 4] {
         let name = format!("agrees_with_the_cpu_to_rounding_{modes}_modes_f32");
         add(name, any, Box::new(move || agrees(modes, Precision::F32)));

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last; a module imports only from those before it, and from none beside it.
-const ORDER: [&[&str]; 11] = [
+const ORDER: [&[&str]; 12] = [
     &["suggest"],
     &["units", "observe"],
     &["scene"],
     &["instrument", "contact", "kernel"],
     &["plan"],
     &["engine"],
+    &["compare"],
     &["store"],
     &["record"],
     &["report"],

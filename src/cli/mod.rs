@@ -1,6 +1,7 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
 mod backend;
+mod check;
 mod devices;
 mod force;
 mod modes;
@@ -44,6 +45,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Pictures and a page of tables from a results file
     Report(report::ReportArgs),
+    /// Every engine on a few instances, side by side with the reference
+    Check(check::CheckArgs),
     /// A question answered by one command and one page
     Study(study::StudyArgs),
 }
@@ -92,6 +95,7 @@ pub fn main() -> ExitCode {
         Command::Force(args) => force::main(&args),
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
+        Command::Check(args) => check::main(&args, voice),
         Command::Study(args) => study::main(&args, voice),
     };
     match outcome {

@@ -248,7 +248,7 @@ pub(super) fn decays<L: Lane>(
         }
     }
     // One sample more on either side: the acceleration is a difference of speeds.
-    let begin = (first as f64 - 0.5) * step;
+    let begin = first as f64 - 0.5;
     let rows = driven.free.transient_table(&driven.instrument, Place::Tip, &skip, begin, step, count + 2);
     rows.windows(3)
         .map(|row| Decay {

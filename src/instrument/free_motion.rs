@@ -132,10 +132,11 @@ impl FreeMotion {
         })
     }
 
-    /// [`FreeMotion::transient_at`] at the `count` times `first + n step`: `[travel, speed]` each.
+    /// [`FreeMotion::transient_at`] at the `count` times `(first + n) step`: `[travel, speed]` each.
     ///
     /// Each mode is carried from one time to the next by its exact propagator and taken afresh
-    /// every 32 steps, which keeps the table within some 1e-14 of the transient's largest value.
+    /// every 32 steps, which keeps the table within some 1e-14 of the transient's largest value. It is taken
+    /// afresh at the same times wherever a table begins: tables that overlap have the same bits.
     pub fn transient_table(
         &self,
         instrument: &Instrument,
@@ -150,17 +151,27 @@ impl FreeMotion {
             let onward = mode.propagator(step);
             let decay = mode.slowest_decay();
             let start = [share * start[0], share * start[1]];
-            for (block, rows) in table.chunks_mut(ANCHOR).enumerate() {
-                let t = first + (block * ANCHOR) as f64 * step;
+            let mut lead = (first.ceil() as i64 - 1).rem_euclid(ANCHOR as i64) as usize;
+            let mut at = 0;
+            while at < count {
+                let t = (first + at as f64 - lead as f64) * step;
                 if decay * t > OVER {
                     break;
                 }
+                // Before the start a heavily damped mode grows beyond all numbers.
+                let (t, since) = if t < 0.0 { ((first + at as f64) * step, 0) } else { (t, lead) };
                 let mut state = turn(&mode.propagator(t), start);
-                for row in rows {
+                if !state.iter().all(|value| value.is_finite()) {
+                    state = start;
+                }
+                (0..since).for_each(|_| state = turn(&onward, state));
+                let end = count.min(at + ANCHOR - lead);
+                for row in &mut table[at..end] {
                     row[0] += state[0];
                     row[1] += state[1];
                     state = turn(&onward, state);
                 }
+                (at, lead) = (end, 0);
             }
         }
         table

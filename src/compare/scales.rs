@@ -1,0 +1,73 @@
+//! The scales of an instance.
+
+use crate::observe::Measured;
+use crate::plan::{Driven, Plan};
+use crate::scene::Start;
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+/// What errors count on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Amplitude, harmonics and indentation: the free tip amplitude, m.
+    pub length: f64,
+    /// Forces: the largest of either sign, N. A graze shallower than lengths are accurate to has no force
+    /// to speak of, so it is at least Hertz's at that depth.
+    pub force: f64,
+    /// Dissipation and virial: work of the drive in a period, with or without the sample, or the loss,
+    /// whichever is largest, J. From rest no period is like the next: what the largest force could do over
+    /// the free swing.
+    pub work: f64,
+}
+
+impl Scales {
+    /// Of an instance whose true measurements are `truth`.
+    pub fn of(plan: &Plan, instance: usize, truth: &Measured) -> Self {
+        let case = &plan.cases[instance];
+        let driven = &plan.drives[case.drive as usize];
+        let length = driven.free.tip.norm();
+        let graze =
+            case.contact.modulus * case.contact.radius.sqrt() * (plan.run.accuracy * length).powf(1.5);
+        // What was not asked for is NaN, which max leaves aside.
+        let force = graze.max(truth.force_max.abs()).max(truth.force_min.abs());
+        let swing = force * length;
+        let work = match plan.run.start {
+            Start::Rest => swing,
+            Start::Steady => {
+                let tapping = drive_work(driven, tip(truth));
+                drive_work(driven, driven.free.tip).abs().max(tapping.abs()).max(truth.dissipation.abs())
+            }
+        };
+        // Without any damping nothing works on anything.
+        Self { length, force, work: if work > 0.0 { work } else { swing } }
+    }
+}
+
+/// The fundamental of the tip's travel, of which the travel is the imaginary part times exp(i omega t), m.
+fn tip(measured: &Measured) -> Complex<f64> {
+    Complex::from_polar(measured.harmonics[0], -measured.phase.to_radians())
+}
+
+/// Work of the drive in a period (J) where the fundamental of the tip's travel is `tip`: that tells the
+/// fundamental of the contact force, since the instrument is linear, and the drive works with no other.
+fn drive_work(driven: &Driven, tip: Complex<f64>) -> f64 {
+    let (free, instrument) = (&driven.free, &driven.instrument);
+    let omega = free.omega;
+    let response: Vec<Complex<f64>> = instrument
+        .modes
+        .iter()
+        .map(|mode| {
+            let stiffness = (mode.omega - omega) * (mode.omega + omega);
+            mode.force / Complex::new(stiffness, omega * mode.omega / mode.quality_factor)
+        })
+        .collect();
+    let moves: Complex<f64> = instrument.modes.iter().zip(&response).map(|(mode, z)| z * mode.tip).sum();
+    let force = (tip - free.tip) / moves;
+    // What is driven through the base counts by its acceleration, -omega^2 level.
+    let per_level = if instrument.moving_base { -omega * omega } else { 1.0 };
+    let moved: f64 = (instrument.modes.iter().zip(&free.modes).zip(&response))
+        .map(|((mode, steady), response)| mode.drive * (steady + response * force).im)
+        .sum();
+    let through_base = if instrument.moving_base { force.im } else { 0.0 };
+    -PI * free.level * (per_level * moved + through_base)
+}
