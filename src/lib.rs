@@ -9,7 +9,8 @@
 //! [`scene`] (what the user wrote) to [`instrument`] (modes and free motion) and [`contact`] (laws), to
 //! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]), to [`record`] and [`store`]
 //! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`compare`] says how
-//! far results are from each other, [`study`] answers a question by many scenes and one page.
+//! far results are from each other, [`bench`] measures the engines, [`study`] answers a question by many
+//! scenes and one page.
 //!
 //! # Units and signs
 //!
@@ -46,6 +47,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod bench;
 pub mod compare;
 pub mod contact;
 pub mod engine;

@@ -14,7 +14,7 @@ const ORDER: [&[&str]; 12] = [
     &["store"],
     &["record"],
     &["report"],
-    &["study"],
+    &["study", "bench"],
     &["cli"],
 ];
 

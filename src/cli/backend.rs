@@ -27,7 +27,7 @@ pub struct EngineArgs {
     threads: Option<usize>,
 }
 
-fn parse_threads(text: &str) -> Result<usize, String> {
+pub(super) fn parse_threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(threads @ 1..=1024) => Ok(threads),
         _ => Err("expected a whole number from 1 to 1024".into()),

@@ -1,6 +1,7 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
 mod backend;
+mod bench;
 mod check;
 mod devices;
 mod force;
@@ -47,6 +48,8 @@ enum Command {
     Report(report::ReportArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),
+    /// Speed and error of each engine over the size of the ensemble
+    Bench(bench::BenchArgs),
     /// A question answered by one command and one page
     Study(study::StudyArgs),
 }
@@ -96,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
+        Command::Bench(args) => bench::main(&args, voice),
         Command::Study(args) => study::main(&args, voice),
     };
     match outcome {

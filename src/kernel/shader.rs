@@ -117,16 +117,24 @@ impl ShaderSpec {
         self.wants.extremes || self.wants.contact
     }
 
+    /// The head and the law alone, for an entry point that asks for kicks.
+    pub fn law_text(&self) -> String {
+        let mut text = self.head();
+        for file in [PATH].iter().chain(self.law.texts) {
+            text.push('\n');
+            text += &self.expand(file);
+        }
+        text
+    }
+
     /// The whole shader.
     pub fn compose(&self) -> String {
         let sums = self.sums();
-        let mut text = self.head();
+        let mut text = self.law_text();
         let mut add = |file: &str| {
             text.push('\n');
             text += &self.expand(file);
         };
-        add(PATH);
-        self.law.texts.iter().for_each(|file| add(file));
         add(STEP);
         add(TALLY);
         add(FOURIER);

@@ -1,9 +1,14 @@
-//! The line of history a results file begins with.
+//! The date, and the line of history a results file begins with.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Now, as `2026-11-21T10:00:00Z afmsweep 0.1.0`.
+/// Now and the program's version, as `2026-11-21T10:00:00Z afmsweep 0.1.0`.
 pub(super) fn history() -> String {
+    format!("{} afmsweep {}", now(), env!("CARGO_PKG_VERSION"))
+}
+
+/// Now, as `2026-11-21T10:00:00Z`.
+pub fn now() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (mut days, clock) = (seconds / 86_400, seconds % 86_400);
     let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
@@ -22,11 +27,10 @@ pub(super) fn history() -> String {
         month += 1;
     }
     format!(
-        "{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z afmsweep {}",
+        "{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z",
         days + 1,
         clock / 3600,
         clock / 60 % 60,
-        clock % 60,
-        env!("CARGO_PKG_VERSION")
+        clock % 60
     )
 }

@@ -13,6 +13,7 @@ mod read;
 mod write;
 
 pub use error::StoreError;
+pub use history::now;
 pub use place::{Writer, partial_path};
 pub use read::read;
 

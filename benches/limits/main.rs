@@ -1,0 +1,211 @@
+//! What limits the engines: instance-steps per second as a share of the device's multiply-add peak, and how
+//! the speed changes when a part is left out.
+//!
+//! `cargo bench --bench limits -- [--gpu] [--instances N] [--seconds S] [-o FILE]`; the answer is a table, and
+//! JSON in FILE.
+
+mod peak;
+mod work;
+
+use afmsweep::engine::gpu::Gpu;
+use afmsweep::engine::{Cpu, Engine, Progress, processor};
+use afmsweep::observe::Observable;
+use afmsweep::plan::{Plan, Precision};
+use afmsweep::scene::{LawChoice, Scene};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+
+/// What is left out or put in, beside the standard: DMT, 4 modes, amplitude, phase and peak force.
+struct Variant {
+    name: &'static str,
+    law: LawChoice,
+    modes: usize,
+    observables: &'static [Observable],
+}
+
+const FEW: &[Observable] = &[Observable::Amplitude, Observable::Phase, Observable::ForceMax];
+const SWING: &[Observable] = &[Observable::Amplitude, Observable::Phase];
+const ALL: &[Observable] = &[
+    Observable::Amplitude,
+    Observable::Phase,
+    Observable::ForceMax,
+    Observable::ForceMin,
+    Observable::IndentationMax,
+    Observable::ContactTime,
+    Observable::Dissipation,
+    Observable::Virial,
+    Observable::HarmonicAmplitude,
+];
+
+const VARIANTS: &[Variant] = &[
+    Variant { name: "standard", law: LawChoice::Dmt, modes: 4, observables: FEW },
+    Variant { name: "swing alone", law: LawChoice::Dmt, modes: 4, observables: SWING },
+    Variant { name: "every observable", law: LawChoice::Dmt, modes: 4, observables: ALL },
+    Variant { name: "hertz", law: LawChoice::Hertz, modes: 4, observables: FEW },
+    Variant { name: "jkr", law: LawChoice::Jkr, modes: 4, observables: FEW },
+    Variant { name: "no sample", law: LawChoice::None, modes: 4, observables: FEW },
+    Variant { name: "1 mode", law: LawChoice::Dmt, modes: 1, observables: FEW },
+    Variant { name: "2 modes", law: LawChoice::Dmt, modes: 2, observables: FEW },
+    Variant { name: "8 modes", law: LawChoice::Dmt, modes: 8, observables: FEW },
+];
+
+/// A calibrated lever tapping on soft to stiff samples, neighbours alike, as many as asked for.
+fn scene(variant: &Variant, instances: usize) -> Scene {
+    let side = (instances as f64).sqrt().round() as usize;
+    let text = format!(
+        r#"
+[instrument.cantilever]
+stiffness = "40 N/m"
+frequency = "300 kHz"
+quality_factor = 150
+[instrument.actuator]
+model = "rigid"
+[sample]
+surface_energy = "50 mJ/m^2"
+[drive]
+on = "tip"
+frequency = "resonance"
+free_amplitude = "20 nm"
+[approach]
+gap = "16 nm"
+[sweep]
+"sample.youngs_modulus" = {{ from = "100 MPa", to = "10 GPa", points = {side}, scale = "log" }}
+"instrument.tip.radius" = {{ from = "5 nm", to = "40 nm", points = {side} }}
+[run]
+periods = 1000
+measure = 50
+modes = {}
+steps_per_period = 256
+"#,
+        variant.modes
+    );
+    let mut scene = Scene::parse(Path::new("limits.toml"), &text).expect("the scene is right");
+    scene.base.contact.law = variant.law;
+    scene.output.observables = variant.observables.to_vec();
+    scene
+}
+
+/// The plan with so many periods. Without a sample nothing would need stepping: there it is told to.
+fn plan(variant: &Variant, instances: usize, precision: Precision) -> Plan {
+    let mut plan = Plan::new(&scene(variant, instances), precision).expect("the scene can be planned");
+    if variant.law == LawChoice::None {
+        for case in &mut plan.cases {
+            case.steps = 256;
+        }
+        for class in &mut plan.classes {
+            (class.steps, class.modes) = (256, variant.modes);
+        }
+    }
+    plan
+}
+
+/// Instance-steps per second, by the longest of runs that take about `seconds`.
+fn rate(plan: &Plan, engine: &dyn Engine, seconds: f64) -> f64 {
+    let mut plan = plan.clone();
+    let most = plan.run.periods;
+    let mut run = |periods: u32| {
+        (plan.run.periods, plan.run.measure) = (periods, (periods / 4).max(1));
+        let start = Instant::now();
+        engine.run(&plan, &Progress::default()).expect("the plan can be run");
+        plan.instance_steps() as f64 / start.elapsed().as_secs_f64()
+    };
+    run(1);
+    let mut best: f64 = 0.0;
+    let mut periods = 1;
+    loop {
+        let start = Instant::now();
+        best = best.max(run(periods));
+        let took = start.elapsed().as_secs_f64();
+        if took > 0.5 * seconds || periods == most {
+            return best.max(run(periods));
+        }
+        periods = (f64::from(periods) * (seconds / took).clamp(1.5, 16.0)).ceil().min(f64::from(most)) as u32;
+    }
+}
+
+struct Arguments {
+    gpu: bool,
+    instances: usize,
+    seconds: f64,
+    output: Option<String>,
+}
+
+fn arguments() -> Arguments {
+    let mut all = Arguments { gpu: false, instances: 1 << 20, seconds: 1.0, output: None };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value"));
+        match word.as_str() {
+            "--gpu" => all.gpu = true,
+            "--instances" => all.instances = value().parse().expect("a number of instances"),
+            "--seconds" => all.seconds = value().parse().expect("seconds"),
+            "-o" => all.output = Some(value()),
+            // cargo bench adds it.
+            "--bench" => {}
+            other => panic!("unknown argument {other}"),
+        }
+    }
+    all
+}
+
+fn main() {
+    let arguments = arguments();
+    let mut rows = Vec::new();
+    let engine: Box<dyn Engine> = match arguments.gpu {
+        true => Box::new(Gpu::new(None).unwrap_or_else(|error| panic!("{error}"))),
+        false => Box::new(Cpu::default()),
+    };
+    println!("{}", engine.device());
+    for precision in [Precision::F32, Precision::F64] {
+        let peak = match arguments.gpu {
+            true => peak::gpu(precision),
+            false => peak::cpu(precision),
+        };
+        let Some(peak) = peak else {
+            println!("{}: this adapter has none", precision.name());
+            continue;
+        };
+        println!("\n{}: {:.3e} multiply-adds/s measured", precision.name(), peak);
+        println!("{:<18}{:>14}{:>12}{:>12}{:>12}", "", "steps/s", "of standard", "operations", "of peak");
+        let mut standard = f64::NAN;
+        for variant in VARIANTS {
+            let plan = plan(variant, arguments.instances, precision);
+            let rate = rate(&plan, engine.as_ref(), arguments.seconds);
+            if variant.name == "standard" {
+                standard = rate;
+            }
+            let operations = work::operations(&plan);
+            // A multiply-add is two operations.
+            let share = rate * operations as f64 / (2.0 * peak);
+            println!(
+                "{:<18}{:>14.3e}{:>12.2}{:>12}{:>11.1}%",
+                variant.name,
+                rate,
+                rate / standard,
+                operations,
+                100.0 * share
+            );
+            rows.push(json!({
+                "precision": precision.name(),
+                "variant": variant.name,
+                "instances": plan.cases.len(),
+                "instance_steps_per_second": rate,
+                "operations_per_step": operations,
+                "multiply_adds_per_second": peak,
+                "share_of_peak": share,
+            }));
+        }
+    }
+    if let Some(path) = &arguments.output {
+        let all: Value = json!({
+            "device": engine.device(),
+            "processor": processor(),
+            "date": afmsweep::store::now(),
+            "note": "operations: + - * / sqrt min max abs of one step in contact with its observables, both sides of every branch",
+            "rows": rows,
+        });
+        let text = serde_json::to_string_pretty(&all).expect("plain data");
+        std::fs::write(path, text + "\n").unwrap_or_else(|error| panic!("{path}: {error}"));
+    }
+}

@@ -1,0 +1,24 @@
+//! Speed and error of the engines on one scene, over the size of the ensemble.
+
+mod measure;
+mod page;
+
+pub use measure::{Error, Machine, Options, Point, Series, measure};
+pub use page::{GENERATOR, files, table};
+
+use crate::engine::EngineError;
+use crate::plan::PlanError;
+
+/// Why nothing can be measured.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BenchError {
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    #[error("the scene has nothing to step: no instance touches a sample")]
+    NothingToStep,
+    #[error("the scene has no axis under [sweep] that could take more points: it has {instances} instances")]
+    NoAxis { instances: usize },
+}
