@@ -6,23 +6,26 @@
 #   DIR/gpu_box.sh run OUT         there: eight files in OUT; QUICK=1 is a rehearsal on a software driver
 set -euo pipefail
 
+# The executable of that name in cargo's messages.
+made() {
+    grep "\"name\":\"$1\"" | grep -o '"executable":"[^"]*"' | cut -d'"' -f4
+}
+
 pack() {
     local box=$1
     cd "$(dirname "$0")/.."
     mkdir -p "$box/lib" "$box/scenes"
     cargo build --release
-    # The paths of the programs, by cargo's own word.
-    local built
-    built=$(cargo test --release --no-run --test agree_gpu --message-format=json | grep '"name":"agree_gpu"' |
-        grep -o '"executable":"[^"]*"' | cut -d'"' -f4)
-    install -s "$built" "$box/agree_gpu"
-    built=$(cargo bench --no-run --bench limits --message-format=json | grep '"name":"limits"' |
-        grep -o '"executable":"[^"]*"' | cut -d'"' -f4)
-    install -s "$built" "$box/limits"
+    # The paths of the other programs, by cargo's own word.
+    local program
+    for program in agree_gpu kicks_gpu; do
+        install -s "$(cargo test --release --no-run --test $program --message-format=json | made $program)" "$box/$program"
+    done
+    install -s "$(cargo bench --no-run --bench limits --message-format=json | made limits)" "$box/limits"
     install -s "${CARGO_TARGET_DIR:-target}/release/afmsweep" "$box/afmsweep"
     # HDF5 and what it needs; the C library is the machine's own.
-    ldd "$box/afmsweep" "$box/agree_gpu" | grep -oE '/[^ ]*/lib(hdf5|sz|aec|z|curl|ssl|crypto|nghttp2|idn2|psl|ssh2|rtmp|gssapi|krb5|k5crypto|com_err|krb5support|ldap|lber|zstd|brotli|unistring|hogweed|nettle|gnutls|gmp|keyutils|sasl2|p11-kit|tasn1|ffi|db-)[^ ]*' |
-        sort -u | xargs -r cp -L -t "$box/lib"
+    ldd "$box/afmsweep" | grep -o '/[^ ]*' | grep -vE '/(ld-linux|lib(c|m|dl|rt|pthread|gcc_s|resolv))[-.]' |
+        xargs -r cp -L -t "$box/lib"
     cp scenes/quickstart.toml scenes/paper_fig4_*.toml "$box/scenes"
     cp benches/gpu_box.sh "$box/"
     du -sh "$box"
@@ -39,7 +42,9 @@ run() {
     [ -z "$quick" ] || { sizes=1000,4000 instances=4096; }
     "$program" devices --json | tee "$out/devices.json"
     # The steps go on if one fails: what the others find is wanted all the same.
-    "$box/agree_gpu" --test-threads 1 --nocapture 2>&1 | tee "$out/agree.log" || true
+    for tests in kicks_gpu agree_gpu; do
+        "$box/$tests" --test-threads 1 --nocapture 2>&1 || true
+    done | tee "$out/agree.log"
     for scene in quickstart paper_fig4_hertz paper_fig4_dmt paper_fig4_jkr; do
         timeout 100 "$program" check "$box/scenes/$scene.toml" -i 6 2>&1 || true
     done | tee "$out/check.log"

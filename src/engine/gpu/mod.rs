@@ -20,6 +20,7 @@ use chunk::{Checkpoint, Chunk};
 use pace::Pace;
 use rayon::prelude::*;
 use session::Session;
+use std::cell::RefCell;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 use thiserror::Error;
@@ -94,6 +95,8 @@ pub struct Gpu {
     pub strict: bool,
     /// For tests of what happens when a device fails.
     pub drill: Drill,
+    /// The device and its compiled shaders between two runs, and the precision and strictness it is open for.
+    idle: RefCell<Option<(Precision, bool, Session)>>,
 }
 
 /// Failures on one chunk after which the CPU takes over.
@@ -104,7 +107,8 @@ impl Gpu {
     pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
         let (adapter, report) = adapter::choose(wanted)?;
         let strict = report.strict && report.software();
-        Ok(Self { adapter, report, chunk: None, strict, drill: Drill::default() })
+        let (drill, idle) = (Drill::default(), RefCell::default());
+        Ok(Self { adapter, report, chunk: None, strict, drill, idle })
     }
 
     /// What it can do.
@@ -234,7 +238,11 @@ impl Engine for Gpu {
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         // A device that cannot be opened at all is an error, before anything is computed.
-        let session = Session::open(self, plan.precision == Precision::F64)?;
+        let held = self.idle.take().filter(|held| (held.0, held.1) == (plan.precision, self.strict));
+        let session = match held {
+            Some((.., session)) => session,
+            None => Session::open(self, plan.precision == Precision::F64)?,
+        };
         let pace = Pace::new(self.report.software());
         let mut opened = Opened { session: Some(session), pace, notes: Vec::new() };
         let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
@@ -248,6 +256,7 @@ impl Engine for Gpu {
                 results[*instance as usize] = result;
             }
         }
+        self.idle.replace(opened.session.map(|session| (plan.precision, self.strict, session)));
         Ok(Outcome { results, notes: opened.notes })
     }
 }
