@@ -74,6 +74,8 @@ pub fn measure(
     if plan.instance_steps() == 0 {
         return Err(BenchError::NothingToStep);
     }
+    let sized: Vec<Scene> =
+        options.sizes.iter().map(|size| resized(scene, *size)).collect::<Result<_, _>>()?;
     let chosen = choose(&plan, options.compared, 1);
     say(format!("reference: {} instances", chosen.len()));
     let part = plan.only(&chosen);
@@ -91,9 +93,8 @@ pub fn measure(
             error: error(&plan, &chosen, &ours, &truths),
         });
     }
-    for &size in &options.sizes {
-        let sized = resized(scene, size)?;
-        let plan = Plan::new(&sized, Precision::F64)?;
+    for scene in sized {
+        let plan = Plan::new(&scene, Precision::F64)?;
         for (machine, series) in machines.iter().zip(&mut all) {
             let plan = Plan { precision: machine.precision, ..plan.clone() };
             let point = time(&plan, machine.engine.as_ref(), options)?;
