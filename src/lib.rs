@@ -7,9 +7,10 @@
 //! # Flow
 //!
 //! [`scene`] (what the user wrote) to [`instrument`] (modes and free motion) and [`contact`] (laws), to
-//! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]), to [`record`] and [`store`]
+//! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]) under [`control`] (of errors), to
+//! [`record`] and [`store`]
 //! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`compare`] says how
-//! far results are from each other, [`bench`] measures the engines, [`study`] answers a question by many
+//! far results are from each other, [`mod@bench`] measures the engines, [`study`] answers a question by many
 //! scenes and one page.
 //!
 //! # Units and signs
@@ -50,6 +51,7 @@
 pub mod bench;
 pub mod compare;
 pub mod contact;
+pub mod control;
 pub mod engine;
 pub mod instrument;
 pub mod kernel;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last; a module imports only from those before it, and from none beside it.
-const ORDER: [&[&str]; 12] = [
+const ORDER: [&[&str]; 13] = [
     &["suggest"],
     &["units", "observe"],
     &["scene"],
@@ -11,6 +11,7 @@ const ORDER: [&[&str]; 12] = [
     &["plan"],
     &["engine"],
     &["compare"],
+    &["control"],
     &["store"],
     &["record"],
     &["report"],

@@ -19,19 +19,15 @@ pub struct Shown {
 const EVERY: Duration = Duration::from_secs(5);
 
 impl Shown {
-    /// Watches `progress` towards `total` instance-steps.
-    pub fn start(progress: Arc<Progress>, total: u64, voice: Voice) -> Self {
+    /// Watches `progress` towards the instance-steps it expects.
+    pub fn start(progress: Arc<Progress>, voice: Voice) -> Self {
         let over = Arc::new(AtomicBool::new(false));
         if voice.quiet {
             return Self { over, thread: None };
         }
         let ended = Arc::clone(&over);
         let thread = std::thread::spawn(move || {
-            if std::io::stderr().is_terminal() {
-                bar(&progress, total, &ended)
-            } else {
-                lines(&progress, total, &ended)
-            }
+            if std::io::stderr().is_terminal() { bar(&progress, &ended) } else { lines(&progress, &ended) }
         });
         Self { over, thread: Some(thread) }
     }
@@ -47,14 +43,14 @@ impl Drop for Shown {
     }
 }
 
-fn bar(progress: &Progress, total: u64, over: &AtomicBool) {
+fn bar(progress: &Progress, over: &AtomicBool) {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}  {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar =
-        ProgressBar::with_draw_target(Some(total.max(1)), ProgressDrawTarget::stderr()).with_style(style);
+    let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr()).with_style(style);
     let start = Instant::now();
     while !over.load(Ordering::Relaxed) {
         let steps = progress.steps();
+        bar.set_length(progress.expected().max(steps).max(1));
         bar.set_position(steps);
         bar.set_message(rate(steps, start));
         std::thread::sleep(Duration::from_millis(50));
@@ -62,14 +58,14 @@ fn bar(progress: &Progress, total: u64, over: &AtomicBool) {
     bar.finish_and_clear();
 }
 
-fn lines(progress: &Progress, total: u64, over: &AtomicBool) {
+fn lines(progress: &Progress, over: &AtomicBool) {
     let start = Instant::now();
     let mut next = EVERY;
     while !over.load(Ordering::Relaxed) {
         if start.elapsed() >= next {
             next += EVERY;
             let steps = progress.steps();
-            let percent = 100.0 * steps as f64 / total.max(1) as f64;
+            let percent = 100.0 * steps as f64 / progress.expected().max(steps).max(1) as f64;
             say(format_args!("{percent:3.0} %  {}", rate(steps, start)));
         }
         std::thread::sleep(Duration::from_millis(10));

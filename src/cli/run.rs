@@ -3,7 +3,8 @@
 use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, load};
-use afmsweep::engine::{Outcome, Progress};
+use afmsweep::control::{self, Audited, Controlled};
+use afmsweep::engine::{EngineError, Outcome, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
 use afmsweep::record::{self, Facts};
@@ -23,6 +24,15 @@ pub struct RunArgs {
     /// Replace whatever file stands at the output
     #[arg(long)]
     overwrite: bool,
+    /// Run each instance once as planned: no error estimates, no refinement where they are too large
+    #[arg(long)]
+    no_estimate: bool,
+    /// Instances to redo with the reference engine after the run [default: as many as take a tenth of its time]
+    #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    audit: Option<u32>,
+    /// Redo none
+    #[arg(long)]
+    no_audit: bool,
     #[command(flatten)]
     engine: EngineArgs,
 }
@@ -64,9 +74,16 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     ));
     let progress = Arc::new(Progress::default());
     on_interrupt(&progress);
-    let shown = Shown::start(Arc::clone(&progress), plan.instance_steps(), voice);
+    let shown = Shown::start(Arc::clone(&progress), voice);
     let stepping = Instant::now();
-    let outcome = engine.run(&plan, &progress)?;
+    let Controlled { plan, outcome, estimates } = match args.no_estimate {
+        false => control::run(&plan, engine.as_ref(), &progress)?,
+        true => {
+            progress.expect(plan.instance_steps());
+            let outcome = engine.run(&plan, &progress)?;
+            Controlled { estimates: vec![f64::NAN; plan.cases.len()], outcome, plan }
+        }
+    };
     let stepping = stepping.elapsed().as_secs_f64();
     drop(shown);
 
@@ -74,14 +91,20 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         device: engine.device(),
         wall_time: start.elapsed().as_secs_f64(),
         rate: if progress.steps() == 0 { 0.0 } else { progress.steps() as f64 / stepping },
-        plan: summary.json().to_string(),
+        plan: plan.summary(None).json().to_string(),
     };
     // Ctrl-C after the last instance came too late to spoil anything.
     let whole = outcome.results.iter().all(|one| one.status != Status::NotRun);
     let mut results = record::results(&scene, &plan, &outcome, &facts);
+    results.variables.push(record::error_estimate(&estimates));
     if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
         results.waveforms = Some(record::waveforms(&plan, request)?);
     }
+    let audited = match args.no_audit || !whole {
+        true => Vec::new(),
+        false => audit(args, &plan, &outcome, stepping, &progress)?,
+    };
+    results.audit = record::audit(&plan, &audited);
     writer.write(&results)?;
     if !whole {
         anyhow::bail!(
@@ -96,6 +119,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         voice.say(format_args!("note: {note}"));
     }
     close(&scene, &plan, &outcome, &results, voice);
+    accuracy(&plan, &outcome, &estimates, &audited, voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -104,6 +128,57 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         facts.rate
     ));
     Ok(())
+}
+
+/// The audit: as many instances as asked for, or one for each core and more while they take less than a tenth
+/// of what the run took.
+fn audit(
+    args: &RunArgs,
+    plan: &Plan,
+    outcome: &Outcome,
+    stepping: f64,
+    progress: &Progress,
+) -> Result<Vec<Audited>, EngineError> {
+    if let Some(count) = args.audit {
+        return control::audit(plan, outcome, count as usize, progress);
+    }
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let start = Instant::now();
+    let first = control::audit(plan, outcome, cores, progress)?;
+    let took = start.elapsed().as_secs_f64();
+    let batches = (0.1 * stepping / took) as usize;
+    if batches < 2 {
+        return Ok(first);
+    }
+    control::audit(plan, outcome, cores * (batches - 1).min(8), progress)
+}
+
+/// What is known of the errors.
+fn accuracy(plan: &Plan, outcome: &Outcome, estimates: &[f64], audited: &[Audited], voice: Voice) {
+    let ok = |i: &usize| outcome.results[*i].status == Status::Ok && estimates[*i].is_finite();
+    let mut known: Vec<f64> = (0..estimates.len()).filter(ok).map(|i| estimates[i]).collect();
+    known.sort_by(f64::total_cmp);
+    if let (Some(middle), Some(last)) = (known.get(known.len() / 2), known.last()) {
+        voice.say(format_args!(
+            "estimated error: median {middle:.1e}, largest {last:.1e} of {}; asked for {:e}",
+            instances(known.len()),
+            plan.run.accuracy
+        ));
+    }
+    let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
+    if !audited.is_empty() {
+        let largest = redone.iter().copied().fold(0.0, f64::max);
+        let doubtful = audited.len() - redone.len();
+        let rest = if doubtful > 0 {
+            format!("; {doubtful} not steady or else not to be compared")
+        } else {
+            String::new()
+        };
+        voice.say(format_args!(
+            "audit: {} redone by the reference engine, largest error {largest:.1e}{rest}",
+            instances(audited.len())
+        ));
+    }
 }
 
 /// What a user should know of the run: doubtful instances and doubtful contacts.

@@ -73,6 +73,7 @@ impl Finished {
 #[derive(Debug, Default)]
 pub struct Progress {
     steps: AtomicU64,
+    expected: AtomicU64,
     stop: AtomicBool,
 }
 
@@ -80,6 +81,16 @@ impl Progress {
     /// Instance-steps done.
     pub fn steps(&self) -> u64 {
         self.steps.load(Ordering::Relaxed)
+    }
+
+    /// Instance-steps to be done, as far as known.
+    pub fn expected(&self) -> u64 {
+        self.expected.load(Ordering::Relaxed)
+    }
+
+    /// Counts instance-steps as to be done.
+    pub fn expect(&self, steps: u64) {
+        self.expected.fetch_add(steps, Ordering::Relaxed);
     }
 
     /// Counts instance-steps as done.

@@ -33,7 +33,7 @@ impl Plan {
                 plan_case(scene, &scene.instance(index), drive, &drives[drive as usize])
             })
             .collect();
-        let classes = classify(&cases, &drives);
+        let classes = classify(&cases, &drives, 0..cases.len() as u32);
         Ok(Self {
             drives,
             cases,
@@ -44,6 +44,59 @@ impl Plan {
             precision,
             waveforms: scene.output.waveforms.clone(),
         })
+    }
+}
+
+/// Other ways to run the same scene, to learn what a choice of the plan costs in accuracy.
+impl Plan {
+    /// The same plan for these instances alone; the others are not run.
+    pub fn only(&self, instances: &[u32]) -> Self {
+        self.stepped(instances, |case| case.steps)
+    }
+
+    /// Likewise, with another number of steps per period for each. Instances that are free of the sample
+    /// stay so.
+    pub fn stepped(&self, instances: &[u32], steps: impl Fn(&CasePlan) -> u32) -> Self {
+        let mut plan = self.clone();
+        for &index in instances {
+            let case = &mut plan.cases[index as usize];
+            if case.steps > 0 {
+                case.steps = steps(case);
+            }
+        }
+        plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
+        plan
+    }
+
+    /// Likewise, with the modes that `accuracy` would ask for, and as many more steps as they need.
+    pub fn richer(&self, instances: &[u32], accuracy: f64) -> Self {
+        let mut plan = self.clone();
+        let run = &self.run;
+        for driven in &mut plan.drives {
+            let (instrument, omega) = (&driven.instrument, driven.free.omega);
+            let most = steps_for_modes(instrument, driven.frequency(), run.steps_per_period);
+            let kept = KeptModes::choose(instrument, omega, accuracy, run.modes, most);
+            driven.kept = Arc::new(kept);
+        }
+        let fewest =
+            |case: &CasePlan| steps::fewest(case.contact.law, &plan.drives[case.drive as usize], run);
+        let cases: Vec<u32> = plan.cases.iter().map(|case| case.steps.max(fewest(case))).collect();
+        for &index in instances {
+            let case = &mut plan.cases[index as usize];
+            if case.steps > 0 && run.steps_per_period.is_none() {
+                case.steps = cases[index as usize];
+            }
+        }
+        plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
+        plan
+    }
+}
+
+/// Most steps per period that a mode kept may need.
+fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
+    match asked {
+        Some(steps) => f64::from(steps),
+        None => STEPS_FOR_MODES * (instrument.lever_frequency / frequency).max(1.0),
     }
 }
 
@@ -139,10 +192,7 @@ fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result
         DriveFrequency::Resonance => instrument.resonance()?,
     };
     let free = instrument.free_motion(params.drive.level, frequency)?;
-    let steps_max = match scene.run.steps_per_period {
-        Some(steps) => f64::from(steps),
-        None => STEPS_FOR_MODES * (instrument.lever_frequency / frequency).max(1.0),
-    };
+    let steps_max = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
     let kept = KeptModes::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
     Ok(Driven { instrument: Arc::clone(instrument), free, kept: Arc::new(kept) })
 }
@@ -169,12 +219,13 @@ fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> Cas
     CasePlan { drive, contact, gap, steps }
 }
 
-/// Groups by shape; within a class by drive, then gap, then stiffness.
-fn classify(cases: &[CasePlan], drives: &[Driven]) -> Vec<Class> {
+/// Groups these instances by shape; within a class by drive, then gap, then stiffness.
+fn classify(cases: &[CasePlan], drives: &[Driven], instances: impl Iterator<Item = u32>) -> Vec<Class> {
     let mut groups: BTreeMap<(u32, Law, usize), Vec<u32>> = BTreeMap::new();
-    for (index, case) in cases.iter().enumerate() {
+    for index in instances {
+        let case = &cases[index as usize];
         let modes = drives[case.drive as usize].kept.modes.len();
-        groups.entry((case.steps, case.contact.law, modes)).or_default().push(index as u32);
+        groups.entry((case.steps, case.contact.law, modes)).or_default().push(index);
     }
     groups
         .into_iter()

@@ -98,16 +98,6 @@ impl Plan {
         per_period * u64::from(self.run.periods)
     }
 
-    /// The same plan for these instances alone; the others are not run.
-    pub fn only(&self, instances: &[u32]) -> Self {
-        let mut part = self.clone();
-        for class in &mut part.classes {
-            class.instances.retain(|instance| instances.contains(instance));
-        }
-        part.classes.retain(|class| !class.instances.is_empty());
-        part
-    }
-
     /// Deepest indentation to expect of an instance, m.
     pub fn expected_depth(&self, instance: usize) -> f64 {
         let case = &self.cases[instance];

@@ -1,8 +1,9 @@
 //! Steps per drive period.
 
-use super::KeptModes;
 use super::modes::ANGLE_MAX;
+use super::{Driven, KeptModes};
 use crate::contact::{Contact, Law};
+use crate::scene::Run;
 use std::f64::consts::TAU;
 
 /// Fewest steps per period the rule gives.
@@ -35,7 +36,7 @@ pub fn steps(
     accuracy: f64,
 ) -> u32 {
     let base = BASE * (1e-3 / accuracy).powf(1.0 / ORDER);
-    let fast = TAU * kept.fastest() / (omega * angle(contact.law, accuracy));
+    let fast = fast(contact.law, kept, omega, accuracy);
     let period = TAU / omega;
     let mobility = kept.mobility();
     let depth = deepest(contact, mobility, omega, amplitude, gap);
@@ -49,6 +50,16 @@ pub fn steps(
         _ => 0.0,
     };
     rung(base.max(fast).max(stiff).max(pull))
+}
+
+/// Steps that the fastest kept oscillator needs.
+fn fast(law: Law, kept: &KeptModes, omega: f64, accuracy: f64) -> f64 {
+    TAU * kept.fastest() / (omega * angle(law, accuracy))
+}
+
+/// Fewest steps with which the kept modes can be stepped.
+pub fn fewest(law: Law, driven: &Driven, run: &Run) -> u32 {
+    rung(fast(law, &driven.kept, driven.free.omega, run.accuracy))
 }
 
 /// Phase, rad, that the fastest oscillator may turn through in a step.

@@ -3,11 +3,12 @@
 mod waveforms;
 
 use crate::contact::{Contact, Law, Warning};
+use crate::control::Audited;
 use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
 use crate::plan::Plan;
 use crate::scene::{Layout, Params, Scene};
-use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
+use crate::store::{Attribute, Audit, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
 pub use waveforms::waveforms;
@@ -78,8 +79,19 @@ fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
 }
 
 fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
-    let mut variables: Vec<Variable> = plan
-        .observables
+    let mut variables = observables(plan, results);
+    variables.push(Variable {
+        name: "tabor_parameter".into(),
+        units: "1".into(),
+        long_name: "Tabor's parameter of the contact".into(),
+        harmonics: None,
+        data: plan.cases.iter().map(|case| case.contact.tabor).collect(),
+    });
+    variables
+}
+
+fn observables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
+    plan.observables
         .iter()
         .map(|&observable| {
             let width = observable.width();
@@ -95,15 +107,44 @@ fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
                 data,
             }
         })
-        .collect();
-    variables.push(Variable {
-        name: "tabor_parameter".into(),
+        .collect()
+}
+
+/// Variable `error_estimate`.
+pub fn error_estimate(estimates: &[f64]) -> Variable {
+    Variable {
+        name: "error_estimate".into(),
         units: "1".into(),
-        long_name: "Tabor's parameter of the contact".into(),
+        long_name: "estimated error of the worst observable, on the scale of accuracy".into(),
         harmonics: None,
-        data: plan.cases.iter().map(|case| case.contact.tabor).collect(),
+        data: estimates.to_vec(),
+    }
+}
+
+/// Group `audit`: the reference's values and the run's errors; none where nothing was redone.
+pub fn audit(plan: &Plan, audited: &[Audited]) -> Option<Audit> {
+    if audited.is_empty() {
+        return None;
+    }
+    let truths: Vec<Finished> = audited.iter().map(|one| one.truth).collect();
+    let mut variables = observables(plan, &truths);
+    for (place, observable) in plan.observables.iter().enumerate() {
+        variables.push(Variable {
+            name: format!("{}_error", observable.name()),
+            units: "1".into(),
+            long_name: format!("error of {}, on the scale of accuracy", observable.long_name()),
+            harmonics: None,
+            data: audited.iter().map(|one| one.errors[place]).collect(),
+        });
+    }
+    variables.push(Variable {
+        name: "reference_status".into(),
+        units: "1".into(),
+        long_name: "status by the reference engine, by the codes of status".into(),
+        harmonics: None,
+        data: truths.iter().map(|truth| f64::from(truth.status as u8)).collect(),
     });
-    variables
+    Some(Audit { instances: audited.iter().map(|one| u64::from(one.instance)).collect(), variables })
 }
 
 fn law_code(law: Law) -> u8 {

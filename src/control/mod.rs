@@ -1,0 +1,52 @@
+//! Error control: each instance's error is estimated, and what misses the accuracy asked for is done again
+//! with more steps or more modes; a few instances are audited by the reference engine.
+
+mod audit;
+mod modes;
+mod steps;
+
+pub use audit::{Audited, audit};
+
+use crate::engine::{Engine, EngineError, Outcome, Progress};
+use crate::observe::Status;
+use crate::plan::Plan;
+
+/// A run to the accuracy asked for.
+#[derive(Clone, Debug)]
+pub struct Controlled {
+    /// The plan that was carried out: modes and steps as the estimates asked for them.
+    pub plan: Plan,
+    pub outcome: Outcome,
+    /// Of each instance the error of its worst observable, on its scale; NaN where nothing was estimated.
+    pub estimates: Vec<f64>,
+}
+
+/// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
+/// for. Instances of which that cannot be said even with the most steps tried are called out of range.
+///
+/// Steps: every instance runs with half its steps too, and what the two leave in doubt runs again with twice
+/// as many, up to three times. Modes: a sample of the instances runs with the modes that a ten times finer
+/// accuracy asks for; where that changes too much, more modes are kept for all. A scene that prescribes its
+/// steps or its modes has its way: then that part of the error is not looked at.
+///
+/// # Errors
+/// What the engine says.
+pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
+    let stepped: Vec<u32> =
+        (0..plan.cases.len() as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
+    if stepped.is_empty() {
+        let outcome = engine.run(plan, progress)?;
+        return Ok(Controlled { plan: plan.clone(), estimates: vec![0.0; plan.cases.len()], outcome });
+    }
+    let (plan, left_out) = modes::choose(plan, &stepped, engine, progress)?;
+    let mut all = steps::run(plan, &stepped, engine, progress)?;
+    for &i in &stepped {
+        let i = i as usize;
+        all.estimates[i] += left_out[i];
+        let doubtful = all.estimates[i] > all.plan.run.accuracy;
+        if doubtful && all.outcome.results[i].status == Status::Ok {
+            all.outcome.results[i].status = Status::OutOfRange;
+        }
+    }
+    Ok(all)
+}
