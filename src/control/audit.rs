@@ -1,9 +1,12 @@
 //! A few instances redone by the reference engine.
 
 use crate::compare::{Scales, choose, error, worst};
-use crate::engine::{Engine, EngineError, Finished, Outcome, Progress, Reference};
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress, Reference, TOLERANCE};
 use crate::observe::Status;
 use crate::plan::Plan;
+
+/// Tolerance of the reference's steps in units of the accuracy asked for.
+const FINER: f64 = 1e-5;
 
 /// One audited instance.
 #[derive(Clone, Debug)]
@@ -32,7 +35,10 @@ pub fn audit(
         return Ok(Vec::new());
     }
     let part = plan.only(&chosen);
-    let truths = Reference::default().run(&part, progress)?.results;
+    // Far below what is to be seen, and several times faster than the reference's own.
+    let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
+    let reference = Reference { tolerance, ..Reference::default() };
+    let truths = reference.run(&part, progress)?.results;
     let one = |instance: u32| {
         let (ours, truth) = (&outcome.results[instance as usize], truths[instance as usize]);
         let scales = Scales::of(plan, instance as usize, &truth.measured);

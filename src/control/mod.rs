@@ -24,8 +24,8 @@ pub struct Controlled {
 /// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
 /// for. Instances of which that cannot be said even with the most steps tried are called out of range.
 ///
-/// Steps: every instance runs with half its steps too, and what the two leave in doubt runs again with twice
-/// as many, up to three times. Modes: a sample of the instances runs with the modes that a ten times finer
+/// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
+/// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances runs with the modes that a ten times finer
 /// accuracy asks for; where that changes too much, more modes are kept for all. A scene that prescribes its
 /// steps or its modes has its way: then that part of the error is not looked at.
 ///
@@ -39,10 +39,9 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         return Ok(Controlled { plan: plan.clone(), estimates: vec![0.0; plan.cases.len()], outcome });
     }
     let (plan, left_out) = modes::choose(plan, &stepped, engine, progress)?;
-    let mut all = steps::run(plan, &stepped, engine, progress)?;
+    let mut all = steps::run(plan, &stepped, left_out, engine, progress)?;
     for &i in &stepped {
         let i = i as usize;
-        all.estimates[i] += left_out[i];
         let doubtful = all.estimates[i] > all.plan.run.accuracy;
         if doubtful && all.outcome.results[i].status == Status::Ok {
             all.outcome.results[i].status = Status::OutOfRange;

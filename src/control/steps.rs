@@ -8,57 +8,62 @@ use crate::plan::{Plan, STEPS_MAX};
 use rayon::prelude::*;
 
 /// How often an instance runs again with twice as many steps.
-const DOUBLINGS: usize = 3;
+const DOUBLINGS: usize = 4;
 
 /// What is left of the difference between two runs in the finer one's error. Errors fall by 5 to 10 times with
 /// twice the steps (orders 2.4 to 3.4), which leaves a quarter to a tenth; jumps that fall into another step
 /// spoil single cases.
 const LEFT: f64 = 0.5;
 
-/// Runs `stepped`, the plan's instances that need steps, with half the plan's steps and with the plan's.
+/// Fewest steps per period.
+const FEWEST: u32 = 16;
+
+/// Runs `stepped`, the plan's instances that need steps, with a quarter and with half of the plan's steps, which
+/// are on the safe side, and then as the estimates ask for. `left_out` is what the modes left out cost.
 pub(super) fn run(
     plan: Plan,
     stepped: &[u32],
+    left_out: Vec<f64>,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     if plan.run.steps_per_period.is_some() {
         progress.expect(plan.instance_steps());
-        let mut estimates = vec![0.0; plan.cases.len()];
-        stepped.iter().for_each(|i| estimates[*i as usize] = 0.0);
         let outcome = engine.run(&plan, progress)?;
-        return Ok(Controlled { plan, outcome, estimates });
+        return Ok(Controlled { plan, outcome, estimates: left_out });
     }
-    let coarse = plan.stepped(stepped, |case| case.steps / 2);
-    progress.expect(coarse.instance_steps() + plan.instance_steps());
+    let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
+    let fine = plan.stepped(&all, |case| (case.steps / 2).max(2 * FEWEST));
+    let coarse = fine.stepped(stepped, |case| case.steps / 2);
+    progress.expect(coarse.instance_steps() + fine.instance_steps());
     let rough = engine.run(&coarse, progress)?.results;
-    let outcome = engine.run(&plan, progress)?;
-    let mut estimates = vec![0.0; plan.cases.len()];
-    for (i, error) in estimate(&plan, stepped, &rough, &outcome.results) {
-        estimates[i as usize] = error;
+    let outcome = engine.run(&fine, progress)?;
+    let mut estimates = left_out.clone();
+    for (i, error) in estimate(&fine, stepped, &rough, &outcome.results) {
+        estimates[i as usize] += error;
     }
-    let mut all = Controlled { plan, outcome, estimates };
+    let mut now = Controlled { plan: fine, outcome, estimates };
     for _ in 0..DOUBLINGS {
-        let again: Vec<u32> = stepped.iter().copied().filter(|i| all.doubtful(*i as usize)).collect();
+        let again: Vec<u32> = stepped.iter().copied().filter(|i| now.doubtful(*i as usize)).collect();
         if again.is_empty() || progress.stopped() {
             break;
         }
-        let finer = all.plan.stepped(&again, |case| 2 * case.steps);
+        let finer = now.plan.stepped(&again, |case| 2 * case.steps);
         progress.expect(finer.instance_steps());
         let outcome = engine.run(&finer, progress)?;
         if progress.stopped() {
             break;
         }
-        for (i, error) in estimate(&finer, &again, &all.outcome.results, &outcome.results) {
+        for (i, error) in estimate(&finer, &again, &now.outcome.results, &outcome.results) {
             let i = i as usize;
-            all.estimates[i] = error;
-            all.outcome.results[i] = outcome.results[i];
-            all.plan.cases[i].steps = finer.cases[i].steps;
+            now.estimates[i] = left_out[i] + error;
+            now.outcome.results[i] = outcome.results[i];
+            now.plan.cases[i].steps = finer.cases[i].steps;
         }
-        all.outcome.notes.extend(outcome.notes);
+        now.outcome.notes.extend(outcome.notes);
     }
-    all.plan = all.plan.only(&(0..all.plan.cases.len() as u32).collect::<Vec<_>>());
-    Ok(all)
+    now.plan = now.plan.only(&all);
+    Ok(now)
 }
 
 impl Controlled {
