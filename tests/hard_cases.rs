@@ -28,6 +28,8 @@ enum Expect {
     SaysAlone([Status; 2]),
     /// Ok, with one observable off by more than was asked for, but within this band.
     Miss(Observable, [f64; 2], Cause),
+    /// Within the accuracy in f64, off like this in f32.
+    MissSingle(Observable, [f64; 2]),
 }
 
 /// What a known miss comes from; the test makes sure of it.
@@ -40,15 +42,18 @@ enum Cause {
 }
 
 use Cause::{Modes, Steps};
-use Expect::{Miss, Says, SaysAlone, Within};
-use Observable::{ContactTime, ForceMax};
+use Expect::{Miss, MissSingle, Says, SaysAlone, Within};
+use Observable::{ContactTime, Dissipation, ForceMax};
 
 const CASES: &[(&str, Expect)] = &[
     ("adhesion_0", Within(taps)),
     ("adhesion_1e-6", Within(taps)),
     ("adhesion_1", Within(taps)),
     ("adhesion_1_dmt", Within(taps)),
+    ("adhesion_1_stiff", Miss(ForceMax, [1.1e-3, 1.5e-3], Modes)),
     ("amplitude_1_pm", Within(stays_off)),
+    // Rounding: a loss of nothing is a sum of large terms beside a drive's work of 1e-24 J.
+    ("amplitude_1_pm_single", MissSingle(Dissipation, [1.0e-3, 1.9e-3])),
     ("amplitude_5_um", Within(taps)),
     ("branch_attractive", Within(|m| stays_off(m) && m.phase > 90.0)),
     ("branch_repulsive", Within(|m| taps(m) && m.phase < 90.0)),
@@ -91,6 +96,7 @@ const CASES: &[(&str, Expect)] = &[
     ("rod_undamped", Miss(ForceMax, [5.5e-3, 6.6e-3], Modes)),
     ("sample_1_kpa", Within(taps)),
     ("sample_1_tpa", Miss(ForceMax, [1.5e-2, 1.9e-2], Modes)),
+    ("sample_1_tpa_jkr", Miss(ForceMax, [1.5e-2, 1.9e-2], Modes)),
     ("snap_in", Within(holds_on)),
     ("snap_in_jkr", Within(holds_on)),
     // A contact shorter than a step throws the tip out of all bounds.
@@ -179,6 +185,10 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
         if finished.status != Status::Ok || reference.is_none_or(|truth| truth.status != Status::Ok) {
             say(format!("{}, not ok, or the reference is not", finished.status.meaning()));
         }
+        let expect = match expect {
+            MissSingle(..) if precision == Precision::F64 => Within(|_| true),
+            other => other,
+        };
         match expect {
             Within(is_meant) => {
                 if error > accuracy {
@@ -188,7 +198,7 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
                     say(format!("not the case meant: {:?}", finished.measured));
                 }
             }
-            Miss(observable, band, _) => {
+            Miss(observable, band, _) | MissSingle(observable, band) => {
                 if which != Some(observable) || error < band[0] || error > band[1] || others > accuracy {
                     say(format!("{which:?} off by {error:.2e}, others {others:.2e}; known {band:?}"));
                 }
