@@ -1,16 +1,18 @@
 # make demo    builds, runs the example sweep and makes its page      (STATIC=1: builds HDF5 as well)
 # make test    all tests: Rust, then the results file in Python's readers
 # make lint    formatting, clippy, documentation
+# make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 SHELL := /bin/bash
 STATIC ?=
 FEATURES := $(if $(STATIC),--features static-hdf5)
 PROGRAM := $(or $(CARGO_TARGET_DIR),target)/release/afmsweep
 # Newer than the requirements once they are installed; python itself is a link to an old file.
 PYTHON := .venv/made
+SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test deps build lint python python-check clean
+.PHONY: help demo test deps build lint python python-check scipy-check clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -45,6 +47,13 @@ $(PYTHON): tests/python/requirements.txt
 
 python-check: deps $(PYTHON)
 	tools/python_check.sh $(FEATURES)
+
+$(SCIPY): tests/python/reference/requirements.txt
+	tools/venv.sh target/scipy tests/python/reference/requirements.txt
+	@touch $@
+
+scipy-check: deps $(SCIPY)
+	tools/scipy_check.sh $(FEATURES)
 
 clean:
 	cargo clean
