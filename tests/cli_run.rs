@@ -3,7 +3,8 @@
 
 mod program;
 
-use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference};
+use afmsweep::control::{self, Controlled};
+use afmsweep::engine::{Cpu, Engine, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
@@ -35,17 +36,18 @@ waveforms = { instances = [1, 4], samples_per_period = 256, periods = 3 }
 "#;
 
 /// The same scene by the library.
-fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> (Plan, Vec<Finished>) {
+fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> Controlled {
     let mut scene = Scene::load(path).unwrap();
     scene.run.steps_per_period = steps.or(scene.run.steps_per_period);
     let plan = Plan::new(&scene, precision).unwrap();
-    let outcome = Cpu { threads: Some(1) }.run(&plan, &Progress::default()).unwrap();
-    (plan, outcome.results)
+    control::run(&plan, &Cpu { threads: Some(1) }, &Progress::default()).unwrap()
 }
 
 /// Every variable and status equals what the engine says, to the bit.
 fn agrees(results: &Results, path: &Path, precision: Precision, steps: Option<u32>) {
-    let (plan, finished) = engine(path, precision, steps);
+    let Controlled { plan, outcome, estimates } = engine(path, precision, steps);
+    let finished = outcome.results;
+    assert_eq!(difference(variable(results, "error_estimate"), &estimates), 0.0, "{}", path.display());
     for observable in &plan.observables {
         let mut expected = vec![f64::NAN; observable.width() * finished.len()];
         for (row, one) in expected.chunks_exact_mut(observable.width()).zip(&finished) {
@@ -276,7 +278,7 @@ fn reference_backend() {
     assert!(matches!(&device.1, Attribute::Text(text) if text.starts_with("reference integrator, DOP853")));
     let plan = Plan::new(&Scene::load(&scene).unwrap(), Precision::F64).unwrap();
     let expected = Reference::default().run(&plan, &Progress::default()).unwrap().results;
-    let (_, stepped) = engine(&scene, Precision::F64, None);
+    let stepped = engine(&scene, Precision::F64, None).outcome.results;
     for (i, (own, other)) in expected.iter().zip(&stepped).enumerate() {
         assert_eq!(variable(&results, "amplitude")[i], own.measured.harmonics[0]);
         assert_eq!(variable(&results, "force_max")[i], own.measured.force_max);

@@ -112,6 +112,11 @@ impl EngineArgs {
         }
     }
 
+    /// Whether the reference engine runs, which needs no control of its errors.
+    pub fn reference(&self) -> bool {
+        self.backend == Backend::Reference
+    }
+
     /// The scene's plan with these arguments put in.
     pub fn plan(&self, scene: &mut Scene) -> anyhow::Result<Plan> {
         if self.steps_per_period.is_some() {

@@ -12,7 +12,8 @@ use afmsweep::scene::Scene;
 use afmsweep::store::{Results, Writer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
 pub struct RunArgs {
@@ -27,7 +28,7 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
-    /// Instances to redo with the reference engine after the run [default: as many as take a tenth of its time]
+    /// Instances to redo with the reference engine after the run [default: as many as a tenth of its time allows, or 2 s]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     audit: Option<u32>,
     /// Redo none
@@ -76,10 +77,10 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     on_interrupt(&progress);
     let shown = Shown::start(Arc::clone(&progress), voice);
     let stepping = Instant::now();
-    let Controlled { plan, outcome, estimates } = match args.no_estimate {
+    let Controlled { plan, outcome, estimates } = match args.no_estimate || args.engine.reference() {
         false => control::run(&plan, engine.as_ref(), &progress)?,
         true => {
-            progress.expect(plan.instance_steps());
+            progress.foresee(plan.instance_steps());
             let outcome = engine.run(&plan, &progress)?;
             Controlled { estimates: vec![f64::NAN; plan.cases.len()], outcome, plan }
         }
@@ -100,7 +101,8 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
         results.waveforms = Some(record::waveforms(&plan, request)?);
     }
-    let audited = match args.no_audit || !whole {
+    let no_audit = args.no_audit || args.engine.reference();
+    let audited = match no_audit || !whole {
         true => Vec::new(),
         false => audit(args, &plan, &outcome, stepping, &progress)?,
     };
@@ -119,7 +121,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         voice.say(format_args!("note: {note}"));
     }
     close(&scene, &plan, &outcome, &results, voice);
-    accuracy(&plan, &outcome, &estimates, &audited, voice);
+    accuracy(&plan, &outcome, &estimates, (&audited, no_audit), voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -130,8 +132,11 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The audit: as many instances as asked for, or one for each core and more while they take less than a tenth
-/// of what the run took.
+/// What an audit may take: a share of the run's time, or so many seconds after a short one.
+const AUDIT_SHARE: f64 = 0.1;
+const AUDIT_SECONDS: f64 = 2.0;
+
+/// The audit: as many instances as asked for; else one for each core, and more while time is left.
 fn audit(
     args: &RunArgs,
     plan: &Plan,
@@ -142,19 +147,37 @@ fn audit(
     if let Some(count) = args.audit {
         return control::audit(plan, outcome, count as usize, progress);
     }
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let limit = Duration::from_secs_f64((AUDIT_SHARE * stepping).max(AUDIT_SECONDS));
     let start = Instant::now();
-    let first = control::audit(plan, outcome, cores, progress)?;
-    let took = start.elapsed().as_secs_f64();
-    let batches = (0.1 * stepping / took) as usize;
-    if batches < 2 {
-        return Ok(first);
-    }
-    control::audit(plan, outcome, cores * (batches - 1).min(8), progress)
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let (watched, over) = (Progress::default(), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !over.load(Ordering::Relaxed) {
+                if start.elapsed() > limit || progress.stopped() {
+                    watched.stop();
+                }
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        });
+        let mut done = control::audit(plan, outcome, cores, &watched);
+        let batches = limit.as_secs_f64() / start.elapsed().as_secs_f64();
+        if matches!(&done, Ok(first) if !first.is_empty()) && batches > 3.0 {
+            done = control::audit(plan, outcome, cores * ((batches - 1.0) as usize).min(8), &watched);
+        }
+        over.store(true, Ordering::Relaxed);
+        done
+    })
 }
 
 /// What is known of the errors.
-fn accuracy(plan: &Plan, outcome: &Outcome, estimates: &[f64], audited: &[Audited], voice: Voice) {
+fn accuracy(
+    plan: &Plan,
+    outcome: &Outcome,
+    estimates: &[f64],
+    (audited, told_not_to): (&[Audited], bool),
+    voice: Voice,
+) {
     let ok = |i: &usize| outcome.results[*i].status == Status::Ok && estimates[*i].is_finite();
     let mut known: Vec<f64> = (0..estimates.len()).filter(ok).map(|i| estimates[i]).collect();
     known.sort_by(f64::total_cmp);
@@ -166,6 +189,9 @@ fn accuracy(plan: &Plan, outcome: &Outcome, estimates: &[f64], audited: &[Audite
         ));
     }
     let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
+    if audited.is_empty() && !told_not_to && plan.instance_steps() > 0 {
+        voice.say("audit: not in a tenth of the run's time; --audit 4 redoes four instances all the same");
+    }
     if !audited.is_empty() {
         let largest = redone.iter().copied().fold(0.0, f64::max);
         let doubtful = audited.len() - redone.len();

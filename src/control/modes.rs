@@ -35,7 +35,7 @@ pub(super) fn choose(
     let every = order.len().div_ceil(SAMPLE);
     let sample: Vec<u32> = order.iter().copied().step_by(every).collect();
     let run = |plan: &Plan| {
-        progress.expect(plan.instance_steps());
+        progress.foresee(plan.instance_steps());
         engine.run(plan, progress).map(|outcome| outcome.results)
     };
     let truths = run(&richest(&sample))?;

@@ -28,14 +28,14 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     if plan.run.steps_per_period.is_some() {
-        progress.expect(plan.instance_steps());
+        progress.foresee(plan.instance_steps());
         let outcome = engine.run(&plan, progress)?;
         return Ok(Controlled { plan, outcome, estimates: left_out });
     }
     let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
     let fine = plan.stepped(&all, |case| (case.steps / 2).max(2 * FEWEST));
     let coarse = fine.stepped(stepped, |case| case.steps / 2);
-    progress.expect(coarse.instance_steps() + fine.instance_steps());
+    progress.foresee(coarse.instance_steps() + fine.instance_steps());
     let rough = engine.run(&coarse, progress)?.results;
     let outcome = engine.run(&fine, progress)?;
     let mut estimates = left_out.clone();
@@ -49,7 +49,7 @@ pub(super) fn run(
             break;
         }
         let finer = now.plan.stepped(&again, |case| 2 * case.steps);
-        progress.expect(finer.instance_steps());
+        progress.foresee(finer.instance_steps());
         let outcome = engine.run(&finer, progress)?;
         if progress.stopped() {
             break;

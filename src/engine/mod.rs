@@ -89,7 +89,7 @@ impl Progress {
     }
 
     /// Counts instance-steps as to be done.
-    pub fn expect(&self, steps: u64) {
+    pub fn foresee(&self, steps: u64) {
         self.expected.fetch_add(steps, Ordering::Relaxed);
     }
 
