@@ -286,3 +286,45 @@ fn reference_backend() {
         assert_ne!(own.measured.harmonics[0], other.measured.harmonics[0]);
     }
 }
+
+/// The audit stands in the file and in the closing lines, and is left out where the user says so.
+#[test]
+fn errors_are_estimated_and_audited() {
+    let desk = Desk::new();
+    let scene = desk.write(
+        "audited.toml",
+        "[instrument.actuator]\nmodel = \"rigid\"\n[instrument.cantilever]\n\
+         modes = [{ stiffness = \"5 N/m\", frequency = \"75 kHz\", quality_factor = 20 }]\n\
+         [contact]\nlaw = \"hertz\"\n[drive]\non = \"tip\"\nfrequency = \"75 kHz\"\n\
+         free_amplitude = \"20 nm\"\n[approach]\ngap = \"15 nm\"\n[run]\nperiods = 120\nmeasure = 4\n\
+         [sweep]\n\"sample.youngs_modulus\" = { values = [\"50 MPa\", \"500 MPa\", \"5 GPa\"] }\n\
+         [output]\nobservables = [\"amplitude\", \"force_max\"]\n",
+    );
+    let path = scene.to_str().unwrap();
+    let said = desk.works(&["run", path, "--audit", "2"]);
+    assert!(said.err.contains("estimated error: median"), "{}", said.err);
+    assert!(
+        said.err.contains("audit: 2 instances redone by the reference engine, largest error"),
+        "{}",
+        said.err
+    );
+    let results = read(&desk.results(&scene)).unwrap();
+    let audit = results.audit.as_ref().unwrap();
+    assert_eq!(audit.instances.len(), 2);
+    let of = |name: &str| &audit.variables.iter().find(|variable| variable.name == name).unwrap().data;
+    for (row, instance) in audit.instances.iter().enumerate() {
+        let (ours, truth) = (variable(&results, "amplitude")[*instance as usize], of("amplitude")[row]);
+        let error = of("amplitude_error")[row];
+        assert!(((ours - truth).abs() / 20e-9 - error).abs() < 1e-12 && error < 1e-3, "{error}");
+        let estimate = variable(&results, "error_estimate")[*instance as usize];
+        assert!(of("force_max_error")[row] < 3.0 * estimate && estimate <= 1e-3);
+    }
+    let said = desk.works(&["run", path, "--no-audit"]);
+    assert!(!said.err.contains("audit:") && said.err.contains("estimated error"), "{}", said.err);
+    assert!(read(&desk.results(&scene)).unwrap().audit.is_none());
+    let said = desk.works(&["run", path, "--no-audit", "--no-estimate"]);
+    assert!(!said.err.contains("estimated"), "{}", said.err);
+    let results = read(&desk.results(&scene)).unwrap();
+    assert!(variable(&results, "error_estimate").iter().all(|estimate| estimate.is_nan()));
+    assert_eq!(desk.call(&["run", path, "--audit", "2", "--no-audit"]).code, Some(2));
+}

@@ -27,7 +27,7 @@ pub struct Controlled {
 /// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
 /// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances runs with the modes that a ten times finer
 /// accuracy asks for; where that changes too much, more modes are kept for all. A scene that prescribes its
-/// steps or its modes has its way: then that part of the error is not looked at.
+/// modes has its way, and what they leave out is not looked at; where it prescribes its steps, nothing is estimated.
 ///
 /// # Errors
 /// What the engine says.

@@ -30,7 +30,9 @@ pub(super) fn run(
     if plan.run.steps_per_period.is_some() {
         progress.foresee(plan.instance_steps());
         let outcome = engine.run(&plan, progress)?;
-        return Ok(Controlled { plan, outcome, estimates: left_out });
+        let mut estimates = vec![0.0; plan.cases.len()];
+        stepped.iter().for_each(|i| estimates[*i as usize] = f64::NAN);
+        return Ok(Controlled { plan, outcome, estimates });
     }
     let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
     let fine = plan.stepped(&all, |case| (case.steps / 2).max(2 * FEWEST));
