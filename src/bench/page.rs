@@ -104,8 +104,9 @@ pub fn files(
     page.paragraph("", devices.join("; ") + ".");
     page.paragraph(
         "",
-        "Speed is that of the engine's whole run, packing, transfers and observables included, the fastest of \
-         several runs. Error is that of the worst observable of an instance, on the scale on which accuracy \
+        "Every instance is run once as planned, without error control. Speed is that of the engine's whole run, \
+         packing, transfers and observables included, the fastest of several runs; large ensembles are timed over \
+         few periods (bench.csv has them), in which packing weighs more than in a whole run. Error is that of the worst observable of an instance, on the scale on which accuracy \
          counts, against the reference engine, which carries all modes that matter and locates every contact; \
          it does not depend on the size of the ensemble.",
     );

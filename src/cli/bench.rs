@@ -77,7 +77,10 @@ pub fn main(args: &BenchArgs, voice: Voice) -> anyhow::Result<()> {
     };
     let all = bench::measure(&scene, &machines, &options, &|what| voice.say(what))?;
     let sizes: Vec<String> = args.sizes.iter().map(u32::to_string).collect();
-    let command = format!("afmsweep bench {name} --sizes {}", sizes.join(","));
+    let mut backends: Vec<&str> = machines.iter().map(|machine| machine.backend).collect();
+    backends.dedup();
+    let command =
+        format!("afmsweep bench {name} --backend {} --sizes {}", backends.join(","), sizes.join(","));
     let files = bench::files(&format!("{name} on {}", short(&device)), &command, &now(), &all)?;
     save(&folder, GENERATOR, &files)?;
     if args.json {
