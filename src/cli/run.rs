@@ -190,7 +190,7 @@ fn accuracy(
     }
     let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
     if audited.is_empty() && !told_not_to && plan.instance_steps() > 0 {
-        voice.say("audit: not in a tenth of the run's time; --audit 4 redoes four instances all the same");
+        voice.say("audit: no instance could be redone in a tenth of the run's time or 2 s; --audit 4 redoes four all the same");
     }
     if !audited.is_empty() {
         let largest = redone.iter().copied().fold(0.0, f64::max);
