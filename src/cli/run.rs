@@ -163,7 +163,10 @@ fn audit(
         let mut done = control::audit(plan, outcome, cores, &watched);
         let batches = limit.as_secs_f64() / start.elapsed().as_secs_f64();
         if matches!(&done, Ok(first) if !first.is_empty()) && batches > 3.0 {
-            done = control::audit(plan, outcome, cores * ((batches - 1.0) as usize).min(8), &watched);
+            let more = control::audit(plan, outcome, cores * ((batches - 1.0) as usize).min(8), &watched);
+            // Cut off on the way it may have less than the first.
+            done =
+                done.and_then(|first| more.map(|more| if more.len() > first.len() { more } else { first }));
         }
         over.store(true, Ordering::Relaxed);
         done

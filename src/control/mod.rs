@@ -25,9 +25,10 @@ pub struct Controlled {
 /// for. Instances of which that cannot be said even with the most steps tried are called out of range.
 ///
 /// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
-/// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances runs with the modes that a ten times finer
-/// accuracy asks for; where that changes too much, more modes are kept for all. A scene that prescribes its
-/// modes has its way, and what they leave out is not looked at; where it prescribes its steps, nothing is estimated.
+/// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
+/// runs with the modes that a ten times finer accuracy asks for; where that changes too much, more modes are kept
+/// for all. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
+/// prescribes its steps, nothing is estimated.
 ///
 /// # Errors
 /// What the engine says.
@@ -38,8 +39,9 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         let outcome = engine.run(plan, progress)?;
         return Ok(Controlled { plan: plan.clone(), estimates: vec![0.0; plan.cases.len()], outcome });
     }
-    let (plan, left_out) = modes::choose(plan, &stepped, engine, progress)?;
+    let modes::Choice { plan, left_out, notes } = modes::choose(plan, &stepped, engine, progress)?;
     let mut all = steps::run(plan, &stepped, left_out, engine, progress)?;
+    all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {
         let i = i as usize;
         let doubtful = all.estimates[i] > all.plan.run.accuracy;

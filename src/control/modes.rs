@@ -14,29 +14,40 @@ const RICHEST: f64 = 0.1;
 /// Share of the accuracy asked for that modes left out may cost.
 const SHARE: f64 = 0.7;
 
-/// The plan with the modes it needs, and what those left out cost each instance: the largest difference that
-/// they make to its neighbours in the sample.
+/// The plan with the modes it needs.
+pub(super) struct Choice {
+    pub plan: Plan,
+    /// What the modes left out cost each instance: the largest difference that they make to its neighbours in
+    /// the sample.
+    pub left_out: Vec<f64>,
+    /// What the engine had to say of the sample's runs.
+    pub notes: Vec<String>,
+}
+
+/// Tries levers on a sample of `stepped`, the plan's instances that need steps.
 pub(super) fn choose(
     plan: &Plan,
     stepped: &[u32],
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<(Plan, Vec<f64>), EngineError> {
-    let mut left_out = vec![0.0; plan.cases.len()];
+) -> Result<Choice, EngineError> {
+    let (mut left_out, mut notes) = (vec![0.0; plan.cases.len()], Vec::new());
     let accuracy = plan.run.accuracy;
     let richest = |instances: &[u32]| plan.richer(instances, RICHEST * accuracy);
     let same = |a: &Plan, b: &Plan| a.drives.iter().zip(&b.drives).all(|(a, b)| a.kept.modes == b.kept.modes);
     if plan.run.modes.is_some() || same(plan, &richest(&[])) {
-        return Ok((plan.clone(), left_out));
+        return Ok(Choice { plan: plan.clone(), left_out, notes });
     }
     // In the classes' order neighbours are alike.
     let classes = plan.classes.iter().filter(|class| class.steps > 0);
     let order: Vec<u32> = classes.flat_map(|class| class.instances.clone()).collect();
     let every = order.len().div_ceil(SAMPLE);
     let sample: Vec<u32> = order.iter().copied().step_by(every).collect();
-    let run = |plan: &Plan| {
+    let mut run = |plan: &Plan| {
         progress.foresee(plan.instance_steps());
-        engine.run(plan, progress).map(|outcome| outcome.results)
+        let outcome = engine.run(plan, progress)?;
+        notes.extend(outcome.notes);
+        Ok::<_, EngineError>(outcome.results)
     };
     let truths = run(&richest(&sample))?;
     for factor in TRIED {
@@ -60,10 +71,10 @@ pub(super) fn choose(
                 let near = [differences.get(at), differences.get(at + 1)];
                 left_out[i as usize] = near.into_iter().flatten().copied().fold(0.0, f64::max);
             }
-            return Ok((candidate(stepped), left_out));
+            return Ok(Choice { plan: candidate(stepped), left_out, notes });
         }
     }
     // The next finer lever is some three times as good as its neighbour.
     stepped.iter().for_each(|i| left_out[*i as usize] = RICHEST * accuracy);
-    Ok((richest(stepped), left_out))
+    Ok(Choice { plan: richest(stepped), left_out, notes })
 }

@@ -38,10 +38,11 @@ pub(super) fn run(
     let fine = plan.stepped(&all, |case| (case.steps / 2).max(2 * FEWEST));
     let coarse = fine.stepped(stepped, |case| case.steps / 2);
     progress.foresee(coarse.instance_steps() + fine.instance_steps());
-    let rough = engine.run(&coarse, progress)?.results;
-    let outcome = engine.run(&fine, progress)?;
+    let rough = engine.run(&coarse, progress)?;
+    let mut outcome = engine.run(&fine, progress)?;
+    outcome.notes.splice(0..0, rough.notes);
     let mut estimates = left_out.clone();
-    for (i, error) in estimate(&fine, stepped, &rough, &outcome.results) {
+    for (i, error) in estimate(&fine, stepped, &rough.results, &outcome.results) {
         estimates[i as usize] += error;
     }
     let mut now = Controlled { plan: fine, outcome, estimates };

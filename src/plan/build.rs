@@ -80,15 +80,10 @@ impl Plan {
         }
         let fewest =
             |case: &CasePlan| steps::fewest(case.contact.law, &plan.drives[case.drive as usize], run);
-        let cases: Vec<u32> = plan.cases.iter().map(|case| case.steps.max(fewest(case))).collect();
-        for &index in instances {
-            let case = &mut plan.cases[index as usize];
-            if case.steps > 0 && run.steps_per_period.is_none() {
-                case.steps = cases[index as usize];
-            }
-        }
-        plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
-        plan
+        plan.stepped(instances, |case| match run.steps_per_period {
+            Some(_) => case.steps,
+            None => case.steps.max(fewest(case)),
+        })
     }
 }
 

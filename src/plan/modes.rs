@@ -103,8 +103,8 @@ impl KeptModes {
     }
 
     /// The residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the
-    /// one among them with the largest share, which is the one that rings. Slower modes that are not kept (the rod's, each a share of 1e-4 or less) are no spring
-    /// at the frequencies of a contact and stay out.
+    /// one among them with the largest share, which is the one that rings. Slower modes that are not kept
+    /// (the rod's, each a share of 1e-4 or less) are no spring at the frequencies of a contact and stay out.
     fn add_residual(&mut self, instrument: &Instrument, accuracy: f64, fastest: f64) {
         let kept = self.fastest();
         let (mut spring, mut loss, mut top) = (0.0, 0.0, 0.0);
