@@ -106,7 +106,7 @@ fn an_instance_alone_equals_itself_among_others() {
 fn the_audit_is_the_references_word() {
     let plan = checks::plan(&sweep(LawChoice::Dmt, 1e-3), None);
     let run = controlled(&plan);
-    let audited = control::audit(&run.plan, &run.outcome, 4, &Progress::default()).unwrap();
+    let audited = control::audit(&run.plan, &run.outcome, &run.found, 4, &Progress::default()).unwrap();
     assert_eq!(audited.len(), 1);
     let truth = Reference::default().run(&plan, &Progress::default()).unwrap().results[0];
     let (a, b) = (audited[0].truth.measured.harmonics[0], truth.measured.harmonics[0]);
@@ -115,6 +115,6 @@ fn the_audit_is_the_references_word() {
     // A run that is wrong is found out.
     let mut wrong = run.outcome.clone();
     wrong.results[0].measured.force_max *= 1.01;
-    let audited = control::audit(&run.plan, &wrong, 4, &Progress::default()).unwrap();
+    let audited = control::audit(&run.plan, &wrong, &run.found, 4, &Progress::default()).unwrap();
     assert!((audited[0].worst.unwrap() - 0.01).abs() < 1e-3);
 }

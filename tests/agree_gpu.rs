@@ -10,9 +10,11 @@ mod checks;
 mod shader;
 mod support;
 
+use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::Precision;
-use afmsweep::scene::{Scene, Start};
+use afmsweep::scene::{QualityFactor, Scene, Start, Steady};
+use afmsweep::steady;
 use checks::{bounds, worst};
 use libtest_mimic::{Arguments, Failed, Trial};
 use shader::{LAWS, cpu, gpu, on, same, scene};
@@ -170,6 +172,23 @@ fn overflow_is_seen_alike() -> Result<(), Failed> {
     Ok(())
 }
 
+/// The search asks the same of the shader as of the CPU, and is answered the same.
+fn searches_alike(precision: Precision) -> Result<(), Failed> {
+    let mut scene = scene("jkr", "steady", 2, 128, 300);
+    scene.run.steady = Steady::Search;
+    scene.base.instrument.cantilever.quality_factor = QualityFactor::All(200.0);
+    let plan = checks::plan_in(&scene, None, precision);
+    let settle =
+        |engine: &dyn Engine| steady::run(&plan, &[], engine, &Progress::default()).expect("it runs");
+    let (ours, theirs) = (settle(&gpu()), settle(&Cpu::default()));
+    let count = same(&ours.outcome.results, &theirs.outcome.results, "search")?;
+    assert_eq!(ours.found, theirs.found);
+    let found = ours.found.iter().flatten().count();
+    println!("{}: {count} of {count} instances identical, {found} found", precision.name());
+    assert!(found > count / 2);
+    Ok(())
+}
+
 fn main() {
     let arguments = Arguments::from_args();
     let found = shader::found();
@@ -199,6 +218,10 @@ fn main() {
         any && double,
         Box::new(|| agrees(2, Precision::F64)),
     );
+    for precision in [Precision::F32, Precision::F64] {
+        let name = format!("searches_as_the_cpu_does_{}", precision.name());
+        add(name, exact && double, Box::new(move || searches_alike(precision)));
+    }
     add("chunks_change_no_bit".into(), any, Box::new(chunks_change_no_bit));
     add("long_periods_go_in_parts".into(), exact, Box::new(long_periods_go_in_parts));
     add("a_lost_device_costs_nothing".into(), exact, Box::new(a_lost_device_costs_nothing));

@@ -144,7 +144,7 @@ fn from_rest(name: &str, scene: &Scene) {
     let (system, mut state, _) = checks::twin(&plan, 0, Twin::Whole);
     let driven = &plan.drives[0];
     println!("{name}: {} of {} modes integrated", system.modes.len(), driven.instrument.modes.len());
-    let trace = trace(&plan, 0, plan.run.periods, plan.run.periods).expect("traced");
+    let trace = trace(&plan, 0, None, plan.run.periods, plan.run.periods).expect("traced");
     let mut off: f64 = 0.0;
     let mut now = 0.0;
     for sample in (0..trace.samples.len()).step_by(7) {

@@ -45,7 +45,7 @@ fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> Controlled {
 
 /// Every variable and status equals what the engine says, to the bit.
 fn agrees(results: &Results, path: &Path, precision: Precision, steps: Option<u32>) {
-    let Controlled { plan, outcome, estimates } = engine(path, precision, steps);
+    let Controlled { plan, outcome, estimates, .. } = engine(path, precision, steps);
     let finished = outcome.results;
     assert_eq!(difference(variable(results, "error_estimate"), &estimates), 0.0, "{}", path.display());
     for observable in &plan.observables {

@@ -3,105 +3,17 @@
 //!
 //! `cargo bench --bench accuracy -- [--instances N] [--seed S] [-o FILE]`; the answer is a table, and JSON in FILE.
 
+#[path = "../common/random.rs"]
+mod random;
+
 use afmsweep::compare::{Scales, worst};
 use afmsweep::control;
 use afmsweep::engine::{Cpu, Engine, Progress, Reference, processor};
-use afmsweep::observe::{Observable, Status};
+use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::Scene;
+use random::{Wide, quantile, scene};
 use serde_json::json;
-use std::path::Path;
 use std::time::Instant;
-
-/// Numbers between 0 and 1 (SplitMix64; Steele, Lea & Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-}
-
-/// A calibrated lever, and `count` samples, tips, quality factors, amplitudes and gaps under one law.
-fn scene(law: &str, count: usize, seed: u64, accuracy: f64) -> Scene {
-    let mut random = Random(seed);
-    let mut lists: [(&str, &str, Vec<f64>); 6] = [
-        ("sample.youngs_modulus", "Pa", vec![]),
-        ("sample.surface_energy", "J/m^2", vec![]),
-        ("instrument.tip.radius", "m", vec![]),
-        ("instrument.cantilever.quality_factor", "", vec![]),
-        ("drive.free_amplitude", "m", vec![]),
-        ("approach.gap", "m", vec![]),
-    ];
-    for _ in 0..count {
-        let amplitude = random.log(5e-9, 100e-9);
-        let values = [
-            random.log(10e6, 100e9),
-            random.log(1e-3, 0.2),
-            random.log(5e-9, 100e-9),
-            random.log(10.0, 60.0),
-            amplitude,
-            amplitude * (0.3 + 0.75 * random.next()),
-        ];
-        for ((.., list), value) in lists.iter_mut().zip(values) {
-            list.push(value);
-        }
-    }
-    let samples: String = lists
-        .iter()
-        .map(|(path, unit, list)| {
-            let words: Vec<String> = list
-                .iter()
-                .map(
-                    |value| {
-                        if unit.is_empty() { format!("{value:e}") } else { format!("\"{value:e} {unit}\"") }
-                    },
-                )
-                .collect();
-            format!("\"{path}\" = [{}]\n", words.join(", "))
-        })
-        .collect();
-    let text = format!(
-        r#"
-[instrument.cantilever]
-stiffness = "40 N/m"
-frequency = "300 kHz"
-quality_factor = 100
-[instrument.actuator]
-model = "rigid"
-[contact]
-law = "{law}"
-[drive]
-on = "tip"
-frequency = "300 kHz"
-free_amplitude = "20 nm"
-[approach]
-gap = "15 nm"
-[samples]
-{samples}
-[run]
-periods = 400
-measure = 20
-accuracy = {accuracy:e}
-"#
-    );
-    let mut scene = Scene::parse(Path::new("random.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
-    scene.output.observables = Observable::all().filter(|one| *one != Observable::Contacts).collect();
-    scene
-}
-
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let last = sorted.len().saturating_sub(1) as f64;
-    sorted.get((share * last).round() as usize).copied().unwrap_or(f64::NAN)
-}
 
 fn main() {
     let (mut count, mut seed, mut output) = (100, 1, None);
@@ -135,7 +47,8 @@ fn main() {
     for law in ["hertz", "dmt", "jkr"] {
         let mut truths = None;
         for accuracy in [1e-2, 1e-3, 1e-4] {
-            let scene = scene(law, count, seed, accuracy);
+            let run = "periods = 400\nmeasure = 20";
+            let scene = scene(&Wide { law, count, seed, accuracy, quality: [10.0, 60.0], run });
             let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
             let truths = truths.get_or_insert_with(|| {
                 // The strictest model for all: every mode that the finest accuracy asks for, and more.

@@ -3,12 +3,13 @@
 use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, load};
-use afmsweep::control::{self, Audited, Controlled};
-use afmsweep::engine::{EngineError, Outcome, Progress};
+use afmsweep::control::{self, Audited, Controlled, Other};
+use afmsweep::engine::{EngineError, Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
 use afmsweep::record::{self, Facts};
-use afmsweep::scene::Scene;
+use afmsweep::scene::{Scene, Steady};
+use afmsweep::steady::{self, Settled};
 use afmsweep::store::{Results, Writer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -77,14 +78,19 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     on_interrupt(&progress);
     let shown = Shown::start(Arc::clone(&progress), voice);
     let stepping = Instant::now();
-    let Controlled { plan, outcome, estimates } = match args.no_estimate || args.engine.reference() {
+    let run = match args.no_estimate || args.engine.reference() {
         false => control::run(&plan, engine.as_ref(), &progress)?,
+        true if args.engine.reference() => control::by_reference(&plan, &Reference::default(), &progress)?,
         true => {
-            progress.foresee(plan.instance_steps());
-            let outcome = engine.run(&plan, &progress)?;
-            Controlled { estimates: vec![f64::NAN; plan.cases.len()], outcome, plan }
+            let Settled { outcome, found, periods } = steady::run(&plan, &[], engine.as_ref(), &progress)?;
+            Controlled { estimates: vec![f64::NAN; plan.cases.len()], outcome, plan, found, periods }
         }
     };
+    let others = match run.plan.run.both_branches && !progress.stopped() {
+        true => control::others(&run, engine.as_ref(), &progress)?,
+        false => Vec::new(),
+    };
+    let Controlled { plan, outcome, estimates, found, periods } = &run;
     let stepping = stepping.elapsed().as_secs_f64();
     drop(shown);
 
@@ -96,17 +102,20 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     };
     // Ctrl-C after the last instance came too late to spoil anything.
     let whole = outcome.results.iter().all(|one| one.status != Status::NotRun);
-    let mut results = record::results(&scene, &plan, &outcome, &facts);
-    results.variables.push(record::error_estimate(&estimates));
+    let mut results = record::results(&scene, plan, outcome, &facts);
+    results.variables.push(record::error_estimate(estimates));
     if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
-        results.waveforms = Some(record::waveforms(&plan, request)?);
+        results.waveforms = Some(record::waveforms(plan, found, request)?);
+    }
+    if plan.run.steady == Steady::Search {
+        record::search(&mut results, plan, &outcome.results, (found, periods), &others);
     }
     let no_audit = args.no_audit || args.engine.reference();
     let audited = match no_audit || !whole {
         true => Vec::new(),
-        false => audit(args, &plan, &outcome, stepping, &progress)?,
+        false => audit(args, &run, stepping, &progress)?,
     };
-    results.audit = record::audit(&plan, &audited);
+    results.audit = record::audit(plan, &audited);
     writer.write(&results)?;
     if !whole {
         anyhow::bail!(
@@ -120,8 +129,11 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     for note in &outcome.notes {
         voice.say(format_args!("note: {note}"));
     }
-    close(&scene, &plan, &outcome, &results, voice);
-    accuracy(&plan, &outcome, &estimates, (&audited, no_audit), voice);
+    if plan.run.steady == Steady::Search {
+        searched(&run, &others, voice);
+    }
+    close(&scene, plan, outcome, &results, voice);
+    accuracy(plan, outcome, estimates, (&audited, no_audit), voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -139,13 +151,15 @@ const AUDIT_SECONDS: f64 = 2.0;
 /// The audit: as many instances as asked for; else one for each core, and more while time is left.
 fn audit(
     args: &RunArgs,
-    plan: &Plan,
-    outcome: &Outcome,
+    run: &Controlled,
     stepping: f64,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
+    let redo = |count: usize, progress: &Progress| {
+        control::audit(&run.plan, &run.outcome, &run.found, count, progress)
+    };
     if let Some(count) = args.audit {
-        return control::audit(plan, outcome, count as usize, progress);
+        return redo(count as usize, progress);
     }
     let limit = Duration::from_secs_f64((AUDIT_SHARE * stepping).max(AUDIT_SECONDS));
     let start = Instant::now();
@@ -160,10 +174,10 @@ fn audit(
                 std::thread::sleep(Duration::from_millis(5));
             }
         });
-        let mut done = control::audit(plan, outcome, cores, &watched);
+        let mut done = redo(cores, &watched);
         let batches = limit.as_secs_f64() / start.elapsed().as_secs_f64();
         if matches!(&done, Ok(first) if !first.is_empty()) && batches > 3.0 {
-            let more = control::audit(plan, outcome, cores * ((batches - 1.0) as usize).min(8), &watched);
+            let more = redo(cores * ((batches - 1.0) as usize).min(8), &watched);
             // Cut off on the way it may have less than the first.
             done =
                 done.and_then(|first| more.map(|more| if more.len() > first.len() { more } else { first }));
@@ -171,6 +185,34 @@ fn audit(
         over.store(true, Ordering::Relaxed);
         done
     })
+}
+
+/// What a search found.
+fn searched(run: &Controlled, others: &[Other], voice: Voice) {
+    let stepped = run.plan.cases.iter().filter(|case| case.steps > 0).count();
+    let mut spent: Vec<u32> = run
+        .found
+        .iter()
+        .zip(&run.periods)
+        .filter(|(found, _)| found.is_some())
+        .map(|(_, count)| *count)
+        .collect();
+    spent.sort_unstable();
+    let middle = spent
+        .get(spent.len() / 2)
+        .map_or(String::new(), |count| format!(", {count} periods each in the middle"));
+    voice.say(format_args!(
+        "search: periodic states of {} of {}{middle}; {} waited for",
+        spent.len(),
+        instances(stepped),
+        stepped - spent.len()
+    ));
+    if run.plan.run.both_branches {
+        voice.say(format_args!(
+            "branches: {} have a second periodic state (group other_branch)",
+            instances(others.len())
+        ));
+    }
 }
 
 /// What is known of the errors.
@@ -192,7 +234,7 @@ fn accuracy(
         ));
     }
     let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
-    if audited.is_empty() && !told_not_to && plan.instance_steps() > 0 {
+    if audited.is_empty() && !told_not_to && !known.is_empty() {
         voice.say("audit: no instance could be redone in a tenth of the run's time or 2 s; --audit 4 redoes four all the same");
     }
     if !audited.is_empty() {

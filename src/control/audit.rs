@@ -1,9 +1,11 @@
 //! A few instances redone by the reference engine.
 
+use super::truth;
 use crate::compare::{Scales, choose, error, worst};
-use crate::engine::{Engine, EngineError, Finished, Outcome, Progress, Reference, TOLERANCE};
+use crate::engine::{EngineError, Finished, Outcome, Progress, Reference, TOLERANCE};
 use crate::observe::Status;
 use crate::plan::Plan;
+use crate::steady::PeriodicState;
 
 /// Tolerance of the reference's steps in units of the accuracy asked for.
 const FINER: f64 = 1e-5;
@@ -20,27 +22,32 @@ pub struct Audited {
     pub worst: Option<f64>,
 }
 
-/// Redoes up to `count` instances of a finished run: half of them the most extreme ones, the others at random.
+/// Redoes up to `count` instances of a finished run that are called ok: half of them the most extreme ones, the others at random. Steady
+/// motion is redone as the reference's own periodic state next to the run's (`found` holds the states that the run
+/// searched for): that tells its error, and leaves open whether waiting would end in the same state. Runs from rest
+/// are redone whole.
 ///
 /// # Errors
 /// What the reference engine says.
 pub fn audit(
     plan: &Plan,
     outcome: &Outcome,
+    found: &[Option<Box<PeriodicState>>],
     count: usize,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
-    let chosen = choose(plan, count, 1);
+    let ok = |i: &u32| outcome.results[*i as usize].status == Status::Ok;
+    let counted: Vec<u32> = (0..plan.cases.len() as u32).filter(ok).collect();
+    let chosen = choose(&plan.only(&counted), count, 1);
     if chosen.is_empty() {
         return Ok(Vec::new());
     }
-    let part = plan.only(&chosen);
     // Far below what is to be seen, and several times faster than the reference's own.
     let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
     let reference = Reference { tolerance, ..Reference::default() };
-    let truths = reference.run(&part, progress)?.results;
-    let one = |instance: u32| {
-        let (ours, truth) = (&outcome.results[instance as usize], truths[instance as usize]);
+    let truths = truth::truths(plan, &chosen, found, &reference, progress)?;
+    let one = |(instance, truth): (u32, Finished)| {
+        let ours = &outcome.results[instance as usize];
         let scales = Scales::of(plan, instance as usize, &truth.measured);
         let of = |observable| error(observable, &ours.measured, &truth.measured, &scales);
         let counts = ours.status == Status::Ok && truth.status == Status::Ok;
@@ -52,6 +59,6 @@ pub fn audit(
         }
     };
     // Stopped on the way: what was not redone says nothing.
-    let done = |instance: &u32| truths[*instance as usize].status != Status::NotRun;
-    Ok(chosen.into_iter().filter(done).map(one).collect())
+    let done = |(_, truth): &(u32, Finished)| truth.status != Status::NotRun;
+    Ok(chosen.into_iter().zip(truths).filter(done).map(one).collect())
 }

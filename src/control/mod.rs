@@ -2,14 +2,20 @@
 //! with more steps or more modes; a few instances are audited by the reference engine.
 
 mod audit;
+mod branches;
 mod modes;
+mod sensitive;
 mod steps;
+mod truth;
 
 pub use audit::{Audited, audit};
+pub use branches::{Other, others};
+pub use truth::by_reference;
 
 use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::Plan;
+use crate::steady::PeriodicState;
 
 /// A run to the accuracy asked for.
 #[derive(Clone, Debug)]
@@ -19,6 +25,10 @@ pub struct Controlled {
     pub outcome: Outcome,
     /// Of each instance the error of its worst observable, on its scale; NaN where nothing was estimated.
     pub estimates: Vec<f64>,
+    /// Of each instance the periodic state that was found; empty where none was searched for.
+    pub found: Vec<Option<Box<PeriodicState>>>,
+    /// Of each instance the periods of its last run, those of the search among them.
+    pub periods: Vec<u32>,
 }
 
 /// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
@@ -28,7 +38,8 @@ pub struct Controlled {
 /// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
 /// runs with the modes that a ten times finer accuracy asks for; where that changes too much, more modes are kept
 /// for all. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
-/// prescribes its steps, nothing is estimated.
+/// prescribes its steps, nothing is estimated. Instances that had to run with more steps run once more from a start
+/// moved a little: where that moves the result, it is called sensitive.
 ///
 /// # Errors
 /// What the engine says.
@@ -37,7 +48,14 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         (0..plan.cases.len() as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
     if stepped.is_empty() {
         let outcome = engine.run(plan, progress)?;
-        return Ok(Controlled { plan: plan.clone(), estimates: vec![0.0; plan.cases.len()], outcome });
+        let (count, plan) = (plan.cases.len(), plan.clone());
+        return Ok(Controlled {
+            plan,
+            outcome,
+            estimates: vec![0.0; count],
+            found: Vec::new(),
+            periods: vec![0; count],
+        });
     }
     let modes::Choice { plan, left_out, notes } = modes::choose(plan, &stepped, engine, progress)?;
     let mut all = steps::run(plan, &stepped, left_out, engine, progress)?;

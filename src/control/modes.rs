@@ -4,6 +4,7 @@ use super::steps::difference;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
 use crate::plan::Plan;
+use crate::steady;
 
 /// Most instances of the sample.
 const SAMPLE: usize = 64;
@@ -44,8 +45,7 @@ pub(super) fn choose(
     let every = order.len().div_ceil(SAMPLE);
     let sample: Vec<u32> = order.iter().copied().step_by(every).collect();
     let mut run = |plan: &Plan| {
-        progress.foresee(plan.instance_steps());
-        let outcome = engine.run(plan, progress)?;
+        let outcome = steady::run(plan, &[], engine, progress)?.outcome;
         notes.extend(outcome.notes);
         Ok::<_, EngineError>(outcome.results)
     };

@@ -1,10 +1,11 @@
 //! Steps: by doubling.
 
-use super::Controlled;
+use super::{Controlled, sensitive};
 use crate::compare::{Scales, worst};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, STEPS_MAX};
+use crate::steady::{self, SETTLED, Settled};
 use rayon::prelude::*;
 
 /// How often an instance runs again with twice as many steps.
@@ -28,32 +29,33 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     if plan.run.steps_per_period.is_some() {
-        progress.foresee(plan.instance_steps());
-        let outcome = engine.run(&plan, progress)?;
+        let settled = steady::run(&plan, &[], engine, progress)?;
         let mut estimates = vec![0.0; plan.cases.len()];
         stepped.iter().for_each(|i| estimates[*i as usize] = f64::NAN);
-        return Ok(Controlled { plan, outcome, estimates });
+        return Ok(Controlled::new(plan, settled, estimates));
     }
     let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
     let fine = plan.stepped(&all, |case| (case.steps / 2).max(2 * FEWEST));
     let coarse = fine.stepped(stepped, |case| case.steps / 2);
-    progress.foresee(coarse.instance_steps() + fine.instance_steps());
-    let rough = engine.run(&coarse, progress)?;
-    let mut outcome = engine.run(&fine, progress)?;
-    outcome.notes.splice(0..0, rough.notes);
+    let rough = steady::run(&coarse, &[], engine, progress)?;
+    let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
+    settled.outcome.notes.splice(0..0, rough.outcome.notes);
     let mut estimates = left_out.clone();
-    for (i, error) in estimate(&fine, stepped, &rough.results, &outcome.results) {
+    for (i, error) in estimate(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
         estimates[i as usize] += error;
     }
-    let mut now = Controlled { plan: fine, outcome, estimates };
-    for _ in 0..DOUBLINGS {
+    let mut now = Controlled::new(fine, settled, estimates);
+    let mut doubted = Vec::new();
+    for round in 0..DOUBLINGS {
         let again: Vec<u32> = stepped.iter().copied().filter(|i| now.doubtful(*i as usize)).collect();
+        if round == 0 {
+            doubted.clone_from(&again);
+        }
         if again.is_empty() || progress.stopped() {
             break;
         }
         let finer = now.plan.stepped(&again, |case| 2 * case.steps);
-        progress.foresee(finer.instance_steps());
-        let outcome = engine.run(&finer, progress)?;
+        let Settled { outcome, mut found, periods } = steady::run(&finer, &now.found, engine, progress)?;
         if progress.stopped() {
             break;
         }
@@ -62,14 +64,32 @@ pub(super) fn run(
             now.estimates[i] = left_out[i] + error;
             now.outcome.results[i] = outcome.results[i];
             now.plan.cases[i].steps = finer.cases[i].steps;
+            now.periods[i] = periods[i];
+            if let (Some(place), Some(new)) = (now.found.get_mut(i), found.get_mut(i)) {
+                *place = new.take();
+            }
         }
         now.outcome.notes.extend(outcome.notes);
     }
     now.plan = now.plan.only(&all);
+    for &i in stepped {
+        let i = i as usize;
+        let found = now.found.get(i).is_some_and(Option::is_some);
+        if !found && now.periods[i] < now.plan.run.periods {
+            // It was left before it had settled for good.
+            now.estimates[i] += SETTLED * now.plan.run.accuracy;
+        }
+    }
+    doubted.retain(|i| now.found.get(*i as usize).is_none_or(Option::is_none));
+    sensitive::mark(&now.plan, &doubted, &mut now.outcome.results, engine, progress)?;
     Ok(now)
 }
 
 impl Controlled {
+    fn new(plan: Plan, Settled { outcome, found, periods }: Settled, estimates: Vec<f64>) -> Self {
+        Self { plan, outcome, estimates, found, periods }
+    }
+
     /// Whether more steps are called for: not where the motion itself does not repeat.
     fn doubtful(&self, i: usize) -> bool {
         let status = self.outcome.results[i].status;

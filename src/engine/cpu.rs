@@ -1,11 +1,11 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
 use super::law::KernelLaw;
-use super::measure::{Sums, finish, finish_free};
+use super::measure::{finish, finish_free};
 use super::saved::Saved;
 use super::start;
 use super::track::{Member, Track, member, step_length};
-use super::{Engine, EngineError, Finished, Outcome, Progress};
+use super::{Ended, Engine, EngineError, Outcome, Progress, station};
 use crate::contact::Law;
 use crate::instrument::Place;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
@@ -51,17 +51,13 @@ impl Engine for Cpu {
 }
 
 fn run(plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
-    let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
+    let mut outcome = Outcome::of(plan);
     for class in &plan.classes {
-        let finished = match plan.precision {
-            Precision::F32 => class_in::<Pack32>(plan, class, None, progress)?,
-            Precision::F64 => class_in::<Pack64>(plan, class, None, progress)?,
-        };
-        for (instance, result) in class.instances.iter().zip(finished) {
-            results[*instance as usize] = result;
-        }
+        let begun = station::begin(plan, &class.instances);
+        let from = begun.as_ref().map(|saved| Resume { saved, done: 0 });
+        outcome.put(&class.instances, resume(plan, class, from, progress)?);
     }
-    Ok(Outcome { results, notes: Vec::new() })
+    Ok(outcome)
 }
 
 /// Instances as they stood after some periods, in the order of their class.
@@ -72,13 +68,13 @@ pub(super) struct Resume<'a> {
     pub done: u32,
 }
 
-/// Finishes a class that another engine began.
+/// Runs a class from its start, or from where it was left.
 pub(super) fn resume(
     plan: &Plan,
     class: &Class,
     from: Option<Resume>,
     progress: &Progress,
-) -> Result<Vec<Finished>, EngineError> {
+) -> Result<Vec<Ended>, EngineError> {
     match plan.precision {
         Precision::F32 => class_in::<Pack32>(plan, class, from, progress),
         Precision::F64 => class_in::<Pack64>(plan, class, from, progress),
@@ -86,8 +82,8 @@ pub(super) fn resume(
 }
 
 /// Results of instances that never reach the sample.
-pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Finished> {
-    class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants)).collect()
+pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Ended> {
+    class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants).into()).collect()
 }
 
 /// Results in the order of the class' instances.
@@ -96,7 +92,7 @@ fn class_in<L: Lane>(
     class: &Class,
     from: Option<Resume>,
     progress: &Progress,
-) -> Result<Vec<Finished>, EngineError> {
+) -> Result<Vec<Ended>, EngineError> {
     if class.steps == 0 {
         return Ok(free_class(plan, class));
     }
@@ -123,7 +119,7 @@ fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     class: &Class,
     from: Option<Resume>,
     progress: &Progress,
-) -> Vec<Finished> {
+) -> Vec<Ended> {
     let waves = start::waves::<L>(class.steps, plan.wants.harmonics);
     let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
     if plan.run.start == Start::Steady {
@@ -175,27 +171,36 @@ fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
     mut track: Track<L, I, M>,
     waves: &[Vec<Wave<L::Element>>],
     progress: &Progress,
-) -> Vec<Finished> {
+) -> Vec<Ended> {
     let steps = waves[0].len();
     // In blocks, so that a long run tells how far it is and can be stopped.
     let block = (BLOCK / steps).max(1) as u32;
     let mut done = track.done;
     while done < plan.run.periods {
         if progress.stopped() {
-            return vec![Finished::NOT_RUN; pack.len()];
+            return vec![Ended::NOT_RUN; pack.len()];
         }
         let periods = block.min(plan.run.periods - done);
         track.advance(&plan.run, periods, waves, None, plan.wants);
         progress.add(pack.len() as u64 * u64::from(periods) * steps as u64);
         done += periods;
     }
-    finish_pack(plan, pack, &track.sums(&plan.run, steps))
+    finish_pack(plan, pack, &track)
 }
 
-fn finish_pack(plan: &Plan, pack: &[Member], sums: &[Sums]) -> Vec<Finished> {
+fn finish_pack<L: Lane, I: KernelLaw<L>, const M: usize>(
+    plan: &Plan,
+    pack: &[Member],
+    track: &Track<L, I, M>,
+) -> Vec<Ended> {
+    let tell = plan.stations.is_some();
     pack.iter()
-        .zip(sums)
-        .map(|((case, driven), sums)| finish(sums, case, driven, &plan.run, plan.wants))
+        .zip(track.sums(&plan.run, pack[0].0.steps))
+        .enumerate()
+        .map(|(lane, ((case, driven), sums))| Ended {
+            finished: finish(&sums, case, driven, &plan.run, plan.wants),
+            end: tell.then(|| Box::new(station::station(&track.saved(lane)))),
+        })
         .collect()
 }
 
@@ -206,7 +211,7 @@ fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     mut tracks: Vec<Track<L, I, M>>,
     waves: &[Vec<Wave<L::Element>>],
     progress: &Progress,
-) -> Vec<Finished> {
+) -> Vec<Ended> {
     let run = &plan.run;
     let driven = group[0].1;
     let steps = waves[0].len();
@@ -215,7 +220,7 @@ fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     let mut done = tracks[0].done;
     while done < run.periods {
         if progress.stopped() {
-            return vec![Finished::NOT_RUN; group.len()];
+            return vec![Ended::NOT_RUN; group.len()];
         }
         let periods = block.min(run.periods - done);
         let first = u64::from(done) * steps as u64;
@@ -226,11 +231,7 @@ fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
         });
         done += periods;
     }
-    tracks
-        .iter()
-        .zip(packs)
-        .flat_map(|(track, pack)| finish_pack(plan, pack, &track.sums(&plan.run, steps)))
-        .collect()
+    tracks.iter().zip(packs).flat_map(|(track, pack)| finish_pack(plan, pack, track)).collect()
 }
 
 /// The decaying free motion of the modes that are not stepped, at the middle of each step.

@@ -37,9 +37,13 @@ impl Sums {
     }
 }
 
-/// How far the fundamental (m) still is from where it will end, by its latest change (m) and the
-/// slowest kept mode's decay over a period: a geometric series of changes no longer than that.
-fn unsettled(change: f64, driven: &Driven) -> f64 {
+/// How far the fundamental (m) still is from where it will end, by its latest change (m) and what is known of
+/// the period map, or else the slowest kept mode's decay over a period: a geometric series of changes no longer
+/// than that.
+fn unsettled(change: f64, least_change: Option<f64>, driven: &Driven) -> f64 {
+    if let Some(share) = least_change {
+        return if change == 0.0 { 0.0 } else { change / share };
+    }
     let decay = driven
         .kept
         .modes
@@ -51,11 +55,11 @@ fn unsettled(change: f64, driven: &Driven) -> f64 {
 }
 
 /// Whether what such a change leaves to come is within the accuracy asked for.
-pub(super) fn settled(change: f64, driven: &Driven, run: &Run) -> bool {
+pub(super) fn settled(change: f64, least_change: Option<f64>, driven: &Driven, run: &Run) -> bool {
     // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
     let scale = driven.free.tip.norm().max(1e-15);
     // A change that is no number leaves it to the state to say so.
-    let left = unsettled(change, driven);
+    let left = unsettled(change, least_change, driven);
     left <= run.accuracy * scale || left.is_nan()
 }
 
@@ -135,7 +139,7 @@ fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }
-    if !settled(sums.change(), driven, run) {
+    if !settled(sums.change(), case.least_change, driven, run) {
         return Status::NotSteady;
     }
     Status::Ok

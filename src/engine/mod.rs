@@ -8,16 +8,17 @@ mod measure;
 mod reference;
 mod saved;
 mod start;
+mod station;
 mod trace;
 mod track;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
-pub use reference::{Model, Reference, TOLERANCE, Work, solve};
+pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
-use crate::plan::Plan;
+use crate::plan::{Plan, Station};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
@@ -25,6 +26,16 @@ use thiserror::Error;
 pub trait Engine {
     /// Name of the device, for the results file.
     fn device(&self) -> String;
+
+    /// Whether it can compute in f64.
+    fn double(&self) -> bool {
+        true
+    }
+
+    /// Whether it can start at the plan's stations.
+    fn resumes(&self) -> bool {
+        true
+    }
 
     /// Runs the plan. A failed instance is data, not an error.
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError>;
@@ -45,6 +56,8 @@ pub enum EngineError {
     Gpu(#[from] gpu::GpuError),
     #[error("the reference engine's tolerance is {0:e}: give one from 1e-14 to 1e-3")]
     Tolerance(f64),
+    #[error("the reference engine starts where the scene says, not at stations")]
+    Stations,
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
 }
@@ -53,8 +66,46 @@ pub enum EngineError {
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub results: Vec<Finished>,
+    /// Where each ended, if the plan says where they start; none where nothing was stepped.
+    pub ends: Vec<Option<Box<Station>>>,
     /// What a user should know of how it went: one line each.
     pub notes: Vec<String>,
+}
+
+impl Outcome {
+    /// Before anything has run.
+    fn of(plan: &Plan) -> Self {
+        let count = plan.cases.len();
+        let ends = if plan.stations.is_some() { vec![None; count] } else { Vec::new() };
+        Self { results: vec![Finished::NOT_RUN; count], ends, notes: Vec::new() }
+    }
+
+    /// Takes in what became of these instances.
+    fn put(&mut self, instances: &[u32], ended: Vec<Ended>) {
+        for (instance, one) in instances.iter().zip(ended) {
+            self.results[*instance as usize] = one.finished;
+            if let Some(place) = self.ends.get_mut(*instance as usize) {
+                *place = one.end;
+            }
+        }
+    }
+}
+
+/// One instance at the end of a run.
+#[derive(Clone, Debug)]
+struct Ended {
+    finished: Finished,
+    end: Option<Box<Station>>,
+}
+
+impl Ended {
+    const NOT_RUN: Self = Self { finished: Finished::NOT_RUN, end: None };
+}
+
+impl From<Finished> for Ended {
+    fn from(finished: Finished) -> Self {
+        Self { finished, end: None }
+    }
 }
 
 /// One instance, measured.

@@ -3,12 +3,14 @@
 use super::EngineError;
 use super::cpu::decays;
 use super::law::KernelLaw;
+use super::saved::Saved;
 use super::start;
+use super::station;
 use super::track::{case, force_scale, state, step_length};
 use crate::contact::Law;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
 use crate::kernel::{LENGTH, MODES_MAX};
-use crate::plan::{CasePlan, Driven, Plan};
+use crate::plan::{CasePlan, Driven, Plan, Station};
 
 /// The steps of an instance from `first` on, at the middle of each step. SI units, f64.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +43,15 @@ pub struct TraceSample {
 
 /// Steps `instance` through `periods` drive periods and keeps the last `keep` of them.
 ///
-/// The same kernel as the run in f64; instances that need no steps are traced with 64 a period.
-pub fn trace(plan: &Plan, instance: usize, periods: u32, keep: u32) -> Result<Trace, EngineError> {
+/// The same kernel as the run in f64; instances that need no steps are traced with 64 a period. Where the
+/// instance has a periodic state, `from`, the kept part starts there and nothing before it is stepped.
+pub fn trace(
+    plan: &Plan,
+    instance: usize,
+    from: Option<&Station>,
+    periods: u32,
+    keep: u32,
+) -> Result<Trace, EngineError> {
     let mut case = plan.cases[instance];
     case.steps = case.steps.max(crate::plan::STEPS_MIN);
     let driven = &plan.drives[case.drive as usize];
@@ -53,11 +62,12 @@ pub fn trace(plan: &Plan, instance: usize, periods: u32, keep: u32) -> Result<Tr
         }
         _ => {}
     }
+    let from = from.map(|place| station::saved(plan, instance as u32, place));
     Ok(match case.contact.law {
-        Law::None => steps::<Nothing>(plan, &case, driven, periods, keep),
-        Law::Hertz => steps::<Hertz<f64>>(plan, &case, driven, periods, keep),
-        Law::Dmt => steps::<Dmt<f64>>(plan, &case, driven, periods, keep),
-        Law::Jkr => steps::<Jkr<f64>>(plan, &case, driven, periods, keep),
+        Law::None => steps::<Nothing>(plan, &case, driven, from, periods, keep),
+        Law::Hertz => steps::<Hertz<f64>>(plan, &case, driven, from, periods, keep),
+        Law::Dmt => steps::<Dmt<f64>>(plan, &case, driven, from, periods, keep),
+        Law::Jkr => steps::<Jkr<f64>>(plan, &case, driven, from, periods, keep),
     })
 }
 
@@ -65,6 +75,7 @@ fn steps<I: KernelLaw<f64>>(
     plan: &Plan,
     instance: &CasePlan,
     driven: &Driven,
+    from: Option<Saved>,
     periods: u32,
     keep: u32,
 ) -> Trace {
@@ -75,9 +86,14 @@ fn steps<I: KernelLaw<f64>>(
     let mut state = state(&case, &members, start);
     let waves = start::waves::<f64>(instance.steps, 1);
     let force = force_scale(driven, instance.steps);
+    let mut skipped = 0;
+    if let Some(saved) = from {
+        (state.x, state.u, state.touching) = (saved.x, saved.u, saved.touching);
+        skipped = u64::from(periods.saturating_sub(keep));
+    }
     let first = count * u64::from(periods.saturating_sub(keep));
     let mut samples = Vec::with_capacity((count * u64::from(keep.min(periods))) as usize);
-    for period in 0..u64::from(periods) {
+    for period in skipped..u64::from(periods) {
         let rest = start == crate::scene::Start::Rest;
         let rows = rest.then(|| decays::<f64>(driven, instance.steps, period * count, count as usize));
         for (index, wave) in waves[0].iter().enumerate() {

@@ -5,7 +5,8 @@ use super::measure::Sums;
 use super::saved::Saved;
 use super::start;
 use crate::kernel::{
-    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, State, Tally, Wave, increments, period,
+    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, MODES_MAX, State, Tally, Wave, increments,
+    period,
 };
 use crate::observe::Wants;
 use crate::plan::{CasePlan, Driven, Plan};
@@ -137,6 +138,17 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         track
     }
 
+    /// Member `lane` as it stands.
+    pub fn saved(&self, lane: usize) -> Saved {
+        let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
+        for (k, (from_x, from_u)) in self.state.x.iter().zip(&self.state.u).enumerate() {
+            (x[k], u[k]) = (from_x.lane(lane), from_u.lane(lane));
+        }
+        let ((last, touched), finite) = (self.tally.carried(lane), self.finite[lane]);
+        let touching = self.state.touching.lane(lane);
+        Saved { x, u, touching, last, touched, ledger: self.ledger.lane(lane), finite }
+    }
+
     /// Steps through `periods` more periods; `decay` holds their samples for a start from rest.
     pub fn advance(
         &mut self,
@@ -169,10 +181,8 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
     }
 
     /// What has been measured of each member, with `steps` steps a period.
-    pub fn sums(&self, run: &Run, steps: usize) -> Vec<Sums> {
-        let sum = |(lane, finite): (usize, &bool)| {
-            Sums::new(&self.ledger, lane, *finite, run.measure, steps as u32)
-        };
+    pub fn sums(&self, run: &Run, steps: u32) -> Vec<Sums> {
+        let sum = |(lane, finite): (usize, &bool)| Sums::new(&self.ledger, lane, *finite, run.measure, steps);
         self.finite.iter().enumerate().map(sum).collect()
     }
 

@@ -4,7 +4,7 @@ use super::{CasePlan, Class, Driven, KeptModes, Plan, Precision, steps};
 use crate::contact::{Contact, Law};
 use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::Wants;
-use crate::scene::{DriveFrequency, Params, Scene, Start};
+use crate::scene::{DriveFrequency, Params, Run, Scene, Start, Steady};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -39,10 +39,15 @@ impl Plan {
             cases,
             classes,
             observables: scene.output.observables.clone(),
-            wants: Wants::of(&scene.output.observables),
+            // The branch of a state is told by its mean force.
+            wants: Wants {
+                energy: Wants::of(&scene.output.observables).energy || scene.run.steady == Steady::Search,
+                ..Wants::of(&scene.output.observables)
+            },
             run: scene.run.clone(),
             precision,
             waveforms: scene.output.waveforms.clone(),
+            stations: None,
         })
     }
 }
@@ -66,6 +71,35 @@ impl Plan {
         }
         plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
         plan
+    }
+
+    /// A plan of some of this one's instances, each as often as it is named, over `periods` of which the last
+    /// `measure` are measured: the same stepping, nothing but the fundamental summed.
+    pub fn trial(&self, instances: &[u32], periods: u32, measure: u32) -> Self {
+        let mut place = HashMap::new();
+        let mut drives = Vec::new();
+        let mut cases = Vec::with_capacity(instances.len());
+        for &index in instances {
+            let mut case = self.cases[index as usize];
+            case.drive = *place.entry(case.drive).or_insert_with(|| {
+                drives.push(self.drives[case.drive as usize].clone());
+                drives.len() as u32 - 1
+            });
+            cases.push(case);
+        }
+        let classes = classify(&cases, &drives, 0..cases.len() as u32);
+        let observables = Vec::new();
+        Self {
+            drives,
+            cases,
+            classes,
+            wants: Wants::of(&observables),
+            observables,
+            run: Run { periods, measure, ..self.run.clone() },
+            precision: self.precision,
+            waveforms: None,
+            stations: None,
+        }
     }
 
     /// Likewise, with the modes that `accuracy` would ask for, and as many more steps as they need.
@@ -211,7 +245,7 @@ fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> Cas
             steps::steps(&contact, &driven.kept, driven.free.omega, amplitude, gap, scene.run.accuracy)
         })
     };
-    CasePlan { drive, contact, gap, steps }
+    CasePlan { drive, contact, gap, steps, least_change: None }
 }
 
 /// Groups these instances by shape; within a class by drive, then gap, then stiffness.

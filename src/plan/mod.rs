@@ -12,6 +12,7 @@ pub use summary::Summary;
 
 use crate::contact::{Contact, Law};
 use crate::instrument::{FreeMotion, Instrument};
+use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
 use std::sync::Arc;
@@ -49,6 +50,32 @@ pub struct Plan {
     pub precision: Precision,
     /// Waveforms asked for.
     pub waveforms: Option<WaveformRequest>,
+    /// Where each instance starts, in place of the scene's start; where they end is then told too.
+    pub stations: Option<Arc<Vec<Station>>>,
+}
+
+/// Where an instance stands at the start of a period of its drive: half a step into it, before the kick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Station {
+    /// Tip travel by each kept mode beyond the steady free motion, m.
+    pub x: [f64; MODES_MAX],
+    /// Its rate over the mode's angular frequency, m.
+    pub u: [f64; MODES_MAX],
+    pub touching: bool,
+    /// Whether all of it are numbers.
+    pub finite: bool,
+}
+
+impl Station {
+    /// No deviation from the free motion, no contact.
+    pub const FREE: Self = Self { x: [0.0; MODES_MAX], u: [0.0; MODES_MAX], touching: false, finite: true };
+
+    /// The free oscillation of an instance with its sample just there.
+    pub fn free(plan: &Plan, instance: u32) -> Self {
+        let case = &plan.cases[instance as usize];
+        let amplitude = plan.drives[case.drive as usize].free.tip.norm();
+        Self { touching: case.contact.next_contact(-(case.gap + amplitude), false), ..Self::FREE }
+    }
 }
 
 /// One instrument at one drive.
@@ -78,6 +105,9 @@ pub struct CasePlan {
     pub gap: f64,
     /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
     pub steps: u32,
+    /// A change from one period to the next is at least so large a share of the distance to the periodic
+    /// state; where nothing is known of it, the slowest mode's damping stands for it.
+    pub least_change: Option<f64>,
 }
 
 /// Instances of one shape.

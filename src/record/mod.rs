@@ -1,5 +1,6 @@
 //! From a finished run to the plain data of its results file.
 
+mod search;
 mod waveforms;
 
 use crate::contact::{Contact, Law, Warning};
@@ -8,9 +9,10 @@ use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
 use crate::plan::Plan;
 use crate::scene::{Layout, Params, Scene};
-use crate::store::{Attribute, Audit, Coordinate, Flags, ForceCurve, Results, Variable};
+use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Listed, Results, Variable};
 use rayon::prelude::*;
 
+pub use search::{BRANCHES, search};
 pub use waveforms::waveforms;
 
 /// What is known of a run beside its numbers.
@@ -54,6 +56,7 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
         waveforms: None,
         force_curves: force_curves(scene, plan),
         audit: None,
+        other_branch: None,
         attributes: vec![
             ("scene".into(), Attribute::Text(scene.source.clone())),
             ("scene_resolved".into(), Attribute::Text(scene.resolved_toml())),
@@ -122,7 +125,7 @@ pub fn error_estimate(estimates: &[f64]) -> Variable {
 }
 
 /// Group `audit`: the reference's values and the run's errors; none where nothing was redone.
-pub fn audit(plan: &Plan, audited: &[Audited]) -> Option<Audit> {
+pub fn audit(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
     if audited.is_empty() {
         return None;
     }
@@ -144,7 +147,7 @@ pub fn audit(plan: &Plan, audited: &[Audited]) -> Option<Audit> {
         harmonics: None,
         data: truths.iter().map(|truth| f64::from(truth.status as u8)).collect(),
     });
-    Some(Audit { instances: audited.iter().map(|one| u64::from(one.instance)).collect(), variables })
+    Some(Listed { instances: audited.iter().map(|one| u64::from(one.instance)).collect(), variables })
 }
 
 fn law_code(law: Law) -> u8 {

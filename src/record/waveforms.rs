@@ -3,22 +3,31 @@
 use crate::contact::Law;
 use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
-use crate::plan::Plan;
+use crate::plan::{Plan, Station};
 use crate::scene::{Start, WaveformRequest};
+use crate::steady::PeriodicState;
 use crate::store::Waveforms;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Computes the waveforms a scene asks for: the last periods of the run, from a zero of the
 /// drive's phase on. Time counts from the start of the run, or, where that is arbitrary (a start
-/// in steady motion), from the first sample.
-pub fn waveforms(plan: &Plan, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
+/// in steady motion), from the first sample. `found` holds the periodic states that were found, by instance, or
+/// nothing.
+pub fn waveforms(
+    plan: &Plan,
+    found: &[Option<Box<PeriodicState>>],
+    request: &WaveformRequest,
+) -> Result<Waveforms, EngineError> {
     let mut all = Waveforms::default();
     let mut times: Vec<Vec<f64>> = Vec::new();
     let rows: Vec<Rows> = request
         .instances
         .par_iter()
-        .map(|&instance| instance_rows(plan, instance, request))
+        .map(|&instance| {
+            let place = found.get(instance).and_then(|place| place.as_deref());
+            instance_rows(plan, instance, place.map(|place| &place.station), request)
+        })
         .collect::<Result<_, _>>()?;
     all.instances = request.instances.iter().map(|&instance| instance as u64).collect();
     for rows in rows {
@@ -45,13 +54,18 @@ struct Rows {
     force: Vec<f64>,
 }
 
-fn instance_rows(plan: &Plan, instance: usize, request: &WaveformRequest) -> Result<Rows, EngineError> {
+fn instance_rows(
+    plan: &Plan,
+    instance: usize,
+    from: Option<&Station>,
+    request: &WaveformRequest,
+) -> Result<Rows, EngineError> {
     let case = &plan.cases[instance];
     let driven = &plan.drives[case.drive as usize];
     let free = &driven.free;
     let rest = plan.run.start == Start::Rest;
     // One period beyond the run, because the drive's zero lies between two of the run's periods.
-    let trace = trace(plan, instance, plan.run.periods + 1, request.periods + 2)?;
+    let trace = trace(plan, instance, from, plan.run.periods + 1, request.periods + 2)?;
     let length = TAU / free.omega;
     let run_start = f64::from(plan.run.periods - request.periods);
     let zero = (-trace.phase / TAU).rem_euclid(1.0);

@@ -120,10 +120,23 @@ pub enum Start {
     Rest,
 }
 
+/// `[run] steady`: how the periodic state is come by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Steady {
+    /// Periods pass until it has settled.
+    #[default]
+    Wait,
+    /// It is searched for as a fixed point of the period map; what cannot be found so is waited for.
+    Search,
+}
+
 /// `[run]`
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     pub start: Start,
+    pub steady: Steady,
+    /// Whether a search looks for a second periodic state beside the first.
+    pub both_branches: bool,
     /// Drive periods in all.
     pub periods: u32,
     /// The last so many of them are measured; 1 ..= periods.

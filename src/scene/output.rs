@@ -5,13 +5,18 @@ use super::error::{Checked, Fault};
 use super::params::Lever;
 use super::read::Draft;
 use super::values::{self, Value};
-use super::{Output, Run, Start, WaveformRequest};
+use super::{Output, Run, Start, Steady, WaveformRequest};
 use crate::observe::Observable;
 use crate::suggest::nearest;
 use toml::de::DeTable;
 
 /// Keywords of `run.start`.
 pub(super) const STARTS: [(&str, Start); 2] = [("steady", Start::Steady), ("rest", Start::Rest)];
+/// Keywords of `run.steady`.
+pub(super) const WAYS: [(&str, Steady); 2] = [("wait", Steady::Wait), ("search", Steady::Search)];
+
+/// Keywords of `run.branches`: whether both.
+pub(super) const BRANCHES: [(&str, bool); 2] = [("one", false), ("both", true)];
 
 /// What `[output]` asks for when it says nothing.
 const USUAL: [Observable; 7] = [
@@ -50,9 +55,12 @@ fn known<'a, 'i>(
 
 /// Reads `[run]`.
 pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
-    const KEYS: [&str; 6] = ["start", "periods", "measure", "accuracy", "modes", "steps_per_period"];
+    const KEYS: [&str; 8] =
+        ["start", "steady", "branches", "periods", "measure", "accuracy", "modes", "steps_per_period"];
     let mut run = Run {
         start: Start::Steady,
+        steady: Steady::Wait,
+        both_branches: false,
         periods: 300,
         measure: 50,
         accuracy: 1e-3,
@@ -64,6 +72,24 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
     };
     if let Some(value) = table.get("start") {
         run.start = values::keyword(value, "run.start", &STARTS)?;
+    }
+    if let Some(value) = table.get("steady") {
+        run.steady = values::keyword(value, "run.steady", &WAYS)?;
+        if (run.start, run.steady) == (Start::Rest, Steady::Search) {
+            return Err(Fault::at(value.span(), "a start from rest has no periodic state to search for")
+                .label("the search begins at the free oscillation")
+                .expected("start = \"steady\" with steady = \"search\"")
+                .help("remove one of the two lines"));
+        }
+    }
+    if let Some(value) = table.get("branches") {
+        run.both_branches = values::keyword(value, "run.branches", &BRANCHES)?;
+        if run.both_branches && run.steady != Steady::Search {
+            return Err(Fault::at(value.span(), "only a search looks for two branches")
+                .label("waiting ends on one of them")
+                .expected("steady = \"search\" with branches = \"both\"")
+                .help("add steady = \"search\", or remove this line"));
+        }
     }
     if let Some(value) = table.get("steps_per_period") {
         run.steps_per_period = Some(values::count(value, "run.steps_per_period", 16..=1_000_000)? as u32);

@@ -107,6 +107,8 @@ impl Scene {
     fn write_run(&self, text: &mut String) -> std::fmt::Result {
         let run = &self.run;
         writeln!(text, "\n[run]\nstart = {}", word(&output::STARTS, run.start))?;
+        writeln!(text, "steady = {}", word(&output::WAYS, run.steady))?;
+        writeln!(text, "branches = {}", word(&output::BRANCHES, run.both_branches))?;
         writeln!(
             text,
             "periods = {}\nmeasure = {}\naccuracy = {:?}",

@@ -35,10 +35,10 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
             return refuse(format!("{} is no list of {count} codes for up to 8 single words", flags.name));
         }
     }
-    if let Some(audit) = &results.audit {
+    for listed in [&results.audit, &results.other_branch].into_iter().flatten() {
         check_variables(
-            &audit.variables,
-            audit.instances.len(),
+            &listed.variables,
+            listed.instances.len(),
             &mut HashSet::from(["instance", "harmonic"]),
         )?;
     }

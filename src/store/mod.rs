@@ -22,8 +22,16 @@ pub use read::read;
 pub const OWN_ATTRIBUTES: [&str; 3] = ["title", "Conventions", "history"];
 
 /// Names that no axis and no variable may take.
-const RESERVED: [&str; 7] =
-    ["status", "steps_per_period", "instance", "harmonic", "waveforms", "force_curves", "audit"];
+const RESERVED: [&str; 8] = [
+    "status",
+    "steps_per_period",
+    "instance",
+    "harmonic",
+    "waveforms",
+    "force_curves",
+    "audit",
+    "other_branch",
+];
 
 /// Everything a results file holds, as plain data. Written by [`Writer`], read back by [`read`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,7 +51,9 @@ pub struct Results {
     /// Static curves of the contact, any number of them.
     pub force_curves: Vec<ForceCurve>,
     /// Instances redone by the reference integrator.
-    pub audit: Option<Audit>,
+    pub audit: Option<Listed>,
+    /// Second periodic states beside the first, where some were looked for and found.
+    pub other_branch: Option<Listed>,
     /// Scene text, resolved scene, plan, device, times: root attributes in this order.
     pub attributes: Vec<(String, Attribute)>,
 }
@@ -123,9 +133,9 @@ pub struct ForceCurve {
     pub contact_radius: Vec<f64>,
 }
 
-/// Group `audit`: variables over the instances redone, values and errors alike.
+/// A group of variables over some of the instances: `audit`, with values and errors alike, and `other_branch`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Audit {
+pub struct Listed {
     /// Instance numbers.
     pub instances: Vec<u64>,
     /// Over `instances` instead of all instances.

@@ -3,7 +3,7 @@
 use super::heap;
 use super::labels::{is_scale, read_text};
 use super::{
-    Attribute, Audit, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable,
+    Attribute, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, StoreError, Variable,
     Waveforms, partial_path,
 };
 use hdf5::types::TypeDescriptor;
@@ -194,7 +194,8 @@ impl Source {
             steps_per_period,
             waveforms: self.waveforms(&root)?,
             force_curves: self.force_curves(&root)?,
-            audit: self.audit(&root)?,
+            audit: self.listed(&root, "audit")?,
+            other_branch: self.listed(&root, "other_branch")?,
             attributes: self.attributes()?,
         })
     }
@@ -355,12 +356,12 @@ impl Source {
             .collect()
     }
 
-    fn audit(&self, root: &Group) -> Result<Option<Audit>, StoreError> {
-        let Some(group) = self.group(root, "audit")? else { return Ok(None) };
+    fn listed(&self, root: &Group, name: &str) -> Result<Option<Listed>, StoreError> {
+        let Some(group) = self.group(root, name)? else { return Ok(None) };
         let instances = self.instances(&group)?;
         let members = self.members(&group)?;
         let names: Vec<&String> = members.iter().collect();
         let variables = self.variables(&group, &names, &[instances.len()])?;
-        Ok(Some(Audit { instances, variables }))
+        Ok(Some(Listed { instances, variables }))
     }
 }

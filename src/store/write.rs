@@ -36,10 +36,11 @@ pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<
         if !results.force_curves.is_empty() {
             write_force_curves(&file, &results.force_curves)?;
         }
-        if let Some(audit) = results.audit.as_ref().filter(|audit| !audit.instances.is_empty()) {
-            let mut layout = Layout::group(&file, "audit")?;
-            let dims = vec![layout.instances(&audit.instances)?];
-            layout.variables(&audit.variables, &dims, None)?;
+        for (name, listed) in [("audit", &results.audit), ("other_branch", &results.other_branch)] {
+            let Some(listed) = listed.as_ref().filter(|one| !one.instances.is_empty()) else { continue };
+            let mut layout = Layout::group(&file, name)?;
+            let dims = vec![layout.instances(&listed.instances)?];
+            layout.variables(&listed.variables, &dims, None)?;
             layout.close()?;
         }
         file.flush()?;

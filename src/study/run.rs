@@ -55,7 +55,7 @@ impl Ran {
         };
         let mut results = record::results(&self.scene, &self.plan, &self.outcome, &facts);
         if let Some(request) = &self.scene.output.waveforms {
-            results.waveforms = Some(record::waveforms(&self.plan, request)?);
+            results.waveforms = Some(record::waveforms(&self.plan, &[], request)?);
         }
         Ok(results)
     }

@@ -23,7 +23,7 @@ pub struct Balance {
 /// Amplitudes of the force's harmonics 0, 1, 2, ... over the run's last period: the force is
 /// the real first one plus sum Im(F_m exp(i m phi)), phi being the drive's phase.
 pub fn force_harmonics(plan: &Plan, instance: usize) -> Vec<Complex<f64>> {
-    let trace = trace(plan, instance, plan.run.periods, 1).expect("the instance can be traced");
+    let trace = trace(plan, instance, None, plan.run.periods, 1).expect("the instance can be traced");
     let count = trace.samples.len();
     // Cosine and sine by table: harmonic m of sample n is entry m (2n + 1) of 2N.
     let table: Vec<Complex<f64>> =

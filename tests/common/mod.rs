@@ -3,7 +3,7 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
-use afmsweep::store::{Attribute, Audit, Coordinate, Flags, ForceCurve, Results, Variable, Waveforms};
+use afmsweep::store::{Attribute, Coordinate, Flags, ForceCurve, Listed, Results, Variable, Waveforms};
 
 pub const SCENE: &str = "title = \"one\"\n";
 
@@ -76,9 +76,13 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
                 contact_radius: ramp(4 + i, 1e-11),
             })
             .collect(),
-        audit: Some(Audit {
+        audit: Some(Listed {
             instances: vec![0, last],
             variables: vec![variable("amplitude", "m", None, ramp(2, 1e-9))],
+        }),
+        other_branch: Some(Listed {
+            instances: vec![last],
+            variables: vec![variable("amplitude", "m", None, ramp(1, 1e-9))],
         }),
         attributes: vec![
             ("scene".into(), Attribute::Text(SCENE.into())),

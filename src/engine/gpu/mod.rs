@@ -14,7 +14,7 @@ use super::cpu::{self, Resume};
 use super::measure::{Sums, finish};
 use super::saved::Saved;
 use super::track::member;
-use super::{Engine, EngineError, Finished, Outcome, Progress};
+use super::{Ended, Engine, EngineError, Outcome, Progress, station};
 use crate::plan::{Class, Plan, Precision};
 use chunk::{Checkpoint, Chunk};
 use pace::Pace;
@@ -132,18 +132,24 @@ impl Gpu {
         class: &Class,
         opened: &mut Opened,
         progress: &Progress,
-    ) -> Result<Vec<Finished>, EngineError> {
+    ) -> Result<Vec<Ended>, EngineError> {
         let chunks: Vec<&[u32]> = class.instances.chunks(self.capacity(plan, class)).collect();
         let mut out = Vec::with_capacity(class.instances.len());
-        let mut next = chunks.first().map(|first| pack::tables(plan, class, first, None));
+        let begin =
+            |instances: &[u32]| station::begin(plan, instances).map(|saved| Checkpoint { saved, done: 0 });
+        let tables = |instances: &[u32]| {
+            let at = begin(instances);
+            let tables = pack::tables(plan, class, instances, at.as_ref().map(|at| at.saved.as_slice()));
+            (tables, at)
+        };
+        let mut next = chunks.first().map(|first| tables(first));
         for number in 0..chunks.len() {
-            let Some(tables) = next.take() else { break };
+            let Some((packed, at)) = next.take() else { break };
             // The next chunk's tables are made while this one runs.
             let (finished, made) = std::thread::scope(|scope| {
-                let after = chunks
-                    .get(number + 1)
-                    .map(|after| scope.spawn(move || pack::tables(plan, class, after, None)));
-                let finished = self.chunk(plan, class, tables, None, opened, progress);
+                let tables = &tables;
+                let after = chunks.get(number + 1).map(|after| scope.spawn(move || tables(after)));
+                let finished = self.chunk(plan, class, packed, at, opened, progress);
                 (finished, after.and_then(|made| made.join().ok()))
             });
             out.extend(finished?);
@@ -161,7 +167,7 @@ impl Gpu {
         mut checkpoint: Option<Checkpoint>,
         opened: &mut Opened,
         progress: &Progress,
-    ) -> Result<Vec<Finished>, EngineError> {
+    ) -> Result<Vec<Ended>, EngineError> {
         for _ in 0..TRIES {
             let done = checkpoint.as_ref().map_or(0, |at| at.done);
             opened.open(self, plan.precision);
@@ -170,7 +176,7 @@ impl Gpu {
                 .and_then(|chunk| chunk.run(done, pace, &mut checkpoint, progress));
             let failure = match run {
                 Ok(Some(saved)) => return Ok(finish_all(plan, class, &tables.instances, &saved)),
-                Ok(None) => return Ok(vec![Finished::NOT_RUN; tables.instances.len()]),
+                Ok(None) => return Ok(vec![Ended::NOT_RUN; tables.instances.len()]),
                 Err(failure) => session.cause(failure),
             };
             opened.session = None;
@@ -200,14 +206,18 @@ impl Gpu {
     }
 }
 
-fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) -> Vec<Finished> {
+fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) -> Vec<Ended> {
+    let tell = plan.stations.is_some();
     instances
         .par_iter()
         .zip(saved)
         .map(|(instance, saved)| {
             let (case, driven) = member(plan, *instance);
             let sums = Sums::new(&saved.ledger, 0, saved.finite, plan.run.measure, class.steps);
-            finish(&sums, case, driven, &plan.run, plan.wants)
+            Ended {
+                finished: finish(&sums, case, driven, &plan.run, plan.wants),
+                end: tell.then(|| Box::new(station::station(saved))),
+            }
         })
         .collect()
 }
@@ -236,6 +246,10 @@ impl Engine for Gpu {
         self.report.title()
     }
 
+    fn double(&self) -> bool {
+        self.report.double
+    }
+
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         // A device that cannot be opened at all is an error, before anything is computed.
         let held = self.idle.take().filter(|held| (held.0, held.1) == (plan.precision, self.strict));
@@ -245,18 +259,17 @@ impl Engine for Gpu {
         };
         let pace = Pace::new(self.report.software());
         let mut opened = Opened { session: Some(session), pace, notes: Vec::new() };
-        let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
+        let mut outcome = Outcome::of(plan);
         for class in &plan.classes {
             let finished = match class.steps {
                 0 => cpu::free_class(plan, class),
                 _ if progress.stopped() => continue,
                 _ => self.class(plan, class, &mut opened, progress)?,
             };
-            for (instance, result) in class.instances.iter().zip(finished) {
-                results[*instance as usize] = result;
-            }
+            outcome.put(&class.instances, finished);
         }
         self.idle.replace(opened.session.map(|session| (plan.precision, self.strict, session)));
-        Ok(Outcome { results, notes: opened.notes })
+        outcome.notes = opened.notes;
+        Ok(outcome)
     }
 }

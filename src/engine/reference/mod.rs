@@ -8,14 +8,18 @@
 mod dop853;
 mod force;
 mod meter;
+mod near;
 mod system;
 mod tableau;
 mod walk;
+
+pub use near::solve_near;
 
 use super::measure::{finish_free, lag, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven, Plan};
+use crate::scene::Run;
 use meter::Meter;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -75,7 +79,14 @@ impl Engine for Reference {
         format!("reference integrator, DOP853, tolerance {:e}, {threads} thread{s}", self.tolerance)
     }
 
+    fn resumes(&self) -> bool {
+        false
+    }
+
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+        if plan.stations.is_some() {
+            return Err(EngineError::Stations);
+        }
         // The plan's classes say which instances run: a trial has fewer than the plan has cases.
         let instances: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.clone()).collect();
         let all = || -> Result<Outcome, EngineError> {
@@ -83,9 +94,9 @@ impl Engine for Reference {
                 .par_iter()
                 .map(|&index| Ok((index, self.instance(plan, index as usize, progress)?.0)))
                 .collect::<Result<_, EngineError>>()?;
-            let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
-            each.into_iter().for_each(|(index, finished)| results[index as usize] = finished);
-            Ok(Outcome { results, notes: Vec::new() })
+            let mut outcome = Outcome::of(plan);
+            each.into_iter().for_each(|(index, finished)| outcome.results[index as usize] = finished);
+            Ok(outcome)
         };
         match self.threads {
             None => all(),
@@ -107,19 +118,26 @@ pub fn solve(plan: &Plan, instance: usize, options: &Reference) -> Result<(Finis
 }
 
 impl Reference {
+    fn checked<'a>(
+        &self,
+        plan: &'a Plan,
+        instance: usize,
+    ) -> Result<(&'a CasePlan, &'a Driven), EngineError> {
+        if !(1e-14..=1e-3).contains(&self.tolerance) {
+            return Err(EngineError::Tolerance(self.tolerance));
+        }
+        let case = plan.cases.get(instance);
+        let case = case.ok_or(EngineError::NoInstance { instance, count: plan.cases.len() })?;
+        Ok((case, &plan.drives[case.drive as usize]))
+    }
+
     fn instance(
         &self,
         plan: &Plan,
         instance: usize,
         progress: &Progress,
     ) -> Result<(Finished, Work), EngineError> {
-        if !(1e-14..=1e-3).contains(&self.tolerance) {
-            return Err(EngineError::Tolerance(self.tolerance));
-        }
-        let Some(case) = plan.cases.get(instance) else {
-            return Err(EngineError::NoInstance { instance, count: plan.cases.len() });
-        };
-        let driven = &plan.drives[case.drive as usize];
+        let (case, driven) = self.checked(plan, instance)?;
         if case.steps == 0 {
             return Ok((finish_free(driven, plan.wants), Work::default()));
         }
@@ -128,19 +146,18 @@ impl Reference {
             return Err(EngineError::NoModes);
         }
         let mut walk = Walk::new(system, self.tolerance);
-        let finished = integrate(&mut walk, plan, case, driven, progress);
+        let finished = integrate(&mut walk, (&plan.run, plan.wants), case, driven, progress);
         Ok((finished, Work { modes: walk.system.modes(), left_out: walk.system.left_out, ..walk.work }))
     }
 }
 
 fn integrate(
     walk: &mut Walk,
-    plan: &Plan,
+    (run, wants): (&Run, Wants),
     case: &CasePlan,
     driven: &Driven,
     progress: &Progress,
 ) -> Finished {
-    let (run, wants) = (&plan.run, plan.wants);
     let warm = run.periods - run.measure;
     // The fundamental's changes into the last four periods and into every measured one are judged.
     let judged = (run.periods - run.measure.max(4).min(run.periods)).saturating_sub(1);
@@ -206,6 +223,6 @@ fn integrate(
         (measured.force_min, measured.force_max) = (sums.force_min, sums.force_max);
         measured.indentation_max = if sums.touched { sums.deepest } else { f64::NAN };
     }
-    let status = if settled(change, driven, run) { Status::Ok } else { Status::NotSteady };
+    let status = if settled(change, case.least_change, driven, run) { Status::Ok } else { Status::NotSteady };
     Finished { measured, status }
 }

@@ -23,6 +23,8 @@ pub(super) struct System {
     stiffness: Vec<f64>,
     loss: Vec<f64>,
     push: Vec<f64>,
+    /// Which of the instrument's modes each oscillator is; the plan's residual one is none.
+    pub indices: Vec<Option<usize>>,
     /// Amplitudes of the steady free motion's cosine and sine, m.
     free: (f64, f64),
     /// Decaying free motion after a start from rest: each mode with its start as tip travel and speed.
@@ -45,11 +47,12 @@ pub(super) struct System {
 impl System {
     pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model) -> Self {
         let omega = driven.free.omega;
-        let (modes, left_out) = oscillators(driven, model);
+        let (indices, modes, left_out) = oscillators(driven, model);
         let mut system = Self {
             stiffness: modes.iter().map(|mode| (mode[0] / omega).powi(2)).collect(),
             loss: modes.iter().map(|mode| mode[1] / omega).collect(),
             push: modes.iter().map(|mode| mode[2] / (omega * omega)).collect(),
+            indices,
             free: start::amplitudes(driven, start),
             transients: Vec::new(),
             omega,
@@ -78,6 +81,12 @@ impl System {
     /// Oscillators.
     pub fn modes(&self) -> usize {
         self.push.len()
+    }
+
+    /// Angular frequency (rad/s) and damping ratio of oscillator `k`.
+    pub fn oscillator(&self, k: usize) -> (f64, f64) {
+        let ratio = self.stiffness[k].sqrt();
+        (self.omega * ratio, 0.5 * self.loss[k] / ratio)
     }
 
     /// Unknowns.
@@ -173,12 +182,12 @@ fn turned(mode: &Mode, time: f64, [x, v]: [f64; 2]) -> [f64; 2] {
     [a * x + b * v, c * x + d * v]
 }
 
-/// Frequency, frequency over quality factor, and mobility of each oscillator; the share left out.
-fn oscillators(driven: &Driven, model: Model) -> (Vec<[f64; 3]>, f64) {
+/// Which mode, and frequency, frequency over quality factor, and mobility of each oscillator; the share left out.
+fn oscillators(driven: &Driven, model: Model) -> (Vec<Option<usize>>, Vec<[f64; 3]>, f64) {
     if model == Model::Kept {
         let kept = &driven.kept;
         let each = kept.modes.iter().map(|m| [m.omega, 2.0 * m.damping * m.omega, m.mobility]);
-        return (each.collect(), kept.residual_share);
+        return (kept.modes.iter().map(|m| m.index).collect(), each.collect(), kept.residual_share);
     }
     let modes = &driven.instrument.modes;
     let share = |k: usize| modes[k].tip * modes[k].force / (modes[k].omega * modes[k].omega);
@@ -200,5 +209,5 @@ fn oscillators(driven: &Driven, model: Model) -> (Vec<[f64; 3]>, f64) {
         let mode = &modes[k];
         [mode.omega, mode.omega / mode.quality_factor, mode.tip * mode.force]
     });
-    (each.collect(), left)
+    (order.iter().copied().map(Some).collect(), each.collect(), left)
 }

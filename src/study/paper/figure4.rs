@@ -134,7 +134,7 @@ struct Wave {
 /// The waveforms of a run's first instance; empty for a scene that does not ask for them.
 fn waveform(ran: &Ran) -> Result<Wave, StudyError> {
     let waves = match &ran.scene.output.waveforms {
-        Some(request) => record::waveforms(&ran.plan, request)?,
+        Some(request) => record::waveforms(&ran.plan, &[], request)?,
         None => Waveforms::default(),
     };
     let first = |rows: Vec<Vec<f64>>| rows.into_iter().next().unwrap_or_default();

@@ -1,0 +1,197 @@
+//! The periodic state by waiting and by searching: what each costs, and whether both end in the same state.
+//!
+//! `cargo bench --bench steady -- [--instances N] [--same N] [--seed S] [-o FILE]`; two tables, and JSON in FILE.
+
+#[path = "../common/random.rs"]
+mod random;
+
+use afmsweep::compare::{Scales, worst};
+use afmsweep::engine::{Cpu, Finished, Progress, processor};
+use afmsweep::observe::Status;
+use afmsweep::plan::{Plan, Precision};
+use afmsweep::scene::Steady;
+use afmsweep::steady::{self, Settled};
+use random::{Wide, quantile, scene};
+use serde_json::{Value, json};
+
+const LAWS: [&str; 3] = ["hertz", "dmt", "jkr"];
+const ACCURACY: f64 = 1e-3;
+
+fn run(plan: &Plan) -> Settled {
+    steady::run(plan, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run")
+}
+
+fn plan(wide: &Wide, steady: Steady, periods: u32) -> Plan {
+    let mut scene = scene(wide);
+    (scene.run.steady, scene.run.periods) = (steady, periods);
+    Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+}
+
+/// Results by waiting, in ever longer runs, and after how many periods each had settled.
+fn waited(wide: &Wide, most: u32) -> (Vec<Finished>, Vec<Option<u32>>) {
+    let mut all = vec![Finished::NOT_RUN; wide.count];
+    let mut after = vec![None; wide.count];
+    let mut periods = 64;
+    loop {
+        let plan = plan(wide, Steady::Wait, periods);
+        let left: Vec<u32> = (0..wide.count as u32).filter(|i| after[*i as usize].is_none()).collect();
+        let results = run(&plan.only(&left)).outcome.results;
+        for i in left {
+            let i = i as usize;
+            all[i] = results[i];
+            if results[i].status == Status::Ok || plan.cases[i].steps == 0 {
+                after[i] = Some(periods);
+            }
+        }
+        periods *= 2;
+        if periods > most || after.iter().all(Option::is_some) {
+            return (all, after);
+        }
+    }
+}
+
+fn sorted(values: impl Iterator<Item = u32>) -> Vec<f64> {
+    let mut all: Vec<f64> = values.map(f64::from).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Periods per instance, by quality factor, law and modes.
+fn costs(count: usize, seed: u64) -> Vec<Value> {
+    println!("periods until settled, {count} random instances each; waiting in runs of 64, 128, ... periods");
+    println!(
+        "{:>8} {:<6}{:>6} | {:>8}{:>9}{:>9} | {:>8}{:>9}{:>9}{:>9}",
+        "Q", "law", "modes", "waiting:", "median", "settled", "search:", "median", "95 %", "found"
+    );
+    let mut rows = Vec::new();
+    for quality in [100.0, 1e3, 1e4, 1e5] {
+        for law in LAWS {
+            for modes in [1, 2, 4] {
+                let text = format!("measure = 4\nmodes = {modes}");
+                let wide = Wide {
+                    law,
+                    count,
+                    seed,
+                    accuracy: ACCURACY,
+                    quality: [quality, quality * 1.001],
+                    run: &text,
+                };
+                let most = (60.0 * quality) as u32;
+                let (_, after) = waited(&wide, most);
+                let plan = plan(&wide, Steady::Search, 2000);
+                let stepped = |i: &usize| plan.cases[*i].steps > 0;
+                let search = run(&plan);
+                let found: Vec<usize> =
+                    (0..count).filter(stepped).filter(|i| search.found[*i].is_some()).collect();
+                let spent = sorted(found.iter().map(|i| search.periods[*i]));
+                let settled = sorted((0..count).filter(stepped).filter_map(|i| after[i]));
+                let all = (0..count).filter(stepped).count();
+                println!(
+                    "{quality:>8.0} {law:<6}{modes:>6} | {:>8}{:>9.0}{:>9} | {:>8}{:>9.0}{:>9.0}{:>9}",
+                    "",
+                    quantile(&settled, 0.5),
+                    format!("{}/{all}", settled.len()),
+                    "",
+                    quantile(&spent, 0.5),
+                    quantile(&spent, 0.95),
+                    format!("{}/{all}", found.len()),
+                );
+                rows.push(json!({
+                    "quality_factor": quality, "law": law, "modes": modes, "instances": all,
+                    "waiting_median_periods": quantile(&settled, 0.5), "waiting_settled": settled.len(),
+                    "search_median_periods": quantile(&spent, 0.5),
+                    "search_p95_periods": quantile(&spent, 0.95), "search_found": found.len(),
+                }));
+            }
+        }
+    }
+    rows
+}
+
+/// How many of the instances that both settle end in the same state.
+fn same(count: usize, seed: u64) -> Vec<Value> {
+    println!("\nthe same state: {count} random instances, quality factors 10 to 1000, 3 modes");
+    println!(
+        "{:<6}{:>9}{:>9}{:>9}{:>9}{:>12}{:>12}",
+        "law", "settled", "found", "both", "same", "other state", "found alone"
+    );
+    let mut rows = Vec::new();
+    for law in LAWS {
+        let part = count.div_ceil(LAWS.len());
+        let wide = Wide {
+            law,
+            count: part,
+            seed,
+            accuracy: ACCURACY,
+            quality: [10.0, 1000.0],
+            run: "measure = 4\nmodes = 3",
+        };
+        let (truth, after) = waited(&wide, 32_768);
+        let plan = plan(&wide, Steady::Search, 2000);
+        let search = run(&plan);
+        let stepped: Vec<usize> = (0..part).filter(|i| plan.cases[*i].steps > 0).collect();
+        let found = |i: &usize| search.found[*i].is_some();
+        let settled = |i: &usize| after[*i].is_some();
+        let both: Vec<usize> = stepped.iter().copied().filter(|i| found(i) && settled(i)).collect();
+        let mut other = Vec::new();
+        for &i in &both {
+            let (ours, theirs) = (&search.outcome.results[i].measured, &truth[i].measured);
+            let error = worst(&plan.observables, ours, theirs, &Scales::of(&plan, i, theirs));
+            if error > 5.0 * ACCURACY {
+                other.push(i);
+                println!(
+                    "    {i}: {error:.1e}; amplitude {:.3} nm waited, {:.3} nm found, mean force {:.2e}, {:.2e} N, multiplier {:.5}, {} {} periods",
+                    theirs.harmonics[0] * 1e9,
+                    ours.harmonics[0] * 1e9,
+                    theirs.force_mean,
+                    ours.force_mean,
+                    search.found[i].as_ref().map_or(f64::NAN, |place| place.multiplier),
+                    after[i].unwrap_or(0),
+                    search.periods[i],
+                );
+            }
+        }
+        let count_of = |keep: &dyn Fn(&usize) -> bool| stepped.iter().filter(|i| keep(i)).count();
+        let alone = count_of(&|i| found(i) && !settled(i));
+        println!(
+            "{law:<6}{:>9}{:>9}{:>9}{:>9}{:>12}{alone:>12}",
+            count_of(&settled),
+            count_of(&found),
+            both.len(),
+            both.len() - other.len(),
+            other.len(),
+        );
+        rows.push(json!({
+            "law": law, "instances": stepped.len(), "settled": count_of(&settled), "found": count_of(&found),
+            "both": both.len(), "same": both.len() - other.len(), "found_alone": alone,
+        }));
+    }
+    rows
+}
+
+fn main() {
+    let (mut count, mut many, mut seed, mut output) = (32, 1000, 1, None);
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value"));
+        match word.as_str() {
+            "--instances" => count = value().parse().expect("a number of instances, for each row"),
+            "--same" => many = value().parse().expect("a number of instances, all laws together"),
+            "--seed" => seed = value().parse().expect("a seed"),
+            "-o" => output = Some(value()),
+            "--bench" => {}
+            other => panic!("unknown argument {other}"),
+        }
+    }
+    println!("{}", processor());
+    let costs = if count > 0 { costs(count, seed) } else { Vec::new() };
+    let same = if many > 0 { same(many, seed) } else { Vec::new() };
+    if let Some(path) = output {
+        let all = json!({
+            "processor": processor(), "date": afmsweep::store::now(), "seed": seed, "accuracy": ACCURACY,
+            "cost": costs, "same": same,
+        });
+        let text = serde_json::to_string_pretty(&all).expect("plain data");
+        std::fs::write(&path, text + "\n").unwrap_or_else(|error| panic!("{path}: {error}"));
+    }
+}

@@ -1,0 +1,88 @@
+//! What the reference engine makes of instances whose motion a stepped engine has seen.
+
+use super::Controlled;
+use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, solve_near};
+use crate::plan::{Plan, Precision, Station};
+use crate::scene::{Start, Steady};
+use crate::steady::{self, PeriodicState, Settled};
+use rayon::prelude::*;
+
+/// A run by the reference engine. States that the scene wants searched for are the reference's own next to those that
+/// the CPU engine finds.
+///
+/// # Errors
+/// What the engines say.
+pub fn by_reference(
+    plan: &Plan,
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let count = plan.cases.len();
+    let search = plan.run.steady == Steady::Search;
+    let Settled { mut outcome, found, periods } = match search {
+        true => {
+            steady::run(&Plan { precision: Precision::F64, ..plan.clone() }, &[], &Cpu::default(), progress)?
+        }
+        false => steady::run(plan, &[], reference, progress)?,
+    };
+    let stepped: Vec<u32> = (0..count as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
+    if search && !progress.stopped() {
+        let truths = truths(plan, &stepped, &found, reference, progress)?;
+        stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
+    }
+    Ok(Controlled { plan: plan.clone(), outcome, estimates: vec![f64::NAN; count], found, periods })
+}
+
+/// Where these instances are in their periodic motion: as found, or else as the stepped engine leaves them at the
+/// end of the run; none for runs from rest, whose beginning counts.
+fn stations(
+    plan: &Plan,
+    instances: &[u32],
+    found: &[Option<Box<PeriodicState>>],
+    progress: &Progress,
+) -> Result<Vec<Option<Station>>, EngineError> {
+    if plan.run.start == Start::Rest {
+        return Ok(vec![None; instances.len()]);
+    }
+    let known = |i: u32| found.get(i as usize).and_then(|place| place.as_deref()).map(|place| place.station);
+    let waiting: Vec<u32> = instances.iter().copied().filter(|i| known(*i).is_none()).collect();
+    let mut ends = std::collections::HashMap::new();
+    if !waiting.is_empty() {
+        let mut trial = plan.trial(&waiting, plan.run.periods, plan.run.measure);
+        trial.precision = Precision::F64;
+        trial.stations = Some(std::sync::Arc::new(
+            (0..trial.cases.len() as u32).map(|i| Station::free(&trial, i)).collect(),
+        ));
+        let ended = Cpu::default().run(&trial, progress)?.ends;
+        ends.extend(waiting.into_iter().zip(ended));
+    }
+    let end = |i: u32| ends.get(&i)?.as_deref().copied().filter(|station| station.finite);
+    Ok(instances.iter().map(|i| known(*i).or_else(|| end(*i))).collect())
+}
+
+/// The reference's results of these instances: their periodic states next to where the stepped engine was, and
+/// whole runs where that has none.
+pub(super) fn truths(
+    plan: &Plan,
+    instances: &[u32],
+    found: &[Option<Box<PeriodicState>>],
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Vec<Finished>, EngineError> {
+    let stations = stations(plan, instances, found, progress)?;
+    let near: Vec<Option<Finished>> = instances
+        .par_iter()
+        .zip(&stations)
+        .map(|(&i, station)| match station {
+            Some(station) => solve_near(plan, i as usize, station, reference, progress),
+            None => Ok(None),
+        })
+        .collect::<Result<_, _>>()?;
+    let left: Vec<u32> =
+        instances.iter().zip(&near).filter(|(_, near)| near.is_none()).map(|(i, _)| *i).collect();
+    let whole = match left.is_empty() {
+        true => Vec::new(),
+        false => reference.run(&plan.only(&left), progress)?.results,
+    };
+    Ok(instances.iter().zip(near).map(|(i, near)| near.unwrap_or_else(|| whole[*i as usize])).collect())
+}

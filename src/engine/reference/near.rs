@@ -1,0 +1,118 @@
+//! The periodic state next to a given one, as a fixed point of the reference's own period map.
+
+use super::system::System;
+use super::walk::Walk;
+use super::{Reference, integrate};
+use crate::contact::Law;
+use crate::engine::{EngineError, Finished, Progress};
+use crate::kernel::increments;
+use crate::periodic::{Ask, Options, Search, Verdict};
+use crate::plan::{CasePlan, Driven, Plan, Station};
+use crate::scene::{Run, Start};
+use nalgebra::DVector;
+use std::f64::consts::PI;
+
+/// Distance to the periodic state that is aimed at, and that is near enough, as shares of the accuracy asked for.
+const NEAR: f64 = 1e-4;
+const ENOUGH: f64 = 1e-2;
+/// Tolerance of the steps at most: a slope is to tell a multiplier of 1 - 1e-5 from 1.
+const TIGHT: f64 = 1e-11;
+/// Differences, in units of the free amplitude, for the slope: as the steps allow, and for jumping contacts.
+const SMOOTH: f64 = 1e-5;
+const ROUGH: f64 = 3e-5;
+/// Most evaluations of the map, and periods measured at the end.
+const MOST: u32 = 200;
+const MEASURED: u32 = 4;
+
+/// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
+/// there is none to be found. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
+/// whether waiting would end there.
+///
+/// # Errors
+/// An instance that the plan does not have, a tolerance out of range, a tip that no mode moves.
+pub fn solve_near(
+    plan: &Plan,
+    instance: usize,
+    station: &Station,
+    options: &Reference,
+    progress: &Progress,
+) -> Result<Option<Finished>, EngineError> {
+    let (case, driven) = options.checked(plan, instance)?;
+    let mut system = System::new(case, driven, Start::Steady, options.model);
+    if system.modes() == 0 {
+        return Err(EngineError::NoModes);
+    }
+    let start = unknowns(&system, case, driven, station);
+    system.touching = station.touching;
+    let remembers = case.contact.law == Law::Jkr;
+    let (scale, accuracy) = (system.length(), plan.run.accuracy);
+    let step = if remembers { ROUGH } else { SMOOTH };
+    let mut map =
+        Map { walk: Walk::new(system, options.tolerance.min(TIGHT)), remembers, touching: station.touching };
+    let mut search = Search::new(
+        start,
+        Options {
+            scale,
+            tolerance: NEAR * accuracy,
+            enough: ENOUGH * accuracy,
+            step,
+            last_step: step,
+            most: MOST,
+            near: true,
+        },
+    );
+    while let Ask::Map(states) = search.ask() {
+        if progress.stopped() {
+            return Ok(None);
+        }
+        let values: Vec<_> = states.iter().map(|state| map.at(state)).collect();
+        search.answer(&values);
+    }
+    let Some(Verdict::Found(found)) = search.verdict() else { return Ok(None) };
+    map.begin(&found.state);
+    // The first period's predecessor is not known, the second one's is not looked at.
+    let run = Run { periods: MEASURED + 2, measure: MEASURED, start: Start::Steady, ..plan.run.clone() };
+    let case = CasePlan { least_change: Some(found.least_change), ..*case };
+    Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
+}
+
+/// The station's modes as unknowns at the period's very start: half a step earlier.
+fn unknowns(system: &System, case: &CasePlan, driven: &Driven, station: &Station) -> DVector<f64> {
+    let modes = system.modes();
+    let half = PI / (driven.free.omega * f64::from(case.steps));
+    let mut state = DVector::zeros(2 * modes);
+    for (place, index) in system.indices.iter().enumerate() {
+        let Some(k) = driven.kept.modes.iter().position(|mode| mode.index == *index) else { continue };
+        let (omega, damping) = system.oscillator(place);
+        let [m00, m01, m10, m11] = increments(-omega * half, damping);
+        let (x, u) = (station.x[k], station.u[k]);
+        state[place] = x + m00 * x + m01 * u;
+        state[modes + place] = (u + m10 * x + m11 * u) * omega / driven.free.omega;
+    }
+    state
+}
+
+/// One period of the reference.
+struct Map {
+    walk: Walk,
+    /// Whether contact is a memory of the past, and what it is at a period's start.
+    remembers: bool,
+    touching: bool,
+}
+
+impl Map {
+    fn begin(&mut self, state: &DVector<f64>) {
+        let size = state.len();
+        self.walk.y[..size].copy_from_slice(state.as_slice());
+        let system = &mut self.walk.system;
+        let delta = system.indentation_of(0.0, state.as_slice()).0;
+        system.touching = if self.remembers { self.touching } else { system.force.touching_at(delta) };
+    }
+
+    fn at(&mut self, state: &DVector<f64>) -> Option<DVector<f64>> {
+        self.begin(state);
+        let finite = self.walk.period(0, None);
+        let same = !self.remembers || self.walk.system.touching == self.touching;
+        (finite && same).then(|| DVector::from_column_slice(&self.walk.y[..state.len()]))
+    }
+}

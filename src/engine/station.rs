@@ -1,0 +1,41 @@
+//! Between a plan's stations and the kernel's units.
+
+use super::saved::Saved;
+use super::start;
+use super::track::member;
+use crate::kernel::{LENGTH, Ledger};
+use crate::plan::{Plan, Station};
+use std::f64::consts::PI;
+
+/// Where these instances start, if the plan says so.
+pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<Saved>> {
+    let stations = plan.stations.as_ref()?;
+    Some(instances.iter().map(|&instance| saved(plan, instance, &stations[instance as usize])).collect())
+}
+
+pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
+    let (case, driven) = member(plan, instance);
+    let (cosine, sine) = start::amplitudes(driven, plan.run.start);
+    let half = PI / f64::from(case.steps);
+    let travel = cosine * half.cos() + sine * half.sin() + station.x.iter().sum::<f64>();
+    let touching = f64::from(u8::from(station.touching));
+    Saved {
+        x: station.x.map(|x| x / LENGTH),
+        u: station.u.map(|u| u / LENGTH),
+        touching,
+        last: [-(case.gap + travel) / LENGTH; 2],
+        touched: touching,
+        ledger: Ledger::new(),
+        finite: station.finite,
+    }
+}
+
+/// Where an instance was left.
+pub(super) fn station(saved: &Saved) -> Station {
+    Station {
+        x: saved.x.map(|x| x * LENGTH),
+        u: saved.u.map(|u| u * LENGTH),
+        touching: saved.touching > 0.0,
+        finite: saved.finite,
+    }
+}

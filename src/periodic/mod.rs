@@ -1,0 +1,11 @@
+//! Periodic states: fixed points of the map that takes a state through one period of the drive.
+//!
+//! [`Search`] is Newton's method with a memory of time: at first it follows the flow that repeating the map would
+//! take, in ever longer strides (pseudo-transient continuation; Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508),
+//! so that of several states it tends to find the one that waiting would reach. It knows nothing of what the map
+//! is: it says at which points it wants to know it, and is told. Many searches so run side by side.
+
+mod search;
+mod spectrum;
+
+pub use search::{Ask, Found, Lost, Options, Search, Verdict};

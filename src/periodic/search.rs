@@ -1,0 +1,286 @@
+//! One search.
+
+use super::spectrum::{largest_multiplier, least_change};
+use nalgebra::{DMatrix, DVector};
+
+/// How a search goes about.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Length of a state that is not small: the free amplitude.
+    pub scale: f64,
+    /// Distance to the fixed point, in units of `scale`, that is aimed at, and that is near enough where the map
+    /// is too rough for that.
+    pub tolerance: f64,
+    pub enough: f64,
+    /// Step of the differences that make the slope, in units of `scale`: far above the map's roughness.
+    pub step: f64,
+    /// The same where it is to tell whether the state is stable.
+    pub last_step: f64,
+    /// Most evaluations of the map.
+    pub most: u32,
+    /// Whether the start is thought to be next to the fixed point.
+    pub near: bool,
+}
+
+/// What a search wants to know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ask {
+    /// The map at these states.
+    Map(Vec<DVector<f64>>),
+    /// Nothing more.
+    Nothing,
+}
+
+/// A fixed point.
+#[derive(Clone, Debug)]
+pub struct Found {
+    pub state: DVector<f64>,
+    /// Modulus of the map's largest multiplier: below 1 the state is stable.
+    pub multiplier: f64,
+    /// A change of the state by the map is at least so large a share of its distance to the fixed point.
+    pub least_change: f64,
+}
+
+/// Why there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lost {
+    /// Too many evaluations, or no step leads nearer.
+    Stuck,
+    /// A fixed point that a small push leaves for good.
+    Unstable,
+    /// The map ends at no number, or in another contact than it began.
+    Undefined,
+}
+
+#[derive(Clone, Debug)]
+pub enum Verdict {
+    Found(Found),
+    Lost(Lost),
+}
+
+/// Longest stride, in units of the scale.
+const STRIDE: f64 = 0.1;
+/// Time that the first stride stands for, periods, and what it is multiplied by where the map's change has not grown;
+/// with the change it falls, by no more than the last.
+const FIRST: f64 = 20.0;
+const LONGER: f64 = 2.0;
+const LONGEST: f64 = 10.0;
+
+/// Where the change has fallen by less, the slope is taken anew.
+const CARRIED: f64 = 3.0;
+/// Beyond so many periods a stride is Newton's step.
+const NEWTON: f64 = 1e5;
+
+/// A multiplier by one-sided differences that is below this leaves no doubt of the state's stability.
+const CLEARLY: f64 = 0.99;
+
+#[derive(Clone, Debug)]
+enum Stage {
+    /// The map at the start.
+    Begin,
+    /// The slope by one-sided differences.
+    Slope,
+    /// A stride, and how often it was shortened.
+    Stride {
+        step: DVector<f64>,
+        shorter: u32,
+    },
+    /// The slope by central differences: the end.
+    Last,
+    Done(Verdict),
+}
+
+/// A search on its way.
+#[derive(Clone, Debug)]
+pub struct Search {
+    options: Options,
+    /// Where it stands, and by how much the map moves that.
+    state: DVector<f64>,
+    change: DVector<f64>,
+    slope: DMatrix<f64>,
+    /// Whether the slope was taken here, not carried along from the last state.
+    fresh: bool,
+    /// Time, in periods, that the next stride stands for.
+    time: f64,
+    stage: Stage,
+    evaluations: u32,
+}
+
+impl Search {
+    /// From `state` on.
+    pub fn new(state: DVector<f64>, options: Options) -> Self {
+        let size = state.len();
+        Self {
+            options,
+            change: DVector::zeros(size),
+            slope: DMatrix::zeros(size, size),
+            fresh: false,
+            time: if options.near { f64::INFINITY } else { FIRST },
+            stage: Stage::Begin,
+            evaluations: 0,
+            state,
+        }
+    }
+
+    /// Numbers in a state.
+    pub fn size(&self) -> usize {
+        self.state.len()
+    }
+
+    /// Evaluations so far: each takes one period.
+    pub fn evaluations(&self) -> u32 {
+        self.evaluations
+    }
+
+    /// How it ended, once it has.
+    pub fn verdict(&self) -> Option<&Verdict> {
+        match &self.stage {
+            Stage::Done(verdict) => Some(verdict),
+            _ => None,
+        }
+    }
+
+    /// What it wants to know next.
+    pub fn ask(&self) -> Ask {
+        let size = self.state.len();
+        let moved = |k: usize, by: f64| {
+            let mut state = self.state.clone();
+            state[k] += by * self.options.scale;
+            state
+        };
+        match &self.stage {
+            Stage::Begin => Ask::Map(vec![self.state.clone()]),
+            Stage::Slope => Ask::Map((0..size).map(|k| moved(k, self.options.step)).collect()),
+            Stage::Stride { step, .. } => Ask::Map(vec![&self.state + step]),
+            Stage::Last => Ask::Map(
+                (0..size)
+                    .flat_map(|k| [moved(k, -self.options.last_step), moved(k, self.options.last_step)])
+                    .collect(),
+            ),
+            Stage::Done(_) => Ask::Nothing,
+        }
+    }
+
+    /// Takes the answers, in the order of [`Search::ask`]; none where the map has no answer of use.
+    pub fn answer(&mut self, values: &[Option<DVector<f64>>]) {
+        self.evaluations += values.len() as u32;
+        let stage = std::mem::replace(&mut self.stage, Stage::Done(Verdict::Lost(Lost::Stuck)));
+        self.stage = match stage {
+            Stage::Begin => self.begun(values),
+            Stage::Slope => match self.one_sided(values) {
+                true => self.stride(),
+                false => Stage::Done(Verdict::Lost(Lost::Undefined)),
+            },
+            Stage::Stride { step, shorter } => self.arrived(step, shorter, values),
+            Stage::Last => self.last(values),
+            done @ Stage::Done(_) => done,
+        };
+        if self.evaluations >= self.options.most && self.verdict().is_none() {
+            self.stage = Stage::Done(Verdict::Lost(Lost::Stuck));
+        }
+    }
+
+    fn begun(&mut self, values: &[Option<DVector<f64>>]) -> Stage {
+        match values {
+            [Some(value)] => {
+                self.change = value - &self.state;
+                Stage::Slope
+            }
+            _ => Stage::Done(Verdict::Lost(Lost::Undefined)),
+        }
+    }
+
+    /// Differences against the map here.
+    fn one_sided(&mut self, values: &[Option<DVector<f64>>]) -> bool {
+        let here = &self.state + &self.change;
+        for (k, value) in values.iter().enumerate() {
+            let Some(value) = value else { return false };
+            self.slope.set_column(k, &((value - &here) / (self.options.step * self.options.scale)));
+        }
+        self.fresh = true;
+        true
+    }
+
+    /// The step that `time` periods of the linear flow would make; Newton's for all time.
+    fn step(&self, time: f64) -> Option<DVector<f64>> {
+        let size = self.state.len();
+        let matrix = DMatrix::identity(size, size) * (1.0 + 1.0 / time) - &self.slope;
+        let step = matrix.lu().solve(&self.change)?;
+        step.iter().all(|value| value.is_finite()).then_some(step)
+    }
+
+    /// The next stride, or the end where Newton's step is short enough.
+    fn stride(&mut self) -> Stage {
+        let stuck = Stage::Done(Verdict::Lost(Lost::Stuck));
+        let Some(newton) = self.step(f64::INFINITY) else { return stuck };
+        let near = self.options.tolerance * self.options.scale;
+        if newton.norm() <= near {
+            self.state += newton;
+            let sure = self.options.near && self.fresh && largest_multiplier(&self.slope) < CLEARLY;
+            return if sure { self.found() } else { Stage::Last };
+        }
+        let step = if self.time >= NEWTON { Some(newton) } else { self.step(self.time) };
+        let Some(mut step) = step else { return stuck };
+        let (length, longest) = (step.norm(), STRIDE * self.options.scale);
+        if length > longest {
+            step *= longest / length;
+        }
+        Stage::Stride { step, shorter: 0 }
+    }
+
+    /// After a stride.
+    fn arrived(&mut self, step: DVector<f64>, shorter: u32, values: &[Option<DVector<f64>>]) -> Stage {
+        if let [Some(value)] = values {
+            let state = &self.state + &step;
+            let change = value - &state;
+            let gain = self.change.norm() / change.norm().max(f64::MIN_POSITIVE);
+            // Early strides may climb a little, as the flow does.
+            let least = if self.time < NEWTON { 0.5 } else { 1.05 };
+            if gain >= least {
+                // Broyden's update of the slope minus one.
+                let predicted = &self.slope * &step - &step;
+                let miss = &change - &self.change - predicted;
+                self.slope += miss * step.transpose() / step.norm_squared();
+                (self.state, self.change, self.fresh) = (state, change, false);
+                self.time *= (LONGER * gain).clamp(0.5, LONGEST);
+                return if gain < CARRIED { Stage::Slope } else { self.stride() };
+            }
+        }
+        if !self.fresh {
+            return Stage::Slope;
+        }
+        if shorter == 4 {
+            if self
+                .step(f64::INFINITY)
+                .is_some_and(|newton| newton.norm() <= self.options.enough * self.options.scale)
+            {
+                return Stage::Last;
+            }
+            return Stage::Done(Verdict::Lost(if values == [None] { Lost::Undefined } else { Lost::Stuck }));
+        }
+        self.time = (0.25 * self.time).min(NEWTON);
+        Stage::Stride { step: 0.25 * step, shorter: shorter + 1 }
+    }
+
+    fn last(&mut self, values: &[Option<DVector<f64>>]) -> Stage {
+        for k in 0..self.state.len() {
+            let (Some(Some(low)), Some(Some(high))) = (values.get(2 * k), values.get(2 * k + 1)) else {
+                return Stage::Done(Verdict::Lost(Lost::Undefined));
+            };
+            self.slope.set_column(k, &((high - low) / (2.0 * self.options.last_step * self.options.scale)));
+        }
+        self.found()
+    }
+
+    fn found(&self) -> Stage {
+        let multiplier = largest_multiplier(&self.slope);
+        if multiplier.is_nan() || multiplier >= 1.0 {
+            return Stage::Done(Verdict::Lost(Lost::Unstable));
+        }
+        Stage::Done(Verdict::Found(Found {
+            state: self.state.clone(),
+            multiplier,
+            least_change: least_change(&self.slope),
+        }))
+    }
+}

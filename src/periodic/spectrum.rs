@@ -1,0 +1,36 @@
+//! What the map's slope says of a fixed point.
+
+use nalgebra::{DMatrix, Schur};
+
+/// Largest modulus of the eigenvalues, or infinity where they are not found: the factor by which the slowest
+/// deviation shrinks in a period.
+pub(super) fn largest_multiplier(slope: &DMatrix<f64>) -> f64 {
+    let found = Schur::try_new(slope.clone(), f64::EPSILON, 10_000);
+    let Some(schur) = found else { return f64::INFINITY };
+    schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
+/// Smallest singular value of 1 - slope: a change of the state by the map is at least so large a share of its
+/// distance to the fixed point.
+pub(super) fn least_change(slope: &DMatrix<f64>) -> f64 {
+    let size = slope.nrows();
+    let matrix = DMatrix::identity(size, size) - slope;
+    let found = matrix.try_svd(false, false, f64::EPSILON, 10_000);
+    found.map_or(0.0, |svd| svd.singular_values.iter().copied().fold(f64::INFINITY, f64::min))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turning_and_shrinking_plane_has_its_factor() {
+        let (shrink, angle) = (0.97f64, 0.4f64);
+        let (sine, cosine) = angle.sin_cos();
+        let slope = DMatrix::from_row_slice(2, 2, &[cosine, -sine, sine, cosine]) * shrink;
+        assert!((largest_multiplier(&slope) - shrink).abs() < 1e-14);
+        // |1 - 0.97 exp(0.4 i)|
+        let least = (1.0 - 2.0 * shrink * cosine + shrink * shrink).sqrt();
+        assert!((least_change(&slope) - least).abs() < 1e-14);
+    }
+}

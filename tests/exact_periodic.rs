@@ -1,0 +1,97 @@
+//! The search for fixed points on maps whose fixed points and multipliers are known in closed form.
+
+use afmsweep::periodic::{Ask, Found, Lost, Options, Search, Verdict};
+use nalgebra::{DMatrix, DVector};
+
+const OPTIONS: Options = Options {
+    scale: 1.0,
+    tolerance: 1e-10,
+    enough: 1e-6,
+    step: 1e-6,
+    last_step: 1e-6,
+    most: 500,
+    near: false,
+};
+
+/// The end of a search, and its evaluations.
+fn search(
+    start: &[f64],
+    options: Options,
+    map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
+) -> (Verdict, u32) {
+    let mut search = Search::new(DVector::from_column_slice(start), options);
+    while let Ask::Map(states) = search.ask() {
+        let values: Vec<_> = states.iter().map(&map).collect();
+        search.answer(&values);
+    }
+    (search.verdict().expect("it has ended").clone(), search.evaluations())
+}
+
+fn found(verdict: Verdict) -> Found {
+    match verdict {
+        Verdict::Found(found) => found,
+        Verdict::Lost(why) => panic!("{why:?}"),
+    }
+}
+
+/// Henon, Commun. Math. Phys. 50 (1976) 69: x' = 1 - a x^2 + y, y' = b x. Fixed at
+/// x = (b - 1 + sqrt((1 - b)^2 + 4a))/(2a) with multipliers -a x +- sqrt(a^2 x^2 + b).
+fn henon(a: f64, b: f64) -> impl Fn(&DVector<f64>) -> Option<DVector<f64>> {
+    move |s| Some(DVector::from_vec(vec![1.0 - a * s[0] * s[0] + s[1], b * s[0]]))
+}
+
+#[test]
+fn henons_fixed_point_and_its_multiplier_are_found() {
+    let b = 0.3;
+    for a in [0.05f64, 0.2, 0.35] {
+        let x = (b - 1.0 + ((1.0 - b) * (1.0 - b) + 4.0 * a).sqrt()) / (2.0 * a);
+        let multiplier = a * x + (a * a * x * x + b).sqrt();
+        let (verdict, spent) = search(&[0.0, 0.0], OPTIONS, henon(a, b));
+        let found = found(verdict);
+        assert!((found.state[0] - x).abs() < 1e-10, "{a}: {} {x}", found.state[0]);
+        assert!((found.state[1] - b * x).abs() < 1e-10);
+        assert!((found.multiplier - multiplier).abs() < 1e-8, "{a}: {} {multiplier}", found.multiplier);
+        println!("a = {a}: {spent} evaluations");
+        assert!(spent < 100, "{spent}");
+    }
+}
+
+/// Beyond a = 3 (1 - b)^2/4 the fixed point doubles its period.
+#[test]
+fn a_fixed_point_that_repels_is_called_unstable() {
+    let (verdict, _) = search(&[0.6, 0.2], OPTIONS, henon(0.5, 0.3));
+    assert!(matches!(verdict, Verdict::Lost(Lost::Unstable)), "{verdict:?}");
+}
+
+/// Of a linear map the number of evaluations does not depend on how slowly it settles.
+#[test]
+fn a_slow_linear_map_costs_no_more_than_a_fast_one() {
+    let mut counts = Vec::new();
+    for quality in [10.0, 1e3, 1e5] {
+        let shrink = (-std::f64::consts::PI / quality).exp();
+        let (sine, cosine) = 0.7f64.sin_cos();
+        let matrix = DMatrix::from_row_slice(2, 2, &[cosine, -sine, sine, cosine]) * shrink;
+        let push = DVector::from_vec(vec![0.02, 0.01]);
+        let fixed = (DMatrix::identity(2, 2) - &matrix).lu().solve(&push).unwrap();
+        let (verdict, spent) = search(&[0.0, 0.0], OPTIONS, |s| Some(&matrix * s + &push));
+        let found = found(verdict);
+        assert!((&found.state - fixed).norm() < 1e-10);
+        assert!((found.multiplier - shrink).abs() < 1e-9, "{} {shrink}", found.multiplier);
+        counts.push(spent);
+    }
+    println!("{counts:?} evaluations");
+    assert!(counts.iter().all(|count| *count < 40), "{counts:?}");
+}
+
+#[test]
+fn what_has_no_fixed_point_or_no_answer_ends_in_words() {
+    // A shift.
+    let (verdict, spent) = search(&[0.0], OPTIONS, |s| Some(s.add_scalar(0.01)));
+    assert!(matches!(verdict, Verdict::Lost(Lost::Stuck)), "{verdict:?}");
+    assert!(spent <= OPTIONS.most + 2);
+    let (verdict, _) = search(&[0.0], OPTIONS, |_| None);
+    assert!(matches!(verdict, Verdict::Lost(Lost::Undefined)), "{verdict:?}");
+    // Numbers that are none.
+    let (verdict, _) = search(&[0.1], OPTIONS, |s| Some(s * f64::NAN));
+    assert!(matches!(verdict, Verdict::Lost(_)), "{verdict:?}");
+}
