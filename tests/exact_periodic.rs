@@ -11,6 +11,7 @@ const OPTIONS: Options = Options {
     last_step: 1e-6,
     most: 500,
     near: false,
+    stable: true,
 };
 
 /// The end of a search, and its evaluations.

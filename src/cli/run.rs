@@ -83,14 +83,15 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         true if args.engine.reference() => control::by_reference(&plan, &Reference::default(), &progress)?,
         true => {
             let Settled { outcome, found, periods } = steady::run(&plan, &[], engine.as_ref(), &progress)?;
-            Controlled { estimates: vec![f64::NAN; plan.cases.len()], outcome, plan, found, periods }
+            let unknown = vec![f64::NAN; plan.cases.len()];
+            Controlled { plan, outcome, estimates: unknown.clone(), left_out: unknown, found, periods }
         }
     };
     let others = match run.plan.run.both_branches && !progress.stopped() {
         true => control::others(&run, engine.as_ref(), &progress)?,
         false => Vec::new(),
     };
-    let Controlled { plan, outcome, estimates, found, periods } = &run;
+    let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
     let stepping = stepping.elapsed().as_secs_f64();
     drop(shown);
 

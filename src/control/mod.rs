@@ -25,6 +25,8 @@ pub struct Controlled {
     pub outcome: Outcome,
     /// Of each instance the error of its worst observable, on its scale; NaN where nothing was estimated.
     pub estimates: Vec<f64>,
+    /// The part of it that modes left out have.
+    pub left_out: Vec<f64>,
     /// Of each instance the periodic state that was found; empty where none was searched for.
     pub found: Vec<Option<Box<PeriodicState>>>,
     /// Of each instance the periods of its last run, those of the search among them.
@@ -44,8 +46,11 @@ pub struct Controlled {
 /// # Errors
 /// What the engine says.
 pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
-    let stepped: Vec<u32> =
-        (0..plan.cases.len() as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
+    // The plan's classes say which instances run.
+    let all: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.iter().copied()).collect();
+    let classes = plan.classes.iter().filter(|class| class.steps > 0);
+    let mut stepped: Vec<u32> = classes.flat_map(|class| class.instances.iter().copied()).collect();
+    stepped.sort_unstable();
     if stepped.is_empty() {
         let outcome = engine.run(plan, progress)?;
         let (count, plan) = (plan.cases.len(), plan.clone());
@@ -53,12 +58,13 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
             plan,
             outcome,
             estimates: vec![0.0; count],
+            left_out: vec![0.0; count],
             found: Vec::new(),
             periods: vec![0; count],
         });
     }
     let modes::Choice { plan, left_out, notes } = modes::choose(plan, &stepped, engine, progress)?;
-    let mut all = steps::run(plan, &stepped, left_out, engine, progress)?;
+    let mut all = steps::run(plan, (&all, &stepped), left_out, engine, progress)?;
     all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {
         let i = i as usize;

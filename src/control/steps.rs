@@ -19,11 +19,11 @@ const LEFT: f64 = 0.5;
 /// Fewest steps per period.
 const FEWEST: u32 = 16;
 
-/// Runs `stepped`, the plan's instances that need steps, with a quarter and with half of the plan's steps, which
+/// Runs `all` the plan's instances, and `stepped`, those that need steps, with a quarter and with half of the plan's steps, which
 /// are on the safe side, and then as the estimates ask for. `left_out` is what the modes left out cost.
 pub(super) fn run(
     plan: Plan,
-    stepped: &[u32],
+    (all, stepped): (&[u32], &[u32]),
     left_out: Vec<f64>,
     engine: &dyn Engine,
     progress: &Progress,
@@ -32,10 +32,9 @@ pub(super) fn run(
         let settled = steady::run(&plan, &[], engine, progress)?;
         let mut estimates = vec![0.0; plan.cases.len()];
         stepped.iter().for_each(|i| estimates[*i as usize] = f64::NAN);
-        return Ok(Controlled::new(plan, settled, estimates));
+        return Ok(Controlled::new(plan, settled, estimates, &left_out));
     }
-    let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
-    let fine = plan.stepped(&all, |case| (case.steps / 2).max(2 * FEWEST));
+    let fine = plan.stepped(all, |case| (case.steps / 2).max(2 * FEWEST));
     let coarse = fine.stepped(stepped, |case| case.steps / 2);
     let rough = steady::run(&coarse, &[], engine, progress)?;
     let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
@@ -44,7 +43,7 @@ pub(super) fn run(
     for (i, error) in estimate(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
         estimates[i as usize] += error;
     }
-    let mut now = Controlled::new(fine, settled, estimates);
+    let mut now = Controlled::new(fine, settled, estimates, &left_out);
     let mut doubted = Vec::new();
     for round in 0..DOUBLINGS {
         let again: Vec<u32> = stepped.iter().copied().filter(|i| now.doubtful(*i as usize)).collect();
@@ -71,7 +70,7 @@ pub(super) fn run(
         }
         now.outcome.notes.extend(outcome.notes);
     }
-    now.plan = now.plan.only(&all);
+    now.plan = now.plan.only(all);
     for &i in stepped {
         let i = i as usize;
         let found = now.found.get(i).is_some_and(Option::is_some);
@@ -86,8 +85,13 @@ pub(super) fn run(
 }
 
 impl Controlled {
-    fn new(plan: Plan, Settled { outcome, found, periods }: Settled, estimates: Vec<f64>) -> Self {
-        Self { plan, outcome, estimates, found, periods }
+    fn new(
+        plan: Plan,
+        Settled { outcome, found, periods }: Settled,
+        estimates: Vec<f64>,
+        left_out: &[f64],
+    ) -> Self {
+        Self { plan, outcome, estimates, left_out: left_out.to_vec(), found, periods }
     }
 
     /// Whether more steps are called for: not where the motion itself does not repeat.

@@ -30,7 +30,15 @@ pub fn by_reference(
         let truths = truths(plan, &stepped, &found, reference, progress)?;
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
     }
-    Ok(Controlled { plan: plan.clone(), outcome, estimates: vec![f64::NAN; count], found, periods })
+    let unknown = vec![f64::NAN; count];
+    Ok(Controlled {
+        plan: plan.clone(),
+        outcome,
+        estimates: unknown.clone(),
+        left_out: unknown,
+        found,
+        periods,
+    })
 }
 
 /// Where these instances are in their periodic motion: as found, or else as the stepped engine leaves them at the

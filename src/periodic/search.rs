@@ -20,6 +20,8 @@ pub struct Options {
     pub most: u32,
     /// Whether the start is thought to be next to the fixed point.
     pub near: bool,
+    /// Whether only a stable fixed point is of use.
+    pub stable: bool,
 }
 
 /// What a search wants to know.
@@ -216,7 +218,8 @@ impl Search {
         let near = self.options.tolerance * self.options.scale;
         if newton.norm() <= near {
             self.state += newton;
-            let sure = self.options.near && self.fresh && largest_multiplier(&self.slope) < CLEARLY;
+            let clear = || !self.options.stable || largest_multiplier(&self.slope) < CLEARLY;
+            let sure = self.options.near && self.fresh && clear();
             return if sure { self.found() } else { Stage::Last };
         }
         let step = if self.time >= NEWTON { Some(newton) } else { self.step(self.time) };
@@ -274,7 +277,7 @@ impl Search {
 
     fn found(&self) -> Stage {
         let multiplier = largest_multiplier(&self.slope);
-        if multiplier.is_nan() || multiplier >= 1.0 {
+        if multiplier.is_nan() || (self.options.stable && multiplier >= 1.0) {
             return Stage::Done(Verdict::Lost(Lost::Unstable));
         }
         Stage::Done(Verdict::Found(Found {

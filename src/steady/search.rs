@@ -163,6 +163,7 @@ impl One {
             last_step,
             most: MOST,
             near,
+            stable: true,
         };
         let modes = driven.kept.modes.len().min(MODES_MAX);
         Self { instance, start, remembers, search: Search::new(vector(&start, modes), options) }

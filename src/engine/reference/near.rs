@@ -59,6 +59,8 @@ pub fn solve_near(
             last_step: step,
             most: MOST,
             near: true,
+            // Of undamped modes that the stepped engine does not keep the multipliers are 1.
+            stable: false,
         },
     );
     while let Ask::Map(states) = search.ask() {
