@@ -1,31 +1,47 @@
-//! Modes: by a sample of instances with richer levers.
+//! Modes: by a sample of instances with poorer and richer levers.
 
 use super::steps::difference;
-use crate::engine::{Engine, EngineError, Progress};
+use crate::contact::Law;
+use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::Plan;
 use crate::steady;
 
 /// Most instances of the sample.
 const SAMPLE: usize = 64;
-/// Levers tried in turn, by the accuracy whose modes they carry relative to the one asked for, and the one
-/// that they are held against.
-const TRIED: [f64; 3] = [1.0, 0.5, 0.25];
+/// Levers from the poorest to the richest, by the accuracy whose modes they carry relative to the one asked for, and
+/// the one that they are held against. The poorer ones pay where there are many more instances than the sample has.
+const POORER: [f64; 3] = [1000.0, 100.0, 10.0];
+const RICHER: [f64; 3] = [1.0, 0.5, 0.25];
 const RICHEST: f64 = 0.1;
+const MANY: usize = 4 * SAMPLE;
+/// No lever is made for an accuracy worse than this: it would have no mode.
+const POOREST: f64 = 0.3;
 /// Share of the accuracy asked for that modes left out may cost.
 const SHARE: f64 = 0.7;
+/// Neighbours in the sample, on either side, whose largest difference stands for an instance's.
+const NEAR: usize = 2;
 
-/// The plan with the modes it needs.
+/// The plan with the modes that each instance needs.
 pub(super) struct Choice {
     pub plan: Plan,
-    /// What the modes left out cost each instance: the largest difference that they make to its neighbours in
-    /// the sample.
+    /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     /// What the engine had to say of the sample's runs.
     pub notes: Vec<String>,
 }
 
+/// One lever on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
+struct Trial {
+    accuracy: f64,
+    differences: Vec<f64>,
+}
+
 /// Tries levers on a sample of `stepped`, the plan's instances that need steps.
+///
+/// The harder a contact presses the lever, the more modes it moves: within a law the instances are put in the order
+/// of their contact's stiffness at the deepest indentation to expect. A lever is good for all instances below the
+/// first member of the sample that it fails.
 pub(super) fn choose(
     plan: &Plan,
     stepped: &[u32],
@@ -34,47 +50,116 @@ pub(super) fn choose(
 ) -> Result<Choice, EngineError> {
     let (mut left_out, mut notes) = (vec![0.0; plan.cases.len()], Vec::new());
     let accuracy = plan.run.accuracy;
-    let richest = |instances: &[u32]| plan.richer(instances, RICHEST * accuracy);
-    let same = |a: &Plan, b: &Plan| a.drives.iter().zip(&b.drives).all(|(a, b)| a.kept.modes == b.kept.modes);
-    if plan.run.modes.is_some() || same(plan, &richest(&[])) {
+    let modes =
+        |plan: &Plan| -> Vec<_> { plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect() };
+    let most = modes(&plan.richer(&[], RICHEST * accuracy));
+    if plan.run.modes.is_some() || modes(plan) == most {
         return Ok(Choice { plan: plan.clone(), left_out, notes });
     }
-    // In the classes' order neighbours are alike.
-    let classes = plan.classes.iter().filter(|class| class.steps > 0);
-    let order: Vec<u32> = classes.flat_map(|class| class.instances.clone()).collect();
-    let every = order.len().div_ceil(SAMPLE);
-    let sample: Vec<u32> = order.iter().copied().step_by(every).collect();
-    let mut run = |plan: &Plan| {
-        let outcome = steady::run(plan, &[], engine, progress)?.outcome;
-        notes.extend(outcome.notes);
-        Ok::<_, EngineError>(outcome.results)
+    let order = by_stiffness(plan, stepped);
+    let sample: Vec<u32> = order.iter().copied().step_by(order.len().div_ceil(SAMPLE)).collect();
+    let mut run = |accuracy: f64| {
+        let settled = steady::run(&plan.richer(&sample, accuracy), &[], engine, progress)?;
+        notes.extend(settled.outcome.notes);
+        Ok::<_, EngineError>(settled.outcome.results)
     };
-    let truths = run(&richest(&sample))?;
-    for factor in TRIED {
-        let candidate = |instances: &[u32]| match factor {
-            1.0 => plan.only(instances),
-            _ => plan.richer(instances, factor * accuracy),
-        };
-        let results = run(&candidate(&sample))?;
-        let differences: Vec<f64> = sample
-            .iter()
-            .map(|&i| {
-                let (a, b) = (&results[i as usize], &truths[i as usize]);
-                // What does not repeat has no difference to speak of.
-                let ok = a.status == Status::Ok && b.status == Status::Ok;
-                if ok { difference(plan, i as usize, a, b) } else { 0.0 }
-            })
-            .collect();
-        if differences.iter().all(|difference| *difference <= SHARE * accuracy) {
-            for (place, &i) in order.iter().enumerate() {
-                let at = place / every;
-                let near = [differences.get(at), differences.get(at + 1)];
-                left_out[i as usize] = near.into_iter().flatten().copied().fold(0.0, f64::max);
-            }
-            return Ok(Choice { plan: candidate(stepped), left_out, notes });
+    let truths = run(RICHEST * accuracy)?;
+    let poorer: &[f64] = if order.len() > MANY { &POORER } else { &[] };
+    let mut tried: Vec<Vec<_>> = vec![most];
+    let mut trials = Vec::new();
+    for factor in poorer.iter().chain(&RICHER) {
+        let accuracy = (factor * accuracy).min(POOREST);
+        let lever = modes(&plan.richer(&[], accuracy));
+        if tried.contains(&lever) {
+            continue;
+        }
+        tried.push(lever);
+        let results = run(accuracy)?;
+        let of = |i: &u32| apart(plan, *i, &results, &truths);
+        let differences: Vec<f64> = sample.iter().map(of).collect();
+        let enough = differences.iter().all(|difference| *difference <= SHARE * plan.run.accuracy);
+        trials.push(Trial { accuracy, differences });
+        if enough {
+            break;
         }
     }
-    // The next finer lever is some three times as good as its neighbour.
-    stepped.iter().for_each(|i| left_out[*i as usize] = RICHEST * accuracy);
-    Ok(Choice { plan: richest(stepped), left_out, notes })
+    let mut wanted: Vec<(u32, f64)> = Vec::with_capacity(order.len());
+    for (law, members) in laws(plan, &order) {
+        let known: Vec<usize> = (0..sample.len()).filter(|n| law_of(plan, sample[*n]) == law).collect();
+        let places: Vec<f64> = known.iter().map(|n| stiffness(plan, sample[*n])).collect();
+        let levers: Vec<Lever> =
+            trials.iter().map(|trial| Lever::new(trial, &known, SHARE * accuracy)).collect();
+        for &i in members {
+            let here = stiffness(plan, i);
+            let place = places.partition_point(|other| *other < here);
+            let (lever, cost) = levers
+                .iter()
+                .find_map(|lever| Some((lever.accuracy, lever.cost(place)?)))
+                // The richest one is some three times as good as what it was held against.
+                .unwrap_or((RICHEST * accuracy, RICHEST * accuracy));
+            wanted.push((i, lever));
+            left_out[i as usize] = cost;
+        }
+    }
+    Ok(Choice { plan: plan.levers(&wanted), left_out, notes })
+}
+
+/// What a lever costs the members of the sample under one law, softest contact first.
+struct Lever {
+    accuracy: f64,
+    differences: Vec<f64>,
+    /// So many of the first ones it does not fail.
+    good: usize,
+}
+
+impl Lever {
+    fn new(trial: &Trial, known: &[usize], bound: f64) -> Self {
+        let differences: Vec<f64> = known.iter().map(|n| trial.differences[*n]).collect();
+        let good = differences.iter().position(|one| *one > bound).unwrap_or(differences.len());
+        Self { accuracy: trial.accuracy, differences, good }
+    }
+
+    /// The largest difference that it makes near an instance with `place` softer members; none where it fails one of
+    /// those or of the next.
+    fn cost(&self, place: usize) -> Option<f64> {
+        let (from, to) = (place.saturating_sub(NEAR), (place + NEAR).min(self.differences.len()));
+        let near = self.differences.get(from.min(to.saturating_sub(1))..to)?;
+        let good = to <= self.good && !near.is_empty();
+        good.then(|| near.iter().copied().fold(0.0, f64::max))
+    }
+}
+
+/// The contact's stiffness at the deepest indentation to expect, N/m.
+fn stiffness(plan: &Plan, instance: u32) -> f64 {
+    let contact = &plan.cases[instance as usize].contact;
+    contact.stiffness(plan.expected_depth(instance as usize), true).abs()
+}
+
+fn law_of(plan: &Plan, instance: u32) -> Law {
+    plan.cases[instance as usize].contact.law
+}
+
+/// By law, then stiffness.
+fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
+    let mut keyed: Vec<(usize, f64, u32)> = stepped
+        .iter()
+        .map(|&i| {
+            let law = Law::ALL.iter().position(|law| *law == law_of(plan, i)).unwrap_or(0);
+            (law, stiffness(plan, i), i)
+        })
+        .collect();
+    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    keyed.into_iter().map(|(.., i)| i).collect()
+}
+
+/// The instances of each law, which stand together.
+fn laws<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = (Law, &'a [u32])> {
+    order.chunk_by(|a, b| law_of(plan, *a) == law_of(plan, *b)).map(|group| (law_of(plan, group[0]), group))
+}
+
+fn apart(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 {
+    let (a, b) = (&results[i as usize], &truths[i as usize]);
+    // What does not repeat has no difference to speak of.
+    let ok = a.status == Status::Ok && b.status == Status::Ok;
+    if ok { difference(plan, i as usize, a, b) } else { 0.0 }
 }

@@ -121,6 +121,63 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// The same plan for these instances alone, each with the modes that its own accuracy would ask for: as many
+    /// more steps as richer modes need, as many fewer as the rule gives for poorer ones.
+    pub fn levers(&self, wanted: &[(u32, f64)]) -> Self {
+        let run = &self.run;
+        let mut made: HashMap<(u32, u64), u32> = HashMap::new();
+        // By drive of this plan, those of the new one.
+        let mut variants: HashMap<u32, Vec<u32>> = HashMap::new();
+        let mut plan = Self { drives: Vec::new(), ..self.clone() };
+        let mut drive_of = |drive: u32, accuracy: Option<f64>, drives: &mut Vec<Driven>| {
+            *made.entry((drive, accuracy.map_or(u64::MAX, f64::to_bits))).or_insert_with(|| {
+                let mut driven = self.drives[drive as usize].clone();
+                if let Some(accuracy) = accuracy {
+                    let (instrument, omega) = (&driven.instrument, driven.free.omega);
+                    let most = steps_for_modes(instrument, driven.frequency(), run.steps_per_period);
+                    driven.kept = Arc::new(KeptModes::choose(instrument, omega, accuracy, run.modes, most));
+                }
+                // The same lever by another accuracy.
+                let known = variants.entry(drive).or_default();
+                let same = |n: &&u32| drives[**n as usize].kept.modes == driven.kept.modes;
+                if let Some(found) = known.iter().find(same) {
+                    return *found;
+                }
+                drives.push(driven);
+                known.push(drives.len() as u32 - 1);
+                drives.len() as u32 - 1
+            })
+        };
+        for &(i, accuracy) in wanted {
+            let case = &mut plan.cases[i as usize];
+            case.drive = drive_of(case.drive, Some(accuracy), &mut plan.drives);
+            let driven = &plan.drives[case.drive as usize];
+            if run.steps_per_period.is_none() && case.steps > 0 {
+                case.steps = match accuracy > run.accuracy {
+                    true => case.steps.min(steps_of(case, driven, run)),
+                    false => case.steps.max(steps::fewest(case.contact.law, driven, run)),
+                };
+            }
+        }
+        let chosen: std::collections::HashSet<u32> = wanted.iter().map(|(i, _)| *i).collect();
+        for i in 0..plan.cases.len() as u32 {
+            if !chosen.contains(&i) {
+                let case = &mut plan.cases[i as usize];
+                case.drive = drive_of(case.drive, None, &mut plan.drives);
+            }
+        }
+        plan.classes = classify(&plan.cases, &plan.drives, wanted.iter().map(|(i, _)| *i));
+        plan
+    }
+}
+
+/// The rule's steps for a case and its lever.
+fn steps_of(case: &CasePlan, driven: &Driven, run: &Run) -> u32 {
+    let (omega, amplitude) = (driven.free.omega, driven.free.tip.norm());
+    steps::steps(&case.contact, &driven.kept, omega, amplitude, case.gap, run.accuracy)
+}
+
 /// Most steps per period that a mode kept may need.
 fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
     match asked {
