@@ -210,7 +210,7 @@ fn searched(run: &Controlled, others: &[Other], voice: Voice) {
     ));
     if run.plan.run.both_branches {
         voice.say(format_args!(
-            "branches: {} have a second periodic state (group other_branch)",
+            "branches: {} with a second periodic state (group other_branch)",
             instances(others.len())
         ));
     }

@@ -45,7 +45,7 @@ pub fn audit(
     // Far below what is to be seen, and several times faster than the reference's own.
     let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
     let reference = Reference { tolerance, ..Reference::default() };
-    let truths = truth::truths(plan, &chosen, found, &reference, progress)?;
+    let truths = truth::truths(plan, false, &chosen, found, &reference, progress)?;
     let one = |(instance, truth): (u32, Finished)| {
         let ours = &outcome.results[instance as usize];
         let scales = Scales::of(plan, instance as usize, &truth.measured);

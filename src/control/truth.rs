@@ -2,6 +2,7 @@
 
 use super::Controlled;
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, solve_near};
+use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Precision, Station};
 use crate::scene::{Start, Steady};
 use crate::steady::{self, PeriodicState, Settled};
@@ -27,7 +28,7 @@ pub fn by_reference(
     };
     let stepped: Vec<u32> = (0..count as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
     if search && !progress.stopped() {
-        let truths = truths(plan, &stepped, &found, reference, progress)?;
+        let truths = truths(plan, true, &stepped, &found, reference, progress)?;
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
     }
     let unknown = vec![f64::NAN; count];
@@ -68,10 +69,11 @@ fn stations(
     Ok(instances.iter().map(|i| known(*i).or_else(|| end(*i))).collect())
 }
 
-/// The reference's results of these instances: their periodic states next to where the stepped engine was, and
-/// whole runs where that has none.
+/// The reference's results of these instances: their periodic states next to where the stepped engine was; where that
+/// has none, a whole run if it is to `wait`, and else the word that it is not steady. Runs from rest are whole ones.
 pub(super) fn truths(
     plan: &Plan,
+    wait: bool,
     instances: &[u32],
     found: &[Option<Box<PeriodicState>>],
     reference: &Reference,
@@ -86,11 +88,19 @@ pub(super) fn truths(
             None => Ok(None),
         })
         .collect::<Result<_, _>>()?;
-    let left: Vec<u32> =
-        instances.iter().zip(&near).filter(|(_, near)| near.is_none()).map(|(i, _)| *i).collect();
+    let none = || instances.iter().zip(&near).filter(|(_, near)| near.is_none()).map(|(i, _)| *i);
+    let left: Vec<u32> = if wait || plan.run.start == Start::Rest { none().collect() } else { Vec::new() };
+    let lost = match progress.stopped() {
+        true => Finished::NOT_RUN,
+        false => Finished { measured: Measured::NONE, status: Status::NotSteady },
+    };
     let whole = match left.is_empty() {
         true => Vec::new(),
         false => reference.run(&plan.only(&left), progress)?.results,
     };
-    Ok(instances.iter().zip(near).map(|(i, near)| near.unwrap_or_else(|| whole[*i as usize])).collect())
+    Ok(instances
+        .iter()
+        .zip(near)
+        .map(|(i, near)| near.unwrap_or_else(|| whole.get(*i as usize).copied().unwrap_or(lost)))
+        .collect())
 }

@@ -218,8 +218,8 @@ impl Search {
         let near = self.options.tolerance * self.options.scale;
         if newton.norm() <= near {
             self.state += newton;
-            let clear = || !self.options.stable || largest_multiplier(&self.slope) < CLEARLY;
-            let sure = self.options.near && self.fresh && clear();
+            let clear = || self.fresh && largest_multiplier(&self.slope) < CLEARLY;
+            let sure = self.options.near && (!self.options.stable || clear());
             return if sure { self.found() } else { Stage::Last };
         }
         let step = if self.time >= NEWTON { Some(newton) } else { self.step(self.time) };

@@ -20,7 +20,9 @@ const TIGHT: f64 = 1e-11;
 /// Differences, in units of the free amplitude, for the slope: as the steps allow, and for jumping contacts.
 const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
-/// Most evaluations of the map, and periods measured at the end.
+/// Periods in which the modes that the stepped engine does not keep begin to move, most evaluations of the map, and
+/// periods measured at the end.
+const WARM: u32 = 8;
 const MOST: u32 = 200;
 const MEASURED: u32 = 4;
 
@@ -42,15 +44,21 @@ pub fn solve_near(
     if system.modes() == 0 {
         return Err(EngineError::NoModes);
     }
-    let start = unknowns(&system, case, driven, station);
+    let (all, slow) = unknowns(&system, case, driven, station);
     system.touching = station.touching;
     let remembers = case.contact.law == Law::Jkr;
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { ROUGH } else { SMOOTH };
-    let mut map =
-        Map { walk: Walk::new(system, options.tolerance.min(TIGHT)), remembers, touching: station.touching };
+    let walk = Walk::new(system, options.tolerance.min(TIGHT));
+    let mut map = Map { walk, remembers, touching: station.touching, slow, before: all.clone(), after: all };
+    for _ in 0..WARM {
+        let here = map.slow_part(&map.after);
+        if progress.stopped() || map.go_on(&here).is_none() {
+            return Ok(None);
+        }
+    }
     let mut search = Search::new(
-        start,
+        map.slow_part(&map.after),
         Options {
             scale,
             tolerance: NEAR * accuracy,
@@ -67,22 +75,32 @@ pub fn solve_near(
         if progress.stopped() {
             return Ok(None);
         }
-        let values: Vec<_> = states.iter().map(|state| map.at(state)).collect();
+        let values: Vec<_> = match states.as_slice() {
+            [state] => vec![map.go_on(state)],
+            many => many.iter().map(|state| map.aside(state)).collect(),
+        };
         search.answer(&values);
     }
     let Some(Verdict::Found(found)) = search.verdict() else { return Ok(None) };
-    map.begin(&found.state);
+    map.begin(&map.with_slow(&map.after, &found.state));
     // The first period's predecessor is not known, the second one's is not looked at.
     let run = Run { periods: MEASURED + 2, measure: MEASURED, start: Start::Steady, ..plan.run.clone() };
     let case = CasePlan { least_change: Some(found.least_change), ..*case };
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
 
-/// The station's modes as unknowns at the period's very start: half a step earlier.
-fn unknowns(system: &System, case: &CasePlan, driven: &Driven, station: &Station) -> DVector<f64> {
+/// The station's modes as unknowns at the period's very start, half a step earlier, and which of all unknowns they
+/// are.
+fn unknowns(
+    system: &System,
+    case: &CasePlan,
+    driven: &Driven,
+    station: &Station,
+) -> (DVector<f64>, Vec<usize>) {
     let modes = system.modes();
     let half = PI / (driven.free.omega * f64::from(case.steps));
     let mut state = DVector::zeros(2 * modes);
+    let mut slow = Vec::new();
     for (place, index) in system.indices.iter().enumerate() {
         let Some(k) = driven.kept.modes.iter().position(|mode| mode.index == *index) else { continue };
         let (omega, damping) = system.oscillator(place);
@@ -90,19 +108,36 @@ fn unknowns(system: &System, case: &CasePlan, driven: &Driven, station: &Station
         let (x, u) = (station.x[k], station.u[k]);
         state[place] = x + m00 * x + m01 * u;
         state[modes + place] = (u + m10 * x + m11 * u) * omega / driven.free.omega;
+        slow.extend([place, modes + place]);
     }
-    state
+    (state, slow)
 }
 
-/// One period of the reference.
+/// One period of the reference, as a map of the modes that the stepped engine keeps. The others, faster and of small
+/// share, are carried along.
 struct Map {
     walk: Walk,
     /// Whether contact is a memory of the past, and what it is at a period's start.
     remembers: bool,
     touching: bool,
+    /// The kept modes among the unknowns.
+    slow: Vec<usize>,
+    /// All unknowns at the start of the last period that went on, and at its end.
+    before: DVector<f64>,
+    after: DVector<f64>,
 }
 
 impl Map {
+    fn slow_part(&self, all: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.slow.len(), self.slow.iter().map(|place| all[*place]))
+    }
+
+    fn with_slow(&self, all: &DVector<f64>, slow: &DVector<f64>) -> DVector<f64> {
+        let mut state = all.clone();
+        self.slow.iter().zip(slow.iter()).for_each(|(place, value)| state[*place] = *value);
+        state
+    }
+
     fn begin(&mut self, state: &DVector<f64>) {
         let size = state.len();
         self.walk.y[..size].copy_from_slice(state.as_slice());
@@ -111,10 +146,24 @@ impl Map {
         system.touching = if self.remembers { self.touching } else { system.force.touching_at(delta) };
     }
 
-    fn at(&mut self, state: &DVector<f64>) -> Option<DVector<f64>> {
+    /// Where all unknowns are a period later.
+    fn period(&mut self, state: &DVector<f64>) -> Option<DVector<f64>> {
         self.begin(state);
         let finite = self.walk.period(0, None);
         let same = !self.remembers || self.walk.system.touching == self.touching;
         (finite && same).then(|| DVector::from_column_slice(&self.walk.y[..state.len()]))
+    }
+
+    /// From these kept modes, the others going on from the last period.
+    fn go_on(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
+        self.before = self.with_slow(&self.after, slow);
+        self.after = self.period(&self.before.clone())?;
+        Some(self.slow_part(&self.after))
+    }
+
+    /// From these kept modes, the others as they began in the last period: for differences.
+    fn aside(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
+        let end = self.period(&self.with_slow(&self.before, slow))?;
+        Some(self.slow_part(&end))
     }
 }

@@ -1,0 +1,65 @@
+//! A searched run as a user calls it, and what it leaves in the file.
+//! Truth: what waiting ends in, from two starts.
+
+mod program;
+
+use afmsweep::store::{Results, read};
+use program::{Desk, variable};
+
+/// The tapping point of tests/hard/branch_repulsive.toml with other lines under [run].
+fn point(desk: &Desk, name: &str, run: &str) -> std::path::PathBuf {
+    let text = std::fs::read_to_string("tests/hard/branch_repulsive.toml").unwrap();
+    let (text, _) = text.split_once("[run]").unwrap();
+    let output = "[output]\nobservables = [\"amplitude\", \"phase\", \"force_max\", \"force_mean\"]\n\
+                  waveforms = { instances = [0], samples_per_period = 256, periods = 2 }";
+    desk.write(name, &format!("{text}\n[run]\nmeasure = 10\n{run}\n{output}\n"))
+}
+
+fn amplitude(results: &Results) -> f64 {
+    variable(results, "amplitude")[0]
+}
+
+#[test]
+fn a_searched_file_has_both_branches_of_a_point() {
+    let desk = Desk::new();
+    let searched = desk
+        .run(&point(&desk, "search.toml", "steady = \"search\"\nbranches = \"both\"\nperiods = 3000"), &[]);
+    let high = desk.run(&point(&desk, "free.toml", "periods = 2000"), &[]);
+    let low = desk.run(&point(&desk, "rest.toml", "start = \"rest\"\nperiods = 2000"), &[]);
+    let scale = 5e-9;
+    assert!((amplitude(&searched) - amplitude(&high)).abs() < 1e-3 * scale, "{:e}", amplitude(&searched));
+    let branch = searched.flags.iter().find(|flags| flags.name == "branch").unwrap();
+    assert_eq!(branch.meanings, ["none", "attractive", "repulsive"]);
+    assert!(variable(&searched, "multiplier")[0] < 1.0);
+    assert!(variable(&searched, "periods_stepped")[0] < 1000.0);
+    let other = searched.other_branch.as_ref().expect("a second state");
+    assert_eq!(other.instances, [0]);
+    let of = |name: &str| other.variables.iter().find(|one| one.name == name).unwrap().data[0];
+    assert!(
+        (of("amplitude") - amplitude(&low)).abs() < 2e-3 * scale,
+        "{:e} {:e}",
+        of("amplitude"),
+        amplitude(&low)
+    );
+    assert!((amplitude(&high) - amplitude(&low)).abs() > 0.01 * scale);
+    // One is pulled, the other pushed.
+    assert_eq!(u8::from(of("force_mean") < 0.0) + 2 * u8::from(of("force_mean") > 0.0), of("branch") as u8);
+    assert_ne!(branch.data[0], of("branch") as u8);
+    // The waveform is the state's own: its fundamental is the amplitude.
+    let waveforms = searched.waveforms.as_ref().unwrap();
+    let row = &waveforms.tip_travel[0];
+    let angle = |n: usize| std::f64::consts::TAU * n as f64 / 256.0;
+    let sum = |wave: fn(f64) -> f64| row.iter().enumerate().map(|(n, z)| z * wave(angle(n))).sum::<f64>();
+    let fundamental = 2.0 / row.len() as f64 * sum(f64::sin).hypot(sum(f64::cos));
+    assert!((fundamental - amplitude(&searched)).abs() < 1e-3 * scale, "{fundamental:e}");
+}
+
+#[test]
+fn a_search_says_what_it_found() {
+    let desk = Desk::new();
+    let scene = point(&desk, "said.toml", "steady = \"search\"\nbranches = \"both\"\nperiods = 3000");
+    let words = desk.works(&["run", scene.to_str().unwrap(), "--no-audit", "-o", "said.h5"]).err;
+    assert!(words.contains("search: periodic states of 1 of 1 instance"), "{words}");
+    assert!(words.contains("branches: 1 instance with a second periodic state"), "{words}");
+    let _ = read(&desk.path("said.h5")).unwrap();
+}
