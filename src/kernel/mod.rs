@@ -18,16 +18,22 @@ pub mod contact;
 mod flow;
 mod lane;
 mod ledger;
+mod pair;
 mod shader;
 mod step;
 mod tally;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use flow::{Flow, FlowMode, increments};
-pub use lane::{Lane, Pack, Pack32, Pack64};
+pub use lane::{Instructions, Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
+pub use pair::Pair;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
 pub use step::{Case, Decay, Free, Sample, State, Wave, period};
 pub use tally::Tally;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x86::{Ymm32, Ymm64, Zmm32, Zmm64};
 
 /// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
 pub const LENGTH: f64 = 1e-9;

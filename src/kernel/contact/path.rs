@@ -1,7 +1,13 @@
 //! A straight piece of the tip's path, from half a step before a sample to half a step after it.
 
 use super::{Approach, Lane};
-use crate::kernel::constants::{HALF, ONE, TWENTY_FOURTH, ZERO};
+use crate::kernel::constants::{HALF, ONE, TWELFTH, TWENTY_FOURTH, ZERO};
+
+/// The mean force with the commutator of kick and flow, of second order (ARCHITECTURE.md).
+#[inline(always)]
+pub fn corrected<L: Lane>(force: L, slope: L) -> L {
+    (-(force * slope)).mul_add(L::splat(TWELFTH), force)
+}
 
 /// Indentation at the two ends, in order of time.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +23,7 @@ impl<L: Lane> Path<L> {
     #[inline(always)]
     pub fn around(at: Approach<L>, impulse: L) -> Self {
         let half = L::splat(HALF);
-        let reach = half * (at.speed - half * impulse);
+        let reach = half * (-half).mul_add(impulse, at.speed);
         let centre = at.acceleration.mul_add(L::splat(TWENTY_FOURTH), at.indentation);
         Self { start: centre - reach, end: centre + reach }
     }
