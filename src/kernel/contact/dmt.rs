@@ -16,18 +16,10 @@ pub struct Dmt<L> {
 }
 
 impl<L: Lane> Dmt<L> {
-    /// Distance from the surface in decay lengths; 0 in contact.
+    /// One and the distance from the surface in decay lengths; 1 in contact.
     #[inline(always)]
-    fn distance(&self, indentation: L) -> L {
-        (-indentation).max(L::splat(ZERO)) * self.inverse_decay
-    }
-
-    /// Mean attraction along a piece of path outside: 1/((1 + x1)(1 + x2)).
-    #[inline(always)]
-    fn outside(&self, path: Path<L>) -> L {
-        let one = L::splat(ONE);
-        let product = (one + self.distance(path.start)) * (one + self.distance(path.end));
-        one / product
+    fn stretch(&self, indentation: L) -> L {
+        (-indentation).max(L::splat(ZERO)).mul_add(self.inverse_decay, L::splat(ONE))
     }
 }
 
@@ -45,23 +37,23 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
         let (zero, one, two) = (L::splat(ZERO), L::splat(ONE), L::splat(TWO));
-        let y = one / (one + self.distance(at.indentation));
+        let y = one / self.stretch(at.indentation);
         let mut sample = -(self.adhesion * y * y);
         if L::any(zero.less(at.indentation)) {
             sample = (-(self.adhesion * y)).mul_add(y, self.hertz.sample(at.indentation));
         }
         let path = Path::around(at, sample);
-        let outside = self.outside(path);
+        // Mean attraction along a piece of path: 1/((1 + x1)(1 + x2)) outside, 1 inside, by shares.
+        let outside = one / (self.stretch(path.start) * self.stretch(path.end));
+        // Slope of the attraction outside, relative to it: -2/(D0 + distance); in contact none.
+        let fall = two * self.inverse_decay * y;
         if !L::any(L::either(zero.less(path.start), zero.less(path.end))) {
             let pull = self.adhesion * outside;
-            let slope = -(two * pull * self.inverse_decay * y);
-            return Kick { impulse: corrected(-pull, slope), contact: zero, touching: zero };
+            return Kick { impulse: corrected(-pull, -(pull * fall)), contact: zero, touching: zero };
         }
         let mean = self.hertz.mean(path);
-        // Inside it is 1, by shares.
         let pull = self.adhesion * mean.share.mul_add(one - outside, outside);
-        // Slope of the attraction outside: -2 pull/(D0 + distance), in contact none.
-        let slope = mean.slope - two * pull * self.inverse_decay * y * (one - mean.share);
+        let slope = mean.slope - pull * fall * (one - mean.share);
         let impulse = corrected(mean.force - pull, slope);
         Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
     }

@@ -58,8 +58,7 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
         }
         let path = Path::around(at, self.sample(at.indentation));
         let mean = self.mean(path);
-        let impulse = corrected(mean.force, mean.slope);
-        Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
+        Kick { impulse: corrected(mean.force, mean.slope), contact: mean.share, touching: self.touching_at(path.end) }
     }
 
     #[inline(always)]
