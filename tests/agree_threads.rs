@@ -50,7 +50,10 @@ measure = 5
 }
 
 fn run(plan: &Plan, threads: usize) -> Vec<Finished> {
-    Cpu { threads: Some(threads) }.run(plan, &Progress::default()).expect("the plan can be run").results
+    Cpu { threads: Some(threads), ..Cpu::default() }
+        .run(plan, &Progress::default())
+        .expect("the plan can be run")
+        .results
 }
 
 /// Every number's bits, and the status.

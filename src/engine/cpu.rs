@@ -1,5 +1,6 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
+use super::lanes::{self, Family, Rounding, Stepping};
 use super::law::KernelLaw;
 use super::measure::{Sums, finish, finish_free};
 use super::saved::Saved;
@@ -9,8 +10,8 @@ use super::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::contact::Law;
 use crate::instrument::Place;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
-use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Pack32, Pack64, Wave};
-use crate::plan::{Class, Driven, Plan, Precision};
+use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Wave};
+use crate::plan::{Class, Driven, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -18,6 +19,10 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpu {
     pub threads: Option<usize>,
+    /// Rounds every product and every sum, as the shader does on a driver that is told to: the same bits on
+    /// any processor, at a third of the speed or less. Otherwise sums of products round once where the
+    /// processor can; the bits are then the same for all its instruction sets that fuse.
+    pub strict: bool,
 }
 
 /// Steps between two looks at the progress; samples of decaying free motion tabulated at a time.
@@ -39,24 +44,22 @@ impl Engine for Cpu {
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+        let rounding = Rounding::new(self.strict);
         match self.threads {
-            None => run(plan, progress),
+            None => run(plan, rounding, progress),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .map_err(|error| EngineError::Threads(error.to_string()))?
-                .install(|| run(plan, progress)),
+                .install(|| run(plan, rounding, progress)),
         }
     }
 }
 
-fn run(plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+fn run(plan: &Plan, rounding: Rounding, progress: &Progress) -> Result<Outcome, EngineError> {
     let mut results = vec![Finished::NOT_RUN; plan.cases.len()];
     for class in &plan.classes {
-        let finished = match plan.precision {
-            Precision::F32 => class_in::<Pack32>(plan, class, None, progress)?,
-            Precision::F64 => class_in::<Pack64>(plan, class, None, progress)?,
-        };
+        let finished = resume(plan, class, None, rounding, progress)?;
         for (instance, result) in class.instances.iter().zip(finished) {
             results[*instance as usize] = result;
         }
@@ -72,17 +75,15 @@ pub(super) struct Resume<'a> {
     pub done: u32,
 }
 
-/// Finishes a class that another engine began.
+/// Runs a class, or finishes one that another engine began. Results in the order of the class' instances.
 pub(super) fn resume(
     plan: &Plan,
     class: &Class,
     from: Option<Resume>,
+    rounding: Rounding,
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
-    match plan.precision {
-        Precision::F32 => class_in::<Pack32>(plan, class, from, progress),
-        Precision::F64 => class_in::<Pack64>(plan, class, from, progress),
-    }
+    lanes::with(plan.precision, rounding, ClassRun { plan, class, from, progress })
 }
 
 /// Results of instances that never reach the sample.
@@ -90,31 +91,44 @@ pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Finished> {
     class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants)).collect()
 }
 
-/// Results in the order of the class' instances.
-fn class_in<L: Lane>(
-    plan: &Plan,
-    class: &Class,
-    from: Option<Resume>,
-    progress: &Progress,
-) -> Result<Vec<Finished>, EngineError> {
-    if class.steps == 0 {
-        return Ok(free_class(plan, class));
-    }
-    // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
-    macro_rules! modes {
-        ($law:ty, $($count:literal)+) => {
-            match class.modes {
-                0 => Err(EngineError::NoModes),
-                $(..=$count => Ok(instances::<L, $law, $count>(plan, class, from, progress)),)+
-                modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
-            }
-        };
-    }
-    match class.law {
-        Law::None => modes!(Nothing, 8),
-        Law::Hertz => modes!(Hertz<L>, 1 2 3 4 6 8),
-        Law::Dmt => modes!(Dmt<L>, 1 2 3 4 6 8),
-        Law::Jkr => modes!(Jkr<L>, 1 2 3 4 6 8),
+struct ClassRun<'a> {
+    plan: &'a Plan,
+    class: &'a Class,
+    from: Option<Resume<'a>>,
+    progress: &'a Progress,
+}
+
+impl Stepping for ClassRun<'_> {
+    type Output = Result<Vec<Finished>, EngineError>;
+
+    fn with<F: Family>(self) -> Self::Output {
+        let Self { plan, class, from, progress } = self;
+        if class.steps == 0 {
+            return Ok(free_class(plan, class));
+        }
+        // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
+        macro_rules! law {
+            (Nothing, $lane:ty) => { Nothing };
+            ($law:ident, $lane:ty) => { $law<$lane> };
+        }
+        macro_rules! modes {
+            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
+                match class.modes {
+                    0 => Err(EngineError::NoModes),
+                    $(..=$two => Ok(instances::<F::Wide, law!($law, F::Wide), $two>(plan, class, from, progress)),)*
+                    $(..=$one => Ok(instances::<F::Narrow, law!($law, F::Narrow), $one>(plan, class, from, progress)),)*
+                    modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
+                }
+            };
+        }
+        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
+        // quotients that wait for each other; the others have more to gain from leaving the law out.
+        match class.law {
+            Law::None => modes!(Nothing: wide, narrow 8),
+            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
+            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
+            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
+        }
     }
 }
 

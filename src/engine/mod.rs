@@ -3,6 +3,7 @@
 mod cpu;
 mod estimate;
 pub mod gpu;
+mod lanes;
 mod law;
 mod measure;
 mod reference;

@@ -240,9 +240,7 @@ mod tests {
                 let held = (x + 0.5 * kx + 1.0 / 24.0) * angle * angle;
                 let bound = 0.1 * damping * damping * angle.powi(4) + 1e-12;
                 assert!((held - 1.0).abs() < bound, "{damping}, {angle}: off by {:e}", held - 1.0);
-                let speed = flow.kick_paid + flow.rate[0] * u
-                    - flow.work_x[0] * x
-                    - flow.work_u[0] * u;
+                let speed = flow.kick_paid + flow.rate[0] * u - flow.work_x[0] * x - flow.work_u[0] * u;
                 assert!(speed.abs() < 1e-11, "{damping}, {angle}: {speed:e}");
             }
         }

@@ -1,6 +1,6 @@
 //! One step, and one drive period of steps.
 
-use super::constants::{HALF, TWENTY_FOURTH, ZERO};
+use super::constants::{TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
 use super::{Flow, Instructions, Lane, Tally};
 use crate::observe::Wants;
@@ -147,23 +147,26 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     }
 }
 
-/// Steps through one drive period: `waves[n]` for the steps of harmonic n + 1, `decay` for the
-/// same steps where the run started from rest.
-pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
+/// Steps a lane through one drive period and hands each sample to `see`, with the state before its kick:
+/// `waves` for the steps, `decay` for the same steps where the run started from rest.
+///
+/// The steps are compiled for the lane's instructions; `see` ought to be inlined into them.
+pub fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
-    waves: &[Vec<Wave<L::Element>>],
+    waves: &[Wave<L::Element>],
     decay: Option<&[Decay<L::Element>]>,
-    wants: Wants,
-    tally: &mut Tally<L>,
+    energy: bool,
+    see: impl FnMut(usize, &State<L, M>, &Sample<L>),
 ) {
     match L::INSTRUCTIONS {
         // SAFETY: such lanes are only made where the processor has the instructions.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 => unsafe { avx512(case, state, waves, decay, wants, tally) },
+        Instructions::Avx512 => unsafe { avx512(case, state, waves, decay, energy, see) },
+        // SAFETY: likewise.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 => unsafe { avx2(case, state, waves, decay, wants, tally) },
-        _ => steps(case, state, waves, decay, wants, tally),
+        Instructions::Avx2 => unsafe { avx2(case, state, waves, decay, energy, see) },
+        _ => steps(case, state, waves, decay, energy, see),
     }
 }
 
@@ -172,12 +175,12 @@ pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
 fn avx512<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
-    waves: &[Vec<Wave<L::Element>>],
+    waves: &[Wave<L::Element>],
     decay: Option<&[Decay<L::Element>]>,
-    wants: Wants,
-    tally: &mut Tally<L>,
+    energy: bool,
+    see: impl FnMut(usize, &State<L, M>, &Sample<L>),
 ) {
-    steps(case, state, waves, decay, wants, tally);
+    steps(case, state, waves, decay, energy, see);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -185,16 +188,38 @@ fn avx512<L: Lane, I: Interaction<L>, const M: usize>(
 fn avx2<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
-    waves: &[Vec<Wave<L::Element>>],
+    waves: &[Wave<L::Element>],
     decay: Option<&[Decay<L::Element>]>,
-    wants: Wants,
-    tally: &mut Tally<L>,
+    energy: bool,
+    see: impl FnMut(usize, &State<L, M>, &Sample<L>),
 ) {
-    steps(case, state, waves, decay, wants, tally);
+    steps(case, state, waves, decay, energy, see);
 }
 
 #[inline(always)]
 fn steps<L: Lane, I: Interaction<L>, const M: usize>(
+    case: &Case<L, I, M>,
+    state: &mut State<L, M>,
+    waves: &[Wave<L::Element>],
+    decay: Option<&[Decay<L::Element>]>,
+    energy: bool,
+    mut see: impl FnMut(usize, &State<L, M>, &Sample<L>),
+) {
+    // Something aligned that must be in memory: the compiler then aligns the whole stack, and what it keeps
+    // there of registers does not straddle lines of the cache.
+    std::hint::black_box(&L::splat(ZERO));
+    // A copy, which the compiler can keep in registers.
+    let mut here = *state;
+    for (index, wave) in waves.iter().enumerate() {
+        let before = here;
+        let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), energy);
+        see(index, &before, &sample);
+    }
+    *state = here;
+}
+
+/// One drive period into `tally`, which holds the sums; `waves[n]` is of harmonic n + 1.
+pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
     waves: &[Vec<Wave<L::Element>>],
@@ -202,14 +227,15 @@ fn steps<L: Lane, I: Interaction<L>, const M: usize>(
     wants: Wants,
     tally: &mut Tally<L>,
 ) {
-    // Something aligned that must be in memory: the compiler then aligns the whole stack, and what it keeps
-    // there of registers does not straddle lines of the cache.
-    std::hint::black_box(&L::splat(ZERO));
-    // Copies, which the compiler can keep in registers.
-    let (mut here, mut sums) = (*state, *tally);
-    for (index, wave) in waves[0].iter().enumerate() {
-        let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), wants.energy);
-        sums.add(&sample, waves, index, wants);
-    }
-    (*state, *tally) = (here, sums);
+    let mut sums = *tally;
+    each_step(
+        case,
+        state,
+        &waves[0],
+        decay,
+        wants.energy,
+        #[inline(always)]
+        |index, _, sample| sums.add(sample, waves, index, wants),
+    );
+    *tally = sums;
 }

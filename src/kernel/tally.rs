@@ -1,6 +1,6 @@
 //! Sums and extremes over the steps of a period, from which the observables follow.
 
-use super::{Lane};
+use super::Lane;
 use super::constants::{EIGHT, FAR, ONE, ZERO};
 use super::step::{Sample, Wave};
 use crate::observe::{HARMONICS, Wants};

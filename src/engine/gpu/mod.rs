@@ -11,6 +11,7 @@ pub use adapter::{AdapterReport, adapters};
 pub use chunk::Job;
 
 use super::cpu::{self, Resume};
+use super::lanes::Rounding;
 use super::measure::{Sums, finish};
 use super::saved::Saved;
 use super::track::member;
@@ -196,7 +197,7 @@ impl Gpu {
         opened.notes.push(format!("going on from period {from} on the CPU"));
         let rest = Class { instances: tables.instances, ..class.clone() };
         let resume = checkpoint.as_ref().map(|at| Resume { saved: &at.saved, done: at.done });
-        cpu::resume(plan, &rest, resume, progress)
+        cpu::resume(plan, &rest, resume, Rounding::new(self.strict), progress)
     }
 }
 

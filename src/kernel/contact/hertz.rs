@@ -58,7 +58,11 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
         }
         let path = Path::around(at, self.sample(at.indentation));
         let mean = self.mean(path);
-        Kick { impulse: corrected(mean.force, mean.slope), contact: mean.share, touching: self.touching_at(path.end) }
+        Kick {
+            impulse: corrected(mean.force, mean.slope),
+            contact: mean.share,
+            touching: self.touching_at(path.end),
+        }
     }
 
     #[inline(always)]

@@ -8,8 +8,8 @@ use super::{Approach, Interaction, Kick, Lane, LawShader};
 use crate::kernel::constants::{
     FIVE, FOUR, JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5, JKR_ROOT_A,
     JKR_ROOT_B, JKR_ROOT_SIX, JKR_STEEPEST, JKR_TINY, JKR_TOUCH, JKR_WORK_0, JKR_WORK_1, JKR_WORK_2,
-    JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7, JKR_WORK_8, LEAST, ONE, SIX, THREE,
-    TWO, ZERO,
+    JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7, JKR_WORK_8, LEAST, ONE, SIX, THREE, TWO,
+    ZERO,
 };
 
 /// `unit_force` is pi w R as impulse per step; `inverse_unit` R/a_s^2 per unit of length.
