@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "aarch64")]
 use crate::kernel::Pack;
-use crate::kernel::{Instructions, Lane, Pack32, Pack64};
+use crate::kernel::{Lane, Pack32, Pack64};
 #[cfg(target_arch = "x86_64")]
 use crate::kernel::{Pair, Ymm32, Ymm64, Zmm32, Zmm64};
 use crate::plan::Precision;
@@ -26,6 +26,20 @@ pub(super) trait Stepping {
     fn with<F: Family>(self) -> Self::Output;
 }
 
+/// Instructions that the kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Instructions {
+    /// What each 64-bit ARM has.
+    #[cfg(target_arch = "aarch64")]
+    Neon,
+    /// AVX2 and FMA of x86-64.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// And AVX-512 F, DQ and VL.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
 /// How the CPU engine may compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rounding {
@@ -43,7 +57,11 @@ impl Rounding {
 
     /// The same bits by fewer lanes, for one instance alone.
     pub fn least(self) -> Self {
-        if self == Self::Fused(Instructions::Avx512) { Self::Fused(Instructions::Avx2) } else { self }
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Fused(Instructions::Avx512) => Self::Fused(Instructions::Avx2),
+            other => other,
+        }
     }
 }
 
@@ -56,9 +74,14 @@ fn fused() -> Option<Instructions> {
     narrow.then_some(if wide { Instructions::Avx512 } else { Instructions::Avx2 })
 }
 
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(target_arch = "aarch64")]
 fn fused() -> Option<Instructions> {
-    cfg!(target_arch = "aarch64").then_some(Instructions::Base)
+    Some(Instructions::Neon)
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn fused() -> Option<Instructions> {
+    None
 }
 
 /// Does it with the lanes for this precision.
@@ -73,10 +96,88 @@ pub(super) fn with<S: Stepping>(precision: Precision, rounding: Rounding, what: 
         #[cfg(target_arch = "x86_64")]
         (Precision::F64, Rounding::Fused(Instructions::Avx2)) => what.with::<(Pair<Ymm64>, Pair<Ymm64>)>(),
         #[cfg(target_arch = "aarch64")]
-        (Precision::F32, Rounding::Fused(_)) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
+        (Precision::F32, Rounding::Fused(Instructions::Neon)) => {
+            what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>()
+        }
         #[cfg(target_arch = "aarch64")]
-        (Precision::F64, Rounding::Fused(_)) => what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>(),
-        (Precision::F32, _) => what.with::<(Pack32, Pack32)>(),
-        (Precision::F64, _) => what.with::<(Pack64, Pack64)>(),
+        (Precision::F64, Rounding::Fused(Instructions::Neon)) => {
+            what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>()
+        }
+        (Precision::F32, Rounding::Strict) => what.with::<(Pack32, Pack32)>(),
+        (Precision::F64, Rounding::Strict) => what.with::<(Pack64, Pack64)>(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Finished, Progress, cpu};
+    use crate::observe::Observable;
+    use crate::plan::Plan;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    fn run(plan: &Plan, rounding: Rounding) -> Vec<Vec<u64>> {
+        let bits = |one: &Finished| {
+            let mut row = [0.0; 64];
+            let mut bits = vec![one.status as u64];
+            for observable in Observable::all() {
+                let width = observable.width();
+                observable.write(&one.measured, &mut row[..width]);
+                bits.extend(row[..width].iter().map(|value| value.to_bits()));
+            }
+            bits
+        };
+        let class = |class| cpu::resume(plan, class, None, rounding, &Progress::default()).unwrap();
+        plan.classes.iter().flat_map(|one| class(one).iter().map(bits).collect::<Vec<_>>()).collect()
+    }
+
+    /// Registers of 256 and of 512 bits, one or two of them, for every law and number of modes.
+    #[test]
+    fn instruction_sets_that_fuse_give_the_same_bits() {
+        let best = Rounding::new(false);
+        for law in ["hertz", "dmt", "jkr"] {
+            for modes in 1..=8 {
+                let text = format!(
+                    r#"
+[instrument.cantilever]
+stiffness = "10 N/m"
+frequency = "75 kHz"
+quality_factor = 30
+[instrument.actuator]
+model = "rigid"
+[sample]
+surface_energy = "20 mJ/m^2"
+[contact]
+law = "{law}"
+[drive]
+on = "tip"
+frequency = "75 kHz"
+free_amplitude = "30 nm"
+[approach]
+gap = "22 nm"
+[sweep]
+"sample.youngs_modulus" = {{ values = ["300 MPa", "3 GPa", "30 GPa"] }}
+"approach.gap" = {{ values = ["-2 nm", "15 nm", "24 nm", "29.99 nm", "31 nm"] }}
+[run]
+periods = 12
+measure = 5
+modes = {modes}
+steps_per_period = {}
+"#,
+                    if modes > 4 { 512 } else { 128 }
+                );
+                let mut scene = Scene::parse(Path::new("lanes.toml"), &text).unwrap();
+                scene.output.observables = Observable::all().collect();
+                for precision in [Precision::F32, Precision::F64] {
+                    let plan = Plan::new(&scene, precision).unwrap();
+                    let what = format!("{law}, {modes} modes, {}", precision.name());
+                    let (fused, strict) = (run(&plan, best), run(&plan, Rounding::Strict));
+                    assert!(fused == run(&plan, best.least()), "{what}");
+                    // Where nothing can be fused there is one rounding only.
+                    assert_eq!(fused == strict, best == Rounding::Strict, "{what}");
+                }
+            }
+        }
     }
 }

@@ -2,17 +2,6 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The instructions a lane is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instructions {
-    /// Those that every processor of its kind has.
-    Base,
-    /// AVX2 and FMA of x86-64.
-    Avx2,
-    /// AVX-512 (F, DQ, VL) of x86-64.
-    Avx512,
-}
-
 /// A value per instance. Only operations that a shader has too are offered.
 pub trait Lane:
     Copy
@@ -30,8 +19,6 @@ pub trait Lane:
     type Element: Copy + Send + Sync;
     /// Instances held.
     const WIDTH: usize;
-    /// What it runs on; a lane must only be used where the processor has these.
-    const INSTRUCTIONS: Instructions = Instructions::Base;
 
     /// `value(i)` for instance i, rounded to the lane's precision.
     fn from_lanes(value: impl Fn(usize) -> f64) -> Self;
@@ -56,6 +43,12 @@ pub trait Lane:
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     fn not(a: Self::Mask) -> Self::Mask;
     fn any(mask: Self::Mask) -> bool;
+
+    /// Does `work` compiled for the instructions that the lane is made of, if what it calls is inlined.
+    #[inline(always)]
+    fn run<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
 }
 
 macro_rules! strict_scalar {

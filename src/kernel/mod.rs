@@ -9,7 +9,8 @@
 //! four corrections that make it fourth order away from such events.
 //!
 //! Everything here is generic over [`Lane`] and uses + - * / sqrt min max abs and select only,
-//! so that a shader can say the same in the same order.
+//! so that a shader can say the same in the same order. Whether a product that is summed rounds before the
+//! sum is the lane's nature: in the shader's text, and in lanes without [`Pack`]'s FUSED, it does.
 //!
 //! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
 
@@ -22,11 +23,13 @@ mod pair;
 mod shader;
 mod step;
 mod tally;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub use flow::{Flow, FlowMode, increments};
-pub use lane::{Instructions, Lane, Pack, Pack32, Pack64};
+pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
 pub use pair::Pair;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};

@@ -1,6 +1,6 @@
 //! Two lanes as one.
 
-use super::{Instructions, Lane};
+use super::Lane;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Two lanes stepped together: while the operations of one wait for each other, the other's run.
@@ -33,7 +33,6 @@ impl<L: Lane> Lane for Pair<L> {
     type Mask = (L::Mask, L::Mask);
     type Element = L::Element;
     const WIDTH: usize = 2 * L::WIDTH;
-    const INSTRUCTIONS: Instructions = L::INSTRUCTIONS;
 
     #[inline(always)]
     fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
@@ -99,5 +98,9 @@ impl<L: Lane> Lane for Pair<L> {
     fn any(mask: Self::Mask) -> bool {
         // One question for both, not two.
         L::any(mask.0) | L::any(mask.1)
+    }
+    #[inline(always)]
+    fn run<R>(work: impl FnOnce() -> R) -> R {
+        L::run(work)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::constants::{TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
-use super::{Flow, Instructions, Lane, Tally};
+use super::{Flow, Lane, Tally};
 use crate::observe::Wants;
 
 /// Cosine and sine of the drive's phase at a sample.
@@ -157,65 +157,24 @@ pub fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
     waves: &[Wave<L::Element>],
     decay: Option<&[Decay<L::Element>]>,
     energy: bool,
-    see: impl FnMut(usize, &State<L, M>, &Sample<L>),
-) {
-    match L::INSTRUCTIONS {
-        // SAFETY: such lanes are only made where the processor has the instructions.
-        #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 => unsafe { avx512(case, state, waves, decay, energy, see) },
-        // SAFETY: likewise.
-        #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 => unsafe { avx2(case, state, waves, decay, energy, see) },
-        _ => steps(case, state, waves, decay, energy, see),
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn avx512<L: Lane, I: Interaction<L>, const M: usize>(
-    case: &Case<L, I, M>,
-    state: &mut State<L, M>,
-    waves: &[Wave<L::Element>],
-    decay: Option<&[Decay<L::Element>]>,
-    energy: bool,
-    see: impl FnMut(usize, &State<L, M>, &Sample<L>),
-) {
-    steps(case, state, waves, decay, energy, see);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn avx2<L: Lane, I: Interaction<L>, const M: usize>(
-    case: &Case<L, I, M>,
-    state: &mut State<L, M>,
-    waves: &[Wave<L::Element>],
-    decay: Option<&[Decay<L::Element>]>,
-    energy: bool,
-    see: impl FnMut(usize, &State<L, M>, &Sample<L>),
-) {
-    steps(case, state, waves, decay, energy, see);
-}
-
-#[inline(always)]
-fn steps<L: Lane, I: Interaction<L>, const M: usize>(
-    case: &Case<L, I, M>,
-    state: &mut State<L, M>,
-    waves: &[Wave<L::Element>],
-    decay: Option<&[Decay<L::Element>]>,
-    energy: bool,
     mut see: impl FnMut(usize, &State<L, M>, &Sample<L>),
 ) {
-    // Something aligned that must be in memory: the compiler then aligns the whole stack, and what it keeps
-    // there of registers does not straddle lines of the cache.
-    std::hint::black_box(&L::splat(ZERO));
-    // A copy, which the compiler can keep in registers.
-    let mut here = *state;
-    for (index, wave) in waves.iter().enumerate() {
-        let before = here;
-        let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), energy);
-        see(index, &before, &sample);
-    }
-    *state = here;
+    L::run(
+        #[inline(always)]
+        || {
+            // Something aligned that must be in memory: the compiler then aligns the whole stack, and what
+            // it keeps there of registers does not straddle lines of the cache.
+            std::hint::black_box(&L::splat(ZERO));
+            // A copy, which the compiler can keep in registers.
+            let mut here = *state;
+            for (index, wave) in waves.iter().enumerate() {
+                let before = here;
+                let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), energy);
+                see(index, &before, &sample);
+            }
+            *state = here;
+        },
+    );
 }
 
 /// One drive period into `tally`, which holds the sums; `waves[n]` is of harmonic n + 1.
