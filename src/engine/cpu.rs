@@ -1,11 +1,11 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
 use super::lanes::{self, Family, Rounding, Stepping};
-use super::law::KernelLaw;
 use super::measure::{Sums, finish, finish_free};
 use super::saved::Saved;
 use super::start;
-use super::track::{Member, Track, member, step_length};
+use super::track::{Member, member, step_length};
+use super::walk::{Packs, Walk};
 use super::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::contact::Law;
 use crate::instrument::Place;
@@ -106,6 +106,7 @@ impl Stepping for ClassRun<'_> {
         if class.steps == 0 {
             return Ok(free_class(plan, class));
         }
+        let run = |packs: Packs<F::Element>| instances(plan, class, from, &packs, progress);
         // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
         macro_rules! law {
             (Nothing, $lane:ty) => { Nothing };
@@ -115,8 +116,8 @@ impl Stepping for ClassRun<'_> {
             ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
                 match class.modes {
                     0 => Err(EngineError::NoModes),
-                    $(..=$two => Ok(instances::<F::Wide, law!($law, F::Wide), $two>(plan, class, from, progress)),)*
-                    $(..=$one => Ok(instances::<F::Narrow, law!($law, F::Narrow), $one>(plan, class, from, progress)),)*
+                    $(..=$two => Ok(run(Packs::new::<F::Wide, law!($law, F::Wide), $two>())),)*
+                    $(..=$one => Ok(run(Packs::new::<F::Narrow, law!($law, F::Narrow), $one>())),)*
                     modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
                 }
             };
@@ -132,20 +133,21 @@ impl Stepping for ClassRun<'_> {
     }
 }
 
-fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn instances<E: Lane<Element = E>>(
     plan: &Plan,
     class: &Class,
     from: Option<Resume>,
+    packs: &Packs<E>,
     progress: &Progress,
 ) -> Vec<Finished> {
-    let waves = start::waves::<L>(class.steps, plan.wants.harmonics);
+    let waves = start::waves::<E>(class.steps, plan.wants.harmonics);
     let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
     if plan.run.start == Start::Steady {
         return members
-            .par_chunks(L::WIDTH)
+            .par_chunks(packs.width)
             .enumerate()
             .flat_map_iter(|(number, pack)| {
-                let track = track::<L, I, M>(plan, pack, from, number * L::WIDTH);
+                let track = packs.make(plan, pack, from, number * packs.width);
                 steady(plan, pack, track, &waves, progress)
             })
             .collect();
@@ -163,37 +165,24 @@ fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     groups
         .par_iter()
         .flat_map_iter(|(first, group)| {
-            let packs = group.chunks(L::WIDTH).enumerate();
-            let tracks = packs.map(|(n, pack)| track(plan, pack, from, first + n * L::WIDTH)).collect();
-            from_rest::<L, I, M>(plan, group, tracks, &waves, progress)
+            let all = group.chunks(packs.width).enumerate();
+            let tracks = all.map(|(n, pack)| packs.make(plan, pack, from, first + n * packs.width)).collect();
+            from_rest(plan, group, packs.width, tracks, &waves, progress)
         })
         .collect()
 }
 
-/// The pack whose first member is number `first` of its class, at the run's start or where it was saved.
-fn track<L: Lane, I: KernelLaw<L>, const M: usize>(
+fn steady<E>(
     plan: &Plan,
     pack: &[Member],
-    from: Option<Resume>,
-    first: usize,
-) -> Track<L, I, M> {
-    match from {
-        None => Track::new(pack, plan.run.start),
-        Some(from) => Track::resumed(pack, plan.run.start, &from.saved[first..first + pack.len()], from.done),
-    }
-}
-
-fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
-    plan: &Plan,
-    pack: &[Member],
-    mut track: Track<L, I, M>,
-    waves: &[Vec<Wave<L::Element>>],
+    mut track: Box<dyn Walk<E>>,
+    waves: &[Vec<Wave<E>>],
     progress: &Progress,
 ) -> Vec<Finished> {
     let steps = waves[0].len();
     // In blocks, so that a long run tells how far it is and can be stopped.
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = track.done;
+    let mut done = track.done();
     while done < plan.run.periods {
         if progress.stopped() {
             return vec![Finished::NOT_RUN; pack.len()];
@@ -214,26 +203,27 @@ fn finish_pack(plan: &Plan, pack: &[Member], sums: &[Sums]) -> Vec<Finished> {
 }
 
 /// All instances of a group go through a block of periods before the next block is tabulated.
-fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn from_rest<E: Lane<Element = E>>(
     plan: &Plan,
     group: &[Member],
-    mut tracks: Vec<Track<L, I, M>>,
-    waves: &[Vec<Wave<L::Element>>],
+    width: usize,
+    mut tracks: Vec<Box<dyn Walk<E>>>,
+    waves: &[Vec<Wave<E>>],
     progress: &Progress,
 ) -> Vec<Finished> {
     let run = &plan.run;
     let driven = group[0].1;
     let steps = waves[0].len();
-    let packs: Vec<&[Member]> = group.chunks(L::WIDTH).collect();
+    let packs: Vec<&[Member]> = group.chunks(width).collect();
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = tracks[0].done;
+    let mut done = tracks[0].done();
     while done < run.periods {
         if progress.stopped() {
             return vec![Finished::NOT_RUN; group.len()];
         }
         let periods = block.min(run.periods - done);
         let first = u64::from(done) * steps as u64;
-        let decay = decays::<L>(driven, steps as u32, first, periods as usize * steps);
+        let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
         tracks.par_iter_mut().for_each(|track| {
             track.advance(run, periods, waves, Some(&decay), plan.wants);
             progress.add(track.members() as u64 * u64::from(periods) * steps as u64);

@@ -9,13 +9,21 @@ use crate::plan::Precision;
 
 /// Lanes of one precision and one set of instructions.
 pub(super) trait Family {
+    /// One number of theirs.
+    type Element: Lane<Element = Self::Element>;
     /// For laws and levers that keep the processor busy by themselves.
-    type Narrow: Lane;
+    type Narrow: Lane<Element = Self::Element> + 'static;
     /// For those that often wait for their own results: two at a time.
-    type Wide: Lane;
+    type Wide: Lane<Element = Self::Element> + 'static;
 }
 
-impl<A: Lane, B: Lane> Family for (A, B) {
+impl<E, A, B> Family for (A, B)
+where
+    E: Lane<Element = E>,
+    A: Lane<Element = E> + 'static,
+    B: Lane<Element = E> + 'static,
+{
+    type Element = E;
     type Narrow = A;
     type Wide = B;
 }

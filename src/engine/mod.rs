@@ -11,6 +11,7 @@ mod saved;
 mod start;
 mod trace;
 mod track;
+mod walk;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;

@@ -21,7 +21,11 @@ pub trait Lane:
     const WIDTH: usize;
 
     /// `value(i)` for instance i, rounded to the lane's precision.
-    fn from_lanes(value: impl Fn(usize) -> f64) -> Self;
+    fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+        Self::gather(&value)
+    }
+    /// The same, compiled once for all: nothing that is done often.
+    fn gather(value: &dyn Fn(usize) -> f64) -> Self;
     /// The number of instance i, below [`Lane::WIDTH`].
     fn lane(self, i: usize) -> f64;
     /// A number rounded to the lane's precision, for a table that all instances read.
@@ -59,7 +63,7 @@ macro_rules! strict_scalar {
             const WIDTH: usize = 1;
 
             #[inline(always)]
-            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+            fn gather(value: &dyn Fn(usize) -> f64) -> Self {
                 value(0) as $float
             }
             #[inline(always)]
@@ -174,8 +178,8 @@ macro_rules! pack {
             type Element = $float;
             const WIDTH: usize = $width;
 
-            #[inline(always)]
-            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+            #[inline(never)]
+            fn gather(value: &dyn Fn(usize) -> f64) -> Self {
                 Self(std::array::from_fn(|i| value(i) as $float))
             }
             #[inline(always)]

@@ -34,9 +34,9 @@ impl<L: Lane> Lane for Pair<L> {
     type Element = L::Element;
     const WIDTH: usize = 2 * L::WIDTH;
 
-    #[inline(always)]
-    fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
-        Self(L::from_lanes(&value), L::from_lanes(|i| value(L::WIDTH + i)))
+    #[inline(never)]
+    fn gather(value: &dyn Fn(usize) -> f64) -> Self {
+        Self(L::gather(value), L::gather(&|i| value(L::WIDTH + i)))
     }
     #[inline(always)]
     fn lane(self, i: usize) -> f64 {

@@ -69,6 +69,7 @@ impl<L: Lane> Tally<L> {
     }
 
     /// Empties the sums for the next period; what links samples across its start is kept.
+    #[inline(always)]
     pub fn next_period(&mut self) {
         let zero = L::splat(ZERO);
         self.cosine = [zero; HARMONICS];

@@ -42,8 +42,8 @@ macro_rules! register {
             type Element = $float;
             const WIDTH: usize = $width;
 
-            #[inline(always)]
-            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+            #[inline(never)]
+            fn gather(value: &dyn Fn(usize) -> f64) -> Self {
                 let all: [$float; $width] = std::array::from_fn(|i| value(i) as $float);
                 // SAFETY: as the module says; the array has a register's size.
                 Self(unsafe { $load(all.as_ptr()) })
