@@ -10,21 +10,19 @@ fn case_of(i: u32) -> Case {
     //% each mode
     lever.m00_$ = drives[DRIVE_M00_$ * job.drives + row];
     lever.m01_$ = drives[DRIVE_M01_$ * job.drives + row];
-    lever.m10_$ = drives[DRIVE_M10_$ * job.drives + row];
     lever.m11_$ = drives[DRIVE_M11_$ * job.drives + row];
     lever.rate_$ = drives[DRIVE_RATE_$ * job.drives + row];
     lever.pull_$ = drives[DRIVE_PULL_$ * job.drives + row];
     lever.drag_$ = drives[DRIVE_DRAG_$ * job.drives + row];
-    lever.kick_u_$ = drives[DRIVE_KICK_U_$ * job.drives + row];
-    lever.kick_x_$ = drives[DRIVE_KICK_X_$ * job.drives + row];
+    lever.land_x_$ = drives[DRIVE_LAND_X_$ * job.drives + row];
+    lever.land_u_$ = drives[DRIVE_LAND_U_$ * job.drives + row];
     //% end
     //% if energy
     //% each mode
     lever.work_x_$ = drives[DRIVE_WORK_X_$ * job.drives + row];
     lever.work_u_$ = drives[DRIVE_WORK_U_$ * job.drives + row];
     //% end
-    lever.kick_speed = drives[DRIVE_KICK_SPEED * job.drives + row];
-    lever.kick_work = drives[DRIVE_KICK_WORK * job.drives + row];
+    lever.kick_paid = drives[DRIVE_KICK_PAID * job.drives + row];
     //% end
     lever.free_cosine = drives[DRIVE_FREE_COSINE * job.drives + row];
     lever.free_sine = drives[DRIVE_FREE_SINE * job.drives + row];

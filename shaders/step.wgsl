@@ -6,21 +6,19 @@ struct Case {
     //% each mode
     m00_$: real,
     m01_$: real,
-    m10_$: real,
     m11_$: real,
     rate_$: real,
     pull_$: real,
     drag_$: real,
-    kick_u_$: real,
-    kick_x_$: real,
+    land_x_$: real,
+    land_u_$: real,
     //% end
     //% if energy
     //% each mode
     work_x_$: real,
     work_u_$: real,
     //% end
-    kick_speed: real,
-    kick_work: real,
+    kick_paid: real,
     //% end
     free_cosine: real,
     free_sine: real,
@@ -83,18 +81,20 @@ fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: 
     let impulse = kick.impulse;
     (*state).touching = kick.touching;
     //% each mode
-    let u_$ = lever.kick_u_$ * impulse + (*state).u_$;
-    let x_$ = lever.kick_x_$ * impulse + (*state).x_$;
-    (*state).x_$ = lever.m01_$ * u_$ + (lever.m00_$ * x_$ + x_$);
-    (*state).u_$ = lever.m11_$ * u_$ + (lever.m10_$ * x_$ + u_$);
+    let x_$ = (*state).x_$;
+    let u_$ = (*state).u_$;
+    let flown_x_$ = lever.m01_$ * u_$ + (lever.m00_$ * x_$ + x_$);
+    let flown_u_$ = lever.m11_$ * u_$ + (-lever.m01_$ * x_$ + u_$);
+    (*state).x_$ = lever.land_x_$ * impulse + flown_x_$;
+    (*state).u_$ = lever.land_u_$ * impulse + flown_u_$;
     //% end
-    let corner = impulse * TWENTY_FOURTH;
+    let corner = TWENTY_FOURTH;
     return Sample(
-        beyond + corner,
-        indentation - corner,
+        corner * impulse + beyond,
+        -corner * impulse + indentation,
         //% if energy
-        (HALF * lever.kick_speed - lever.kick_work) * impulse + speed - excess,
-        steady + beyond - acceleration * TWENTY_FOURTH,
+        lever.kick_paid * impulse + speed - excess,
+        -acceleration * TWENTY_FOURTH + (steady + beyond),
         //% end
         kick,
     );

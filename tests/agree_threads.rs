@@ -1,5 +1,5 @@
-//! An instance's result does not depend on how it is run: threads, neighbours, order, to the bit;
-//! and the two precisions agree within the accuracy asked for.
+//! An instance's result does not depend on how it is run: threads, neighbours, order, to the bit, whether
+//! sums of products round once or twice; the two roundings and the two precisions agree within bounds.
 
 mod checks;
 mod support;
@@ -50,7 +50,12 @@ measure = 5
 }
 
 fn run(plan: &Plan, threads: usize) -> Vec<Finished> {
-    Cpu { threads: Some(threads) }.run(plan, &Progress::default()).expect("the plan can be run").results
+    run_in(plan, threads, false)
+}
+
+fn run_in(plan: &Plan, threads: usize, strict: bool) -> Vec<Finished> {
+    let cpu = Cpu { threads: Some(threads), strict };
+    cpu.run(plan, &Progress::default()).expect("the plan can be run").results
 }
 
 /// Every number's bits, and the status.
@@ -80,9 +85,12 @@ fn threads_change_no_bit() {
     every_kind(|scene, precision, name| {
         let plan = checks::plan_in(scene, None, precision);
         let one: Vec<_> = run(&plan, 1).iter().map(bits).collect();
+        let strict: Vec<_> = run_in(&plan, 1, true).iter().map(bits).collect();
         for threads in [2, 5] {
             let more: Vec<_> = run(&plan, threads).iter().map(bits).collect();
             assert_eq!(one, more, "{name}, {threads} threads");
+            let more: Vec<_> = run_in(&plan, threads, true).iter().map(bits).collect();
+            assert_eq!(strict, more, "{name}, {threads} threads, strict");
         }
         // A test that everything is the same must not be passed by nothing at all.
         let distinct: std::collections::BTreeSet<_> = one.iter().collect();
@@ -143,6 +151,27 @@ fn what_is_not_asked_for_changes_no_bit() {
             assert!(b.measured.force_max.is_nan() && b.measured.dissipation.is_nan());
         }
     }
+}
+
+/// Rounding once or twice moves last bits only, which a stable response does not amplify.
+#[test]
+fn the_two_roundings_agree() {
+    let mut largest: f64 = 0.0;
+    for law in LAWS {
+        let plan = checks::plan_in(&sweep(law, "steady", 300), None, Precision::F64);
+        let (once, twice) = (run(&plan, 2), run_in(&plan, 2, true));
+        for (instance, (a, b)) in once.iter().zip(&twice).enumerate() {
+            if b.status != Status::Ok {
+                continue;
+            }
+            assert_eq!(a.status, b.status, "{law}, instance {instance}");
+            let truth = checks::outcome(&b.measured);
+            let errors = checks::errors(&a.measured, &truth, &checks::scales(&plan, instance, &truth));
+            largest = largest.max(worst(&errors).1);
+            assert!(largest <= bounds::ROUNDING, "{law}, {instance}: {}", checks::show(&errors));
+        }
+    }
+    println!("largest difference {largest:.1e}");
 }
 
 #[test]

@@ -48,8 +48,10 @@ const FAULTS: &[Fault] = &[
         swap(&swap(&swap(&text, first, "FIRST"), second, first), "FIRST", second)
     }),
     ("dmt", "attraction multiplied out", |text| {
-        let (from, to) =
-            ("(inside * (ONE - outside) + outside)", "inside * (ONE - outside) + law.adhesion * outside");
+        let (from, to) = (
+            "(mean.share * (ONE - outside) + outside)",
+            "mean.share * (ONE - outside) + law.adhesion * outside",
+        );
         swap(&text, from, to)
     }),
     ("jkr", "first pass for the second", |text| {
@@ -75,8 +77,8 @@ const FAULTS: &[Fault] = &[
     ("dmt", "centre added up in another order", |text| {
         swap(
             &text,
-            "steady + beyond - acceleration * TWENTY_FOURTH",
-            "steady + (beyond - acceleration * TWENTY_FOURTH)",
+            "-acceleration * TWENTY_FOURTH + (steady + beyond)",
+            "-acceleration * TWENTY_FOURTH + steady + beyond",
         )
     }),
 ];
@@ -84,7 +86,9 @@ const FAULTS: &[Fault] = &[
 /// Faults that no test should see: the text says the same.
 const HARMLESS: &[Fault] = &[
     ("jkr", "nothing", |text| text),
-    ("hertz", "factors swapped", |text| swap(&text, "impulse * TWENTY_FOURTH", "TWENTY_FOURTH * impulse")),
+    ("hertz", "factors swapped", |text| {
+        swap(&text, "corner * impulse + beyond", "impulse * corner + beyond")
+    }),
 ];
 
 /// Whether the comparison sees it.

@@ -1,8 +1,8 @@
 //! What limits the engines: instance-steps per second as a share of the device's multiply-add peak, and how
 //! the speed changes when a part is left out.
 //!
-//! `cargo bench --bench limits -- [--gpu] [--instances N] [--seconds S] [-o FILE]`; the answer is a table, and
-//! JSON in FILE.
+//! `cargo bench --bench limits -- [--gpu] [--instances N] [--seconds S] [--threads N] [-o FILE]`; the answer is a
+//! table, and JSON in FILE. On the CPU, the standard on one thread and on all is told last.
 
 mod peak;
 mod work;
@@ -124,15 +124,42 @@ fn rate(plan: &Plan, engine: &dyn Engine, seconds: f64) -> f64 {
     }
 }
 
+fn on(threads: usize) -> Cpu {
+    Cpu { threads: Some(threads), ..Cpu::default() }
+}
+
+/// The standard on one thread and on `threads`, the best of short runs by turns.
+fn scaling(arguments: &Arguments, precision: Precision) {
+    let plan = plan(&VARIANTS[0], arguments.instances, precision);
+    let mut best = [0.0f64; 2];
+    for _ in 0..5 {
+        for (best, threads) in best.iter_mut().zip([1, arguments.threads]) {
+            *best = best.max(rate(&plan, &on(threads), 0.4 * arguments.seconds));
+        }
+    }
+    let peak = peak::cpu(precision, 1);
+    let share = best[0] * work::operations(&plan) as f64 / (2.0 * peak);
+    println!(
+        "standard on one thread: {:.3e} steps/s, {:.1}% of one core's {peak:.3e} multiply-adds/s; on {}: {:.3e}, {:.2} times",
+        best[0],
+        100.0 * share,
+        arguments.threads,
+        best[1],
+        best[1] / best[0]
+    );
+}
+
 struct Arguments {
     gpu: bool,
     instances: usize,
     seconds: f64,
+    threads: usize,
     output: Option<String>,
 }
 
 fn arguments() -> Arguments {
-    let mut all = Arguments { gpu: false, instances: 1 << 20, seconds: 1.0, output: None };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut all = Arguments { gpu: false, instances: 1 << 20, seconds: 1.0, threads, output: None };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value"));
@@ -140,6 +167,7 @@ fn arguments() -> Arguments {
             "--gpu" => all.gpu = true,
             "--instances" => all.instances = value().parse().expect("a number of instances"),
             "--seconds" => all.seconds = value().parse().expect("seconds"),
+            "--threads" => all.threads = value().parse().expect("a number of threads"),
             "-o" => all.output = Some(value()),
             // cargo bench adds it.
             "--bench" => {}
@@ -154,13 +182,13 @@ fn main() {
     let mut rows = Vec::new();
     let engine: Box<dyn Engine> = match arguments.gpu {
         true => Box::new(Gpu::new(None).unwrap_or_else(|error| panic!("{error}"))),
-        false => Box::new(Cpu::default()),
+        false => Box::new(on(arguments.threads)),
     };
     println!("{}", engine.device());
     for precision in [Precision::F32, Precision::F64] {
         let peak = match arguments.gpu {
             true => peak::gpu(precision),
-            false => peak::cpu(precision),
+            false => Some(peak::cpu(precision, arguments.threads)),
         };
         let Some(peak) = peak else {
             println!("{}: this adapter has none", precision.name());
@@ -196,6 +224,10 @@ fn main() {
                 "share_of_peak": share,
             }));
         }
+    }
+    if !arguments.gpu {
+        println!();
+        [Precision::F32, Precision::F64].iter().for_each(|precision| scaling(&arguments, *precision));
     }
     if let Some(path) = &arguments.output {
         let all: Value = json!({

@@ -1,51 +1,97 @@
 //! The multiply-add peak, measured: chains of them and nothing else, enough side by side to hide their latency.
 
 use afmsweep::plan::Precision;
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Chains in flight: sixteen vectors of 64 bytes at most.
+/// Chains in flight, fewer than there are registers.
 const CHAINS: usize = 12;
-const TURNS: u64 = 40_000_000;
+/// A few milliseconds.
+const TURNS: u64 = 1_000_000;
+const RUNS: usize = 50;
 
 macro_rules! chains {
-    ($name:ident, $number:ty, $lanes:expr) => {
-        #[multiversion::multiversion(targets(
-            "x86_64+avx512f+avx512vl+avx2+fma",
-            "x86_64+avx2+fma",
-            "aarch64+neon"
-        ))]
-        fn $name(turns: u64, scale: $number) -> $number {
-            let mut all = [[scale; $lanes]; CHAINS];
+    ($name:ident, $features:literal, $number:ty, $lanes:literal, $splat:ident, $fused:ident, $store:ident) => {
+        /// Turns of all chains, and the numbers in each.
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $name(turns: u64) -> (f64, usize) {
+            let (scale, term) = ($splat(black_box(0.5)), $splat(black_box(0.25)));
+            let mut all = [scale; CHAINS];
             for _ in 0..turns {
                 for chain in &mut all {
-                    for value in chain.iter_mut() {
-                        *value = value.mul_add(scale, 0.25);
-                    }
+                    *chain = $fused(*chain, scale, term);
                 }
             }
-            all.iter().flatten().sum()
+            let mut sum = 0.0;
+            for chain in all {
+                let mut values: [$number; $lanes] = [0.0; $lanes];
+                // SAFETY: the array has the register's size.
+                unsafe { $store(values.as_mut_ptr(), chain) };
+                sum += f64::from(values.iter().sum::<$number>());
+            }
+            (sum, $lanes)
         }
     };
 }
-chains!(single, f32, 16);
-chains!(double, f64, 8);
+chains!(avx512_single, "avx512f", f32, 16, _mm512_set1_ps, _mm512_fmadd_ps, _mm512_storeu_ps);
+chains!(avx512_double, "avx512f", f64, 8, _mm512_set1_pd, _mm512_fmadd_pd, _mm512_storeu_pd);
+chains!(avx2_single, "avx2,fma", f32, 8, _mm256_set1_ps, _mm256_fmadd_ps, _mm256_storeu_ps);
+chains!(avx2_double, "avx2,fma", f64, 4, _mm256_set1_pd, _mm256_fmadd_pd, _mm256_storeu_pd);
 
-/// Multiply-adds per second of all cores together.
-pub fn cpu(precision: Precision) -> Option<f64> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let turns = TURNS / 4;
-    let work = move || match precision {
-        Precision::F32 => f64::from(black_box(single(turns, black_box(0.5)))),
-        Precision::F64 => black_box(double(turns, black_box(0.5))),
+macro_rules! portable {
+    ($name:ident, $number:ty, $lanes:literal) => {
+        /// What the compiler makes of arrays, by products and sums apart where it has nothing better.
+        fn $name(turns: u64) -> (f64, usize) {
+            let (scale, term) = (black_box(0.5), black_box(0.25));
+            let mut all = [[scale; $lanes]; CHAINS];
+            for _ in 0..turns {
+                for chain in &mut all {
+                    *chain = chain.map(|value: $number| match cfg!(target_arch = "aarch64") {
+                        true => value.mul_add(scale, term),
+                        false => value * scale + term,
+                    });
+                }
+            }
+            (f64::from(all.iter().flatten().sum::<$number>()), $lanes)
+        }
     };
-    let lanes = if precision == Precision::F32 { 16 } else { 8 };
-    let best = (0..3).map(|_| {
+}
+portable!(portable_single, f32, 4);
+portable!(portable_double, f64, 2);
+
+fn chains(precision: Precision, turns: u64) -> (f64, usize) {
+    let single = precision == Precision::F32;
+    #[cfg(target_arch = "x86_64")]
+    {
+        // SAFETY: each only where the processor has the instructions.
+        if is_x86_feature_detected!("avx512f") {
+            return unsafe { if single { avx512_single(turns) } else { avx512_double(turns) } };
+        }
+        // SAFETY: likewise.
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            return unsafe { if single { avx2_single(turns) } else { avx2_double(turns) } };
+        }
+    }
+    if single { portable_single(turns) } else { portable_double(turns) }
+}
+
+/// Multiply-adds per second of so many threads together, the best of many short runs.
+pub fn cpu(precision: Precision, threads: usize) -> f64 {
+    let work = move || {
         let start = Instant::now();
-        std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-        (turns * (CHAINS * lanes * threads) as u64) as f64 / start.elapsed().as_secs_f64()
+        let lanes = black_box(chains(precision, TURNS)).1;
+        (TURNS * (CHAINS * lanes) as u64) as f64 / start.elapsed().as_secs_f64()
+    };
+    let best = (0..RUNS).map(|_| {
+        std::thread::scope(|scope| {
+            let all: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            all.into_iter().map(|one| one.join().expect("it ends")).sum()
+        })
     });
-    Some(best.fold(0.0, f64::max))
+    best.fold(0.0, f64::max)
 }
 
 /// Turns of a thread's loop, below what a software driver can do in one dispatch.

@@ -86,8 +86,7 @@ fn jkr_evaluate(law: Law, at: Approach, touching: real, impulse: real) -> Kick {
     let mean = jkr_mean(e1, e2);
     let force = mean.force * law.unit_force * share;
     let slope = max(mean.slope * law.unit_force * law.inverse_unit, JKR_STEEPEST);
-    let corrected = force - force * slope * TWELFTH;
-    return Kick(select(force, corrected, stays), share, select(ZERO, ONE, stays || touches));
+    return Kick(select(force, corrected(force, slope), stays), share, select(ZERO, ONE, stays || touches));
 }
 
 fn jkr_kick(law: Law, at: Approach, touching: real) -> Kick {

@@ -29,9 +29,14 @@ fn may_touch(at: Approach) -> bool {
 }
 
 fn path_around(at: Approach, impulse: real) -> Path {
-    let reach = HALF * (at.speed - HALF * impulse);
+    let reach = -QUARTER * impulse + HALF * at.speed;
     let centre = at.acceleration * TWENTY_FOURTH + at.indentation;
     return Path(centre - reach, centre + reach);
+}
+
+// The mean force with the commutator of kick and flow, of second order.
+fn corrected(force: real, slope: real) -> real {
+    return -(force * slope) * TWELFTH + force;
 }
 
 fn share_inside(path: Path) -> real {

@@ -79,7 +79,7 @@ impl EngineArgs {
     }
 
     fn cpu(&self) -> Box<dyn Engine> {
-        Box::new(Cpu { threads: self.threads })
+        Box::new(Cpu { threads: self.threads, ..Cpu::default() })
     }
 
     fn gpu(&self, wanted: Option<&str>, plan: &mut Plan, voice: Voice) -> anyhow::Result<Box<dyn Engine>> {

@@ -97,7 +97,11 @@ fn machines(args: &BenchArgs, voice: Voice) -> anyhow::Result<Vec<Machine>> {
     let mut all = Vec::new();
     if has(Which::Cpu) || has(Which::Auto) {
         for precision in [Precision::F32, Precision::F64] {
-            all.push(Machine { backend: "cpu", precision, engine: Box::new(Cpu { threads: args.threads }) });
+            all.push(Machine {
+                backend: "cpu",
+                precision,
+                engine: Box::new(Cpu { threads: args.threads, ..Cpu::default() }),
+            });
         }
     }
     let real = adapters().into_iter().find(|adapter| !adapter.software());

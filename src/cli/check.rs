@@ -37,6 +37,8 @@ struct Column {
     status: Vec<Status>,
     /// [instance][observable]
     numbers: Vec<Vec<Vec<f64>>>,
+    /// The same by the CPU, rounded after each operation as the shader's text has it; beside a GPU only.
+    strict: Option<Vec<Vec<Vec<f64>>>>,
 }
 
 /// The instances checked, and their truth.
@@ -72,10 +74,15 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
     match Gpu::new(args.device.as_deref()) {
         Ok(gpu) => {
             voice.say(format_args!("gpu: {}", gpu.report().title()));
-            if gpu.report().double {
-                columns.push(column("gpu", &gpu, &part, Precision::F64, &instances)?);
+            let strict = Cpu { strict: true, ..Cpu::default() };
+            for precision in [Precision::F64, Precision::F32] {
+                if precision == Precision::F64 && !gpu.report().double {
+                    continue;
+                }
+                let twin = column("cpu", &strict, &part, precision, &instances)?;
+                let ours = column("gpu", &gpu, &part, precision, &instances)?;
+                columns.push(Column { strict: Some(twin.numbers), ..ours });
             }
-            columns.push(column("gpu", &gpu, &part, Precision::F32, &instances)?);
         }
         Err(error) if args.device.is_some() => return Err(error.into()),
         Err(error) => voice.say(format_args!("gpu: not checked; {error}")),
@@ -129,6 +136,7 @@ fn column(
         name: format!("{name} {}", precision.name()),
         status: finished.iter().map(|one| one.status).collect(),
         numbers: finished.iter().map(|one| all_numbers(&plan, &one.measured)).collect(),
+        strict: None,
     })
 }
 
@@ -148,6 +156,7 @@ fn file_column(results: &store::Results, plan: &Plan, instances: &[u32]) -> Colu
         name: "file".into(),
         status: instances.iter().map(status).collect(),
         numbers: instances.iter().map(rows).collect(),
+        strict: None,
     }
 }
 
@@ -213,15 +222,12 @@ impl Table {
 
     /// How a GPU's numbers are beside the CPU's in the same precision.
     fn twin(&self, column: &Column) -> String {
-        let Some(precision) = column.name.strip_prefix("gpu ") else { return String::new() };
-        let name = format!("cpu {precision}");
-        let Some(cpu) = self.columns.iter().find(|column| column.name == name) else { return String::new() };
-        let bits = |column: &Column, i: usize| -> Vec<u64> {
-            column.numbers[i].iter().flatten().map(|value| value.to_bits()).collect()
+        let Some(strict) = &column.strict else { return String::new() };
+        let bits = |numbers: &[Vec<f64>]| -> Vec<u64> {
+            numbers.iter().flatten().map(|value| value.to_bits()).collect()
         };
-        let count = self.instances.len();
-        let same = (0..count).filter(|&i| bits(cpu, i) == bits(column, i)).count();
-        format!("   {same} of {count} to the bit as the cpu's")
+        let same = column.numbers.iter().zip(strict).filter(|(ours, cpu)| bits(ours) == bits(cpu)).count();
+        format!("   {same} of {} to the bit as the cpu's rounded alike", self.instances.len())
     }
 
     fn json(&self, plan: &Plan) -> Value {

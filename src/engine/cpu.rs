@@ -1,16 +1,17 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
-use super::law::KernelLaw;
+use super::lanes::{self, Family, Rounding, Stepping};
 use super::measure::{finish, finish_free};
 use super::saved::Saved;
 use super::start;
-use super::track::{Member, Track, member, step_length};
+use super::track::{Member, member, step_length};
+use super::walk::{Packs, Walk};
 use super::{Ended, Engine, EngineError, Outcome, Progress, station};
 use crate::contact::Law;
 use crate::instrument::Place;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
-use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Pack32, Pack64, Wave};
-use crate::plan::{Class, Driven, Plan, Precision};
+use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Wave};
+use crate::plan::{Class, Driven, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -18,6 +19,10 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpu {
     pub threads: Option<usize>,
+    /// Rounds every product and every sum, as the shader does on a driver that is told to: the same bits on
+    /// any processor, at a third of the speed or less. Otherwise sums of products round once where the
+    /// processor can; the bits are then the same for all its instruction sets that fuse.
+    pub strict: bool,
 }
 
 /// Steps between two looks at the progress; samples of decaying free motion tabulated at a time.
@@ -39,23 +44,24 @@ impl Engine for Cpu {
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+        let rounding = Rounding::new(self.strict);
         match self.threads {
-            None => run(plan, progress),
+            None => run(plan, rounding, progress),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .map_err(|error| EngineError::Threads(error.to_string()))?
-                .install(|| run(plan, progress)),
+                .install(|| run(plan, rounding, progress)),
         }
     }
 }
 
-fn run(plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+fn run(plan: &Plan, rounding: Rounding, progress: &Progress) -> Result<Outcome, EngineError> {
     let mut outcome = Outcome::of(plan);
     for class in &plan.classes {
         let begun = station::begin(plan, &class.instances);
         let from = begun.as_ref().map(|saved| Resume { saved, done: 0 });
-        outcome.put(&class.instances, resume(plan, class, from, progress)?);
+        outcome.put(&class.instances, resume(plan, class, from, rounding, progress)?);
     }
     Ok(outcome)
 }
@@ -68,17 +74,15 @@ pub(super) struct Resume<'a> {
     pub done: u32,
 }
 
-/// Runs a class from its start, or from where it was left.
+/// Runs a class from its start, or from where it was left. Results in the order of the class' instances.
 pub(super) fn resume(
     plan: &Plan,
     class: &Class,
     from: Option<Resume>,
+    rounding: Rounding,
     progress: &Progress,
 ) -> Result<Vec<Ended>, EngineError> {
-    match plan.precision {
-        Precision::F32 => class_in::<Pack32>(plan, class, from, progress),
-        Precision::F64 => class_in::<Pack64>(plan, class, from, progress),
-    }
+    lanes::with(plan.precision, rounding, ClassRun { plan, class, from, progress })
 }
 
 /// Results of instances that never reach the sample.
@@ -86,48 +90,63 @@ pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Ended> {
     class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants).into()).collect()
 }
 
-/// Results in the order of the class' instances.
-fn class_in<L: Lane>(
-    plan: &Plan,
-    class: &Class,
-    from: Option<Resume>,
-    progress: &Progress,
-) -> Result<Vec<Ended>, EngineError> {
-    if class.steps == 0 {
-        return Ok(free_class(plan, class));
-    }
-    // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
-    macro_rules! modes {
-        ($law:ty, $($count:literal)+) => {
-            match class.modes {
-                0 => Err(EngineError::NoModes),
-                $(..=$count => Ok(instances::<L, $law, $count>(plan, class, from, progress)),)+
-                modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
-            }
-        };
-    }
-    match class.law {
-        Law::None => modes!(Nothing, 8),
-        Law::Hertz => modes!(Hertz<L>, 1 2 3 4 6 8),
-        Law::Dmt => modes!(Dmt<L>, 1 2 3 4 6 8),
-        Law::Jkr => modes!(Jkr<L>, 1 2 3 4 6 8),
+struct ClassRun<'a> {
+    plan: &'a Plan,
+    class: &'a Class,
+    from: Option<Resume<'a>>,
+    progress: &'a Progress,
+}
+
+impl Stepping for ClassRun<'_> {
+    type Output = Result<Vec<Ended>, EngineError>;
+
+    fn with<F: Family>(self) -> Self::Output {
+        let Self { plan, class, from, progress } = self;
+        if class.steps == 0 {
+            return Ok(free_class(plan, class));
+        }
+        let run = |packs: Packs<F::Element>| instances(plan, class, from, &packs, progress);
+        // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
+        macro_rules! law {
+            (Nothing, $lane:ty) => { Nothing };
+            ($law:ident, $lane:ty) => { $law<$lane> };
+        }
+        macro_rules! modes {
+            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
+                match class.modes {
+                    0 => Err(EngineError::NoModes),
+                    $(..=$two => Ok(run(Packs::new::<F::Wide, law!($law, F::Wide), $two>())),)*
+                    $(..=$one => Ok(run(Packs::new::<F::Narrow, law!($law, F::Narrow), $one>())),)*
+                    modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
+                }
+            };
+        }
+        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
+        // quotients that wait for each other; the others have more to gain from leaving the law out.
+        match class.law {
+            Law::None => modes!(Nothing: wide, narrow 8),
+            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
+            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
+            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
+        }
     }
 }
 
-fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn instances<E: Lane<Element = E>>(
     plan: &Plan,
     class: &Class,
     from: Option<Resume>,
+    packs: &Packs<E>,
     progress: &Progress,
 ) -> Vec<Ended> {
-    let waves = start::waves::<L>(class.steps, plan.wants.harmonics);
+    let waves = start::waves::<E>(class.steps, plan.wants.harmonics);
     let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
     if plan.run.start == Start::Steady {
         return members
-            .par_chunks(L::WIDTH)
+            .par_chunks(packs.width)
             .enumerate()
             .flat_map_iter(|(number, pack)| {
-                let track = track::<L, I, M>(plan, pack, from, number * L::WIDTH);
+                let track = packs.make(plan, pack, from, number * packs.width);
                 steady(plan, pack, track, &waves, progress)
             })
             .collect();
@@ -145,37 +164,24 @@ fn instances<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
     groups
         .par_iter()
         .flat_map_iter(|(first, group)| {
-            let packs = group.chunks(L::WIDTH).enumerate();
-            let tracks = packs.map(|(n, pack)| track(plan, pack, from, first + n * L::WIDTH)).collect();
-            from_rest::<L, I, M>(plan, group, tracks, &waves, progress)
+            let all = group.chunks(packs.width).enumerate();
+            let tracks = all.map(|(n, pack)| packs.make(plan, pack, from, first + n * packs.width)).collect();
+            from_rest(plan, group, packs.width, tracks, &waves, progress)
         })
         .collect()
 }
 
-/// The pack whose first member is number `first` of its class, at the run's start or where it was saved.
-fn track<L: Lane, I: KernelLaw<L>, const M: usize>(
+fn steady<E>(
     plan: &Plan,
     pack: &[Member],
-    from: Option<Resume>,
-    first: usize,
-) -> Track<L, I, M> {
-    match from {
-        None => Track::new(pack, plan.run.start),
-        Some(from) => Track::resumed(pack, plan.run.start, &from.saved[first..first + pack.len()], from.done),
-    }
-}
-
-fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
-    plan: &Plan,
-    pack: &[Member],
-    mut track: Track<L, I, M>,
-    waves: &[Vec<Wave<L::Element>>],
+    mut track: Box<dyn Walk<E>>,
+    waves: &[Vec<Wave<E>>],
     progress: &Progress,
 ) -> Vec<Ended> {
     let steps = waves[0].len();
     // In blocks, so that a long run tells how far it is and can be stopped.
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = track.done;
+    let mut done = track.done();
     while done < plan.run.periods {
         if progress.stopped() {
             return vec![Ended::NOT_RUN; pack.len()];
@@ -185,14 +191,10 @@ fn steady<L: Lane, I: KernelLaw<L>, const M: usize>(
         progress.add(pack.len() as u64 * u64::from(periods) * steps as u64);
         done += periods;
     }
-    finish_pack(plan, pack, &track)
+    finish_pack(plan, pack, track.as_ref())
 }
 
-fn finish_pack<L: Lane, I: KernelLaw<L>, const M: usize>(
-    plan: &Plan,
-    pack: &[Member],
-    track: &Track<L, I, M>,
-) -> Vec<Ended> {
+fn finish_pack<E>(plan: &Plan, pack: &[Member], track: &dyn Walk<E>) -> Vec<Ended> {
     let tell = plan.stations.is_some();
     pack.iter()
         .zip(track.sums(&plan.run, pack[0].0.steps))
@@ -205,33 +207,34 @@ fn finish_pack<L: Lane, I: KernelLaw<L>, const M: usize>(
 }
 
 /// All instances of a group go through a block of periods before the next block is tabulated.
-fn from_rest<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize>(
+fn from_rest<E: Lane<Element = E>>(
     plan: &Plan,
     group: &[Member],
-    mut tracks: Vec<Track<L, I, M>>,
-    waves: &[Vec<Wave<L::Element>>],
+    width: usize,
+    mut tracks: Vec<Box<dyn Walk<E>>>,
+    waves: &[Vec<Wave<E>>],
     progress: &Progress,
 ) -> Vec<Ended> {
     let run = &plan.run;
     let driven = group[0].1;
     let steps = waves[0].len();
-    let packs: Vec<&[Member]> = group.chunks(L::WIDTH).collect();
+    let packs: Vec<&[Member]> = group.chunks(width).collect();
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = tracks[0].done;
+    let mut done = tracks[0].done();
     while done < run.periods {
         if progress.stopped() {
             return vec![Ended::NOT_RUN; group.len()];
         }
         let periods = block.min(run.periods - done);
         let first = u64::from(done) * steps as u64;
-        let decay = decays::<L>(driven, steps as u32, first, periods as usize * steps);
+        let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
         tracks.par_iter_mut().for_each(|track| {
             track.advance(run, periods, waves, Some(&decay), plan.wants);
             progress.add(track.members() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;
     }
-    tracks.iter().zip(packs).flat_map(|(track, pack)| finish_pack(plan, pack, track)).collect()
+    tracks.iter().zip(packs).flat_map(|(track, pack)| finish_pack(plan, pack, track.as_ref())).collect()
 }
 
 /// The decaying free motion of the modes that are not stepped, at the middle of each step.

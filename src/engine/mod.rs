@@ -3,6 +3,7 @@
 mod cpu;
 mod estimate;
 pub mod gpu;
+mod lanes;
 mod law;
 mod measure;
 mod reference;
@@ -11,6 +12,7 @@ mod start;
 mod station;
 mod trace;
 mod track;
+mod walk;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;

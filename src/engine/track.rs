@@ -13,6 +13,9 @@ use crate::plan::{CasePlan, Driven, Plan};
 use crate::scene::{Run, Start};
 use std::f64::consts::TAU;
 
+/// The least number that is infinite once it is rounded to f32: 2^128 - 2^103.
+const BEYOND: f64 = 3.402_823_567_797_336_6e38;
+
 /// Length of a step, s.
 pub(super) fn step_length(driven: &Driven, steps: u32) -> f64 {
     TAU / (driven.free.omega * f64::from(steps))
@@ -169,15 +172,31 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
             let measured = (self.done >= warm).then_some(wants);
             let sums = measured.unwrap_or(Wants::FUNDAMENTAL);
             period(&self.case, &mut self.state, waves, rows, sums, &mut self.tally);
-            for (lane, finite) in self.finite.iter_mut().enumerate() {
-                let state = self.state.x.iter().chain(&self.state.u);
-                // Beyond f32 counts as no number, so that both precisions and a shader agree on it.
-                *finite &= state.fold(true, |all, value| all & (value.lane(lane) as f32).is_finite());
+            if self.close_period(steps, measured) {
+                for (lane, finite) in self.finite.iter_mut().enumerate() {
+                    let state = self.state.x.iter().chain(&self.state.u);
+                    *finite &= state.fold(true, |all, value| all & (value.lane(lane) as f32).is_finite());
+                }
             }
-            self.ledger.close(&self.tally, steps, measured);
-            self.tally.next_period();
             self.done += 1;
         }
+    }
+
+    /// Takes the period into the ledger; whether some state is no number. Beyond f32 counts as none, so that
+    /// both precisions and a shader agree on it.
+    fn close_period(&mut self, steps: usize, measured: Option<Wants>) -> bool {
+        L::run(
+            #[inline(always)]
+            || {
+                self.ledger.close(&self.tally, steps, measured);
+                self.tally.next_period();
+                let beyond = L::splat(BEYOND);
+                let state = self.state.x.iter().zip(&self.state.u);
+                state.fold(false, |some, (x, u)| {
+                    some | L::any(L::not(L::both(x.abs().less(beyond), u.abs().less(beyond))))
+                })
+            },
+        )
     }
 
     /// What has been measured of each member, with `steps` steps a period.

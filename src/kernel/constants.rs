@@ -19,6 +19,7 @@ constants! {
     SIX = 6.0;
     EIGHT = 8.0;
     HALF = 0.5;
+    QUARTER = 0.25;
     TWELFTH = 1.0 / 12.0;
     TWENTY_FOURTH = 1.0 / 24.0;
     /// Beyond any indentation, within f32.

@@ -15,11 +15,10 @@ pub struct FlowMode {
 /// and u = (dx/dt)/omega, both in kernel units of length.
 #[derive(Clone, Copy, Debug)]
 pub struct Flow<L, const M: usize> {
-    /// Step matrix minus one: x += m00 x + m01 u, u += m10 x + m11 u. Increments, because a step
+    /// Step matrix minus one: x += m00 x + m01 u, u += -m01 x + m11 u. Increments, because a step
     /// matrix rounded to f32 drifts and its increments do not.
     pub m00: [L; M],
     pub m01: [L; M],
-    pub m10: [L; M],
     pub m11: [L; M],
     /// Travel per step of a unit of u: omega h.
     pub rate: [L; M],
@@ -29,13 +28,11 @@ pub struct Flow<L, const M: usize> {
     /// What the speed midway through a kick is too large by when it counts as work, by x and by u.
     pub work_x: [L; M],
     pub work_u: [L; M],
-    /// Change of u and of x by a unit of impulse.
-    pub kick_u: [L; M],
-    pub kick_x: [L; M],
-    /// Change of the tip's speed by a unit of impulse, all modes together (1 but for order h^2).
-    pub kick_speed: L,
-    /// The part by `work_u` that half a unit of impulse makes.
-    pub kick_work: L,
+    /// What a unit of impulse changes x and u by, seen at the next sample.
+    pub land_x: [L; M],
+    pub land_u: [L; M],
+    /// Change of the speed that counts as work by half a unit of impulse, all modes together.
+    pub kick_paid: L,
 }
 
 impl<L: Lane, const M: usize> Flow<L, M> {
@@ -44,7 +41,7 @@ impl<L: Lane, const M: usize> Flow<L, M> {
     ///
     /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
     /// term that the path average asks for, in the form that makes an undamped mode's answer to a
-    /// steady force exact however stiff it is. `kick_x` is the average's damping term
+    /// steady force exact however stiff it is. Its x-part is the average's damping term
     /// (ARCHITECTURE.md); with g = omega/Q it leaves the travel too large by (g h)^2/24, which the
     /// factor's last term takes back.
     ///
@@ -71,17 +68,15 @@ impl<L: Lane, const M: usize> Flow<L, M> {
         Self {
             m00: gather(|row| row.step[0]),
             m01: gather(|row| row.step[1]),
-            m10: gather(|row| row.step[2]),
             m11: gather(|row| row.step[3]),
             rate: gather(|row| row.angle),
             pull: gather(|row| -row.angle * row.angle),
             drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
             work_x: gather(Row::work_x),
             work_u: gather(Row::work_u),
-            kick_u: gather(Row::kick_u),
-            kick_x: gather(Row::kick_x),
-            kick_speed: L::from_lanes(|i| rows[i].iter().map(|row| row.factor).sum()),
-            kick_work: L::from_lanes(|i| rows[i].iter().map(|row| 0.5 * row.work_u() * row.kick_u()).sum()),
+            land_x: gather(|row| row.land()[0]),
+            land_u: gather(|row| row.land()[1]),
+            kick_paid: L::from_lanes(|i| rows[i].iter().map(Row::kick_paid).sum()),
         }
     }
 }
@@ -118,6 +113,18 @@ impl Row {
         self.share * self.damping * self.angle / 12.0
     }
 
+    /// The kick as the flow over a step leaves it.
+    fn land(&self) -> [f64; 2] {
+        let [m00, m01, m10, m11] = self.step;
+        let (x, u) = (self.kick_x(), self.kick_u());
+        [x + (m00 * x + m01 * u), u + (m10 * x + m11 * u)]
+    }
+
+    /// Half of the tip's change of speed, less its part of what `work_u` takes.
+    fn kick_paid(&self) -> f64 {
+        0.5 * (self.factor - self.work_u() * self.kick_u())
+    }
+
     fn work_u(&self) -> f64 {
         (self.loss() * self.loss() - self.angle * self.angle) * self.angle / 24.0
     }
@@ -129,9 +136,8 @@ impl Row {
             return 0.0;
         }
         let [m00, m01, m10, m11] = self.step;
-        let (kick_x, kick_u) = (self.kick_x(), self.kick_u());
-        let right_x = kick_x + m00 * kick_x + m01 * kick_u;
-        let right_u = kick_u + m10 * kick_x + m11 * kick_u;
+        let kick_u = self.kick_u();
+        let [right_x, right_u] = self.land();
         let scale = m01 * m10 - m00 * m11;
         let still_x = (m11 * right_x - m01 * right_u) / scale;
         let still_u = (m00 * right_u - m10 * right_x) / scale;
@@ -224,9 +230,9 @@ mod tests {
                 let mode = FlowMode { omega: angle, damping, share: 1.0 };
                 let flow = Flow::<f64, 1>::new(&[(&[mode][..], 1.0)]);
                 // The state before a kick that kick and step lead back to: -m s = (1 + m) kick.
-                let (kx, ku) = (flow.kick_x[0], flow.kick_u[0]);
-                let (m00, m01, m10, m11) = (flow.m00[0], flow.m01[0], flow.m10[0], flow.m11[0]);
-                let (rx, ru) = (kx + m00 * kx + m01 * ku, ku + m10 * kx + m11 * ku);
+                let kx = Row::new(&mode, 1.0).kick_x();
+                let (m00, m01, m10, m11) = (flow.m00[0], flow.m01[0], -flow.m01[0], flow.m11[0]);
+                let (rx, ru) = (flow.land_x[0], flow.land_u[0]);
                 let scale = m01 * m10 - m00 * m11;
                 let (x, u) = ((m11 * rx - m01 * ru) / scale, (m00 * ru - m10 * rx) / scale);
                 // Of unit impulse per step: travel 1/angle^2. Midway through the kick, and with the
@@ -234,9 +240,7 @@ mod tests {
                 let held = (x + 0.5 * kx + 1.0 / 24.0) * angle * angle;
                 let bound = 0.1 * damping * damping * angle.powi(4) + 1e-12;
                 assert!((held - 1.0).abs() < bound, "{damping}, {angle}: off by {:e}", held - 1.0);
-                let speed = (0.5 * flow.kick_speed - flow.kick_work) + flow.rate[0] * u
-                    - flow.work_x[0] * x
-                    - flow.work_u[0] * u;
+                let speed = flow.kick_paid + flow.rate[0] * u - flow.work_x[0] * x - flow.work_u[0] * u;
                 assert!(speed.abs() < 1e-11, "{damping}, {angle}: {speed:e}");
             }
         }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value per instance. Only operations that a shader rounds the same way are offered.
+/// A value per instance. Only operations that a shader has too are offered.
 pub trait Lane:
     Copy
     + Send
@@ -21,7 +21,11 @@ pub trait Lane:
     const WIDTH: usize;
 
     /// `value(i)` for instance i, rounded to the lane's precision.
-    fn from_lanes(value: impl Fn(usize) -> f64) -> Self;
+    fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+        Self::gather(&value)
+    }
+    /// The same, compiled once for all: nothing that is done often.
+    fn gather(value: &dyn Fn(usize) -> f64) -> Self;
     /// The number of instance i, below [`Lane::WIDTH`].
     fn lane(self, i: usize) -> f64;
     /// A number rounded to the lane's precision, for a table that all instances read.
@@ -35,7 +39,7 @@ pub trait Lane:
     fn abs(self) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
-    /// `self * factor + term`, rounded twice: every processor gives the same bits.
+    /// `self * factor + term`; whether the product is rounded before the sum is the lane's nature.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     fn less(self, other: Self) -> Self::Mask;
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
@@ -43,6 +47,12 @@ pub trait Lane:
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     fn not(a: Self::Mask) -> Self::Mask;
     fn any(mask: Self::Mask) -> bool;
+
+    /// Does `work` compiled for the instructions that the lane is made of, if what it calls is inlined.
+    #[inline(always)]
+    fn run<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
 }
 
 macro_rules! strict_scalar {
@@ -53,7 +63,7 @@ macro_rules! strict_scalar {
             const WIDTH: usize = 1;
 
             #[inline(always)]
-            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+            fn gather(value: &dyn Fn(usize) -> f64) -> Self {
                 value(0) as $float
             }
             #[inline(always)]
@@ -125,20 +135,20 @@ macro_rules! strict_scalar {
 strict_scalar!(f32);
 strict_scalar!(f64);
 
-/// Several instances side by side; the same operations in the same order as one alone, so the same
-/// bits, but a vector instruction for each.
+/// Several instances side by side, for any processor; the same operations in the same order as one
+/// alone, so the same bits. FUSED: a product and its sum round once; slow where there is no such instruction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Pack<T, const N: usize>([T; N]);
+pub struct Pack<T, const N: usize, const FUSED: bool>([T; N]);
 
-/// Eight f64 and sixteen f32 fill a 512-bit register, or several smaller ones.
-pub type Pack64 = Pack<f64, 8>;
-/// See [`Pack64`].
-pub type Pack32 = Pack<f32, 16>;
+/// Eight f64, each operation rounded.
+pub type Pack64 = Pack<f64, 8, false>;
+/// Sixteen f32, each operation rounded.
+pub type Pack32 = Pack<f32, 16, false>;
 
 macro_rules! pack {
     ($float:ty, $bits:ty, $width:literal) => {
-        impl Pack<$float, $width> {
+        impl<const FUSED: bool> Pack<$float, $width, FUSED> {
             #[inline(always)]
             fn zip(self, other: Self, f: impl Fn($float, $float) -> $float) -> Self {
                 let mut out = self.0;
@@ -154,7 +164,7 @@ macro_rules! pack {
         pack!(@op $float, $width, Mul, mul, |a, b| a * b);
         pack!(@op $float, $width, Div, div, |a, b| a / b);
 
-        impl Neg for Pack<$float, $width> {
+        impl<const FUSED: bool> Neg for Pack<$float, $width, FUSED> {
             type Output = Self;
             #[inline(always)]
             fn neg(self) -> Self {
@@ -162,14 +172,14 @@ macro_rules! pack {
             }
         }
 
-        impl Lane for Pack<$float, $width> {
+        impl<const FUSED: bool> Lane for Pack<$float, $width, FUSED> {
             /// All bits set for true: select is then three bit operations on whole registers.
             type Mask = [$bits; $width];
             type Element = $float;
             const WIDTH: usize = $width;
 
-            #[inline(always)]
-            fn from_lanes(value: impl Fn(usize) -> f64) -> Self {
+            #[inline(never)]
+            fn gather(value: &dyn Fn(usize) -> f64) -> Self {
                 Self(std::array::from_fn(|i| value(i) as $float))
             }
             #[inline(always)]
@@ -206,7 +216,14 @@ macro_rules! pack {
             }
             #[inline(always)]
             fn mul_add(self, factor: Self, term: Self) -> Self {
-                self * factor + term
+                if !FUSED {
+                    return self * factor + term;
+                }
+                let mut out = self.0;
+                for i in 0..$width {
+                    out[i] = self.0[i].mul_add(factor.0[i], term.0[i]);
+                }
+                Self(out)
             }
             #[inline(always)]
             fn less(self, other: Self) -> Self::Mask {
@@ -253,7 +270,7 @@ macro_rules! pack {
         }
     };
     (@op $float:ty, $width:literal, $trait:ident, $name:ident, $f:expr) => {
-        impl $trait for Pack<$float, $width> {
+        impl<const FUSED: bool> $trait for Pack<$float, $width, FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {

@@ -100,7 +100,7 @@ impl<L: Lane> Ledger<L> {
     }
 
     /// Takes in one period of `steps` steps; `wants` is none where it is not measured.
-    #[inline]
+    #[inline(always)]
     pub fn close(&mut self, tally: &Tally<L>, steps: usize, wants: Option<Wants>) {
         let cosine = tally.cosine[0] - self.last_cosine;
         let sine = tally.sine[0] - self.last_sine;

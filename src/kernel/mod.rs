@@ -9,7 +9,8 @@
 //! four corrections that make it fourth order away from such events.
 //!
 //! Everything here is generic over [`Lane`] and uses + - * / sqrt min max abs and select only,
-//! so that a shader can say the same in the same order.
+//! so that a shader can say the same in the same order. Whether a product that is summed rounds before the
+//! sum is the lane's nature: in the shader's text, and in lanes without [`Pack`]'s FUSED, it does.
 //!
 //! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
 
@@ -18,16 +19,24 @@ pub mod contact;
 mod flow;
 mod lane;
 mod ledger;
+mod pair;
 mod shader;
 mod step;
 mod tally;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use flow::{Flow, FlowMode, increments};
 pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
+pub use pair::Pair;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
-pub use step::{Case, Decay, Free, Sample, State, Wave, period};
+pub use step::{Case, Decay, Free, Sample, State, Wave, each_step, period};
 pub use tally::Tally;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x86::{Ymm32, Ymm64, Zmm32, Zmm64};
 
 /// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
 pub const LENGTH: f64 = 1e-9;

@@ -1,6 +1,6 @@
 //! One step, and one drive period of steps.
 
-use super::constants::{HALF, TWENTY_FOURTH, ZERO};
+use super::constants::{TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
 use super::{Flow, Lane, Tally};
 use crate::observe::Wants;
@@ -79,20 +79,29 @@ macro_rules! each_mode {
 }
 
 impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
-    /// Kick at the sample, then exact flow to the next one.
+    /// Kick at the sample, then exact flow to the next one. What makes work and virial is zero in the
+    /// sample unless `energy` is asked for.
     #[inline(always)]
     pub fn step(
         &self,
         state: &mut State<L, M>,
         wave: Wave<L::Element>,
         decay: Option<Decay<L::Element>>,
+        energy: bool,
     ) -> Sample<L> {
         let flow = &self.flow;
         let free = &self.free;
         let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
         let steady = free.cosine.mul_add(cosine, free.sine * sine);
         let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
-        let mut excess = -(free.rate * free.rate * speed * L::splat(TWENTY_FOURTH));
+        let mut excess = L::splat(ZERO);
+        if energy {
+            excess = -(free.rate * free.rate * speed * L::splat(TWENTY_FOURTH));
+            each_mode!(M, k => {
+                excess = flow.work_x[k].mul_add(state.x[k], excess);
+                excess = flow.work_u[k].mul_add(state.u[k], excess);
+            });
+        }
         let mut acceleration = -(free.rate * free.rate * steady);
         let mut beyond = L::splat(ZERO);
         if let Some(decay) = decay {
@@ -105,8 +114,6 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             speed = flow.rate[k].mul_add(state.u[k], speed);
             acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
-            excess = flow.work_x[k].mul_add(state.x[k], excess);
-            excess = flow.work_u[k].mul_add(state.u[k], excess);
         });
         let indentation = -(self.gap + steady + beyond);
         let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
@@ -114,31 +121,63 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let impulse = kick.impulse;
         state.touching = kick.touching;
         each_mode!(M, k => {
-            let u = flow.kick_u[k].mul_add(impulse, state.u[k]);
-            let x = flow.kick_x[k].mul_add(impulse, state.x[k]);
-            // A chain of sums: drivers take x + (a + b) apart into one.
-            state.x[k] = flow.m01[k].mul_add(u, flow.m00[k].mul_add(x, x));
-            state.u[k] = flow.m11[k].mul_add(u, flow.m10[k].mul_add(x, u));
+            let (x, u) = (state.x[k], state.u[k]);
+            // Chains of sums: drivers take x + (a + b) apart into one. The kick comes last: nothing before
+            // it waits for it.
+            let flown_x = flow.m01[k].mul_add(u, flow.m00[k].mul_add(x, x));
+            let flown_u = flow.m11[k].mul_add(u, (-flow.m01[k]).mul_add(x, u));
+            state.x[k] = flow.land_x[k].mul_add(impulse, flown_x);
+            state.u[k] = flow.land_u[k].mul_add(impulse, flown_u);
         });
         // A kick's corner against the smooth path it stands for.
-        let corner = impulse * L::splat(TWENTY_FOURTH);
+        let corner = L::splat(TWENTY_FOURTH);
+        let (mut paid, mut centred) = (L::splat(ZERO), L::splat(ZERO));
+        if energy {
+            paid = flow.kick_paid.mul_add(impulse, speed) - excess;
+            centred = (-acceleration).mul_add(L::splat(TWENTY_FOURTH), steady + beyond);
+        }
         Sample {
             steady,
-            beyond: beyond + corner,
-            indentation: indentation - corner,
-            speed: (L::splat(HALF) * flow.kick_speed - flow.kick_work).mul_add(impulse, speed) - excess,
-            centred: steady + beyond - acceleration * L::splat(TWENTY_FOURTH),
+            beyond: corner.mul_add(impulse, beyond),
+            indentation: (-corner).mul_add(impulse, indentation),
+            speed: paid,
+            centred,
             kick,
         }
     }
 }
 
-/// Steps through one drive period: `waves[n]` for the steps of harmonic n + 1, `decay` for the
-/// same steps where the run started from rest.
+/// Steps a lane through one drive period and hands each sample to `see`, with the state before its kick:
+/// `waves` for the steps, `decay` for the same steps where the run started from rest.
 ///
-/// Compiled once for each instruction set and chosen at run time; no operation is fused, so all of
-/// them give the same bits.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+/// The steps are compiled for the lane's instructions; `see` ought to be inlined into them.
+pub fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
+    case: &Case<L, I, M>,
+    state: &mut State<L, M>,
+    waves: &[Wave<L::Element>],
+    decay: Option<&[Decay<L::Element>]>,
+    energy: bool,
+    mut see: impl FnMut(usize, &State<L, M>, &Sample<L>),
+) {
+    L::run(
+        #[inline(always)]
+        || {
+            // Something aligned that must be in memory: the compiler then aligns the whole stack, and what
+            // it keeps there of registers does not straddle lines of the cache.
+            std::hint::black_box(&L::splat(ZERO));
+            // A copy, which the compiler can keep in registers.
+            let mut here = *state;
+            for (index, wave) in waves.iter().enumerate() {
+                let before = here;
+                let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), energy);
+                see(index, &before, &sample);
+            }
+            *state = here;
+        },
+    );
+}
+
+/// One drive period into `tally`, which holds the sums; `waves[n]` is of harmonic n + 1.
 pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
@@ -147,8 +186,15 @@ pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
     wants: Wants,
     tally: &mut Tally<L>,
 ) {
-    for (index, wave) in waves[0].iter().enumerate() {
-        let sample = case.step(state, *wave, decay.map(|rows| rows[index]));
-        tally.add(&sample, waves, index, wants);
-    }
+    let mut sums = *tally;
+    each_step(
+        case,
+        state,
+        &waves[0],
+        decay,
+        wants.energy,
+        #[inline(always)]
+        |index, _, sample| sums.add(sample, waves, index, wants),
+    );
+    *tally = sums;
 }

@@ -5,6 +5,17 @@ use super::constants::{EIGHT, FAR, ONE, ZERO};
 use super::step::{Sample, Wave};
 use crate::observe::{HARMONICS, Wants};
 
+/// The body for each harmonic above the first, written out: an index that is only known when it runs would
+/// keep every sum in memory.
+macro_rules! each_harmonic {
+    ($($index:literal)*, $n:ident => $body:block) => {
+        $({
+            let $n = $index;
+            $body
+        })*
+    };
+}
+
 /// Over one period, kernel units.
 #[derive(Clone, Copy, Debug)]
 pub struct Tally<L> {
@@ -63,6 +74,7 @@ impl<L: Lane> Tally<L> {
     }
 
     /// Empties the sums for the next period; what links samples across its start is kept.
+    #[inline(always)]
     pub fn next_period(&mut self) {
         let zero = L::splat(ZERO);
         self.cosine = [zero; HARMONICS];
@@ -87,23 +99,15 @@ impl<L: Lane> Tally<L> {
         index: usize,
         wants: Wants,
     ) {
-        for (harmonic, row) in waves.iter().enumerate().take(wants.harmonics) {
-            let wave = row[index];
-            let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
-            self.cosine[harmonic] = sample.beyond.mul_add(cosine, self.cosine[harmonic]);
-            self.sine[harmonic] = sample.beyond.mul_add(sine, self.sine[harmonic]);
+        self.add_harmonic(sample, waves[0][index], 0);
+        if wants.harmonics > 1 {
+            self.add_harmonics(sample, waves, index, wants);
         }
         if wants.extremes {
             self.add_extremes(sample);
         }
         if wants.contact {
-            let (one, zero) = (L::splat(ONE), L::splat(ZERO));
-            let before = zero.less(self.touched);
-            let now = zero.less(sample.kick.touching);
-            self.time = self.time + sample.kick.contact;
-            self.begun = self.begun + L::select(L::both(now, L::not(before)), one, zero);
-            self.ended = self.ended + L::select(L::both(before, L::not(now)), one, zero);
-            self.apart = L::select(now, self.apart, one);
+            self.add_contact(sample);
         }
         if wants.energy {
             let impulse = sample.kick.impulse;
@@ -116,6 +120,43 @@ impl<L: Lane> Tally<L> {
         self.touched = sample.kick.touching;
     }
 
+    #[inline(always)]
+    fn add_harmonic(&mut self, sample: &Sample<L>, wave: Wave<L::Element>, n: usize) {
+        let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
+        self.cosine[n] = sample.beyond.mul_add(cosine, self.cosine[n]);
+        self.sine[n] = sample.beyond.mul_add(sine, self.sine[n]);
+    }
+
+    /// Harmonics above the first.
+    #[inline(always)]
+    fn add_harmonics(
+        &mut self,
+        sample: &Sample<L>,
+        waves: &[Vec<Wave<L::Element>>],
+        index: usize,
+        wants: Wants,
+    ) {
+        each_harmonic!(1 2 3 4 5 6 7 8 9, n => {
+            if n < wants.harmonics {
+                self.add_harmonic(sample, waves[n][index], n);
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn add_contact(&mut self, sample: &Sample<L>) {
+        let (one, zero) = (L::splat(ONE), L::splat(ZERO));
+        let before = zero.less(self.touched);
+        let now = zero.less(sample.kick.touching);
+        // Elsewhere nothing would be added.
+        if L::any(L::either(L::either(before, now), zero.less(sample.kick.contact))) {
+            self.time = self.time + sample.kick.contact;
+            self.begun = self.begun + L::select(L::both(now, L::not(before)), one, zero);
+            self.ended = self.ended + L::select(L::both(before, L::not(now)), one, zero);
+        }
+        self.apart = L::select(now, self.apart, one);
+    }
+
     /// The middle of the last three samples, moved to the top of their parabola where it is one.
     #[inline(always)]
     fn add_extremes(&mut self, sample: &Sample<L>) {
@@ -123,11 +164,14 @@ impl<L: Lane> Tally<L> {
         let [first, middle] = self.last;
         let next = sample.indentation;
         let turns = ((middle - first) * (next - middle)).less(zero);
-        let slope = next - first;
-        let bend = (next - middle) - (middle - first);
-        // `bend` is zero only where nothing turns.
-        let top = middle - slope * slope / (L::splat(EIGHT) * bend);
-        let value = L::select(turns, top, middle);
+        let mut value = middle;
+        if L::any(turns) {
+            let slope = next - first;
+            let bend = (next - middle) - (middle - first);
+            // `bend` is zero only where nothing turns.
+            let top = middle - slope * slope / (L::splat(EIGHT) * bend);
+            value = L::select(turns, top, middle);
+        }
         self.deepest = self.deepest.max(value);
         self.highest = self.highest.min(value);
         let held = L::select(zero.less(self.touched), value, self.held);

@@ -47,6 +47,9 @@ pub const BOOKS: f64 = 1e-4;
 /// f32 against f64, both at the plan's steps for 1e-3. Seen: 1.0e-5 (largest force).
 pub const SINGLE: f64 = 5e-5;
 
+/// The CPU rounding sums of products once against twice, f64, steady instances. Seen: 1.5e-14.
+pub const ROUNDING: f64 = 1e-12;
+
 /// The shader against the CPU in the same precision where the driver may fuse and reorder, steady instances,
 /// after more than 20,000 steps. Seen on lavapipe: 6.0e-5, and 3.1e-4 after half as many periods, in the
 /// largest force on 30 GPa, whose indentation is a small difference of travels (swing and phase 1.5e-7), and

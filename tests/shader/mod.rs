@@ -71,8 +71,12 @@ pub fn exact(found: &[AdapterReport]) -> bool {
     found.len() == 1 && found[0].software() && found[0].strict
 }
 
+/// Rounded after each operation, as the shader does where it is told to.
 pub fn cpu(plan: &Plan) -> Vec<Finished> {
-    Cpu::default().run(plan, &Progress::default()).expect("the plan can be run").results
+    Cpu { strict: true, ..Cpu::default() }
+        .run(plan, &Progress::default())
+        .expect("the plan can be run")
+        .results
 }
 
 pub fn on(gpu: &Gpu, plan: &Plan) -> Outcome {

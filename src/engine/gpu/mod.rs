@@ -11,6 +11,7 @@ pub use adapter::{AdapterReport, adapters};
 pub use chunk::Job;
 
 use super::cpu::{self, Resume};
+use super::lanes::Rounding;
 use super::measure::{Sums, finish};
 use super::saved::Saved;
 use super::track::member;
@@ -89,8 +90,8 @@ pub struct Gpu {
     report: AdapterReport,
     /// Most instances on the device at a time, below what its memory allows.
     pub chunk: Option<usize>,
-    /// Forbids the driver to fuse or reorder sums and products: what it computes is then what the CPU does,
-    /// bit by bit, as far as the device divides and takes roots as IEEE 754 asks. From the start on for
+    /// Forbids the driver to fuse or reorder sums and products: what it computes is then what the CPU does
+    /// with [`Cpu::strict`](crate::engine::Cpu::strict), bit by bit, as far as the device divides and takes roots as IEEE 754 asks. From the start on for
     /// software drivers, to which it costs nothing; only a Vulkan driver can do it.
     pub strict: bool,
     /// For tests of what happens when a device fails.
@@ -202,7 +203,7 @@ impl Gpu {
         opened.notes.push(format!("going on from period {from} on the CPU"));
         let rest = Class { instances: tables.instances, ..class.clone() };
         let resume = checkpoint.as_ref().map(|at| Resume { saved: &at.saved, done: at.done });
-        cpu::resume(plan, &rest, resume, progress)
+        cpu::resume(plan, &rest, resume, Rounding::new(self.strict), progress)
     }
 }
 

@@ -165,18 +165,17 @@ fn drive_row<I: KernelLaw<f64>>(plan: &Plan, spec: &ShaderSpec, member: Member) 
     let modes = [
         flow.m00,
         flow.m01,
-        flow.m10,
         flow.m11,
         flow.rate,
         flow.pull,
         flow.drag,
-        flow.kick_u,
-        flow.kick_x,
+        flow.land_x,
+        flow.land_u,
         flow.work_x,
         flow.work_u,
     ];
     let mut row: Vec<f64> = modes.iter().flat_map(|values| values[..spec.modes].to_vec()).collect();
-    row.extend([flow.kick_speed, flow.kick_work, case.free.cosine, case.free.sine, case.free.rate]);
+    row.extend([flow.kick_paid, case.free.cosine, case.free.sine, case.free.rate]);
     row
 }
 

@@ -3,9 +3,9 @@
 //! that is continuous at first touch.
 
 use super::hertz::Hertz;
-use super::path::Path;
+use super::path::{Path, corrected};
 use super::{Approach, Interaction, Kick, Lane, LawShader, hertz};
-use crate::kernel::constants::{ONE, TWELFTH, TWO, ZERO};
+use crate::kernel::constants::{ONE, TWO, ZERO};
 
 /// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -16,19 +16,10 @@ pub struct Dmt<L> {
 }
 
 impl<L: Lane> Dmt<L> {
-    /// Distance from the surface in decay lengths; 0 in contact.
+    /// One and the distance from the surface in decay lengths; 1 in contact.
     #[inline(always)]
-    fn distance(&self, indentation: L) -> L {
-        (-indentation).max(L::splat(ZERO)) * self.inverse_decay
-    }
-
-    /// Mean attraction along a piece of path: 1/((1 + x1)(1 + x2)) outside, 1 inside, by shares.
-    #[inline(always)]
-    fn attraction(&self, path: Path<L>, inside: L) -> L {
-        let one = L::splat(ONE);
-        let product = (one + self.distance(path.start)) * (one + self.distance(path.end));
-        let outside = one / product;
-        self.adhesion * inside.mul_add(one - outside, outside)
+    fn stretch(&self, indentation: L) -> L {
+        (-indentation).max(L::splat(ZERO)).mul_add(self.inverse_decay, L::splat(ONE))
     }
 }
 
@@ -45,23 +36,25 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        let one = L::splat(ONE);
-        let y = one / (one + self.distance(at.indentation));
-        let sample = self.hertz.sample(at.indentation) - self.adhesion * y * y;
+        let (zero, one, two) = (L::splat(ZERO), L::splat(ONE), L::splat(TWO));
+        let y = one / self.stretch(at.indentation);
+        let mut sample = -(self.adhesion * y * y);
+        if L::any(zero.less(at.indentation)) {
+            sample = (-(self.adhesion * y)).mul_add(y, self.hertz.sample(at.indentation));
+        }
         let path = Path::around(at, sample);
-        let zero = L::splat(ZERO);
+        // Mean attraction along a piece of path: 1/((1 + x1)(1 + x2)) outside, 1 inside, by shares.
+        let outside = one / (self.stretch(path.start) * self.stretch(path.end));
+        // Slope of the attraction outside, relative to it: -2/(D0 + distance); in contact none.
+        let fall = two * self.inverse_decay * y;
         if !L::any(L::either(zero.less(path.start), zero.less(path.end))) {
-            let pull = self.attraction(path, zero);
-            let slope = -(L::splat(TWO) * pull * self.inverse_decay * y);
-            let impulse = -pull + pull * slope * L::splat(TWELFTH);
-            return Kick { impulse, contact: zero, touching: zero };
+            let pull = self.adhesion * outside;
+            return Kick { impulse: corrected(-pull, -(pull * fall)), contact: zero, touching: zero };
         }
         let mean = self.hertz.mean(path);
-        let pull = self.attraction(path, mean.share);
-        let force = mean.force - pull;
-        // Slope of the attraction outside: -2 pull/(D0 + distance), in contact none.
-        let slope = mean.slope - L::splat(TWO) * pull * self.inverse_decay * y * (one - mean.share);
-        let impulse = force - force * slope * L::splat(TWELFTH);
+        let pull = self.adhesion * mean.share.mul_add(one - outside, outside);
+        let slope = mean.slope - pull * fall * (one - mean.share);
+        let impulse = corrected(mean.force - pull, slope);
         Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
     }
 

@@ -1,8 +1,8 @@
 //! Hertz (1882): f = K sqrt(R) d^1.5 in contact; equation (14) of Ha, Fung & Chen 2005.
 
-use super::path::Path;
+use super::path::{Path, corrected};
 use super::{Approach, Interaction, Kick, Lane, LawShader};
-use crate::kernel::constants::{HERTZ_ENERGY, LEAST, ONE, TWELFTH, ZERO};
+use crate::kernel::constants::{HERTZ_ENERGY, LEAST, ONE, ZERO};
 
 pub(super) const TEXT: &str = include_str!("../../../shaders/contact/hertz.wgsl");
 
@@ -58,8 +58,11 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
         }
         let path = Path::around(at, self.sample(at.indentation));
         let mean = self.mean(path);
-        let impulse = mean.force - mean.force * mean.slope * L::splat(TWELFTH);
-        Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
+        Kick {
+            impulse: corrected(mean.force, mean.slope),
+            contact: mean.share,
+            touching: self.touching_at(path.end),
+        }
     }
 
     #[inline(always)]

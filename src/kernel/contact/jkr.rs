@@ -3,13 +3,13 @@
 //! In units of the fold, y^2 = a/a_s, the curve is D = y^4 - 4y, F = y^6/6 - y^3, y >= 1. With
 //! e = y - 1 and t = D + 3 it reads t = e^2 (e^2 + 4e + 6): no cancellation at the fold e = 0.
 
-use super::path::Path;
+use super::path::{Path, corrected};
 use super::{Approach, Interaction, Kick, Lane, LawShader};
 use crate::kernel::constants::{
     FIVE, FOUR, JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5, JKR_ROOT_A,
     JKR_ROOT_B, JKR_ROOT_SIX, JKR_STEEPEST, JKR_TINY, JKR_TOUCH, JKR_WORK_0, JKR_WORK_1, JKR_WORK_2,
-    JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7, JKR_WORK_8, LEAST, ONE, SIX, THREE, TWELFTH,
-    TWO, ZERO,
+    JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7, JKR_WORK_8, LEAST, ONE, SIX, THREE, TWO,
+    ZERO,
 };
 
 /// `unit_force` is pi w R as impulse per step; `inverse_unit` R/a_s^2 per unit of length.
@@ -106,8 +106,7 @@ impl<L: Lane> Jkr<L> {
         let force = force * self.unit_force * share;
         // The slope is infinite at the fold; a step cannot use more than it resolves.
         let slope = (slope * self.unit_force * self.inverse_unit).max(L::splat(JKR_STEEPEST));
-        let corrected = force - force * slope * L::splat(TWELFTH);
-        let impulse = L::select(stays, corrected, force);
+        let impulse = L::select(stays, corrected(force, slope), force);
         let touching = L::select(L::either(stays, touches), one, zero);
         Kick { impulse, contact: share, touching }
     }

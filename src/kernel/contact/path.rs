@@ -1,7 +1,13 @@
 //! A straight piece of the tip's path, from half a step before a sample to half a step after it.
 
 use super::{Approach, Lane};
-use crate::kernel::constants::{HALF, ONE, TWENTY_FOURTH, ZERO};
+use crate::kernel::constants::{HALF, ONE, QUARTER, TWELFTH, TWENTY_FOURTH, ZERO};
+
+/// The mean force with the commutator of kick and flow, of second order (ARCHITECTURE.md).
+#[inline(always)]
+pub fn corrected<L: Lane>(force: L, slope: L) -> L {
+    (-(force * slope)).mul_add(L::splat(TWELFTH), force)
+}
 
 /// Indentation at the two ends, in order of time.
 #[derive(Clone, Copy, Debug)]
@@ -16,8 +22,7 @@ impl<L: Lane> Path<L> {
     /// chord is the mean over time to fourth order.
     #[inline(always)]
     pub fn around(at: Approach<L>, impulse: L) -> Self {
-        let half = L::splat(HALF);
-        let reach = half * (at.speed - half * impulse);
+        let reach = (-L::splat(QUARTER)).mul_add(impulse, L::splat(HALF) * at.speed);
         let centre = at.acceleration.mul_add(L::splat(TWENTY_FOURTH), at.indentation);
         Self { start: centre - reach, end: centre + reach }
     }

@@ -1,0 +1,97 @@
+//! A pack of instances on its way through a run, whatever its lanes, law and modes: what is compiled once
+//! for all of them need not know.
+
+use super::cpu::Resume;
+use super::law::KernelLaw;
+use super::measure::Sums;
+use super::saved::Saved;
+use super::track::{Member, Track};
+use crate::kernel::{Decay, Lane, Wave};
+use crate::observe::Wants;
+use crate::plan::Plan;
+use crate::scene::Run;
+
+/// See [`Track`].
+pub(super) trait Walk<E>: Send {
+    fn advance(
+        &mut self,
+        run: &Run,
+        periods: u32,
+        waves: &[Vec<Wave<E>>],
+        decay: Option<&[Decay<E>]>,
+        wants: Wants,
+    );
+    fn sums(&self, run: &Run, steps: u32) -> Vec<Sums>;
+    /// Member `lane` as it stands.
+    fn saved(&self, lane: usize) -> Saved;
+    fn members(&self) -> usize;
+    fn done(&self) -> u32;
+}
+
+impl<E, L: Lane<Element = E>, I: KernelLaw<L> + Send, const M: usize> Walk<E> for Track<L, I, M> {
+    fn advance(
+        &mut self,
+        run: &Run,
+        periods: u32,
+        waves: &[Vec<Wave<E>>],
+        decay: Option<&[Decay<E>]>,
+        wants: Wants,
+    ) {
+        Track::advance(self, run, periods, waves, decay, wants);
+    }
+
+    fn sums(&self, run: &Run, steps: u32) -> Vec<Sums> {
+        Track::sums(self, run, steps)
+    }
+
+    fn saved(&self, lane: usize) -> Saved {
+        Track::saved(self, lane)
+    }
+
+    fn members(&self) -> usize {
+        Track::members(self)
+    }
+
+    fn done(&self) -> u32 {
+        self.done
+    }
+}
+
+/// How packs of a class are made: so many instances each.
+pub(super) struct Packs<E> {
+    pub width: usize,
+    make: fn(&Plan, &[Member], Option<Resume>, usize) -> Box<dyn Walk<E>>,
+}
+
+impl<E> Packs<E> {
+    pub fn new<L: Lane<Element = E> + 'static, I: KernelLaw<L> + Send + 'static, const M: usize>() -> Self {
+        Self { width: L::WIDTH, make: boxed::<E, L, I, M> }
+    }
+
+    /// The pack whose first member is number `first` of its class, at the run's start or where it was saved.
+    pub fn make(
+        &self,
+        plan: &Plan,
+        members: &[Member],
+        from: Option<Resume>,
+        first: usize,
+    ) -> Box<dyn Walk<E>> {
+        (self.make)(plan, members, from, first)
+    }
+}
+
+fn boxed<E, L: Lane<Element = E> + 'static, I: KernelLaw<L> + Send + 'static, const M: usize>(
+    plan: &Plan,
+    members: &[Member],
+    from: Option<Resume>,
+    first: usize,
+) -> Box<dyn Walk<E>> {
+    let track: Track<L, I, M> = match from {
+        None => Track::new(members, plan.run.start),
+        Some(from) => {
+            let saved = &from.saved[first..first + members.len()];
+            Track::resumed(members, plan.run.start, saved, from.done)
+        }
+    };
+    Box::new(track)
+}

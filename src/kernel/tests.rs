@@ -1,0 +1,178 @@
+//! Lanes against each other: what one instance does alone it does in any register, to the bit.
+
+use super::contact::{Dmt, Hertz, Interaction, Jkr};
+use super::{Case, Flow, FlowMode, Free, Lane, Ledger, Pack, Pair, State, Tally, Wave, period};
+use super::{Ymm32, Ymm64, Zmm32, Zmm64};
+use crate::observe::{HARMONICS, Wants};
+use std::f64::consts::TAU;
+
+const STEPS: usize = 96;
+const ALL: Wants = Wants { harmonics: HARMONICS, extremes: true, contact: true, energy: true };
+
+/// Lanes that this processor does not have must not be tried.
+fn has(instructions: &str) -> bool {
+    let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+    let avx512 = is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl");
+    if instructions == "avx512" { avx2 && avx512 } else { avx2 }
+}
+
+/// Numbers that differ in kind, then some of every size.
+fn number(i: usize) -> f64 {
+    const KINDS: [f64; 8] =
+        [0.0, -0.0, 1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, f64::MIN_POSITIVE, -1e38];
+    let part = (i as f64 * 0.618_033_988_749_895).fract() - 0.5;
+    *KINDS.get(i).unwrap_or(&(part * 10f64.powi(i as i32 % 13 - 6)))
+}
+
+/// Bits of every operation on all pairs and some triples of numbers; a NaN is a NaN.
+fn operations<L: Lane>() -> Vec<u64> {
+    let count = 40;
+    let mut out = Vec::new();
+    let mut put = |value: L, i: usize| {
+        let value = value.lane(i);
+        out.push(if value.is_nan() { f64::NAN.to_bits() } else { value.to_bits() });
+    };
+    for first in 0..count {
+        for second in 0..count {
+            // This pair in one lane, others beside it.
+            let place = (first * count + second) % L::WIDTH;
+            let shifted = |from: usize| L::from_lanes(|i| number((from + i + L::WIDTH - place) % count));
+            let (a, b, c) = (shifted(first), shifted(second), shifted(first + second));
+            let less = a.less(b);
+            let other = b.less(c);
+            let one = |mask: L::Mask| L::select(mask, L::splat(1.0), L::splat(0.0));
+            for value in [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                -a,
+                a.abs(),
+                a.sqrt(),
+                a.min(b),
+                a.max(b),
+                a.mul_add(b, c),
+                (-a).mul_add(b, c),
+                one(less),
+                one(L::both(less, other)),
+                one(L::either(less, other)),
+                one(L::not(less)),
+                L::select(less, a, c),
+            ] {
+                put(value, place);
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn every_operation_is_the_same_in_every_register() {
+    let (single, double) = (operations::<Pack<f32, 16, true>>(), operations::<Pack<f64, 8, true>>());
+    // Rounding twice is another thing: the comparison sees it.
+    assert_ne!(single, operations::<f32>());
+    assert_ne!(double, operations::<f64>());
+    if has("avx2") {
+        assert!(single == operations::<Ymm32>() && single == operations::<Pair<Ymm32>>());
+        assert!(double == operations::<Ymm64>() && double == operations::<Pair<Ymm64>>());
+    }
+    if has("avx512") {
+        assert!(single == operations::<Zmm32>() && single == operations::<Pair<Zmm32>>());
+        assert!(double == operations::<Zmm64>() && double == operations::<Pair<Zmm64>>());
+    }
+}
+
+#[test]
+fn any_sees_each_lane() {
+    fn seen<L: Lane>() {
+        for place in 0..L::WIDTH {
+            let one = L::from_lanes(|i| if i == place { -1.0 } else { 1.0 });
+            assert!(L::any(one.less(L::splat(0.0))), "{place} of {}", L::WIDTH);
+        }
+        assert!(!L::any(L::splat(1.0).less(L::splat(0.0))));
+    }
+    seen::<Pack<f32, 16, true>>();
+    if has("avx2") {
+        seen::<Pair<Ymm32>>();
+        seen::<Pair<Ymm64>>();
+    }
+    if has("avx512") {
+        seen::<Pair<Zmm32>>();
+        seen::<Pair<Zmm64>>();
+    }
+}
+
+/// 32 instances, soft to stiff, from far away to pressed in; the bits of all that is summed.
+fn stepped<L: Lane, I: Interaction<L>>(law: impl Fn(&dyn Fn(usize) -> f64) -> I) -> Vec<u64> {
+    let modes = [(TAU, 0.05, 0.2), (6.27 * TAU, 0.02, 0.8)];
+    let modes = modes.map(|(omega, damping, share)| FlowMode { omega, damping, share });
+    let flows = vec![(&modes[..], 1.0 / STEPS as f64); L::WIDTH];
+    let waves: Vec<Vec<Wave<L::Element>>> = (1..=HARMONICS)
+        .map(|n| {
+            let angle = |step: usize| n as f64 * (step as f64 + 0.5) * TAU / STEPS as f64;
+            let wave = |a: f64| Wave { cosine: L::element(a.cos()), sine: L::element(a.sin()) };
+            (0..STEPS).map(|step| wave(angle(step))).collect()
+        })
+        .collect();
+    let mut out = Vec::new();
+    for first in (0..32).step_by(L::WIDTH) {
+        let zero = L::splat(0.0);
+        let case: Case<L, I, 2> = Case {
+            flow: Flow::new(&flows),
+            free: Free { cosine: L::splat(20.0), sine: L::splat(3.0), rate: L::splat(TAU / STEPS as f64) },
+            gap: L::from_lanes(|i| -2.0 + 0.8 * (first + i) as f64),
+            law: law(&|i| 1e-4 * 1.2f64.powi(((first + i) * 7 % 32) as i32)),
+        };
+        let mut state = State { x: [zero; 2], u: [zero; 2], touching: zero };
+        let mut tally = Tally::start(L::splat(-30.0), zero);
+        let mut ledger = Ledger::new();
+        for _ in 0..12 {
+            period(&case, &mut state, &waves, None, ALL, &mut tally);
+            ledger.close(&tally, STEPS, Some(ALL));
+            tally.next_period();
+        }
+        for i in 0..L::WIDTH {
+            let one = ledger.lane(i);
+            let sums = one.cosine.iter().chain(&one.sine).chain(&one.changes).copied();
+            let rest = [one.deepest, one.highest, one.held, one.time, one.begun, one.ended, one.apart];
+            let state = [state.x[0], state.u[0], state.x[1], state.u[1]].map(|value| value.lane(i));
+            let all = sums.chain(rest).chain([one.impulse, one.work, one.virial]).chain(state);
+            out.extend(all.map(f64::to_bits));
+        }
+    }
+    out
+}
+
+fn laws<L: Lane>() -> [Vec<u64>; 3] {
+    let hertz = |scale: &dyn Fn(usize) -> f64| Hertz { stiffness: L::from_lanes(scale) };
+    [
+        stepped::<L, _>(hertz),
+        stepped::<L, _>(|scale| Dmt {
+            hertz: hertz(scale),
+            adhesion: L::from_lanes(|i| 2.0 * scale(i)),
+            inverse_decay: L::splat(5.0),
+        }),
+        stepped::<L, _>(|scale| Jkr { unit_force: L::from_lanes(scale), inverse_unit: L::splat(3.0) }),
+    ]
+}
+
+#[test]
+fn steps_are_the_same_in_every_register() {
+    // Rounded twice, alone and side by side; rounded once, in every register.
+    assert!(laws::<f32>() == laws::<Pack<f32, 16, false>>());
+    assert!(laws::<f64>() == laws::<Pack<f64, 8, false>>());
+    let (single, double) = (laws::<Pack<f32, 16, true>>(), laws::<Pack<f64, 8, true>>());
+    for (once, twice) in [(&single, laws::<f32>()), (&double, laws::<f64>())] {
+        assert!(once.iter().zip(&twice).all(|(once, twice)| once != twice), "nothing was fused");
+    }
+    if has("avx2") {
+        assert!(single == laws::<Ymm32>() && single == laws::<Pair<Ymm32>>());
+        assert!(double == laws::<Ymm64>() && double == laws::<Pair<Ymm64>>());
+    }
+    if has("avx512") {
+        assert!(single == laws::<Zmm32>() && single == laws::<Pair<Zmm32>>());
+        assert!(double == laws::<Zmm64>() && double == laws::<Pair<Zmm64>>());
+    }
+}
