@@ -1,6 +1,10 @@
 //! ode_solvers' Dopri5 and Dop853. It has no root finding: where JKR's memory changes within an accepted step, the
 //! run is stopped, the place is found on the quintic between the step's ends, the solver goes there from the step's
 //! beginning, and starts anew from there.
+//!
+//! Dop853 of version 0.6.2 takes its twelfth stage at the step's beginning (`C[11]` of its `butcher_tableau.rs` is 0 in place
+//! of 1), which makes it of first order where time stands in the equations. It gets the angle as one more unknown, which
+//! mends that.
 
 use crate::answer::{Answer, Place};
 use crate::problem::Reduced;
@@ -56,12 +60,21 @@ struct Rates<'w, 'a>(&'w Walk<'a>);
 impl<const N: usize> System<f64, SVector<f64, N>> for Rates<'_, '_> {
     fn system(&self, theta: f64, y: &SVector<f64, N>, out: &mut SVector<f64, N>) {
         let walk = self.0;
-        walk.equations.rates(theta, y.as_slice(), walk.seen.get().touching, out.as_mut_slice());
+        let body = body(N);
+        let theta = if body < N { y[body] } else { theta };
+        let touching = walk.seen.get().touching;
+        walk.equations.rates(theta, &y.as_slice()[..body], touching, &mut out.as_mut_slice()[..body]);
+        out.as_mut_slice()[body..].fill(1.0);
     }
 
     fn solout(&mut self, theta: f64, y: &SVector<f64, N>, rates: &SVector<f64, N>) -> bool {
         self.0.accepted(theta, y.as_slice(), rates.as_slice())
     }
+}
+
+/// Unknowns without the angle.
+fn body(unknowns: usize) -> usize {
+    if unknowns < MEASURING { STATE } else { MEASURING }
 }
 
 impl<'a> Walk<'a> {
@@ -94,12 +107,20 @@ impl<'a> Walk<'a> {
     }
 
     fn whole(&self, method: Method, tolerance: f64) -> Option<Answer> {
+        match method {
+            Method::Dopri5 => self.both::<STATE, MEASURING>(method, tolerance),
+            Method::Dop853 => self.both::<{ STATE + 1 }, { MEASURING + 1 }>(method, tolerance),
+        }
+    }
+
+    fn both<const N: usize, const M: usize>(&self, method: Method, tolerance: f64) -> Option<Answer> {
         let (begin, end) = self.equations.span();
-        let warm = self.to::<STATE>(method, tolerance, 0.0, begin, SVector::zeros())?;
+        let warm = self.to::<N>(method, tolerance, 0.0, begin, SVector::zeros())?;
         self.seen.set(Seen { measuring: true, ..self.seen.get() });
-        let mut state = SVector::<f64, MEASURING>::zeros();
-        state.as_mut_slice()[..STATE].copy_from_slice(warm.as_slice());
-        let state = self.to::<MEASURING>(method, tolerance, begin, end, state)?;
+        let mut state = SVector::<f64, M>::zeros();
+        state.as_mut_slice()[..STATE].copy_from_slice(&warm.as_slice()[..STATE]);
+        state.as_mut_slice()[MEASURING..].fill(begin);
+        let state = self.to::<M>(method, tolerance, begin, end, state)?;
         Some(self.equations.answer(state.as_slice(), self.seen.get().force_max))
     }
 
@@ -135,8 +156,10 @@ impl<'a> Walk<'a> {
     /// The place where an integration begins.
     fn note<const N: usize>(&self, theta: f64, y: &SVector<f64, N>) {
         let mut rates = SVector::<f64, N>::zeros();
-        self.equations.rates(theta, y.as_slice(), self.seen.get().touching, rates.as_mut_slice());
-        self.last.set((theta, self.equations.place(theta, y.as_slice(), rates.as_slice())));
+        let (y, body) = (y.as_slice(), body(N));
+        let touching = self.seen.get().touching;
+        self.equations.rates(theta, &y[..body], touching, &mut rates.as_mut_slice()[..body]);
+        self.last.set((theta, self.equations.place(theta, y, rates.as_slice())));
     }
 
     /// The part of a step before the memory changes.

@@ -4,7 +4,7 @@ use crate::lanes::Lanes;
 use crate::problem::Sample;
 
 /// A law with its constants for each lane.
-pub trait Law<const N: usize>: Send + Sync {
+pub trait Law<const N: usize>: Copy {
     /// Whether there is a flag to be kept.
     const MEMORY: bool;
     fn new<'a>(sample: impl Fn(usize) -> &'a Sample) -> Self;
@@ -15,16 +15,19 @@ pub trait Law<const N: usize>: Send + Sync {
     fn force_at(&self, lane: usize, indentation: f64, touching: bool) -> f64;
 }
 
+#[derive(Clone, Copy)]
 pub struct Hertz<const N: usize> {
     stiffness: Lanes<N>,
 }
 
+#[derive(Clone, Copy)]
 pub struct Dmt<const N: usize> {
     hertz: Hertz<N>,
     adhesion: Lanes<N>,
     decay: Lanes<N>,
 }
 
+#[derive(Clone, Copy)]
 pub struct Jkr<const N: usize> {
     pull: Lanes<N>,
     unit: Lanes<N>,

@@ -88,6 +88,9 @@ pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32, patience:
             entry.results = Some(results);
         }
     }
+    if let Ok(folder) = std::env::var("PRECISION_DUMP") {
+        std::fs::write(format!("{folder}/{}.json", problem.name), serde_json::to_string(&problem.reduced).unwrap()).unwrap();
+    }
     let points = entries.into_iter().map(|entry| point(problem, entry)).collect();
     devices.notes.extend(notes);
     points

@@ -21,7 +21,6 @@ const TOLERANCE: f64 = 1e-13;
 /// An ensemble under one law.
 pub struct Problem {
     pub name: &'static str,
-    pub law: Law,
     pub plan: Plan,
     pub truth: Vec<Finished>,
     pub reduced: Reduced,
@@ -120,6 +119,7 @@ free_amplitude = "20 nm"
 [run]
 periods = 200
 measure = 10
+accuracy = 1e-2
 modes = {MODES}
 steps_per_period = 256
 "#
@@ -146,7 +146,7 @@ impl Problem {
         let reference = Reference { tolerance: TOLERANCE, model: Model::Kept, threads: None };
         let truth = reference.run(&plan, &Progress::default()).expect("the plan can be run").results;
         let reduced = reduce(law, &plan, few);
-        Self { name: name(law), law, plan, truth, reduced }
+        Self { name: name(law), plan, truth, reduced }
     }
 
     /// Instances whose truth can be used.
