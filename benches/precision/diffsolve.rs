@@ -5,7 +5,8 @@ use crate::law::Kind;
 use crate::problem::Reduced;
 use crate::walk::{Equations, LONGEST, MEASURING, STATE, Seen};
 use diffsol::{
-    DiffsolError, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverProblem, OdeSolverStopReason, Vector, VectorCommon,
+    DiffsolError, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverProblem,
+    OdeSolverStopReason, Vector, VectorCommon,
 };
 use std::cell::Cell;
 
@@ -67,9 +68,19 @@ impl Walk<'_> {
         self.walk(&builder.root(room, 1).build()?, to, seen)
     }
 
-    fn walk<E>(&self, problem: &OdeSolverProblem<E>, to: f64, seen: &mut Seen) -> Result<Vec<f64>, DiffsolError>
+    fn walk<E>(
+        &self,
+        problem: &OdeSolverProblem<E>,
+        to: f64,
+        seen: &mut Seen,
+    ) -> Result<Vec<f64>, DiffsolError>
     where
-        E: OdeEquations<T = f64, M = NalgebraMat<f64>, V = diffsol::NalgebraVec<f64>, C = diffsol::NalgebraContext>,
+        E: OdeEquations<
+                T = f64,
+                M = NalgebraMat<f64>,
+                V = diffsol::NalgebraVec<f64>,
+                C = diffsol::NalgebraContext,
+            >,
     {
         let mut solver = problem.tsit45()?;
         solver.set_stop_time(to)?;

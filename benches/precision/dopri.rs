@@ -186,16 +186,44 @@ impl<'a> Walk<'a> {
         let results = match method {
             Method::Dopri5 => {
                 let mut solver = Dopri5::from_param(
-                    rates, from, to, 1.0, y, tolerance, tolerance, 0.9, 0.04, 0.2, 10.0, longest, 0.0, MOST,
-                    u32::MAX, OutputType::Sparse,
+                    rates,
+                    from,
+                    to,
+                    1.0,
+                    y,
+                    tolerance,
+                    tolerance,
+                    0.9,
+                    0.04,
+                    0.2,
+                    10.0,
+                    longest,
+                    0.0,
+                    MOST,
+                    u32::MAX,
+                    OutputType::Sparse,
                 );
                 solver.integrate().ok()?;
                 tail(solver.y_out())
             }
             Method::Dop853 => {
                 let mut solver = Dop853::from_param(
-                    rates, from, to, 1.0, y, tolerance, tolerance, 0.9, 0.0, 0.333, 6.0, longest, 0.0, MOST,
-                    u32::MAX, OutputType::Sparse,
+                    rates,
+                    from,
+                    to,
+                    1.0,
+                    y,
+                    tolerance,
+                    tolerance,
+                    0.9,
+                    0.0,
+                    0.333,
+                    6.0,
+                    longest,
+                    0.0,
+                    MOST,
+                    u32::MAX,
+                    OutputType::Sparse,
                 );
                 solver.integrate().ok()?;
                 tail(solver.y_out())
@@ -211,4 +239,3 @@ fn tail<V: Copy>(states: &[V]) -> Option<(V, V)> {
         _ => None,
     }
 }
-

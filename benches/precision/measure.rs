@@ -17,6 +17,8 @@ use std::time::Instant;
 pub const STEPS: [u32; 7] = [32, 64, 128, 256, 512, 1024, 2048];
 /// Tolerances, relative and absolute, of the adaptive solvers.
 pub const TOLERANCES: [f64; 6] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10];
+/// s
+const PATIENCE: f64 = 2.0;
 
 /// A solver at one setting.
 #[derive(Clone, Debug, Serialize)]
@@ -64,15 +66,15 @@ impl Devices {
     }
 }
 
-/// All solvers on a problem. `repeats` rounds, in each of which every setting has its turn; the fastest run of each
-/// counts, and one that takes longer than `patience` seconds is not repeated.
-pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32, patience: f64) -> Vec<Point> {
+/// All solvers of this program on a problem. In each of `repeats` rounds every setting has its turn; the fastest run of
+/// each counts, and one that takes longer than [`PATIENCE`] has one turn.
+pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32) -> Vec<Point> {
     let mut notes = Vec::new();
     let mut entries = engines(problem, devices, &mut notes);
     entries.extend(libraries(problem));
     for round in 0..repeats {
         for entry in &mut entries {
-            if round > 0 && entry.seconds > patience {
+            if round > 0 && entry.seconds > PATIENCE {
                 continue;
             }
             let (cpu, wall) = (ProcessTime::now(), Instant::now());
@@ -87,9 +89,6 @@ pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32, patience:
             entry.seconds = entry.seconds.min(seconds);
             entry.results = Some(results);
         }
-    }
-    if let Ok(folder) = std::env::var("PRECISION_DUMP") {
-        std::fs::write(format!("{folder}/{}.json", problem.name), serde_json::to_string(&problem.reduced).unwrap()).unwrap();
     }
     let points = entries.into_iter().map(|entry| point(problem, entry)).collect();
     devices.notes.extend(notes);
@@ -132,7 +131,8 @@ fn engines<'a>(problem: &'a Problem, devices: &'a Devices, notes: &mut Vec<Strin
             continue;
         }
         // Another kind of device has its own time; a software driver's is the processor's.
-        let clock = if name.starts_with("cpu") || engine.device().contains("llvmpipe") { "cpu" } else { "wall" };
+        let clock =
+            if name.starts_with("cpu") || engine.device().contains("llvmpipe") { "cpu" } else { "wall" };
         for steps in STEPS {
             let plan = Plan { precision, ..problem.plan.stepped(&all, |_| steps) };
             let run = move || -> Results {
@@ -163,7 +163,8 @@ fn libraries(problem: &Problem) -> Vec<Entry<'_>> {
     }
     let some: Vec<usize> = (0..count).step_by(4).collect();
     for tolerance in TOLERANCES {
-        for (name, method) in [("ode_solvers dopri5", Method::Dopri5), ("ode_solvers dop853", Method::Dop853)] {
+        for (name, method) in [("ode_solvers dopri5", Method::Dopri5), ("ode_solvers dop853", Method::Dop853)]
+        {
             let some = some.clone();
             let run = move || {
                 let (answers, steps) = dopri::run(reduced, &some, method, tolerance);

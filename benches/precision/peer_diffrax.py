@@ -1,4 +1,5 @@
-"""diffrax (JAX), the ensemble under vmap; JKR's memory by an event and its root finder, started anew after each."""
+"""diffrax (JAX), the ensemble under vmap. JKR is left out: an event ends a solve, and an ensemble whose members start
+anew at each touch and release is another program."""
 
 import functools
 
@@ -6,14 +7,13 @@ import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
-import optimistix
 
-from peers import LONGEST, TAU, jkr
+from peers import LONGEST, TAU
 
 jax.config.update("jax_enable_x64", True)
 
 METHODS = {"Tsit5": diffrax.Tsit5, "Dopri8": diffrax.Dopri8}
-TOLERANCES = [1e-3, 1e-5, 1e-7, 1e-9]
+TOLERANCES = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11]
 # Places per period from which the largest force is taken.
 PLACES = 256
 # Instances under one vmap.
@@ -29,7 +29,6 @@ def solvers(problem):
     samples = {name: jnp.array([problem.samples[i][name] for i in instances]) for name in FIELDS}
     for name, method in METHODS.items():
         for tolerance in TOLERANCES:
-            # A method of order 8 has nothing to offer at the loosest.
             ensemble = jax.jit(jax.vmap(functools.partial(whole, problem, method(), tolerance)))
             compiled = ensemble.lower(samples).compile()
 

@@ -1,8 +1,7 @@
 """heyoka in batch mode: eight Taylor integrators side by side.
 
 Two ways over the place where contact begins. "events": terminal events switch the law, the only way for JKR. "smooth":
-no events; indentation and gap are rounded off over a width small beside everything else, (d + sqrt(d^2 + eps^2))/2, which
-is faster.
+no events; the indentation d inside is taken as (d + sqrt(d^2 + width^2))/2, which is faster where that is enough.
 """
 
 import heyoka as hy
@@ -12,16 +11,17 @@ from peers import LONGEST, TAU
 
 # Tolerance, and the width of the rounding (in free amplitudes) that is worth it.
 SMOOTH = {
-    "hertz": [(1e-3, 1e-2), (1e-5, 1e-2), (1e-7, 1e-3), (1e-9, 1e-3), (1e-11, 1e-4), (1e-14, 1e-5)],
-    "dmt": [(1e-3, 1e-3), (1e-5, 1e-3), (1e-7, 1e-4), (1e-9, 1e-4), (1e-11, 1e-5), (1e-14, 1e-6)],
+    "hertz": [(1e-4, 1e-3), (1e-7, 1e-3), (1e-11, 1e-4), (1e-14, 1e-5)],
+    "dmt": [(1e-4, 1e-4), (1e-7, 1e-4), (1e-9, 1e-4), (1e-11, 1e-5), (1e-14, 1e-6)],
 }
-EVENTS = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-14]
+EVENTS = [1e-5, 1e-6, 1e-7, 1e-9, 1e-11, 1e-14]
 # A Taylor series has nothing to hold to where a law has no derivatives: Hertz's is moved off its beginning by
 # this length, and JKR's release stands so far above the fold (in its own unit).
 OFF = 1e-8
 FOLD = 1e-6
 # Places per period from which the largest force is taken.
 PLACES = 256
+hy.set_logger_level_critical()
 WIDTH = hy.recommended_simd_size()
 ENSEMBLE = 8 * WIDTH
 # Parameters: the sample's, then whether it is in contact.
@@ -69,7 +69,7 @@ def whole(problem, walks, batch):
             answers.append(None)
             continue
         answers.append(problem.answer(sample, theta, path.T, flags[:, lane], path[-1, 6:]))
-    return answers, steps + more
+    return answers, float((steps + more)[: len(batch)].sum())
 
 
 class Walk:
@@ -167,8 +167,12 @@ class Walk:
         return np.zeros(WIDTH)
 
     def until(self, theta):
+        """To an angle; the steps of each lane."""
         self.integrator.propagate_until(theta, max_delta_t=LONGEST)
-        return sum(result[3] for result in self.integrator.propagate_res)
+        return self.steps()
+
+    def steps(self):
+        return np.array([result[3] for result in self.integrator.propagate_res])
 
     def through(self, problem):
         """The measured periods: angles, states at them, memory at them, steps."""
@@ -178,8 +182,6 @@ class Walk:
         states = self.integrator.propagate_grid(grid, max_delta_t=LONGEST)
         if isinstance(states, tuple):
             states = states[-1]
-        steps = sum(result[3] for result in self.integrator.propagate_res)
-        gap, unit = self.integrator.pars[0], self.integrator.pars[5] if self.law == "jkr" else 1.0
-        delta = -(gap + np.cos(grid) + states[:, :3].sum(axis=1))
+        delta = -(self.integrator.pars[0] + np.cos(grid) + states[:, :3].sum(axis=1))
         # Deep inside, where the largest force is, JKR's memory is no question.
-        return theta, states, delta > 0, steps
+        return theta, states, delta > 0, self.steps()

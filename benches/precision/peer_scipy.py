@@ -7,14 +7,13 @@ from scipy.integrate import solve_ivp
 
 from peers import LONGEST
 
-METHODS = ["RK45", "DOP853"]
-TOLERANCES = [1e-3, 1e-5, 1e-7, 1e-9]
+METHODS = {"RK45": [1e-3, 1e-5, 1e-7, 1e-9], "DOP853": [1e-3, 1e-5, 1e-7, 1e-9, 1e-11]}
 
 
 def solvers(problem):
-    instances = problem.few[::2]
-    for method in METHODS:
-        for tolerance in TOLERANCES:
+    instances = problem.few
+    for method, tolerances in METHODS.items():
+        for tolerance in tolerances:
 
             def run(method=method, tolerance=tolerance):
                 pairs = [whole(problem, problem.samples[i], method, tolerance) for i in instances]

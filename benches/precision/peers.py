@@ -5,6 +5,8 @@ PROBLEM is JSON (problem.rs says what it means); ANSWERS gets, for each solver a
 instance and what was measured of each instance. One thread; what is compiled is compiled before the clock runs.
 """
 
+import importlib
+import importlib.metadata
 import json
 import math
 import os
@@ -21,6 +23,9 @@ import numpy as np
 TAU = 2 * math.pi
 # Longest step, rad: the deviation is zero until the first contact, which a long step would pass over.
 LONGEST = 0.25
+REPEATS = 5
+# CPU-seconds after which a setting is not run once more.
+PATIENCE = 4.0
 
 
 class Problem:
@@ -108,16 +113,20 @@ def main(problem_path, answers_path):
     with open(problem_path) as file:
         problem = Problem(json.load(file))
     points = []
+    versions = {}
     for name in ("scipy", "heyoka", "diffrax"):
-        module = __import__(f"peer_{name}")
+        versions[name] = importlib.metadata.version(name)
+        module = importlib.import_module(f"peer_{name}")
         for solver, setting, instances, run in module.solvers(problem):
-            start = time.process_time()
-            answers, steps = run()
-            seconds = (time.process_time() - start) / len(instances)
-            if seconds * len(instances) < 2.0:
+            # The fastest of several runs, or of as many as take some seconds.
+            seconds, spent = math.inf, 0.0
+            for _ in range(REPEATS):
                 start = time.process_time()
                 answers, steps = run()
-                seconds = min(seconds, (time.process_time() - start) / len(instances))
+                took = time.process_time() - start
+                seconds, spent = min(seconds, took / len(instances)), spent + took
+                if spent > PATIENCE:
+                    break
             points.append(
                 {
                     "solver": solver,
@@ -130,7 +139,7 @@ def main(problem_path, answers_path):
             )
             print(f"{problem.law} {solver} {setting}: {seconds:.3g} s per instance", file=sys.stderr, flush=True)
     with open(answers_path, "w") as file:
-        json.dump(points, file)
+        json.dump({"versions": versions, "points": points}, file)
 
 
 if __name__ == "__main__":

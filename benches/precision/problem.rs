@@ -124,7 +124,8 @@ modes = {MODES}
 steps_per_period = 256
 "#
     );
-    let mut scene = Scene::parse(Path::new("precision.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+    let mut scene =
+        Scene::parse(Path::new("precision.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.base.contact.law = match law {
         Law::None => LawChoice::None,
         Law::Hertz => LawChoice::Hertz,
@@ -173,7 +174,7 @@ impl Problem {
 }
 
 /// `hertz`, `dmt` or `jkr`.
-fn name(law: Law) -> &'static str {
+pub fn name(law: Law) -> &'static str {
     match law {
         Law::None => "none",
         Law::Hertz => "hertz",

@@ -181,13 +181,7 @@ impl<L: Law<FLIGHT>> Walk<L> {
     }
 
     #[inline(never)]
-    fn peaks(
-        &mut self,
-        first: &Stage,
-        before: Lanes<FLIGHT>,
-        after: Lanes<FLIGHT>,
-        waves: &[(f64, f64)],
-    ) {
+    fn peaks(&mut self, first: &Stage, before: Lanes<FLIGHT>, after: Lanes<FLIGHT>, waves: &[(f64, f64)]) {
         let last = self.stage(&self.x, &self.v, waves[2].1);
         let bend = |stage: &Stage, wave: (f64, f64)| {
             Lanes::splat(wave.1) - (stage.rates[0] + stage.rates[1] + stage.rates[2])
@@ -226,4 +220,3 @@ fn period<L: Law<FLIGHT>, const MEASURE: bool>(walk: &mut Walk<L>, table: &[(f64
     }
     *walk = local;
 }
-
