@@ -1,9 +1,9 @@
 //! diffsol's Tsitouras 4(5), the only explicit method it comes with, with its own root finding for JKR's memory.
 
 use crate::answer::{Answer, Place};
-use crate::law::Kind;
+use crate::measure::LONGEST;
 use crate::problem::Reduced;
-use crate::walk::{Equations, LONGEST, MEASURING, STATE, Seen};
+use crate::walk::{Equations, Kind, MEASURING, STATE, Seen};
 use diffsol::{
     DiffsolError, NalgebraMat, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverProblem,
     OdeSolverStopReason, Vector, VectorCommon,

@@ -7,8 +7,9 @@
 //! mends that.
 
 use crate::answer::{Answer, Place};
+use crate::measure::LONGEST;
 use crate::problem::Reduced;
-use crate::walk::{Equations, LONGEST, MEASURING, STATE, Seen};
+use crate::walk::{Equations, MEASURING, STATE, Seen};
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dop853, Dopri5, SVector, System};
 use std::cell::Cell;

@@ -54,9 +54,10 @@ impl<const N: usize> Lanes<N> {
         self.fma(Self::splat(factor), term)
     }
 
+    /// A loop: through `array::map` it may stay a call, for which every register is saved.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        Self(self.0.map(|row| row.map(f64::sqrt)))
+        self.zip(self, |a, _| a.sqrt())
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! The laws for the peers: on vectors for the hand-written method, on one number for libraries.
+//! The laws on vectors, for the hand-written method.
 
 use crate::lanes::Lanes;
 use crate::problem::Sample;
@@ -147,43 +147,4 @@ pub fn jkr(pull: f64, unit: f64, indentation: f64) -> f64 {
     }
     let cube = (1.0 + e) * (1.0 + e).sqrt();
     pull * cube * (cube / 6.0 - 1.0)
-}
-
-impl Sample {
-    /// Force on the tip under a law by its name.
-    pub fn force(&self, law: Kind, indentation: f64, touching: bool) -> f64 {
-        let hertz = |d: f64| if d > 0.0 { self.hertz * d * d.sqrt() } else { 0.0 };
-        match law {
-            Kind::Hertz => hertz(indentation),
-            Kind::Dmt => {
-                let share = self.decay / (self.decay - indentation.min(0.0));
-                hertz(indentation) - self.adhesion * share * share
-            }
-            Kind::Jkr if touching => jkr(self.pull, self.unit, indentation),
-            Kind::Jkr => 0.0,
-        }
-    }
-
-    /// Where JKR's memory changes.
-    pub fn level(&self, touching: bool) -> f64 {
-        if touching { -3.0 * self.unit } else { 0.0 }
-    }
-}
-
-/// Which law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Hertz,
-    Dmt,
-    Jkr,
-}
-
-impl Kind {
-    pub fn of(name: &str) -> Self {
-        match name {
-            "hertz" => Self::Hertz,
-            "dmt" => Self::Dmt,
-            _ => Self::Jkr,
-        }
-    }
 }

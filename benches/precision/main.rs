@@ -1,13 +1,15 @@
 //! Work-precision diagrams: error against time and steps for this crate's engines, the classical Runge-Kutta method
 //! vectorised by hand and adaptive library solvers, on one reduced problem for each law, in one run.
 //!
-//! `cargo bench --bench precision -- [--instances N] [--few N] [--seed S] [--repeats N] [--laws hertz,dmt,jkr]
-//! [--python PROGRAM] [--command TEXT] [-o DIR]`; with `--python`, the interpreter of an environment with `requirements.txt`, the solvers of
+//! `cargo bench --features peers --bench precision -- [--instances N] [--few N] [--seed S] [--repeats N] [--laws hertz,dmt,jkr]
+//! [--python PROGRAM] [--command TEXT] [-o DIR]`; without the feature Rust's libraries stay out, and with `--python`, the interpreter of an environment with `requirements.txt`, the solvers of
 //! `peers.py` take part (`make peers` does it all). The answer is a table, and a page, a CSV and pictures in DIR, which
 //! say that TEXT made them.
 
 mod answer;
+#[cfg(feature = "peers")]
 mod diffsolve;
+#[cfg(feature = "peers")]
 mod dopri;
 mod lanes;
 mod law;
@@ -18,6 +20,7 @@ mod problem;
 mod python;
 mod rk4;
 mod story;
+#[cfg(feature = "peers")]
 mod walk;
 
 use afmsweep::contact::Law;

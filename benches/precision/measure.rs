@@ -1,8 +1,6 @@
 //! Every solver in this program on a problem, timed and held against the truth.
 
 use crate::answer::{Answer, Errors};
-use crate::diffsolve;
-use crate::dopri::{self, Method};
 use crate::problem::Problem;
 use crate::rk4;
 use afmsweep::engine::gpu::Gpu;
@@ -17,7 +15,11 @@ use std::time::Instant;
 const STEPS: [u32; 9] = [16, 24, 32, 64, 128, 256, 512, 1024, 2048];
 /// Those of the Runge-Kutta method, which is not stable below about 40 and needs more than the engines.
 const RK4_STEPS: [u32; 9] = [48, 64, 128, 256, 512, 1024, 2048, 4096, 8192];
+/// Longest step that the adaptive solvers may take, rad: the deviation from free motion is zero until the first
+/// contact, and nothing but this keeps a step from passing over it.
+pub const LONGEST: f64 = 0.25;
 /// Tolerances, relative and absolute, of the adaptive solvers.
+#[cfg(feature = "peers")]
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12];
 /// s
 const PATIENCE: f64 = 2.0;
@@ -74,6 +76,8 @@ impl Devices {
 pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32) -> Vec<Point> {
     let mut notes = Vec::new();
     let mut entries = engines(problem, devices, &mut notes);
+    entries.extend(by_hand(problem));
+    #[cfg(feature = "peers")]
     entries.extend(libraries(problem));
     for round in 0..repeats {
         for entry in &mut entries {
@@ -160,35 +164,42 @@ fn engines<'a>(problem: &'a Problem, devices: &'a Devices, notes: &mut Vec<Strin
     entries
 }
 
-/// The solvers that this crate is held against.
-fn libraries(problem: &Problem) -> Vec<Entry<'_>> {
+/// The Runge-Kutta method.
+fn by_hand(problem: &Problem) -> Vec<Entry<'_>> {
     let reduced = &problem.reduced;
     let count = reduced.samples.len();
-    let mut entries = Vec::new();
-    for steps in RK4_STEPS {
+    let entries = RK4_STEPS.iter().map(|&steps| {
         let run = move || {
             let answers = rk4::run(reduced, steps);
             (translated(problem, 0..count, answers.into_iter().map(Some)), Some(f64::from(steps)))
         };
-        entries.push(entry("RK4 by hand", format!("{steps} steps"), "cpu", count, run));
-    }
-    let some: Vec<usize> = (0..count).step_by(4).collect();
+        entry("RK4 by hand", format!("{steps} steps"), "cpu", count, run)
+    });
+    entries.collect()
+}
+
+/// Rust's libraries, on every fourth instance.
+#[cfg(feature = "peers")]
+fn libraries(problem: &Problem) -> Vec<Entry<'_>> {
+    use crate::dopri::{self, Method};
+    let reduced = &problem.reduced;
+    let some: Vec<usize> = (0..reduced.samples.len()).step_by(4).collect();
+    let methods =
+        [("ode_solvers dopri5", Some(Method::Dopri5)), ("ode_solvers dop853", Some(Method::Dop853))];
+    let mut entries = Vec::new();
     for tolerance in TOLERANCES {
-        for (name, method) in [("ode_solvers dopri5", Method::Dopri5), ("ode_solvers dop853", Method::Dop853)]
-        {
+        for (name, method) in methods.into_iter().chain([("diffsol tsit45", None)]) {
             let some = some.clone();
+            let count = some.len();
             let run = move || {
-                let (answers, steps) = dopri::run(reduced, &some, method, tolerance);
+                let (answers, steps) = match method {
+                    Some(method) => dopri::run(reduced, &some, method, tolerance),
+                    None => crate::diffsolve::run(reduced, &some, tolerance),
+                };
                 (translated(problem, some.iter().copied(), answers), Some(steps))
             };
-            entries.push(entry(name, format!("{tolerance:e}"), "cpu", count.div_ceil(4), run));
+            entries.push(entry(name, format!("{tolerance:e}"), "cpu", count, run));
         }
-        let some = some.clone();
-        let run = move || {
-            let (answers, steps) = diffsolve::run(reduced, &some, tolerance);
-            (translated(problem, some.iter().copied(), answers), Some(steps))
-        };
-        entries.push(entry("diffsol tsit45", format!("{tolerance:e}"), "cpu", count.div_ceil(4), run));
     }
     entries
 }

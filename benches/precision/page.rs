@@ -152,7 +152,7 @@ fn logarithmic(value: f64) -> f64 {
 /// There are six colours: lines from the seventh on are dashed.
 fn look(name: &str, number: usize) -> Look {
     // The CPU's lines show below the GPU's where both give the same.
-    let width = if name.starts_with("cpu") { 4.2 } else { 1.8 };
+    let width = if name.starts_with("cpu") { 3.4 } else { 1.8 };
     Look { name: name.to_owned(), width, dashed: number >= 6, dots: true }
 }
 
@@ -245,8 +245,8 @@ pub fn files(points: &[Point], story: &Story) -> Result<Vec<(String, String)>, R
         page.heading(&title(&law));
         page.table(
             "CPU time per instance (one thread) to a median error, and its ratio to this crate's CPU engine, the faster of f32 \
-             and f64; between measured points by their logarithms, never beyond them. \"At most\": the cheapest setting tried \
-             is better than that already; \"about\": so are both.",
+             and f64; between measured points by their logarithms, never beyond them. \"At most\": a setting that is \
+             better than asked and cheaper than what lies between others; \"about\": so are both.",
             comparison(points, &law),
         );
         let time = Field { label: "time per instance".into(), units: "s".into(), log: true };

@@ -23,7 +23,7 @@ import numpy as np
 TAU = 2 * math.pi
 # Longest step, rad: the deviation is zero until the first contact, which a long step would pass over.
 LONGEST = 0.25
-REPEATS = 5
+REPEATS = 3
 # CPU-seconds after which a setting is not run once more.
 PATIENCE = 4.0
 

@@ -9,4 +9,4 @@ if [ ! -x "$python" ] || ! cmp -s "$requirements" target/peers/requirements.txt;
     tools/venv.sh target/peers "$requirements"
     cp "$requirements" target/peers/requirements.txt
 fi
-cargo bench --bench precision -- --python "$PWD/$python" --command "make peers" -o results/precision "$@"
+cargo bench --features peers --bench precision -- --python "$PWD/$python" --command "make peers" -o results/precision "$@"

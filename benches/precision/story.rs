@@ -1,8 +1,7 @@
 //! What the page says of the problem, of the solvers and of how they were measured.
 
 use crate::Arguments;
-use crate::measure::Devices;
-use crate::walk::LONGEST;
+use crate::measure::{Devices, LONGEST};
 use afmsweep::engine::{Engine, processor};
 use std::collections::BTreeMap;
 
@@ -38,15 +37,6 @@ pub fn story(
     let rk4 = "Classical, f64, eight instances in a register and two registers in flight (multiversion, fused multiply-add), \
                free motion from a table, contact skipped where no lane touches, the peak of the force by a quintic through the \
                step's ends. Under JKR the memory changes between steps, which makes it of first order.";
-    let libraries = format!(
-        "ode_solvers {} (Dopri5, Dop853) has no root finding: under JKR the run is stopped, the place of the change found on a \
-         quintic and the solver sent there. Its Dop853 takes one stage at a wrong time and is of first order where the equations \
-         depend on time; with time as one more unknown it is of full order, and so it is used. diffsol {}: Tsit45, its explicit \
-         method, with its own root finding. Relative and absolute tolerance alike, no step above {LONGEST} rad, else the first \
-         contact is passed over.",
-        dependency("ode_solvers"),
-        dependency("diffsol")
-    );
     let mut all = vec![
         ("Machine.", machine),
         ("Problem.", problem),
@@ -54,8 +44,10 @@ pub fn story(
         ("Times.", times.to_owned()),
         ("This crate.", ours.to_owned()),
         ("RK4 by hand.", rk4.to_owned()),
-        ("Rust libraries.", libraries),
     ];
+    if cfg!(feature = "peers") {
+        all.push(("Rust libraries.", libraries()));
+    }
     let version = |name: &str| versions.get(name).cloned().unwrap_or_default();
     if !versions.is_empty() {
         all.push((
@@ -82,4 +74,16 @@ fn dependency(name: &str) -> String {
     let version =
         entry.and_then(|entry| entry.split("version = \"").nth(1)).and_then(|rest| rest.split('"').next());
     version.unwrap_or("").to_owned()
+}
+
+fn libraries() -> String {
+    format!(
+        "ode_solvers {} (Dopri5, Dop853) has no root finding: under JKR the run is stopped, the place of the change found on a \
+         quintic and the solver sent there. Its Dop853 takes one stage at a wrong time and is of first order where the equations \
+         depend on time; with time as one more unknown it is of full order, and so it is used. diffsol {}: Tsit45, its explicit \
+         method, with its own root finding. Relative and absolute tolerance alike, no step above {LONGEST} rad, else the first \
+         contact is passed over.",
+        dependency("ode_solvers"),
+        dependency("diffsol")
+    )
 }

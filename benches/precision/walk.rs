@@ -2,13 +2,10 @@
 //! accepted step, and where JKR's memory changes.
 
 use crate::answer::{Answer, Place, peak, quintic};
-use crate::law::Kind;
+use crate::law::jkr;
 use crate::problem::{MODES, Reduced, Sample};
 use std::f64::consts::TAU;
 
-/// Longest step that the adaptive solvers may take, rad: the deviation from free motion is zero until the first
-/// contact, and nothing but this keeps a step from passing over it.
-pub const LONGEST: f64 = 0.25;
 /// Unknowns: travel and rate of each mode.
 pub const STATE: usize = 2 * MODES;
 /// While measuring also the integrals of deviation times cosine and sine, and of the force's power.
@@ -122,4 +119,43 @@ fn root(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
         if (function(middle) > 0.0) == sign { b = middle } else { a = middle }
     }
     b
+}
+
+impl Sample {
+    /// Force on the tip under a law by its name.
+    pub fn force(&self, law: Kind, indentation: f64, touching: bool) -> f64 {
+        let hertz = |d: f64| if d > 0.0 { self.hertz * d * d.sqrt() } else { 0.0 };
+        match law {
+            Kind::Hertz => hertz(indentation),
+            Kind::Dmt => {
+                let share = self.decay / (self.decay - indentation.min(0.0));
+                hertz(indentation) - self.adhesion * share * share
+            }
+            Kind::Jkr if touching => jkr(self.pull, self.unit, indentation),
+            Kind::Jkr => 0.0,
+        }
+    }
+
+    /// Where JKR's memory changes.
+    pub fn level(&self, touching: bool) -> f64 {
+        if touching { -3.0 * self.unit } else { 0.0 }
+    }
+}
+
+/// Which law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Hertz,
+    Dmt,
+    Jkr,
+}
+
+impl Kind {
+    pub fn of(name: &str) -> Self {
+        match name {
+            "hertz" => Self::Hertz,
+            "dmt" => Self::Dmt,
+            _ => Self::Jkr,
+        }
+    }
 }
