@@ -2,7 +2,7 @@
 # make test    all tests: Rust, then the results file in Python's readers
 # make lint    formatting, clippy, documentation
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
-# make peers   error against time beside other solvers, into results/precision (a quarter of an hour and the build)
+# make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=
 FEATURES := $(if $(STATIC),--features static-hdf5)

@@ -184,7 +184,7 @@ impl<'a> Walk<'a> {
         let rates = Rates(self);
         let longest = LONGEST.min(to - from);
         // Safety factor, beta and the limits of a step's growth are the library's defaults; no test for stiffness.
-        let results = match method {
+        match method {
             Method::Dopri5 => {
                 let mut solver = Dopri5::from_param(
                     rates,
@@ -229,8 +229,7 @@ impl<'a> Walk<'a> {
                 solver.integrate().ok()?;
                 tail(solver.y_out())
             }
-        };
-        results
+        }
     }
 }
 

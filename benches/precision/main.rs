@@ -1,10 +1,10 @@
 //! Work-precision diagrams: error against time and steps for this crate's engines, the classical Runge-Kutta method
 //! vectorised by hand and adaptive library solvers, on one reduced problem for each law, in one run.
 //!
-//! `cargo bench --features peers --bench precision -- [--instances N] [--few N] [--seed S] [--repeats N] [--laws hertz,dmt,jkr]
-//! [--python PROGRAM] [--command TEXT] [-o DIR]`; without the feature Rust's libraries stay out, and with `--python`, the interpreter of an environment with `requirements.txt`, the solvers of
-//! `peers.py` take part (`make peers` does it all). The answer is a table, and a page, a CSV and pictures in DIR, which
-//! say that TEXT made them.
+//! `cargo bench --features peers --bench precision -- [--instances N] [--few N] [--seed S] [--repeats N]
+//! [--laws hertz,dmt,jkr] [--python PROGRAM] [--command TEXT] [-o DIR]`; without the feature Rust's libraries stay out.
+//! With `--python`, the interpreter of an environment with `requirements.txt`, the solvers of `peers.py` take part
+//! (`make peers` does it all). The answer is a table, and a page, a CSV and pictures in DIR, which say that TEXT made them.
 
 mod answer;
 #[cfg(feature = "peers")]
@@ -54,9 +54,9 @@ impl Arguments {
 fn arguments() -> Arguments {
     let mut all = Arguments {
         instances: 256,
-        few: 8,
+        few: 4,
         seed: 1,
-        repeats: 5,
+        repeats: 3,
         laws: Vec::new(),
         python: None,
         output: None,

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The whole precision bench: makes Python's environment, runs every solver and writes results/precision.
-# Arguments go to the bench; `make peers` calls this. About a quarter of an hour.
+# Arguments go to the bench; `make peers` calls this. About half an hour on a busy machine.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 requirements=benches/precision/requirements.txt
