@@ -68,6 +68,7 @@ fn picture(title: &str, all: &[Series]) -> Result<String, ReportError> {
                 name: format!("{}, median error {:.0e}", name(series), series.error.median),
                 width: 2.0,
                 dashed: series.backend == "cpu",
+                dots: false,
             })
             .collect(),
         panels: vec![Plot {

@@ -13,6 +13,8 @@ pub struct Look {
     /// Pixels. Series drawn later lie on top: with falling widths, lines in one place still show.
     pub width: f64,
     pub dashed: bool,
+    /// Whether its points are marked.
+    pub dots: bool,
 }
 
 /// A point worth a word.
@@ -112,6 +114,9 @@ impl Chart {
                 match look.dashed {
                     true => frame.canvas.dashes(piece, shade, look.width)?,
                     false => frame.canvas.line(piece, shade, look.width)?,
+                }
+                if look.dots {
+                    piece.iter().try_for_each(|at| frame.canvas.dot(*at, 1.2 + look.width, shade))?;
                 }
             }
         }

@@ -239,7 +239,7 @@ fn response(maps: [&Map; 3]) -> Result<String, StudyError> {
         series: MODELS
             .iter()
             .zip(widths)
-            .map(|((_, name, _), width)| Look { name: (*name).to_owned(), width, dashed: false })
+            .map(|((_, name, _), width)| Look { name: (*name).to_owned(), width, dashed: false, dots: false })
             .collect(),
         panels: vec![
             panel(format!("rod of {} beam masses", beams(0)), 0),

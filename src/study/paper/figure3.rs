@@ -35,7 +35,8 @@ fn draw(params: &Params) -> Result<String, StudyError> {
             curve.indentation_m.iter().copied().zip(forces).collect()
         })
     };
-    let look = |name: &str, width: f64, dashed: bool| Look { name: name.to_owned(), width, dashed };
+    let look =
+        |name: &str, width: f64, dashed: bool| Look { name: name.to_owned(), width, dashed, dots: false };
     let jkr = contact(params, LawChoice::Jkr);
     let (fold, touch) = (jkr.law().release(), jkr.force(0.0, true));
     let release = jkr.force(fold, true);

@@ -177,7 +177,7 @@ fn picture(runs: &[Ran], title: &str) -> Result<String, StudyError> {
         series: LAWS
             .iter()
             .zip(widths)
-            .map(|((_, name), width)| Look { name: (*name).to_owned(), width, dashed: false })
+            .map(|((_, name), width)| Look { name: (*name).to_owned(), width, dashed: false, dots: false })
             .collect(),
         panels: vec![
             panel("(a) rod's top", "m", top),
@@ -210,7 +210,7 @@ fn readings(numbers: &mut Numbers, runs: &[Ran]) -> Result<String, StudyError> {
     let travel = depths[1].clone();
     depths.push(travel.iter().map(|&(t, value)| (t, read(value).0)).collect());
     forces.push(travel.iter().map(|&(t, value)| (t, read(value).1)).collect());
-    let look = |name: &str, width: f64| Look { name: name.to_owned(), width, dashed: false };
+    let look = |name: &str, width: f64| Look { name: name.to_owned(), width, dashed: false, dots: false };
     let chart = Chart {
         title: "Figure 4(c) and (d), the two readings".into(),
         x: time_axis(),
