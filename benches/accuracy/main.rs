@@ -1,17 +1,19 @@
 //! Whether the accuracy asked for is met, and at what cost: random ensembles, the choice of steps, the choice of
 //! modes, each against the reference engine.
 //!
-//! `cargo bench --bench accuracy -- [--part ensemble|steps|modes] [--instances N] [--seed S] [-o FILE]`; the answer
-//! is tables, and JSON in FILE.
+//! `cargo bench --bench accuracy -- [--part ensemble|steps|modes] [--instances N] [--seed S] [-o FOLDER]`; the
+//! answer is tables, and a page in FOLDER.
 
 mod ensemble;
 mod modes;
+#[path = "../common/page.rs"]
+mod page;
 #[path = "../common/random.rs"]
 mod random;
 mod steps;
 
 use afmsweep::engine::processor;
-use serde_json::json;
+use page::Part;
 
 fn main() {
     let (mut count, mut seed, mut part, mut output) = (100, 1, String::new(), None);
@@ -30,15 +32,60 @@ fn main() {
     assert!(["", "ensemble", "steps", "modes"].contains(&part.as_str()), "no part {part}");
     println!("{}", processor());
     let wanted = |name: &str| part.is_empty() || part == name;
-    let ensemble = if wanted("ensemble") { ensemble::run(count, seed) } else { Vec::new() };
-    let steps = if wanted("steps") { steps::run(count.min(64), seed) } else { Vec::new() };
-    let modes = if wanted("modes") { modes::run() } else { Vec::new() };
-    if let Some(path) = output {
-        let all = json!({
-            "processor": processor(), "date": afmsweep::store::now(), "seed": seed,
-            "ensemble": ensemble, "steps": steps, "modes": modes,
-        });
-        let text = serde_json::to_string_pretty(&all).expect("plain data");
-        std::fs::write(&path, text + "\n").unwrap_or_else(|error| panic!("{path}: {error}"));
+    let parts = [
+        Part {
+            heading: "Whether the accuracy is met",
+            text: "Random instances from wide ranges (samples of 10 MPa to 100 GPa, work of adhesion 1 mJ/m^2 to 0.2 J/m^2, tips of 5 to 100 nm, quality factors 10 to 60, free amplitudes 5 to 100 nm, gaps of 0.3 to 1.05 of them), every observable but the whole number of contacts; errors are the worst observable's on its scale, against the reference engine, which waits for the same 400 periods with all modes. Counted are instances that both call ok. An estimate is too low if the error is three times it, and above a tenth of the accuracy.",
+            columns: &[
+                ("law", "law"),
+                ("accuracy", "asked"),
+                ("instances", "instances"),
+                ("ok", "ok"),
+                ("median", "median error"),
+                ("p95", "95 %"),
+                ("largest", "largest"),
+                ("above_the_ask", "above the ask"),
+                ("above_three_times_the_ask", "above 3 times"),
+                ("estimate_too_low_by_three", "estimate too low by 3"),
+                ("mean_steps_per_period", "mean steps per period"),
+                ("seconds", "s"),
+            ],
+            rows: if wanted("ensemble") { ensemble::run(count, seed) } else { Vec::new() },
+        },
+        Part {
+            heading: "What the choice of steps costs",
+            text: "For 1e-3: the cheapest number of steps for all instances that meets it for a sample of each scene, against the mean of the steps that each instance was given, and against all that was stepped, estimates included. Errors are the steps' alone.",
+            columns: &[
+                ("scene", "scene"),
+                ("instances", "instances"),
+                ("ok", "ok of the sample"),
+                ("uniform_steps", "uniform steps"),
+                ("uniform_error", "largest error"),
+                ("chosen_mean_steps", "chosen, mean"),
+                ("chosen_error", "largest error"),
+                ("chosen_over_uniform", "chosen over uniform"),
+                ("with_estimates_over_uniform", "with estimates over uniform"),
+            ],
+            rows: if wanted("steps") { steps::run(count.min(64), seed) } else { Vec::new() },
+        },
+        Part {
+            heading: "What leaving modes out costs",
+            text: "A calibrated lever on samples from soft to stiff: the reference engine with the kept oscillators against itself with all modes, beside what the run estimated.",
+            columns: &[
+                ("modes", "modes"),
+                ("kept", "oscillators"),
+                ("sample_modulus_pa", "sample, Pa"),
+                ("measured", "measured, worst observable"),
+                ("estimated", "estimated"),
+                ("amplitude", "of the amplitude"),
+                ("force_max", "of the largest force"),
+            ],
+            rows: if wanted("modes") { modes::run() } else { Vec::new() },
+        },
+    ];
+    if let Some(folder) = output {
+        let command =
+            format!("cargo bench --bench accuracy -- --instances {count} --seed {seed} -o {folder}");
+        page::write(&folder, "Accuracy asked for and met", &command, &parts);
     }
 }

@@ -12,6 +12,7 @@ use crate::observe::Wants;
 use crate::plan::{CasePlan, Driven, Plan};
 use crate::scene::{Run, Start};
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
 /// The least number that is infinite once it is rounded to f32: 2^128 - 2^103.
 const BEYOND: f64 = 3.402_823_567_797_336_6e38;
@@ -40,7 +41,11 @@ pub(super) fn case<L: Lane, I: KernelLaw<L>, const M: usize>(
     members: &[Member],
     start: Start,
 ) -> Case<L, I, M> {
-    let modes: Vec<Vec<FlowMode>> = members.iter().map(|(_, driven)| driven.kept.flow()).collect();
+    let mut modes: Vec<Rc<Vec<FlowMode>>> = Vec::with_capacity(members.len());
+    for (n, (_, driven)) in members.iter().enumerate() {
+        let known = modes.last().filter(|_| std::ptr::eq(members[n - 1].1, *driven));
+        modes.push(known.map_or_else(|| Rc::new(driven.kept.flow()), Rc::clone));
+    }
     let flows: Vec<(&[FlowMode], f64)> = members
         .iter()
         .zip(&modes)

@@ -1,6 +1,7 @@
 //! Exact flow of the damped modes over one step, and what a kick does to each.
 
 use super::Lane;
+use std::rc::Rc;
 
 /// One mode as the plan gives it: angular frequency (rad/s), damping ratio 1/(2Q), and its share
 /// of the tip's response to an impulse, c_k b_k / sum(c b).
@@ -52,16 +53,12 @@ impl<L: Lane, const M: usize> Flow<L, M> {
     /// h^2/24 (g omega^2 x + (g^2 - omega^2) v), in which f itself cancels. Without it the loss is
     /// of second order and shows a law without loss as one that feeds the lever.
     pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
-        let rows: Vec<Vec<Row>> = instances
-            .iter()
-            .map(|(modes, step)| {
-                let mut rows: Vec<Row> = modes.iter().map(|mode| Row::new(mode, *step)).collect();
-                rows.resize_with(M, || {
-                    Row::new(&FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0 }, *step)
-                });
-                rows
-            })
-            .collect();
+        // Neighbours mostly have one lever.
+        let mut rows: Vec<Rc<Vec<Row>>> = Vec::with_capacity(instances.len());
+        for (n, (modes, step)) in instances.iter().enumerate() {
+            let known = rows.last().filter(|_| instances[n - 1] == instances[n]);
+            rows.push(known.map_or_else(|| Rc::new(Row::all(modes, *step, M)), Rc::clone));
+        }
         let gather = |value: fn(&Row) -> f64| -> [L; M] {
             std::array::from_fn(|k| L::from_lanes(|i| value(&rows[i][k])))
         };
@@ -91,6 +88,14 @@ struct Row {
 }
 
 impl Row {
+    /// Those of a lever, filled up to `count` with modes that no impulse moves.
+    fn all(modes: &[FlowMode], step: f64, count: usize) -> Vec<Self> {
+        let still = FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0 };
+        let mut rows: Vec<Self> = modes.iter().map(|mode| Self::new(mode, step)).collect();
+        rows.resize_with(count, || Self::new(&still, step));
+        rows
+    }
+
     fn new(mode: &FlowMode, step: f64) -> Self {
         let FlowMode { omega, damping, share } = *mode;
         let angle = omega * step;
