@@ -57,10 +57,12 @@ impl<E, L: Lane<Element = E>, I: KernelLaw<L> + Send, const M: usize> Walk<E> fo
     }
 }
 
+type Make<E> = fn(&Plan, &[Member], Option<Resume>, usize) -> Box<dyn Walk<E>>;
+
 /// How packs of a class are made: so many instances each.
 pub(super) struct Packs<E> {
     pub width: usize,
-    make: fn(&Plan, &[Member], Option<Resume>, usize) -> Box<dyn Walk<E>>,
+    make: Make<E>,
 }
 
 impl<E> Packs<E> {

@@ -38,7 +38,8 @@ fn operations<L: Lane>() -> Vec<u64> {
         for second in 0..count {
             // This pair in one lane, others beside it.
             let place = (first * count + second) % L::WIDTH;
-            let shifted = |from: usize| L::from_lanes(|i| number((from + i + L::WIDTH - place) % count));
+            let shifted =
+                |from: usize| L::from_lanes(|i| number((from + i + count * L::WIDTH - place) % count));
             let (a, b, c) = (shifted(first), shifted(second), shifted(first + second));
             let less = a.less(b);
             let other = b.less(c);
