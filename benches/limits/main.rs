@@ -159,7 +159,7 @@ struct Arguments {
 
 fn arguments() -> Arguments {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut all = Arguments { gpu: false, instances: 1 << 20, seconds: 1.0, threads, output: None };
+    let mut all = Arguments { gpu: false, instances: 0, seconds: 0.5, threads, output: None };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value"));
@@ -173,6 +173,10 @@ fn arguments() -> Arguments {
             "--bench" => {}
             other => panic!("unknown argument {other}"),
         }
+    }
+    if all.instances == 0 {
+        // A GPU wants many; a processor's threads are busy with few, and runs of many periods hide their set-up.
+        all.instances = if all.gpu { 1 << 20 } else { 4096 };
     }
     all
 }

@@ -18,7 +18,7 @@ const MANY: usize = 4 * SAMPLE;
 /// No lever is made for an accuracy worse than this: it would have no mode.
 const POOREST: f64 = 0.3;
 /// Share of the accuracy asked for that modes left out may cost.
-const SHARE: f64 = 0.7;
+const SHARE: f64 = 0.35;
 /// Neighbours in the sample, on either side, whose largest difference stands for an instance's.
 const NEAR: usize = 2;
 
