@@ -2,10 +2,10 @@
 //! against the reference engine one by one.
 
 use crate::random::{Wide, quantile, scene};
-use afmsweep::compare::{Scales, worst};
+use afmsweep::compare::{self, Scales, worst};
 use afmsweep::control;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference};
-use afmsweep::observe::Status;
+use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -109,7 +109,14 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
         low += usize::from(error > 3.0 * run.estimates[i].max(0.1 * accuracy));
         if error > accuracy {
             let (estimate, steps) = (run.estimates[i], run.plan.cases[i].steps);
-            println!("    instance {i}: {error:.1e}, estimated {estimate:.1e}, {steps} steps");
+            let of = |one: &Observable| compare::error(*one, &ours.measured, &truth.measured, &scales);
+            let whose = plan.observables.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+            println!(
+                "    instance {i}: {error:.1e}, estimated {estimate:.1e}, {steps} steps, {} oscillators, {}, in contact {:.4} of the period",
+                run.plan.drives[run.plan.cases[i].drive as usize].kept.modes.len(),
+                whose.map_or("", |one| one.name()),
+                truth.measured.contact_time,
+            );
         }
         errors.push(error);
     }

@@ -37,7 +37,7 @@ UNITS = {
     "time": "s",
 }
 MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run"]
-GROUPS = ["waveforms", "force_curves", "audit"]
+GROUPS = ["waveforms", "force_curves", "audit", "other_branch"]
 ENGINES = ["h5netcdf", "netcdf4"]
 
 
