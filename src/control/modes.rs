@@ -6,6 +6,7 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::Plan;
 use crate::steady;
+use std::f64::consts::PI;
 
 /// Most instances of the sample.
 const SAMPLE: usize = 64;
@@ -57,7 +58,12 @@ pub(super) fn choose(
         return Ok(Choice { plan: plan.clone(), left_out, notes });
     }
     let order = by_stiffness(plan, stepped);
-    let sample: Vec<u32> = order.iter().copied().step_by(order.len().div_ceil(SAMPLE)).collect();
+    let every = order.len().div_ceil(SAMPLE);
+    // The stiffest of each law too: nothing stands behind it.
+    let stiffest: Vec<u32> = laws(plan, &order).filter_map(|(_, members)| members.last().copied()).collect();
+    let counts =
+        |(place, i): (usize, &u32)| (place.is_multiple_of(every) || stiffest.contains(i)).then_some(*i);
+    let sample: Vec<u32> = order.iter().enumerate().filter_map(counts).collect();
     let mut run = |accuracy: f64| {
         let settled = steady::run(&plan.richer(&sample, accuracy), &[], engine, progress)?;
         notes.extend(settled.outcome.notes);
@@ -129,10 +135,15 @@ impl Lever {
     }
 }
 
-/// The contact's stiffness at the deepest indentation to expect, N/m.
+/// The contact's stiffness at the deepest indentation to expect, N/m; under DMT at least the slope of the attraction
+/// just outside, which a tip feels that never touches.
 fn stiffness(plan: &Plan, instance: u32) -> f64 {
     let contact = &plan.cases[instance as usize].contact;
-    contact.stiffness(plan.expected_depth(instance as usize), true).abs()
+    let pressed = contact.stiffness(plan.expected_depth(instance as usize), true).abs();
+    match contact.law {
+        Law::Dmt => pressed.max(4.0 * PI * contact.radius * contact.work / contact.decay_length),
+        _ => pressed,
+    }
 }
 
 fn law_of(plan: &Plan, instance: u32) -> Law {
