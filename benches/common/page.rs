@@ -42,7 +42,7 @@ fn written(value: &Value) -> String {
         Value::Null => "-".into(),
         Value::String(text) => text.clone(),
         Value::Number(number) => match number.as_f64() {
-            Some(number) if number == 0.0 => "0".into(),
+            Some(0.0) => "0".into(),
             Some(number) if number.abs() >= 10.0 && number.abs() < 1e7 => format!("{number:.0}"),
             Some(number) if number.fract() == 0.0 && number.abs() < 10.0 => format!("{number:.0}"),
             Some(number) if (0.1..10.0).contains(&number.abs()) => format!("{number:.2}"),

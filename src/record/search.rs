@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use crate::steady::PeriodicState;
 use crate::store::{Flags, Listed, Results, Variable};
 
-/// Names of [`branch`]'s codes.
+/// What the codes of the flag `branch` mean.
 pub const BRANCHES: [&str; 3] = ["none", "attractive", "repulsive"];
 
 /// The branch of a tapping point, by its mean force: attractive below zero, repulsive above (Garcia & San Paulo,
