@@ -193,7 +193,7 @@ fn main() {
     let parts = [
         Part {
             heading: "What a converged case costs",
-            text: "Periods of the drive until an instance has settled to 1e-3, of random samples, tips, amplitudes and gaps (as in results/accuracy) at one quality factor: by waiting in runs of 64, 128, 256, ... periods up to 60 times the quality factor, and by searching, every evaluation of the period map and the periods run on counted. What is not found has mostly no state of one period: its waiting does not settle either, see the settled column.",
+            text: "Periods of the drive until an instance has settled to 1e-3, of random samples, tips, amplitudes and gaps (as in results/accuracy) at one quality factor: by waiting in runs of 64, 128, 256, ... periods up to 60 times the quality factor, and by searching, every evaluation of the period map and the periods run on counted. What is not found is waited for; under JKR it mostly has no state of one period, and waiting does not settle either.",
             columns: &[
                 ("quality_factor", "quality factor"),
                 ("law", "law"),
