@@ -138,7 +138,7 @@ fn an_interrupted_run_leaves_a_partial_file() {
     let desk = Desk::new();
     let text = "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"9 nm\", points = 4000 }\n\
                 [contact]\nlaw = \"hertz\"\n[drive]\nfrequency = \"192 kHz\"\nvoltage = \"15 V\"\n\
-                [instrument.cantilever]\nquality_factor = 100\n[run]\nperiods = 20000\nsteps_per_period = 512\n";
+                [instrument.cantilever]\nquality_factor = 1e5\n[run]\nperiods = 20000\nsteps_per_period = 512\n";
     desk.write("long.toml", text);
     let mut command = desk.command(&["run", "long.toml", "-o", "long.h5"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

@@ -1,7 +1,7 @@
 //! Waiting: until an instance has settled, at most as long as the scene says.
 
 use super::Settled;
-use crate::engine::{Engine, EngineError, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Station};
 use crate::scene::Start;
@@ -54,6 +54,12 @@ pub(super) fn run(
                     }
                 }
                 whole.notes.extend(outcome.notes);
+            }
+        }
+        if progress.stopped() && !last {
+            // Who waits is not done.
+            if let Some(whole) = &mut whole {
+                left.iter().for_each(|i| whole.results[*i as usize] = Finished::NOT_RUN);
             }
         }
         if left.is_empty() || progress.stopped() {
