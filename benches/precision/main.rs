@@ -18,6 +18,8 @@ mod measure;
 mod page;
 mod problem;
 mod python;
+#[path = "../common/random.rs"]
+mod random;
 mod rk4;
 mod story;
 #[cfg(feature = "peers")]

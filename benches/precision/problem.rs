@@ -2,6 +2,7 @@
 //! under one law, with its truth; and the same without units, for those who know nothing of this crate.
 
 use crate::answer::Answer;
+use crate::random::Random;
 use afmsweep::contact::Law;
 use afmsweep::engine::{Engine, Finished, Model, Progress, Reference};
 use afmsweep::observe::{Observable, Status};
@@ -55,23 +56,6 @@ pub struct Sample {
     pub decay: f64,
     pub pull: f64,
     pub unit: f64,
-}
-
-/// Numbers between 0 and 1 (SplitMix64; Steele, Lea & Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn log(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
 }
 
 /// Random samples from 10 MPa to 10 GPa, tips from 5 to 40 nm, adhesion from 5 to 50 mJ/m^2, a gap from half of the

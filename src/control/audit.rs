@@ -22,10 +22,10 @@ pub struct Audited {
     pub worst: Option<f64>,
 }
 
-/// Redoes up to `count` instances of a finished run that are called ok: half of them the most extreme ones, the others at random. Steady
-/// motion is redone as the reference's own periodic state next to the run's (`found` holds the states that the run
-/// searched for): that tells its error, and leaves open whether waiting would end in the same state. Runs from rest
-/// are redone whole.
+/// Redoes up to `count` instances of a finished run that are called ok: half of them the most extreme ones, the
+/// others at random. Steady motion is redone as the reference's own periodic state next to the run's (`found` holds
+/// the states that the run searched for): that tells its error, and leaves open whether waiting would end in the
+/// same state. Runs from rest are redone whole.
 ///
 /// # Errors
 /// What the reference engine says.

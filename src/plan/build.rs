@@ -102,15 +102,13 @@ impl Plan {
         }
     }
 
-    /// Likewise, with the modes that `accuracy` would ask for, and as many more steps as they need.
+    /// The same plan for these instances alone, with the modes that `accuracy` would ask for, and as many more
+    /// steps as they need.
     pub fn richer(&self, instances: &[u32], accuracy: f64) -> Self {
         let mut plan = self.clone();
         let run = &self.run;
         for driven in &mut plan.drives {
-            let (instrument, omega) = (&driven.instrument, driven.free.omega);
-            let most = steps_for_modes(instrument, driven.frequency(), run.steps_per_period);
-            let kept = KeptModes::choose(instrument, omega, accuracy, run.modes, most);
-            driven.kept = Arc::new(kept);
+            driven.kept = lever(driven, accuracy, run);
         }
         let fewest =
             |case: &CasePlan| steps::fewest(case.contact.law, &plan.drives[case.drive as usize], run);
@@ -119,9 +117,7 @@ impl Plan {
             None => case.steps.max(fewest(case)),
         })
     }
-}
 
-impl Plan {
     /// The same plan for these instances alone, each with the modes that its own accuracy would ask for: as many
     /// more steps as richer modes need, as many fewer as the rule gives for poorer ones.
     pub fn levers(&self, wanted: &[(u32, f64)]) -> Self {
@@ -134,9 +130,7 @@ impl Plan {
             *made.entry((drive, accuracy.map_or(u64::MAX, f64::to_bits))).or_insert_with(|| {
                 let mut driven = self.drives[drive as usize].clone();
                 if let Some(accuracy) = accuracy {
-                    let (instrument, omega) = (&driven.instrument, driven.free.omega);
-                    let most = steps_for_modes(instrument, driven.frequency(), run.steps_per_period);
-                    driven.kept = Arc::new(KeptModes::choose(instrument, omega, accuracy, run.modes, most));
+                    driven.kept = lever(&driven, accuracy, run);
                 }
                 // The same lever by another accuracy.
                 let known = variants.entry(drive).or_default();
@@ -170,6 +164,12 @@ impl Plan {
         plan.classes = classify(&plan.cases, &plan.drives, wanted.iter().map(|(i, _)| *i));
         plan
     }
+}
+
+/// The modes that `accuracy` asks for.
+fn lever(driven: &Driven, accuracy: f64, run: &Run) -> Arc<KeptModes> {
+    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
+    Arc::new(KeptModes::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most))
 }
 
 /// The rule's steps for a case and its lever.
