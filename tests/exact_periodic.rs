@@ -1,7 +1,7 @@
 //! The search for fixed points on maps whose fixed points and multipliers are known in closed form.
 
 use afmsweep::periodic::{Ask, Found, Lost, Options, Search, Verdict};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn};
 
 const OPTIONS: Options = Options {
     scale: 1.0,
@@ -19,7 +19,7 @@ fn search(
     start: &[f64],
     options: Options,
     map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
-) -> (Verdict, u32) {
+) -> (Verdict<Dyn>, u32) {
     let mut search = Search::new(DVector::from_column_slice(start), options);
     while let Ask::Map(states) = search.ask() {
         let values: Vec<_> = states.iter().map(&map).collect();
@@ -28,7 +28,7 @@ fn search(
     (search.verdict().expect("it has ended").clone(), search.evaluations())
 }
 
-fn found(verdict: Verdict) -> Found {
+fn found(verdict: Verdict<Dyn>) -> Found<Dyn> {
     match verdict {
         Verdict::Found(found) => found,
         Verdict::Lost(why) => panic!("{why:?}"),
@@ -51,7 +51,11 @@ fn henons_fixed_point_and_its_multiplier_are_found() {
         let found = found(verdict);
         assert!((found.state[0] - x).abs() < 1e-10, "{a}: {} {x}", found.state[0]);
         assert!((found.state[1] - b * x).abs() < 1e-10);
-        assert!((found.multiplier - multiplier).abs() < 1e-8, "{a}: {} {multiplier}", found.multiplier);
+        assert!(
+            (found.spectrum.multiplier - multiplier).abs() < 1e-8,
+            "{a}: {} {multiplier}",
+            found.spectrum.multiplier
+        );
         println!("a = {a}: {spent} evaluations");
         assert!(spent < 100, "{spent}");
     }
@@ -77,7 +81,7 @@ fn a_slow_linear_map_costs_no_more_than_a_fast_one() {
         let (verdict, spent) = search(&[0.0, 0.0], OPTIONS, |s| Some(&matrix * s + &push));
         let found = found(verdict);
         assert!((&found.state - fixed).norm() < 1e-10);
-        assert!((found.multiplier - shrink).abs() < 1e-9, "{} {shrink}", found.multiplier);
+        assert!((found.spectrum.multiplier - shrink).abs() < 1e-9, "{} {shrink}", found.spectrum.multiplier);
         counts.push(spent);
     }
     println!("{counts:?} evaluations");

@@ -149,7 +149,7 @@ fn same(count: usize, seed: u64) -> Vec<Value> {
                     ours.harmonics[0] * 1e9,
                     theirs.force_mean,
                     ours.force_mean,
-                    search.found[i].as_ref().map_or(f64::NAN, |place| place.multiplier),
+                    search.found[i].as_ref().map_or(f64::NAN, |place| place.spectrum.multiplier),
                     after[i].unwrap_or(0),
                     search.periods[i],
                 );

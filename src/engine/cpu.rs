@@ -6,11 +6,9 @@ use super::saved::Saved;
 use super::start;
 use super::track::{Member, member, step_length};
 use super::walk::{Packs, Walk};
-use super::{Ended, Engine, EngineError, Outcome, Progress, station};
-use crate::contact::Law;
+use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, station};
 use crate::instrument::Place;
-use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
-use crate::kernel::{Decay, LENGTH, Lane, MODES_MAX, Wave};
+use crate::kernel::{Decay, LENGTH, Lane, Wave};
 use crate::plan::{Class, Driven, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -45,14 +43,23 @@ impl Engine for Cpu {
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         let rounding = Rounding::new(self.strict);
-        match self.threads {
+        match self.pool()? {
             None => run(plan, rounding, progress),
-            Some(threads) => rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .map_err(|error| EngineError::Threads(error.to_string()))?
-                .install(|| run(plan, rounding, progress)),
+            Some(pool) => pool.install(|| run(plan, rounding, progress)),
         }
+    }
+
+    fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
+        let map = return_map::Map::new(plan, instances, Rounding::new(self.strict), self.pool()?)?;
+        Ok(Some(Box::new(map)))
+    }
+}
+
+impl Cpu {
+    /// Threads of its own, where it is told how many.
+    fn pool(&self) -> Result<Option<rayon::ThreadPool>, EngineError> {
+        let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        self.threads.map(pool).transpose().map_err(|error| EngineError::Threads(error.to_string()))
     }
 }
 
@@ -105,30 +112,8 @@ impl Stepping for ClassRun<'_> {
         if class.steps == 0 {
             return Ok(free_class(plan, class));
         }
-        let run = |packs: Packs<F::Element>| instances(plan, class, from, &packs, progress);
-        // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
-        macro_rules! law {
-            (Nothing, $lane:ty) => { Nothing };
-            ($law:ident, $lane:ty) => { $law<$lane> };
-        }
-        macro_rules! modes {
-            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
-                match class.modes {
-                    0 => Err(EngineError::NoModes),
-                    $(..=$two => Ok(run(Packs::new::<F::Wide, law!($law, F::Wide), $two>())),)*
-                    $(..=$one => Ok(run(Packs::new::<F::Narrow, law!($law, F::Narrow), $one>())),)*
-                    modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
-                }
-            };
-        }
-        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
-        // quotients that wait for each other; the others have more to gain from leaving the law out.
-        match class.law {
-            Law::None => modes!(Nothing: wide, narrow 8),
-            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
-            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
-            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
-        }
+        let packs = Packs::of::<F>(class.law, class.modes)?;
+        Ok(instances(plan, class, from, &packs, progress))
     }
 }
 

@@ -7,6 +7,7 @@ mod lanes;
 mod law;
 mod measure;
 mod reference;
+mod return_map;
 mod saved;
 mod start;
 mod station;
@@ -17,6 +18,7 @@ mod walk;
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
+pub use return_map::ReturnMap;
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
@@ -37,6 +39,19 @@ pub trait Engine {
     /// Whether it can start at the plan's stations.
     fn resumes(&self) -> bool {
         true
+    }
+
+    /// The return map of these instances, to be asked again and again; none where the engine has no quicker way to
+    /// one than to run a plan each time.
+    ///
+    /// # Errors
+    /// What the engine says.
+    fn return_map(
+        &self,
+        _plan: &Plan,
+        _instances: &[u32],
+    ) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
+        Ok(None)
     }
 
     /// Runs the plan. A failed instance is data, not an error.

@@ -5,8 +5,7 @@ use super::measure::Sums;
 use super::saved::Saved;
 use super::start;
 use crate::kernel::{
-    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, MODES_MAX, State, Tally, Wave, increments,
-    period,
+    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, MODES_MAX, State, Tally, Wave, flown, period,
 };
 use crate::observe::Wants;
 use crate::plan::{CasePlan, Driven, Plan};
@@ -101,8 +100,7 @@ fn decayed((plan, driven): Member, k: usize) -> [f64; 2] {
     let tip = driven.instrument.modes[index].tip / LENGTH;
     let (x, u) = (tip * q, tip * rate / mode.omega);
     let half = 0.5 * step_length(driven, plan.steps);
-    let [m00, m01, m10, m11] = increments(mode.omega * half, mode.damping);
-    [x + (m00 * x + m01 * u), u + (m10 * x + m11 * u)]
+    flown(mode.omega * half, mode.damping, [x, u])
 }
 
 /// Constants, state, and what has been measured so far.

@@ -1,12 +1,17 @@
 //! A pack of instances on its way through a run, whatever its lanes, law and modes: what is compiled once
 //! for all of them need not know.
 
+use super::EngineError;
 use super::cpu::Resume;
+use super::lanes::Family;
 use super::law::KernelLaw;
 use super::measure::Sums;
+use super::return_map::{Make as MakeTable, table};
 use super::saved::Saved;
 use super::track::{Member, Track};
-use crate::kernel::{Decay, Lane, Wave};
+use crate::contact::Law;
+use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
+use crate::kernel::{Decay, Lane, MODES_MAX, Wave};
 use crate::observe::Wants;
 use crate::plan::Plan;
 use crate::scene::Run;
@@ -63,11 +68,44 @@ type Make<E> = fn(&Plan, &[Member], Option<Resume>, usize) -> Box<dyn Walk<E>>;
 pub(super) struct Packs<E> {
     pub width: usize,
     make: Make<E>,
+    /// Their constants as a table.
+    pub table: MakeTable,
 }
 
-impl<E> Packs<E> {
-    pub fn new<L: Lane<Element = E> + 'static, I: KernelLaw<L> + Send + 'static, const M: usize>() -> Self {
-        Self { width: L::WIDTH, make: boxed::<E, L, I, M> }
+impl<E: Lane<Element = E>> Packs<E> {
+    fn new<L: Lane<Element = E> + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: usize>() -> Self
+    {
+        Self { width: L::WIDTH, make: boxed::<E, L, I, M>, table: table::<L, I, M> }
+    }
+
+    /// For a law and a number of modes.
+    ///
+    /// # Errors
+    /// No modes, or more than the kernel can step.
+    pub fn of<F: Family<Element = E>>(law: Law, modes: usize) -> Result<Self, EngineError> {
+        // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
+        macro_rules! law {
+            (Nothing, $lane:ty) => { Nothing };
+            ($law:ident, $lane:ty) => { $law<$lane> };
+        }
+        macro_rules! modes {
+            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
+                match modes {
+                    0 => Err(EngineError::NoModes),
+                    $(..=$two => Ok(Self::new::<F::Wide, law!($law, F::Wide), $two>()),)*
+                    $(..=$one => Ok(Self::new::<F::Narrow, law!($law, F::Narrow), $one>()),)*
+                    modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
+                }
+            };
+        }
+        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
+        // quotients that wait for each other; the others have more to gain from leaving the law out.
+        match law {
+            Law::None => modes!(Nothing: wide, narrow 8),
+            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
+            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
+            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
+        }
     }
 
     /// The pack whose first member is number `first` of its class, at the run's start or where it was saved.

@@ -150,6 +150,12 @@ impl Row {
     }
 }
 
+/// Where a free damped oscillator at (x, x'/omega) is by the angle omega t later, or earlier.
+pub fn flown(angle: f64, damping: f64, [x, u]: [f64; 2]) -> [f64; 2] {
+    let [m00, m01, m10, m11] = increments(angle, damping);
+    [x + (m00 * x + m01 * u), u + (m10 * x + m11 * u)]
+}
+
 /// The step matrix minus one of a damped oscillator over the angle omega h, in (x, x'/omega).
 ///
 /// Written with sin^2 and expm1 so that nothing cancels however short the step.

@@ -16,7 +16,7 @@ pub trait Lane:
     /// A truth value per instance.
     type Mask: Copy;
     /// One instance's number.
-    type Element: Copy + Send + Sync;
+    type Element: Copy + Send + Sync + Into<f64>;
     /// Instances held.
     const WIDTH: usize;
 
@@ -28,6 +28,10 @@ pub trait Lane:
     fn gather(value: &dyn Fn(usize) -> f64) -> Self;
     /// The number of instance i, below [`Lane::WIDTH`].
     fn lane(self, i: usize) -> f64;
+    /// The first [`Lane::WIDTH`] numbers.
+    fn load(from: &[Self::Element]) -> Self;
+    /// All numbers, into the first [`Lane::WIDTH`] places.
+    fn store(self, to: &mut [Self::Element]);
     /// A number rounded to the lane's precision, for a table that all instances read.
     fn element(value: f64) -> Self::Element;
     /// The same number everywhere.
@@ -69,6 +73,14 @@ macro_rules! strict_scalar {
             #[inline(always)]
             fn lane(self, _: usize) -> f64 {
                 self.into()
+            }
+            #[inline(always)]
+            fn load(from: &[$float]) -> Self {
+                from[0]
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$float]) {
+                to[0] = self;
             }
             #[inline(always)]
             fn element(value: f64) -> $float {
@@ -185,6 +197,16 @@ macro_rules! pack {
             #[inline(always)]
             fn lane(self, i: usize) -> f64 {
                 self.0[i].into()
+            }
+            #[inline(always)]
+            fn load(from: &[$float]) -> Self {
+                let mut out = [0.0; $width];
+                out.copy_from_slice(&from[..$width]);
+                Self(out)
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$float]) {
+                to[..$width].copy_from_slice(&self.0);
             }
             #[inline(always)]
             fn element(value: f64) -> $float {

@@ -43,6 +43,15 @@ impl<L: Lane> Lane for Pair<L> {
         if i < L::WIDTH { self.0.lane(i) } else { self.1.lane(i - L::WIDTH) }
     }
     #[inline(always)]
+    fn load(from: &[L::Element]) -> Self {
+        Self(L::load(from), L::load(&from[L::WIDTH..]))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [L::Element]) {
+        self.0.store(to);
+        self.1.store(&mut to[L::WIDTH..]);
+    }
+    #[inline(always)]
     fn element(value: f64) -> L::Element {
         L::element(value)
     }

@@ -79,6 +79,33 @@ macro_rules! each_mode {
 }
 
 impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
+    /// The constants that the motion depends on; those that only make work of it are left out.
+    pub fn numbers(&self) -> Vec<L> {
+        let Flow { m00, m01, m11, rate, pull, drag, land_x, land_u, .. } = &self.flow;
+        let mut all: Vec<L> =
+            [m00, m01, m11, rate, pull, drag, land_x, land_u].into_iter().flatten().copied().collect();
+        all.extend([self.free.cosine, self.free.sine, self.free.rate, self.gap]);
+        all.extend(self.law.numbers());
+        all
+    }
+
+    /// The other way, one number after the other; no work can be made of it.
+    #[inline(always)]
+    pub fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        let mut modes = || std::array::from_fn(|_| next());
+        let [m00, m01, m11, rate] = [modes(), modes(), modes(), modes()];
+        let [pull, drag, land_x, land_u] = [modes(), modes(), modes(), modes()];
+        let zero = L::splat(ZERO);
+        let none = [zero; M];
+        let (work_x, work_u, kick_paid) = (none, none, zero);
+        Self {
+            flow: Flow { m00, m01, m11, rate, pull, drag, work_x, work_u, land_x, land_u, kick_paid },
+            free: Free { cosine: next(), sine: next(), rate: next() },
+            gap: next(),
+            law: I::from_numbers(next),
+        }
+    }
+
     /// Kick at the sample, then exact flow to the next one. What makes work and virial is zero in the
     /// sample unless `energy` is asked for.
     #[inline(always)]

@@ -56,6 +56,18 @@ macro_rules! register {
                 all[i].into()
             }
             #[inline(always)]
+            fn load(from: &[$float]) -> Self {
+                let all = &from[..$width];
+                // SAFETY: as the module says; the slice has a register's size.
+                Self(unsafe { $load(all.as_ptr()) })
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$float]) {
+                let all = &mut to[..$width];
+                // SAFETY: as the module says; the slice has a register's size.
+                unsafe { $store(all.as_mut_ptr(), self.0) };
+            }
+            #[inline(always)]
             fn element(value: f64) -> $float {
                 value as $float
             }

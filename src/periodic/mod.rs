@@ -8,4 +8,5 @@
 mod search;
 mod spectrum;
 
-pub use search::{Ask, Found, Lost, Options, Search, Verdict};
+pub use search::{Ask, Found, Lost, Memory, Options, Search, Size, Verdict};
+pub use spectrum::Spectrum;

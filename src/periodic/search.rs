@@ -1,7 +1,16 @@
 //! One search.
 
-use super::spectrum::{largest_multiplier, least_change};
-use nalgebra::{DMatrix, DVector};
+use super::spectrum::Spectrum;
+use nalgebra::allocator::Allocator;
+use nalgebra::{DefaultAllocator, DimMin, OMatrix, OVector, U1};
+
+/// How many numbers a state has: a constant, or as many as it is made with.
+pub trait Size: DimMin<Self, Output = Self> {}
+impl<D: DimMin<D, Output = D>> Size for D {}
+
+/// Where memory for states and slopes comes from.
+pub trait Memory<D: Size>: Allocator<D> + Allocator<D, D> {}
+impl<D: Size, A: Allocator<D> + Allocator<D, D>> Memory<D> for A {}
 
 /// How a search goes about.
 #[derive(Clone, Copy, Debug)]
@@ -26,21 +35,26 @@ pub struct Options {
 
 /// What a search wants to know.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Ask {
+pub enum Ask<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
     /// The map at these states.
-    Map(Vec<DVector<f64>>),
+    Map(Vec<OVector<f64, D>>),
     /// Nothing more.
     Nothing,
 }
 
 /// A fixed point.
 #[derive(Clone, Debug)]
-pub struct Found {
-    pub state: DVector<f64>,
-    /// Modulus of the map's largest multiplier: below 1 the state is stable.
-    pub multiplier: f64,
-    /// A change of the state by the map is at least so large a share of its distance to the fixed point.
-    pub least_change: f64,
+pub struct Found<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub state: OVector<f64, D>,
+    /// The map's slope there.
+    pub slope: OMatrix<f64, D, D>,
+    pub spectrum: Spectrum,
 }
 
 /// Why there is none.
@@ -55,8 +69,11 @@ pub enum Lost {
 }
 
 #[derive(Clone, Debug)]
-pub enum Verdict {
-    Found(Found),
+pub enum Verdict<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    Found(Found<D>),
     Lost(Lost),
 }
 
@@ -77,51 +94,74 @@ const NEWTON: f64 = 1e5;
 const CLEARLY: f64 = 0.99;
 
 #[derive(Clone, Debug)]
-enum Stage {
+enum Stage<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
     /// The map at the start.
     Begin,
     /// The slope by one-sided differences.
     Slope,
     /// A stride, and how often it was shortened.
     Stride {
-        step: DVector<f64>,
+        step: OVector<f64, D>,
         shorter: u32,
     },
     /// The slope by central differences: the end.
     Last,
-    Done(Verdict),
+    Done(Verdict<D>),
 }
 
 /// A search on its way.
 #[derive(Clone, Debug)]
-pub struct Search {
+pub struct Search<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
     options: Options,
     /// Where it stands, and by how much the map moves that.
-    state: DVector<f64>,
-    change: DVector<f64>,
-    slope: DMatrix<f64>,
+    state: OVector<f64, D>,
+    change: OVector<f64, D>,
+    slope: OMatrix<f64, D, D>,
+    /// What is known of the slope at the fixed point of a map that differs little from this one.
+    known: Option<Spectrum>,
     /// Whether the slope was taken here, not carried along from the last state.
     fresh: bool,
     /// Time, in periods, that the next stride stands for.
     time: f64,
-    stage: Stage,
+    stage: Stage<D>,
     evaluations: u32,
 }
 
-impl Search {
+impl<D: Size> Search<D>
+where
+    DefaultAllocator: Memory<D>,
+{
     /// From `state` on.
-    pub fn new(state: DVector<f64>, options: Options) -> Self {
-        let size = state.len();
+    pub fn new(state: OVector<f64, D>, options: Options) -> Self {
+        let size = state.shape_generic().0;
         Self {
             options,
-            change: DVector::zeros(size),
-            slope: DMatrix::zeros(size, size),
+            change: OVector::zeros_generic(size, U1),
+            slope: OMatrix::zeros_generic(size, size),
+            known: None,
             fresh: false,
             time: if options.near { f64::INFINITY } else { FIRST },
             stage: Stage::Begin,
             evaluations: 0,
             state,
         }
+    }
+
+    /// From the fixed point of a map that differs little from this one, and that map's slope there.
+    pub fn beside(
+        state: OVector<f64, D>,
+        slope: OMatrix<f64, D, D>,
+        known: Spectrum,
+        options: Options,
+    ) -> Self {
+        let options = Options { near: true, ..options };
+        Self { slope, known: Some(known), ..Self::new(state, options) }
     }
 
     /// Numbers in a state.
@@ -135,7 +175,7 @@ impl Search {
     }
 
     /// How it ended, once it has.
-    pub fn verdict(&self) -> Option<&Verdict> {
+    pub fn verdict(&self) -> Option<&Verdict<D>> {
         match &self.stage {
             Stage::Done(verdict) => Some(verdict),
             _ => None,
@@ -143,7 +183,7 @@ impl Search {
     }
 
     /// What it wants to know next.
-    pub fn ask(&self) -> Ask {
+    pub fn ask(&self) -> Ask<D> {
         let size = self.state.len();
         let moved = |k: usize, by: f64| {
             let mut state = self.state.clone();
@@ -164,7 +204,7 @@ impl Search {
     }
 
     /// Takes the answers, in the order of [`Search::ask`]; none where the map has no answer of use.
-    pub fn answer(&mut self, values: &[Option<DVector<f64>>]) {
+    pub fn answer(&mut self, values: &[Option<OVector<f64, D>>]) {
         self.evaluations += values.len() as u32;
         let stage = std::mem::replace(&mut self.stage, Stage::Done(Verdict::Lost(Lost::Stuck)));
         self.stage = match stage {
@@ -182,45 +222,51 @@ impl Search {
         }
     }
 
-    fn begun(&mut self, values: &[Option<DVector<f64>>]) -> Stage {
+    fn begun(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
         match values {
             [Some(value)] => {
                 self.change = value - &self.state;
-                Stage::Slope
+                if self.known.is_some() { self.stride() } else { Stage::Slope }
             }
             _ => Stage::Done(Verdict::Lost(Lost::Undefined)),
         }
     }
 
     /// Differences against the map here.
-    fn one_sided(&mut self, values: &[Option<DVector<f64>>]) -> bool {
+    fn one_sided(&mut self, values: &[Option<OVector<f64, D>>]) -> bool {
         let here = &self.state + &self.change;
         for (k, value) in values.iter().enumerate() {
             let Some(value) = value else { return false };
             self.slope.set_column(k, &((value - &here) / (self.options.step * self.options.scale)));
         }
-        self.fresh = true;
+        // What was known led astray.
+        (self.fresh, self.known) = (true, None);
         true
     }
 
     /// The step that `time` periods of the linear flow would make; Newton's for all time.
-    fn step(&self, time: f64) -> Option<DVector<f64>> {
-        let size = self.state.len();
-        let matrix = DMatrix::identity(size, size) * (1.0 + 1.0 / time) - &self.slope;
+    fn step(&self, time: f64) -> Option<OVector<f64, D>> {
+        let mut matrix = -&self.slope;
+        (0..self.size()).for_each(|k| matrix[(k, k)] += 1.0 + 1.0 / time);
         let step = matrix.lu().solve(&self.change)?;
         step.iter().all(|value| value.is_finite()).then_some(step)
     }
 
     /// The next stride, or the end where Newton's step is short enough.
-    fn stride(&mut self) -> Stage {
+    fn stride(&mut self) -> Stage<D> {
         let stuck = Stage::Done(Verdict::Lost(Lost::Stuck));
         let Some(newton) = self.step(f64::INFINITY) else { return stuck };
         let near = self.options.tolerance * self.options.scale;
         if newton.norm() <= near {
             self.state += newton;
-            let clear = || self.fresh && largest_multiplier(&self.slope) < CLEARLY;
-            let sure = self.options.near && (!self.options.stable || clear());
-            return if sure { self.found() } else { Stage::Last };
+            let at = self.known.or_else(|| self.fresh.then(|| Spectrum::of(&self.slope)));
+            let clear = |at: &Spectrum| at.multiplier < CLEARLY;
+            return match at.filter(clear) {
+                Some(at) if self.options.near => self.found(at),
+                // Where nobody asks for stability the slope will do as it is.
+                _ if self.options.near && !self.options.stable => self.found(Spectrum::of(&self.slope)),
+                _ => Stage::Last,
+            };
         }
         let step = if self.time >= NEWTON { Some(newton) } else { self.step(self.time) };
         let Some(mut step) = step else { return stuck };
@@ -232,7 +278,12 @@ impl Search {
     }
 
     /// After a stride.
-    fn arrived(&mut self, step: DVector<f64>, shorter: u32, values: &[Option<DVector<f64>>]) -> Stage {
+    fn arrived(
+        &mut self,
+        step: OVector<f64, D>,
+        shorter: u32,
+        values: &[Option<OVector<f64, D>>],
+    ) -> Stage<D> {
         if let [Some(value)] = values {
             let state = &self.state + &step;
             let change = value - &state;
@@ -243,7 +294,7 @@ impl Search {
                 // Broyden's update of the slope minus one.
                 let predicted = &self.slope * &step - &step;
                 let miss = &change - &self.change - predicted;
-                self.slope += miss * step.transpose() / step.norm_squared();
+                self.slope.ger(1.0 / step.norm_squared(), &miss, &step, 1.0);
                 (self.state, self.change, self.fresh) = (state, change, false);
                 self.time *= (LONGER * gain).clamp(0.5, LONGEST);
                 return if gain < CARRIED { Stage::Slope } else { self.stride() };
@@ -265,25 +316,21 @@ impl Search {
         Stage::Stride { step: 0.25 * step, shorter: shorter + 1 }
     }
 
-    fn last(&mut self, values: &[Option<DVector<f64>>]) -> Stage {
+    fn last(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
         for k in 0..self.state.len() {
             let (Some(Some(low)), Some(Some(high))) = (values.get(2 * k), values.get(2 * k + 1)) else {
                 return Stage::Done(Verdict::Lost(Lost::Undefined));
             };
             self.slope.set_column(k, &((high - low) / (2.0 * self.options.last_step * self.options.scale)));
         }
-        self.found()
+        self.found(Spectrum::of(&self.slope))
     }
 
-    fn found(&self) -> Stage {
-        let multiplier = largest_multiplier(&self.slope);
+    fn found(&self, spectrum: Spectrum) -> Stage<D> {
+        let multiplier = spectrum.multiplier;
         if multiplier.is_nan() || (self.options.stable && multiplier >= 1.0) {
             return Stage::Done(Verdict::Lost(Lost::Unstable));
         }
-        Stage::Done(Verdict::Found(Found {
-            state: self.state.clone(),
-            multiplier,
-            least_change: least_change(&self.slope),
-        }))
+        Stage::Done(Verdict::Found(Found { state: self.state.clone(), slope: self.slope.clone(), spectrum }))
     }
 }

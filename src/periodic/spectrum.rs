@@ -1,10 +1,31 @@
 //! What the map's slope says of a fixed point.
 
-use nalgebra::{DMatrix, Schur};
+use super::search::{Memory, Size};
+use nalgebra::{DMatrix, DefaultAllocator, OMatrix, Schur};
+
+/// Of a map's slope at a fixed point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spectrum {
+    /// Modulus of the largest multiplier: below 1 the state is stable.
+    pub multiplier: f64,
+    /// A change of the state by the map is at least so large a share of its distance to the fixed point.
+    pub least_change: f64,
+}
+
+impl Spectrum {
+    pub(super) fn of<D: Size>(slope: &OMatrix<f64, D, D>) -> Self
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let size = slope.nrows();
+        let slope = DMatrix::from_iterator(size, size, slope.iter().copied());
+        Self { multiplier: largest_multiplier(&slope), least_change: least_change(&slope) }
+    }
+}
 
 /// Largest modulus of the eigenvalues, or infinity where they are not found: the factor by which the slowest
 /// deviation shrinks in a period.
-pub(super) fn largest_multiplier(slope: &DMatrix<f64>) -> f64 {
+fn largest_multiplier(slope: &DMatrix<f64>) -> f64 {
     let found = Schur::try_new(slope.clone(), f64::EPSILON, 10_000);
     let Some(schur) = found else { return f64::INFINITY };
     schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
@@ -12,7 +33,7 @@ pub(super) fn largest_multiplier(slope: &DMatrix<f64>) -> f64 {
 
 /// Smallest singular value of 1 - slope: a change of the state by the map is at least so large a share of its
 /// distance to the fixed point.
-pub(super) fn least_change(slope: &DMatrix<f64>) -> f64 {
+fn least_change(slope: &DMatrix<f64>) -> f64 {
     let size = slope.nrows();
     let matrix = DMatrix::identity(size, size) - slope;
     let found = matrix.try_svd(false, false, f64::EPSILON, 10_000);

@@ -32,7 +32,7 @@ pub fn search(
     others: &[Other],
 ) {
     let multiplier =
-        |place: &Option<Box<PeriodicState>>| place.as_ref().map_or(f64::NAN, |one| one.multiplier);
+        |place: &Option<Box<PeriodicState>>| place.as_ref().map_or(f64::NAN, |one| one.spectrum.multiplier);
     results.variables.push(multipliers(found.iter().map(multiplier).collect()));
     results.variables.push(Variable {
         name: "periods_stepped".into(),

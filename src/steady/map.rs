@@ -1,88 +1,125 @@
 //! The period map of some instances, on whatever engine there is.
 
-use crate::engine::{Cpu, Engine, EngineError, Progress};
-use crate::kernel::{MODES_MAX, increments};
+use super::PeriodicState;
+use crate::engine::{Engine, EngineError, Progress, ReturnMap};
+use crate::kernel::{MODES_MAX, flown};
+use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, Precision, Station};
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DefaultAllocator, DimName, OMatrix, OVector};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Takes instances of a plan from one place to where they are some periods later, in f64.
 pub(super) struct PeriodMap<'a> {
     pub plan: &'a Plan,
+    instances: &'a [u32],
     engine: &'a dyn Engine,
-    /// In place of an engine that cannot compute in f64.
-    cpu: Cpu,
+    quick: Option<Box<dyn ReturnMap>>,
     progress: &'a Progress,
     /// What the engine had to say.
     pub notes: Vec<String>,
 }
 
 impl<'a> PeriodMap<'a> {
-    pub fn new(plan: &'a Plan, engine: &'a dyn Engine, progress: &'a Progress) -> Self {
-        Self { plan, engine, cpu: Cpu::default(), progress, notes: Vec::new() }
+    /// Of these instances, by an engine that can compute in f64.
+    pub fn new(
+        plan: &'a Plan,
+        instances: &'a [u32],
+        engine: &'a dyn Engine,
+        progress: &'a Progress,
+    ) -> Result<Self, EngineError> {
+        let quick = engine.return_map(plan, instances)?;
+        Ok(Self { plan, instances, engine, quick, progress, notes: Vec::new() })
     }
 
-    /// Where each of `starts` (an instance and its place) is after `periods`; none where the run was stopped.
+    /// Where each of `starts` (a number in the list of instances, and a place) is after `periods`; none where the run
+    /// was stopped.
     pub fn after(
         &mut self,
         starts: Vec<(u32, Station)>,
         periods: u32,
     ) -> Result<Vec<Option<Station>>, EngineError> {
-        let (instances, stations): (Vec<u32>, Vec<Station>) = starts.into_iter().unzip();
+        if let Some(map) = &self.quick {
+            let steps = |slot: u32| self.plan.cases[self.instances[slot as usize] as usize].steps;
+            let all: u64 = starts.iter().map(|(slot, _)| u64::from(steps(*slot))).sum();
+            self.progress.foresee(all * u64::from(periods));
+            return Ok(map.after(&starts, periods, self.progress));
+        }
+        let (instances, stations): (Vec<u32>, Vec<Station>) =
+            starts.into_iter().map(|(slot, place)| (self.instances[slot as usize], place)).unzip();
         let mut trial = self.plan.trial(&instances, periods, 1);
         trial.precision = Precision::F64;
         trial.stations = Some(Arc::new(stations));
         self.progress.foresee(trial.instance_steps());
-        let engine: &dyn Engine = if self.engine.double() { self.engine } else { &self.cpu };
-        let outcome = engine.run(&trial, self.progress)?;
+        let outcome = self.engine.run(&trial, self.progress)?;
         self.notes.extend(outcome.notes);
         Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
     }
+}
 
-    /// At rest but for the modes that are not kept, with the sample just there: a swing that grows from nothing.
-    pub fn still(&self, instance: u32) -> Station {
-        let case = &self.plan.cases[instance as usize];
-        let driven = &self.plan.drives[case.drive as usize];
-        let free = &driven.free;
-        // The run begins at the top of the free swing; stations stand half a step later.
-        let angle = FRAC_PI_2 - free.tip.arg() + PI / f64::from(case.steps);
-        let turn = Complex::from_polar(1.0, angle);
-        let mut station = Station::FREE;
-        for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
-            let Some(index) = mode.index else { continue };
-            let swing = free.modes[index] * turn * driven.instrument.modes[index].tip;
-            (station.x[k], station.u[k]) = (-swing.im, -swing.re * free.omega / mode.omega);
-        }
-        let travel = free.tip.norm() * (PI / f64::from(case.steps)).cos() + station.x.iter().sum::<f64>();
-        station.touching = case.contact.next_contact(-(case.gap + travel), false);
-        station
+/// At rest but for the modes that are not kept, with the sample just there: a swing that grows from nothing.
+pub(super) fn still(plan: &Plan, instance: u32) -> Station {
+    let case = &plan.cases[instance as usize];
+    let driven = &plan.drives[case.drive as usize];
+    let free = &driven.free;
+    // The run begins at the top of the free swing; stations stand half a step later.
+    let angle = FRAC_PI_2 - free.tip.arg() + PI / f64::from(case.steps);
+    let turn = Complex::from_polar(1.0, angle);
+    let mut station = Station::FREE;
+    for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
+        let Some(index) = mode.index else { continue };
+        let swing = free.modes[index] * turn * driven.instrument.modes[index].tip;
+        (station.x[k], station.u[k]) = (-swing.im, -swing.re * free.omega / mode.omega);
     }
+    let travel = free.tip.norm() * (PI / f64::from(case.steps)).cos() + station.x.iter().sum::<f64>();
+    station.touching = case.contact.next_contact(-(case.gap + travel), false);
+    station
+}
 
-    /// A place met with `steps` steps a period as it is met with the instance's own: stations stand half a step
-    /// into the period.
-    pub fn with_own_steps(&self, instance: u32, station: &Station, steps: u32) -> Station {
-        let case = &self.plan.cases[instance as usize];
-        let driven = &self.plan.drives[case.drive as usize];
-        let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(steps));
-        let mut moved = *station;
-        for (k, mode) in driven.kept.modes.iter().enumerate() {
-            let [m00, m01, m10, m11] = increments(mode.omega * later, mode.damping);
-            let (x, u) = (station.x[k], station.u[k]);
-            (moved.x[k], moved.u[k]) = (x + m00 * x + m01 * u, u + m10 * x + m11 * u);
+/// A state found with other steps per period as it is met with the instance's own, and the map's slope there: stations
+/// stand half a step into the period.
+pub(super) fn with_own_steps<D: Size + DimName>(
+    plan: &Plan,
+    instance: u32,
+    place: &PeriodicState,
+) -> (Station, OMatrix<f64, D, D>)
+where
+    DefaultAllocator: Memory<D>,
+{
+    let case = &plan.cases[instance as usize];
+    let driven = &plan.drives[case.drive as usize];
+    let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(place.steps));
+    let mut moved = place.station;
+    let (mut there, mut back) = (OMatrix::<f64, D, D>::identity(), OMatrix::<f64, D, D>::identity());
+    let modes = D::DIM / 2;
+    for (k, mode) in driven.kept.modes.iter().enumerate().take(modes) {
+        let flow = |time: f64, at| flown(mode.omega * time, mode.damping, at);
+        [moved.x[k], moved.u[k]] = flow(later, [moved.x[k], moved.u[k]]);
+        for (matrix, time) in [(&mut there, later), (&mut back, -later)] {
+            for (column, unit) in [(k, [1.0, 0.0]), (modes + k, [0.0, 1.0])] {
+                [matrix[(k, column)], matrix[(modes + k, column)]] = flow(time, unit);
+            }
         }
-        moved
     }
+    let slope = OMatrix::<f64, D, D>::from_column_slice(&place.slope);
+    (moved, there * slope * back)
 }
 
 /// Travel and rate of each mode, one after the other.
-pub(super) fn vector(station: &Station, modes: usize) -> DVector<f64> {
-    DVector::from_iterator(2 * modes, station.x[..modes].iter().chain(&station.u[..modes]).copied())
+pub(super) fn vector<D: Size + DimName>(station: &Station) -> OVector<f64, D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    let modes = D::DIM / 2;
+    OVector::<f64, D>::from_iterator(station.x[..modes].iter().chain(&station.u[..modes]).copied())
 }
 
 /// The other way.
-pub(super) fn station(vector: &DVector<f64>, touching: bool) -> Station {
-    let modes = vector.len() / 2;
+pub(super) fn station<D: Size + DimName>(vector: &OVector<f64, D>, touching: bool) -> Station
+where
+    DefaultAllocator: Memory<D>,
+{
+    let modes = D::DIM / 2;
     let mut station = Station { touching, ..Station::FREE };
     for k in 0..modes {
         (station.x[k], station.u[k]) = (vector[k], vector[modes + k]);

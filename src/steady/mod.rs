@@ -8,21 +8,22 @@ pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
+use crate::periodic::Spectrum;
 use crate::plan::{Plan, Precision, Station};
 use crate::scene::Steady;
 use search::Begin;
 use std::sync::Arc;
 
 /// A periodic state that was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicState {
     pub station: Station,
-    /// Modulus of the largest multiplier of the period map there: below 1 the state is stable.
-    pub multiplier: f64,
-    /// A change from one period to the next is at least so large a share of the distance to the state.
-    pub least_change: f64,
+    /// What the period map does to small deviations.
+    pub spectrum: Spectrum,
     /// Steps per period with which it was found.
     pub steps: u32,
+    /// The period map's slope there, column by column: travel of the kept modes, then rate over angular frequency.
+    pub slope: Box<[f64]>,
 }
 
 /// A plan carried out.
@@ -35,8 +36,9 @@ pub struct Settled {
     pub periods: Vec<u32>,
 }
 
-/// Periods that are run on from a state found, at least: the first one's change from its predecessor is not known.
-const FEWEST: u32 = 5;
+/// Periods that are run on from a state found, and measured but for the first, whose change from its predecessor is
+/// not known: in a periodic state one is as good as many.
+const ON: u32 = 5;
 
 /// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
 /// same instances with the same modes and other steps, or nothing.
@@ -101,12 +103,14 @@ fn found(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    let searched = search::all(plan, instances, begin, engine, progress)?;
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let searched = search::all(plan, instances, begin, double, progress)?;
     let (mut found, mut periods) = (searched.found, searched.periods);
     let chosen: Vec<u32> = instances.iter().copied().filter(|i| found[*i as usize].is_some()).collect();
     let mut outcome = run_on(plan, &chosen, &found, engine, progress)?;
     outcome.notes.splice(0..0, searched.notes);
-    chosen.iter().for_each(|i| periods[*i as usize] += run_on_for(plan));
+    chosen.iter().for_each(|i| periods[*i as usize] += ON);
     let left = |outcome: &Outcome| -> Vec<u32> {
         let stays = |i: u32| matches!(outcome.results[i as usize].status, Status::Ok | Status::OutOfRange);
         chosen.iter().copied().filter(|i| !stays(*i)).collect()
@@ -114,21 +118,15 @@ fn found(
     let rough = left(&outcome);
     if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
         // A weakly damped state drifts in f32 by more than it may.
-        let double = Plan { precision: Precision::F64, ..plan.only(&rough) };
-        let cpu = Cpu::default();
-        let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
-        let again = run_on(&double, &rough, &found, engine, progress)?;
+        let finer = Plan { precision: Precision::F64, ..plan.only(&rough) };
+        let again = run_on(&finer, &rough, &found, double, progress)?;
         for i in rough {
             outcome.results[i as usize] = again.results[i as usize];
-            periods[i as usize] += run_on_for(plan);
+            periods[i as usize] += ON;
         }
     }
     left(&outcome).into_iter().for_each(|i| found[i as usize] = None);
     Ok(Settled { outcome, found, periods })
-}
-
-fn run_on_for(plan: &Plan) -> u32 {
-    plan.run.measure.max(FEWEST - 1) + 1
 }
 
 /// Measures these instances from the states found.
@@ -140,12 +138,12 @@ fn run_on(
     progress: &Progress,
 ) -> Result<Outcome, EngineError> {
     let mut from = plan.only(chosen);
-    from.run.periods = run_on_for(plan);
+    (from.run.periods, from.run.measure) = (ON, plan.run.measure.min(ON - 1));
     let mut stations = vec![Station::FREE; plan.cases.len()];
     for ((case, station), place) in from.cases.iter_mut().zip(&mut stations).zip(found) {
         if let Some(place) = place {
             *station = place.station;
-            case.least_change = Some(place.least_change);
+            case.least_change = Some(place.spectrum.least_change);
         }
     }
     from.stations = Some(Arc::new(stations));

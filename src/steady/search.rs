@@ -1,13 +1,14 @@
 //! Many searches side by side: all that they ask for in one run.
 
 use super::PeriodicState;
-use super::map::{PeriodMap, station, vector};
+use super::map::{PeriodMap, station, still, vector, with_own_steps};
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
-use crate::periodic::{Ask, Options, Search, Verdict};
+use crate::periodic::{Ask, Memory, Options, Search, Size, Verdict};
 use crate::plan::{Plan, Station};
-use nalgebra::DVector;
+use nalgebra::{Const, DefaultAllocator, DimName, OVector};
+use rayon::prelude::*;
 
 /// Instances searched for at a time: as many as keep the engine busy and the memory small.
 const CHUNK: usize = 8192;
@@ -32,16 +33,6 @@ pub(super) struct Searched {
     pub notes: Vec<String>,
 }
 
-/// One instance's search.
-struct One {
-    instance: u32,
-    /// Where it began; contact at a period's start stays as it was there.
-    start: Station,
-    /// Whether contact is a memory of the past, not what the indentation says.
-    remembers: bool,
-    search: Search,
-}
-
 /// Where searches begin.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Begin<'a> {
@@ -51,7 +42,25 @@ pub(super) enum Begin<'a> {
     Near(&'a [Option<Box<PeriodicState>>]),
 }
 
-/// Searches for the periodic states of `stepped`.
+impl Begin<'_> {
+    /// A state of the instance with other steps.
+    fn known(&self, instance: u32) -> Option<&PeriodicState> {
+        match self {
+            Self::Near(near) => near.get(instance as usize)?.as_deref(),
+            Self::Still => None,
+        }
+    }
+
+    /// Where the instance begins without one.
+    fn place(&self, plan: &Plan, instance: u32) -> Station {
+        match self {
+            Self::Near(_) => Station::free(plan, instance),
+            Self::Still => still(plan, instance),
+        }
+    }
+}
+
+/// Searches for the periodic states of `stepped` by an engine that can compute in f64.
 pub(super) fn all(
     plan: &Plan,
     stepped: &[u32],
@@ -59,119 +68,202 @@ pub(super) fn all(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Searched, EngineError> {
-    let mut map = PeriodMap::new(plan, engine, progress);
     let mut done = Searched {
         found: vec![None; plan.cases.len()],
         periods: vec![0; plan.cases.len()],
         notes: Vec::new(),
     };
-    for chunk in stepped.chunks(CHUNK) {
-        let known = |i: u32| match from {
-            Begin::Near(near) => near.get(i as usize).and_then(|place| place.as_deref()),
-            Begin::Still => None,
-        };
-        let begin = |map: &PeriodMap, i: u32| match from {
-            Begin::Still => (i, map.still(i)),
-            Begin::Near(_) => (i, Station::free(plan, i)),
-        };
-        let close = chunk.iter().filter_map(|&i| {
-            let place = known(i)?;
-            Some(One::begin(plan, i, map.with_own_steps(i, &place.station, place.steps), true))
-        });
+    let modes = |i: &u32| {
+        let kept = &plan.drives[plan.cases[*i as usize].drive as usize].kept;
+        kept.modes.len().clamp(1, MODES_MAX)
+    };
+    for count in 1..=MODES_MAX {
+        let group: Vec<u32> = stepped.iter().copied().filter(|i| modes(i) == count).collect();
+        for chunk in group.chunks(CHUNK) {
+            if progress.stopped() {
+                return Ok(done);
+            }
+            let mut batch = Batch {
+                plan,
+                from,
+                instances: chunk,
+                map: PeriodMap::new(plan, chunk, engine, progress)?,
+                done: &mut done,
+            };
+            match count {
+                1 => batch.run::<Const<2>>(),
+                2 => batch.run::<Const<4>>(),
+                3 => batch.run::<Const<6>>(),
+                4 => batch.run::<Const<8>>(),
+                5 => batch.run::<Const<10>>(),
+                6 => batch.run::<Const<12>>(),
+                7 => batch.run::<Const<14>>(),
+                _ => batch.run::<Const<16>>(),
+            }?;
+            let notes = std::mem::take(&mut batch.map.notes);
+            done.notes.extend(notes);
+        }
+    }
+    Ok(done)
+}
+
+/// Instances with as many modes each, known here by their number in the list.
+struct Batch<'a> {
+    plan: &'a Plan,
+    from: Begin<'a>,
+    instances: &'a [u32],
+    map: PeriodMap<'a>,
+    done: &'a mut Searched,
+}
+
+impl Batch<'_> {
+    fn run<D: Size + DimName + Send + Sync>(&mut self) -> Result<(), EngineError>
+    where
+        DefaultAllocator: Memory<D>,
+        OVector<f64, D>: Send + Sync,
+        One<D>: Send + Sync,
+    {
+        let (plan, instances, from) = (self.plan, self.instances, self.from);
+        let slots = 0..instances.len() as u32;
+        let instance = |slot: u32| instances[slot as usize];
+        let close: Vec<One<D>> = slots
+            .clone()
+            .into_par_iter()
+            .filter_map(|slot| Some(One::beside(plan, slot, instance(slot), from.known(instance(slot))?)))
+            .collect();
+        let begin = |slot: u32| (slot, from.place(plan, instance(slot)));
         let mut left: Vec<(u32, Station)> =
-            chunk.iter().filter(|i| known(**i).is_none()).map(|i| begin(&map, *i)).collect();
-        let lost = together(close.collect(), &mut map, &mut done)?;
-        left.extend(lost.into_iter().map(|(i, _)| begin(&map, i)));
+            slots.filter(|slot| from.known(instance(*slot)).is_none()).map(begin).collect();
+        let lost = self.together(close)?;
+        left.extend(lost.into_iter().map(|(slot, _)| begin(slot)));
         for warm in WARM {
             // Waiting would be cheaper.
             if left.is_empty() || warm >= plan.run.periods {
                 break;
             }
-            left.iter().for_each(|(i, _)| done.periods[*i as usize] += warm);
-            let ends = map.after(left.clone(), warm)?;
-            let warmed = left.iter().zip(ends).filter_map(|((i, _), end)| Some((*i, end?)));
-            let searches = warmed.map(|(i, place)| One::begin(plan, i, place, false)).collect();
-            left = together(searches, &mut map, &mut done)?;
+            left.iter().for_each(|(slot, _)| self.done.periods[instance(*slot) as usize] += warm);
+            let ends = self.map.after(left.clone(), warm)?;
+            let warmed = left.iter().zip(ends).filter_map(|((slot, _), end)| Some((*slot, end?)));
+            let searches = warmed.map(|(slot, place)| One::begin(plan, slot, instance(slot), place));
+            left = self.together(searches.collect())?;
         }
-        if progress.stopped() {
-            break;
-        }
+        Ok(())
     }
-    done.notes = map.notes;
-    Ok(done)
+
+    /// Takes searches to their ends; those in vain come back with the place where they began.
+    fn together<D: Size + DimName>(
+        &mut self,
+        mut all: Vec<One<D>>,
+    ) -> Result<Vec<(u32, Station)>, EngineError>
+    where
+        DefaultAllocator: Memory<D>,
+        OVector<f64, D>: Send + Sync,
+        One<D>: Send + Sync,
+    {
+        let mut lost = Vec::new();
+        while !all.is_empty() {
+            let asks: Vec<Vec<_>> = all
+                .par_iter()
+                .map(|one| match one.search.ask() {
+                    Ask::Map(states) => states,
+                    Ask::Nothing => Vec::new(),
+                })
+                .collect();
+            let of = |(one, states): (&One<D>, &Vec<_>)| -> Vec<(u32, Station)> {
+                states.iter().map(|state| (one.slot, station::<D>(state, one.start.touching))).collect()
+            };
+            let starts: Vec<(u32, Station)> = all.par_iter().zip(&asks).flat_map_iter(of).collect();
+            let ends = self.map.after(starts, 1)?;
+            let mut first = 0;
+            let shares: Vec<&[Option<Station>]> = asks
+                .iter()
+                .map(|states| {
+                    first += states.len();
+                    &ends[first - states.len()..first]
+                })
+                .collect();
+            all.par_iter_mut().zip(shares).for_each(|(one, ends)| {
+                let values: Vec<_> = ends.iter().map(|end| one.useful((*end)?)).collect();
+                one.search.answer(&values);
+            });
+            let (ended, going): (Vec<_>, Vec<_>) =
+                all.into_iter().partition(|one| one.search.verdict().is_some());
+            all = going;
+            lost.extend(ended.into_iter().filter_map(|one| self.keep(one)));
+        }
+        Ok(lost)
+    }
+
+    /// Keeps what a search found; where that is nothing, says where it began.
+    fn keep<D: Size + DimName>(&mut self, one: One<D>) -> Option<(u32, Station)>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let i = self.instances[one.slot as usize] as usize;
+        self.done.periods[i] += one.search.evaluations();
+        let Some(Verdict::Found(found)) = one.search.verdict() else { return Some((one.slot, one.start)) };
+        self.done.found[i] = Some(Box::new(PeriodicState {
+            station: station::<D>(&found.state, one.start.touching),
+            spectrum: found.spectrum,
+            steps: self.plan.cases[i].steps,
+            slope: found.slope.as_slice().into(),
+        }));
+        None
+    }
 }
 
-/// Takes searches to their ends; those in vain come back with the place where they began.
-fn together(
-    mut all: Vec<One>,
-    map: &mut PeriodMap,
-    done: &mut Searched,
-) -> Result<Vec<(u32, Station)>, EngineError> {
-    loop {
-        let asks: Vec<(usize, Vec<_>)> = all
-            .iter()
-            .enumerate()
-            .filter_map(|(n, one)| match one.search.ask() {
-                Ask::Map(states) => Some((n, states)),
-                Ask::Nothing => None,
-            })
-            .collect();
-        if asks.is_empty() {
-            break;
-        }
-        let starts = asks.iter().flat_map(|(n, states)| {
-            let one = &all[*n];
-            states.iter().map(|state| (one.instance, station(state, one.start.touching)))
-        });
-        let mut ends = map.after(starts.collect(), 1)?.into_iter();
-        for (n, states) in asks {
-            let one = &mut all[n];
-            let values: Vec<_> = ends.by_ref().take(states.len()).map(|end| one.useful(end?)).collect();
-            one.search.answer(&values);
-        }
-    }
-    let mut lost = Vec::new();
-    for one in all {
-        let i = one.instance as usize;
-        done.periods[i] += one.search.evaluations();
-        match one.search.verdict() {
-            Some(Verdict::Found(found)) => {
-                done.found[i] = Some(Box::new(PeriodicState {
-                    station: station(&found.state, one.start.touching),
-                    multiplier: found.multiplier,
-                    least_change: found.least_change,
-                    steps: map.plan.cases[i].steps,
-                }));
-            }
-            _ => lost.push((one.instance, one.start)),
-        }
-    }
-    Ok(lost)
+/// One instance's search.
+struct One<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    /// Its number in the batch.
+    slot: u32,
+    /// Where it began; contact at a period's start stays as it was there.
+    start: Station,
+    /// Whether contact is a memory of the past, not what the indentation says.
+    remembers: bool,
+    search: Search<D>,
 }
 
-impl One {
-    fn begin(plan: &Plan, instance: u32, start: Station, near: bool) -> Self {
-        let case = &plan.cases[instance as usize];
-        let driven = &plan.drives[case.drive as usize];
-        let remembers = case.contact.law == Law::Jkr;
-        let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
-        let options = Options {
-            scale: driven.free.tip.norm().max(1e-15),
-            tolerance: NEAR * plan.run.accuracy,
-            enough: ENOUGH * plan.run.accuracy,
-            step,
-            last_step,
-            most: MOST,
-            near,
-            stable: true,
-        };
-        let modes = driven.kept.modes.len().min(MODES_MAX);
-        Self { instance, start, remembers, search: Search::new(vector(&start, modes), options) }
+impl<D: Size + DimName> One<D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    fn begin(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
+        let (remembers, options) = options(plan, instance);
+        Self { slot, start, remembers, search: Search::new(vector(&start), options) }
+    }
+
+    /// From a state with other steps.
+    fn beside(plan: &Plan, slot: u32, instance: u32, place: &PeriodicState) -> Self {
+        let (remembers, options) = options(plan, instance);
+        let (start, slope) = with_own_steps::<D>(plan, instance, place);
+        let search = Search::beside(vector(&start), slope, place.spectrum, options);
+        Self { slot, start, remembers, search }
     }
 
     /// The map's answer, if it is one: numbers, and the same contact as before.
-    fn useful(&self, end: Station) -> Option<DVector<f64>> {
+    fn useful(&self, end: Station) -> Option<OVector<f64, D>> {
         let good = end.finite && (!self.remembers || end.touching == self.start.touching);
-        good.then(|| vector(&end, self.search.size() / 2))
+        good.then(|| vector(&end))
     }
+}
+
+/// Whether contact is a memory, and how a search for the instance's state goes about.
+fn options(plan: &Plan, instance: u32) -> (bool, Options) {
+    let case = &plan.cases[instance as usize];
+    let remembers = case.contact.law == Law::Jkr;
+    let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
+    let options = Options {
+        scale: plan.drives[case.drive as usize].free.tip.norm().max(1e-15),
+        tolerance: NEAR * plan.run.accuracy,
+        enough: ENOUGH * plan.run.accuracy,
+        step,
+        last_step,
+        most: MOST,
+        near: false,
+        stable: true,
+    };
+    (remembers, options)
 }

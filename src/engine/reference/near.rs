@@ -5,7 +5,7 @@ use super::walk::Walk;
 use super::{Reference, integrate};
 use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
-use crate::kernel::increments;
+use crate::kernel::flown;
 use crate::periodic::{Ask, Options, Search, Verdict};
 use crate::plan::{CasePlan, Driven, Plan, Station};
 use crate::scene::{Run, Start};
@@ -85,7 +85,7 @@ pub fn solve_near(
     map.begin(&map.with_slow(&map.after, &found.state));
     // The first period's predecessor is not known, the second one's is not looked at.
     let run = Run { periods: MEASURED + 2, measure: MEASURED, start: Start::Steady, ..plan.run.clone() };
-    let case = CasePlan { least_change: Some(found.least_change), ..*case };
+    let case = CasePlan { least_change: Some(found.spectrum.least_change), ..*case };
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
 
@@ -104,10 +104,9 @@ fn unknowns(
     for (place, index) in system.indices.iter().enumerate() {
         let Some(k) = driven.kept.modes.iter().position(|mode| mode.index == *index) else { continue };
         let (omega, damping) = system.oscillator(place);
-        let [m00, m01, m10, m11] = increments(-omega * half, damping);
-        let (x, u) = (station.x[k], station.u[k]);
-        state[place] = x + m00 * x + m01 * u;
-        state[modes + place] = (u + m10 * x + m11 * u) * omega / driven.free.omega;
+        let [x, u] = flown(-omega * half, damping, [station.x[k], station.u[k]]);
+        state[place] = x;
+        state[modes + place] = u * omega / driven.free.omega;
         slow.extend([place, modes + place]);
     }
     (state, slow)

@@ -35,6 +35,11 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
     }
 
     #[inline(always)]
+    fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        Self { hertz: Hertz { stiffness: next() }, adhesion: next(), inverse_decay: next() }
+    }
+
+    #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
         let (zero, one, two) = (L::splat(ZERO), L::splat(ONE), L::splat(TWO));
         let y = one / self.stretch(at.indentation);

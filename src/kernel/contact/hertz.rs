@@ -52,6 +52,11 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
     }
 
     #[inline(always)]
+    fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        Self { stiffness: next() }
+    }
+
+    #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
         if !L::any(at.may_touch()) {
             return Kick::none();

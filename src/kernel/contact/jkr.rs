@@ -124,6 +124,11 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
     }
 
     #[inline(always)]
+    fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        Self { unit_force: next(), inverse_unit: next() }
+    }
+
+    #[inline(always)]
     fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
         let zero = L::splat(ZERO);
         if !L::any(L::either(zero.less(touching), at.may_touch())) {

@@ -61,6 +61,8 @@ pub trait Interaction<L: Lane>: Copy {
 
     /// Its constants, in the order of the shader's fields.
     fn numbers(&self) -> Vec<L>;
+    /// The other way, one number after the other.
+    fn from_numbers(next: impl FnMut() -> L) -> Self;
 
     /// The kick of one step. `touching` is what the last kick returned.
     fn kick(&self, approach: Approach<L>, touching: L) -> Kick<L>;
@@ -90,6 +92,10 @@ impl<L: Lane> Interaction<L> for Nothing {
 
     fn numbers(&self) -> Vec<L> {
         Vec::new()
+    }
+
+    fn from_numbers(_: impl FnMut() -> L) -> Self {
+        Self
     }
 
     #[inline(always)]
