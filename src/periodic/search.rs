@@ -100,8 +100,10 @@ where
 {
     /// The map at the start.
     Begin,
-    /// The slope by one-sided differences.
-    Slope,
+    /// The slope by one-sided differences, of the columns that are not guessed or of all.
+    Slope {
+        whole: bool,
+    },
     /// A stride, and how often it was shortened.
     Stride {
         step: OVector<f64, D>,
@@ -110,6 +112,17 @@ where
     /// The slope by central differences: the end.
     Last,
     Done(Verdict<D>),
+}
+
+/// Where the slope is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    /// Carried along from another state.
+    Elsewhere,
+    /// Taken here, but for the columns that are guessed.
+    Partly,
+    /// All of it taken here.
+    Whole,
 }
 
 /// A search on its way.
@@ -123,10 +136,11 @@ where
     state: OVector<f64, D>,
     change: OVector<f64, D>,
     slope: OMatrix<f64, D, D>,
+    /// Columns of the slope that no guess stands for.
+    columns: Vec<usize>,
     /// What is known of the slope at the fixed point of a map that differs little from this one.
     known: Option<Spectrum>,
-    /// Whether the slope was taken here, not carried along from the last state.
-    fresh: bool,
+    taken: Taken,
     /// Time, in periods, that the next stride stands for.
     time: f64,
     stage: Stage<D>,
@@ -144,13 +158,25 @@ where
             options,
             change: OVector::zeros_generic(size, U1),
             slope: OMatrix::zeros_generic(size, size),
+            columns: (0..size.value()).collect(),
             known: None,
-            fresh: false,
+            taken: Taken::Elsewhere,
             time: if options.near { f64::INFINITY } else { FIRST },
             stage: Stage::Begin,
             evaluations: 0,
             state,
         }
+    }
+
+    /// From `state` on, where the slope's columns are `slope`'s but for `columns`, more or less: only these are taken
+    /// by differences on the way.
+    pub fn guided(
+        state: OVector<f64, D>,
+        slope: OMatrix<f64, D, D>,
+        columns: Vec<usize>,
+        options: Options,
+    ) -> Self {
+        Self { slope, columns, ..Self::new(state, options) }
     }
 
     /// From the fixed point of a map that differs little from this one, and that map's slope there.
@@ -192,7 +218,12 @@ where
         };
         match &self.stage {
             Stage::Begin => Ask::Map(vec![self.state.clone()]),
-            Stage::Slope => Ask::Map((0..size).map(|k| moved(k, self.options.step)).collect()),
+            Stage::Slope { whole: true } => {
+                Ask::Map((0..size).map(|k| moved(k, self.options.step)).collect())
+            }
+            Stage::Slope { whole: false } => {
+                Ask::Map(self.columns.iter().map(|k| moved(*k, self.options.step)).collect())
+            }
             Stage::Stride { step, .. } => Ask::Map(vec![&self.state + step]),
             Stage::Last => Ask::Map(
                 (0..size)
@@ -209,7 +240,7 @@ where
         let stage = std::mem::replace(&mut self.stage, Stage::Done(Verdict::Lost(Lost::Stuck)));
         self.stage = match stage {
             Stage::Begin => self.begun(values),
-            Stage::Slope => match self.one_sided(values) {
+            Stage::Slope { whole } => match self.one_sided(whole, values) {
                 true => self.stride(),
                 false => Stage::Done(Verdict::Lost(Lost::Undefined)),
             },
@@ -226,21 +257,23 @@ where
         match values {
             [Some(value)] => {
                 self.change = value - &self.state;
-                if self.known.is_some() { self.stride() } else { Stage::Slope }
+                if self.known.is_some() { self.stride() } else { Stage::Slope { whole: false } }
             }
             _ => Stage::Done(Verdict::Lost(Lost::Undefined)),
         }
     }
 
     /// Differences against the map here.
-    fn one_sided(&mut self, values: &[Option<OVector<f64, D>>]) -> bool {
+    fn one_sided(&mut self, whole: bool, values: &[Option<OVector<f64, D>>]) -> bool {
         let here = &self.state + &self.change;
-        for (k, value) in values.iter().enumerate() {
+        for (n, value) in values.iter().enumerate() {
             let Some(value) = value else { return false };
+            let k = if whole { n } else { self.columns[n] };
             self.slope.set_column(k, &((value - &here) / (self.options.step * self.options.scale)));
         }
         // What was known led astray.
-        (self.fresh, self.known) = (true, None);
+        (self.taken, self.known) =
+            (if whole || values.len() == self.size() { Taken::Whole } else { Taken::Partly }, None);
         true
     }
 
@@ -258,15 +291,19 @@ where
         let Some(newton) = self.step(f64::INFINITY) else { return stuck };
         let near = self.options.tolerance * self.options.scale;
         if newton.norm() <= near {
+            let rough = self.options.last_step > self.options.step;
+            if !rough && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
+                return Stage::Slope { whole: true };
+            }
             self.state += newton;
-            let at = self.known.or_else(|| self.fresh.then(|| Spectrum::of(&self.slope)));
-            let clear = |at: &Spectrum| at.multiplier < CLEARLY;
-            return match at.filter(clear) {
-                Some(at) if self.options.near => self.found(at),
-                // Where nobody asks for stability the slope will do as it is.
-                _ if self.options.near && !self.options.stable => self.found(Spectrum::of(&self.slope)),
-                _ => Stage::Last,
+            // Where nobody asks for stability the slope will do as it is.
+            let enough = self.options.near && (!self.options.stable || self.taken == Taken::Whole);
+            let at = match self.known {
+                None if enough || !rough => Some(Spectrum::of(&self.slope)),
+                known => known,
             };
+            let sure = |at: &Spectrum| !self.options.stable || at.multiplier < CLEARLY;
+            return at.filter(sure).map_or(Stage::Last, |at| self.found(at));
         }
         let step = if self.time >= NEWTON { Some(newton) } else { self.step(self.time) };
         let Some(mut step) = step else { return stuck };
@@ -295,13 +332,17 @@ where
                 let predicted = &self.slope * &step - &step;
                 let miss = &change - &self.change - predicted;
                 self.slope.ger(1.0 / step.norm_squared(), &miss, &step, 1.0);
-                (self.state, self.change, self.fresh) = (state, change, false);
+                (self.state, self.change, self.taken) = (state, change, Taken::Elsewhere);
                 self.time *= (LONGER * gain).clamp(0.5, LONGEST);
-                return if gain < CARRIED { Stage::Slope } else { self.stride() };
+                return if gain < CARRIED { Stage::Slope { whole: false } } else { self.stride() };
             }
         }
-        if !self.fresh {
-            return Stage::Slope;
+        if self.taken == Taken::Elsewhere {
+            return Stage::Slope { whole: false };
+        }
+        if self.taken == Taken::Partly && shorter == 1 {
+            // The guess may be why.
+            return Stage::Slope { whole: true };
         }
         if shorter == 4 {
             if self

@@ -6,8 +6,11 @@ use crate::kernel::{MODES_MAX, flown};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, Precision, Station};
 use nalgebra::{Complex, DefaultAllocator, DimName, OMatrix, OVector};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
+
+/// Modes whose motion falls by no more than this exponent in a period are slow.
+const SLOW: f64 = 0.3;
 
 /// Takes instances of a plan from one place to where they are some periods later, in f64.
 pub(super) struct PeriodMap<'a> {
@@ -103,6 +106,29 @@ where
     }
     let slope = OMatrix::<f64, D, D>::from_column_slice(&place.slope);
     (moved, there * slope * back)
+}
+
+/// The map's slope without a sample, and its columns of modes that ring for longer than [`SLOW`] says: contact changes
+/// these by more than a search can leave to its updates.
+pub(super) fn free_slope<D: Size + DimName>(plan: &Plan, instance: u32) -> (OMatrix<f64, D, D>, Vec<usize>)
+where
+    DefaultAllocator: Memory<D>,
+{
+    let driven = &plan.drives[plan.cases[instance as usize].drive as usize];
+    let mut slope = OMatrix::<f64, D, D>::zeros();
+    let (mut columns, modes) = (Vec::new(), D::DIM / 2);
+    let angle = |omega: f64| TAU * omega / driven.free.omega;
+    let rate = |k: usize| driven.kept.modes[k].damping * angle(driven.kept.modes[k].omega);
+    let slowest = (0..driven.kept.modes.len()).map(rate).fold(f64::INFINITY, f64::min);
+    for (k, mode) in driven.kept.modes.iter().enumerate().take(modes) {
+        for (column, unit) in [(k, [1.0, 0.0]), (modes + k, [0.0, 1.0])] {
+            [slope[(k, column)], slope[(modes + k, column)]] = flown(angle(mode.omega), mode.damping, unit);
+            if rate(k) <= slowest.max(SLOW) {
+                columns.push(column);
+            }
+        }
+    }
+    (slope, columns)
 }
 
 /// Travel and rate of each mode, one after the other.

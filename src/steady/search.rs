@@ -1,7 +1,7 @@
 //! Many searches side by side: all that they ask for in one run.
 
 use super::PeriodicState;
-use super::map::{PeriodMap, station, still, vector, with_own_steps};
+use super::map::{PeriodMap, free_slope, station, still, vector, with_own_steps};
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
@@ -232,7 +232,8 @@ where
 {
     fn begin(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
         let (remembers, options) = options(plan, instance);
-        Self { slot, start, remembers, search: Search::new(vector(&start), options) }
+        let (slope, columns) = free_slope(plan, instance);
+        Self { slot, start, remembers, search: Search::guided(vector(&start), slope, columns, options) }
     }
 
     /// From a state with other steps.
