@@ -6,7 +6,8 @@ use super::law::KernelLaw;
 use super::track::{Member, case, member};
 use super::walk::Packs;
 use super::{EngineError, Progress, start};
-use crate::kernel::{Case, LENGTH, Lane, State, Wave, each_step};
+use crate::kernel::{Case, LENGTH, Lane, State, Tally, Wave, period};
+use crate::observe::Wants;
 use crate::plan::{Class, Plan, Precision, Station};
 use crate::scene::Start;
 use rayon::ThreadPool;
@@ -121,7 +122,7 @@ struct Rows<L: Lane, I, const M: usize> {
     rows: Vec<L::Element>,
     /// Numbers in a row.
     length: usize,
-    waves: Vec<Wave<L::Element>>,
+    waves: Vec<Vec<Wave<L::Element>>>,
     law: std::marker::PhantomData<I>,
 }
 
@@ -133,11 +134,10 @@ pub(super) fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, 
     let packs: Vec<(Vec<L::Element>, usize)> =
         class.instances.par_chunks(L::WIDTH).map(|pack| rows::<L, I, M>(plan, pack)).collect();
     let length = packs.first().map_or(0, |(_, length)| *length);
-    let mut waves = start::waves::<L>(class.steps, 1);
     Box::new(Rows::<L, I, M> {
         rows: packs.into_iter().flat_map(|(rows, _)| rows).collect(),
         length,
-        waves: waves.swap_remove(0),
+        waves: start::waves::<L>(class.steps, 1),
         law: std::marker::PhantomData,
     })
 }
@@ -160,7 +160,7 @@ impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I
     }
 
     fn steps(&self) -> u32 {
-        self.waves.len() as u32
+        self.waves[0].len() as u32
     }
 
     fn after(&self, pack: &[(u32, Station)], periods: u32) -> Vec<Station> {
@@ -189,8 +189,10 @@ impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I
             field += 1;
             L::load(&buffer)
         });
+        let mut tally = Tally::start(state.touching, state.touching);
         for _ in 0..periods {
-            each_step(&case, &mut state, &self.waves, None, false, |_, _, _| {});
+            // As a run does before the measured part; the sums are left.
+            period(&case, &mut state, &self.waves, None, Wants::FUNDAMENTAL, &mut tally);
         }
         let mut ends: Vec<Station> = pack.iter().map(|(_, from)| *from).collect();
         let mut scatter = |field: L, put: &dyn Fn(&mut Station, f64)| {
