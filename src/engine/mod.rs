@@ -27,7 +27,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
 /// Steps every instance of a plan.
-pub trait Engine {
+pub trait Engine: Sync {
     /// Name of the device, for the results file.
     fn device(&self) -> String;
 

@@ -16,8 +16,13 @@ use rayon::prelude::*;
 /// The map that takes an instance's place at the start of a period of its drive to the one some periods later, with
 /// the plan's steps and in f64.
 pub trait ReturnMap: Send + Sync {
+    /// Does `work`, which may split itself up, on the engine's threads.
+    fn on_threads(&self, work: &mut (dyn FnMut() + Send));
+
     /// Where each of `starts` (a number in the list of instances that the map was made for, and a place) is after
     /// `periods`; none where the run was stopped.
+    ///
+    /// This is done on the calling thread: callers have many lists.
     fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>>;
 }
 
@@ -28,7 +33,7 @@ pub(super) trait Table: Send + Sync {
     /// Steps per period.
     fn steps(&self) -> u32;
     /// Takes up to [`Table::width`] places on; the number of an instance is its row.
-    fn after(&self, pack: &[(u32, Station)], periods: u32) -> Vec<Station>;
+    fn after(&self, pack: &mut [(u32, Station)], periods: u32);
 }
 
 /// Makes the table of a class.
@@ -80,38 +85,32 @@ impl Stepping for Tabulate<'_> {
 }
 
 impl ReturnMap for Map {
-    fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>> {
-        // By table, which of the starts are its own.
-        let mut own: Vec<Vec<u32>> = vec![Vec::new(); self.tables.len()];
-        for (n, (instance, _)) in starts.iter().enumerate() {
-            own[self.places[*instance as usize].0 as usize].push(n as u32);
+    fn on_threads(&self, work: &mut (dyn FnMut() + Send)) {
+        match &self.pool {
+            None => work(),
+            Some(pool) => pool.install(work),
         }
-        let packs: Vec<(&dyn Table, &[u32])> = self
-            .tables
-            .iter()
-            .zip(&own)
-            .flat_map(|(table, own)| own.chunks(table.width()).map(|pack| (table.as_ref(), pack)))
-            .collect();
-        let step = |(table, pack): &(&dyn Table, &[u32])| -> Vec<Option<Station>> {
-            if progress.stopped() {
-                return vec![None; pack.len()];
-            }
-            let of = |n: &u32| {
-                let (instance, place) = &starts[*n as usize];
-                (self.places[*instance as usize].1, *place)
-            };
-            let from: Vec<_> = pack.iter().map(of).collect();
-            progress.add(pack.len() as u64 * u64::from(periods) * u64::from(table.steps()));
-            table.after(&from, periods).into_iter().map(Some).collect()
-        };
-        let all = || -> Vec<Vec<Option<Station>>> { packs.par_iter().map(step).collect() };
-        let ends = match &self.pool {
-            None => all(),
-            Some(pool) => pool.install(all),
-        };
+    }
+
+    fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>> {
         let mut out = vec![None; starts.len()];
-        for ((_, pack), ends) in packs.iter().zip(ends) {
-            pack.iter().zip(ends).for_each(|(n, end)| out[*n as usize] = end);
+        let (mut own, mut pack) = (Vec::with_capacity(starts.len()), Vec::new());
+        for (number, table) in self.tables.iter().enumerate() {
+            own.clear();
+            let here = |(_, (instance, _)): &(usize, &(u32, Station))| {
+                self.places[*instance as usize].0 as usize == number
+            };
+            own.extend(starts.iter().enumerate().filter(here).map(|(n, _)| n));
+            for some in own.chunks(table.width()) {
+                if progress.stopped() {
+                    return out;
+                }
+                pack.clear();
+                pack.extend(some.iter().map(|n| (self.places[starts[*n].0 as usize].1, starts[*n].1)));
+                table.after(&mut pack, periods);
+                progress.add(pack.len() as u64 * u64::from(periods) * u64::from(table.steps()));
+                some.iter().zip(&pack).for_each(|(n, (_, end))| out[*n] = Some(*end));
+            }
         }
         out
     }
@@ -163,7 +162,7 @@ impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I
         self.waves[0].len() as u32
     }
 
-    fn after(&self, pack: &[(u32, Station)], periods: u32) -> Vec<Station> {
+    fn after(&self, pack: &mut [(u32, Station)], periods: u32) {
         let mut buffer = [L::element(0.0); WIDEST];
         // The last one fills the lanes left over.
         let mut row = [0; WIDEST];
@@ -194,21 +193,19 @@ impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I
             // As a run does before the measured part; the sums are left.
             period(&case, &mut state, &self.waves, None, Wants::FUNDAMENTAL, &mut tally);
         }
-        let mut ends: Vec<Station> = pack.iter().map(|(_, from)| *from).collect();
         let mut scatter = |field: L, put: &dyn Fn(&mut Station, f64)| {
             field.store(&mut buffer);
-            ends.iter_mut().zip(buffer).for_each(|(end, value)| put(end, value.into()));
+            pack.iter_mut().zip(buffer).for_each(|((_, end), value)| put(end, value.into()));
         };
         for k in 0..M {
             scatter(state.x[k], &|end, value| end.x[k] = value * LENGTH);
             scatter(state.u[k], &|end, value| end.u[k] = value * LENGTH);
         }
         scatter(state.touching, &|end, value| end.touching = value > 0.0);
-        for (end, (_, from)) in ends.iter_mut().zip(pack) {
+        for (_, end) in pack {
             // Beyond f32 counts as none, as in a run.
             let numbers = |all: &[f64]| all.iter().all(|value| ((value / LENGTH) as f32).is_finite());
-            end.finite = from.finite && numbers(&end.x) && numbers(&end.u);
+            end.finite &= numbers(&end.x) && numbers(&end.u);
         }
-        ends
     }
 }

@@ -6,8 +6,13 @@ use crate::kernel::{MODES_MAX, flown};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, Precision, Station};
 use nalgebra::{Complex, DefaultAllocator, DimName, OMatrix, OVector};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::sync::Arc;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache.
+const PART: u32 = 256;
 
 /// Modes whose motion falls by no more than this exponent in a period are slow.
 const SLOW: f64 = 0.3;
@@ -20,7 +25,7 @@ pub(super) struct PeriodMap<'a> {
     quick: Option<Box<dyn ReturnMap>>,
     progress: &'a Progress,
     /// What the engine had to say.
-    pub notes: Vec<String>,
+    notes: Mutex<Vec<String>>,
 }
 
 impl<'a> PeriodMap<'a> {
@@ -32,13 +37,31 @@ impl<'a> PeriodMap<'a> {
         progress: &'a Progress,
     ) -> Result<Self, EngineError> {
         let quick = engine.return_map(plan, instances)?;
-        Ok(Self { plan, instances, engine, quick, progress, notes: Vec::new() })
+        Ok(Self { plan, instances, engine, quick, progress, notes: Mutex::default() })
+    }
+
+    /// Does `work` for all instances: at once, or for some after the other on many threads where the engine does not
+    /// spread a list over them itself.
+    pub fn spread<T: Send>(&self, work: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
+        let count = self.instances.len() as u32;
+        let Some(map) = &self.quick else { return vec![work(0..count)] };
+        let mut all = Vec::new();
+        map.on_threads(&mut || {
+            let parts = (0..count.div_ceil(PART)).into_par_iter();
+            all = parts.map(|part| work(part * PART..count.min((part + 1) * PART))).collect();
+        });
+        all
+    }
+
+    /// What the engine had to say.
+    pub fn notes(self) -> Vec<String> {
+        self.notes.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Where each of `starts` (a number in the list of instances, and a place) is after `periods`; none where the run
     /// was stopped.
     pub fn after(
-        &mut self,
+        &self,
         starts: Vec<(u32, Station)>,
         periods: u32,
     ) -> Result<Vec<Option<Station>>, EngineError> {
@@ -55,7 +78,7 @@ impl<'a> PeriodMap<'a> {
         trial.stations = Some(Arc::new(stations));
         self.progress.foresee(trial.instance_steps());
         let outcome = self.engine.run(&trial, self.progress)?;
-        self.notes.extend(outcome.notes);
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(outcome.notes);
         Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
     }
 }

@@ -36,8 +36,8 @@ pub struct Settled {
     pub periods: Vec<u32>,
 }
 
-/// Periods that are run on from a state found, and measured but for the first, whose change from its predecessor is
-/// not known: in a periodic state one is as good as many.
+/// Periods that are run on from a state found, and measured but for the first: in a periodic state a few are as good as
+/// many, and a period's change counts four periods long, but the first one's is not known.
 const ON: u32 = 5;
 
 /// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the

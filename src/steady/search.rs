@@ -8,7 +8,7 @@ use crate::kernel::MODES_MAX;
 use crate::periodic::{Ask, Memory, Options, Search, Size, Verdict};
 use crate::plan::{Plan, Station};
 use nalgebra::{Const, DefaultAllocator, DimName, OVector};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// Instances searched for at a time: as many as keep the engine busy and the memory small.
 const CHUNK: usize = 8192;
@@ -84,135 +84,137 @@ pub(super) fn all(
             if progress.stopped() {
                 return Ok(done);
             }
-            let mut batch = Batch {
-                plan,
-                from,
-                instances: chunk,
-                map: PeriodMap::new(plan, chunk, engine, progress)?,
-                done: &mut done,
-            };
-            match count {
-                1 => batch.run::<Const<2>>(),
-                2 => batch.run::<Const<4>>(),
-                3 => batch.run::<Const<6>>(),
-                4 => batch.run::<Const<8>>(),
-                5 => batch.run::<Const<10>>(),
-                6 => batch.run::<Const<12>>(),
-                7 => batch.run::<Const<14>>(),
-                _ => batch.run::<Const<16>>(),
-            }?;
-            let notes = std::mem::take(&mut batch.map.notes);
-            done.notes.extend(notes);
+            let map = PeriodMap::new(plan, chunk, engine, progress)?;
+            let parts = map.spread(|slots| {
+                let batch = Batch { plan, from, instances: chunk, map: &map };
+                match count {
+                    1 => batch.run::<Const<2>>(slots),
+                    2 => batch.run::<Const<4>>(slots),
+                    3 => batch.run::<Const<6>>(slots),
+                    4 => batch.run::<Const<8>>(slots),
+                    5 => batch.run::<Const<10>>(slots),
+                    6 => batch.run::<Const<12>>(slots),
+                    7 => batch.run::<Const<14>>(slots),
+                    _ => batch.run::<Const<16>>(slots),
+                }
+            });
+            for part in parts {
+                for end in part? {
+                    let i = chunk[end.slot as usize] as usize;
+                    done.periods[i] += end.periods;
+                    done.found[i] = end.found;
+                }
+            }
+            done.notes.extend(map.notes());
         }
     }
     Ok(done)
 }
 
+/// How one instance's searches ended.
+struct End {
+    /// Its number in the batch.
+    slot: u32,
+    periods: u32,
+    found: Option<Box<PeriodicState>>,
+}
+
 /// Instances with as many modes each, known here by their number in the list.
+#[derive(Clone, Copy)]
 struct Batch<'a> {
     plan: &'a Plan,
     from: Begin<'a>,
     instances: &'a [u32],
-    map: PeriodMap<'a>,
-    done: &'a mut Searched,
+    map: &'a PeriodMap<'a>,
 }
 
+/// An instance without a state, the periods stepped for it so far, and where the last search began.
+type Left = (u32, u32, Station);
+
 impl Batch<'_> {
-    fn run<D: Size + DimName + Send + Sync>(&mut self) -> Result<(), EngineError>
+    fn run<D: Size + DimName>(self, slots: Range<u32>) -> Result<Vec<End>, EngineError>
     where
         DefaultAllocator: Memory<D>,
-        OVector<f64, D>: Send + Sync,
-        One<D>: Send + Sync,
     {
-        let (plan, instances, from) = (self.plan, self.instances, self.from);
-        let slots = 0..instances.len() as u32;
+        let Self { plan, instances, from, .. } = self;
         let instance = |slot: u32| instances[slot as usize];
-        let close: Vec<Box<One<D>>> = slots
-            .clone()
-            .into_par_iter()
-            .filter_map(|slot| {
-                Some(Box::new(One::beside(plan, slot, instance(slot), from.known(instance(slot))?)))
-            })
-            .collect();
-        let begin = |slot: u32| (slot, from.place(plan, instance(slot)));
-        let mut left: Vec<(u32, Station)> =
-            slots.filter(|slot| from.known(instance(*slot)).is_none()).map(begin).collect();
-        let lost = self.together(close)?;
-        left.extend(lost.into_iter().map(|(slot, _)| begin(slot)));
+        let begin = |slot: u32| from.place(plan, instance(slot));
+        let mut done = Vec::with_capacity(slots.len());
+        let (mut close, mut left): (Vec<Box<One<D>>>, Vec<Left>) = (Vec::new(), Vec::new());
+        for slot in slots {
+            match from.known(instance(slot)) {
+                Some(place) => close.push(Box::new(One::beside(plan, slot, instance(slot), place))),
+                None => left.push((slot, 0, begin(slot))),
+            }
+        }
+        let lost = self.together(close, &mut done)?;
+        left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
         for warm in WARM {
             // Waiting would be cheaper.
             if left.is_empty() || warm >= plan.run.periods {
                 break;
             }
-            left.iter().for_each(|(slot, _)| self.done.periods[instance(*slot) as usize] += warm);
-            let ends = self.map.after(left.clone(), warm)?;
-            let warmed = left.iter().zip(ends).filter_map(|((slot, _), end)| Some((*slot, end?)));
-            let searches =
-                warmed.map(|(slot, place)| Box::new(One::begin(plan, slot, instance(slot), place)));
-            left = self.together(searches.collect())?;
+            let starts = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
+            let ends = self.map.after(starts, warm)?;
+            let warmed = left.iter().zip(ends).filter_map(|((slot, periods, _), end)| {
+                let mut one = One::begin(plan, *slot, instance(*slot), end?);
+                one.periods = periods + warm;
+                Some(Box::new(one))
+            });
+            left = self.together(warmed.collect(), &mut done)?;
         }
-        Ok(())
+        done.extend(left.into_iter().map(|(slot, periods, _)| End { slot, periods, found: None }));
+        Ok(done)
     }
 
-    /// Takes searches to their ends; those in vain come back with the place where they began.
+    /// Takes searches to their ends; those in vain come back.
     fn together<D: Size + DimName>(
-        &mut self,
+        self,
         mut all: Vec<Box<One<D>>>,
-    ) -> Result<Vec<(u32, Station)>, EngineError>
+        done: &mut Vec<End>,
+    ) -> Result<Vec<Left>, EngineError>
     where
         DefaultAllocator: Memory<D>,
-        OVector<f64, D>: Send + Sync,
-        One<D>: Send + Sync,
     {
         let mut lost = Vec::new();
         while !all.is_empty() {
-            let asks: Vec<Vec<_>> = all
-                .par_iter()
-                .map(|one| match one.search.ask() {
-                    Ask::Map(states) => states,
-                    Ask::Nothing => Vec::new(),
-                })
-                .collect();
-            let of = |(one, states): (&Box<One<D>>, &Vec<_>)| -> Vec<(u32, Station)> {
-                states.iter().map(|state| (one.slot, station::<D>(state, one.start.touching))).collect()
-            };
-            let starts: Vec<(u32, Station)> = all.par_iter().zip(&asks).flat_map_iter(of).collect();
+            let (mut starts, mut counts) = (Vec::new(), Vec::with_capacity(all.len()));
+            for one in &all {
+                let before = starts.len();
+                if let Ask::Map(states) = one.search.ask() {
+                    let place = |state| (one.slot, station::<D>(state, one.start.touching));
+                    starts.extend(states.iter().map(place));
+                }
+                counts.push(starts.len() - before);
+            }
             let ends = self.map.after(starts, 1)?;
-            let mut first = 0;
-            let shares: Vec<&[Option<Station>]> = asks
-                .iter()
-                .map(|states| {
-                    first += states.len();
-                    &ends[first - states.len()..first]
-                })
-                .collect();
-            all.par_iter_mut().zip(shares).for_each(|(one, ends)| {
-                let values: Vec<_> = ends.iter().map(|end| one.useful((*end)?)).collect();
+            let mut rest = ends.as_slice();
+            for (one, count) in all.iter_mut().zip(counts) {
+                let (own, others) = rest.split_at(count);
+                rest = others;
+                let values: Vec<_> = own.iter().map(|end| one.useful((*end)?)).collect();
                 one.search.answer(&values);
-            });
-            let (ended, going): (Vec<_>, Vec<_>) =
-                all.into_iter().partition(|one| one.search.verdict().is_some());
+            }
+            let mut going = Vec::with_capacity(all.len());
+            for one in all {
+                match one.search.verdict() {
+                    None => going.push(one),
+                    Some(Verdict::Found(found)) => done.push(End {
+                        slot: one.slot,
+                        periods: one.stepped(),
+                        found: Some(Box::new(PeriodicState {
+                            station: station::<D>(&found.state, one.start.touching),
+                            spectrum: found.spectrum,
+                            steps: self.plan.cases[self.instances[one.slot as usize] as usize].steps,
+                            slope: found.slope.as_slice().into(),
+                        })),
+                    }),
+                    Some(Verdict::Lost(_)) => lost.push((one.slot, one.stepped(), one.start)),
+                }
+            }
             all = going;
-            lost.extend(ended.into_iter().filter_map(|one| self.keep(&one)));
         }
         Ok(lost)
-    }
-
-    /// Keeps what a search found; where that is nothing, says where it began.
-    fn keep<D: Size + DimName>(&mut self, one: &One<D>) -> Option<(u32, Station)>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        let i = self.instances[one.slot as usize] as usize;
-        self.done.periods[i] += one.search.evaluations();
-        let Some(Verdict::Found(found)) = one.search.verdict() else { return Some((one.slot, one.start)) };
-        self.done.found[i] = Some(Box::new(PeriodicState {
-            station: station::<D>(&found.state, one.start.touching),
-            spectrum: found.spectrum,
-            steps: self.plan.cases[i].steps,
-            slope: found.slope.as_slice().into(),
-        }));
-        None
     }
 }
 
@@ -223,6 +225,8 @@ where
 {
     /// Its number in the batch.
     slot: u32,
+    /// Periods stepped before.
+    periods: u32,
     /// Where it began; contact at a period's start stays as it was there.
     start: Station,
     /// Whether contact is a memory of the past, not what the indentation says.
@@ -237,7 +241,13 @@ where
     fn begin(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
         let (remembers, options) = options(plan, instance);
         let (slope, columns) = free_slope(plan, instance);
-        Self { slot, start, remembers, search: Search::guided(vector(&start), slope, columns, options) }
+        Self {
+            slot,
+            periods: 0,
+            start,
+            remembers,
+            search: Search::guided(vector(&start), slope, columns, options),
+        }
     }
 
     /// From a state with other steps.
@@ -245,7 +255,12 @@ where
         let (remembers, options) = options(plan, instance);
         let (start, slope) = with_own_steps::<D>(plan, instance, place);
         let search = Search::beside(vector(&start), slope, place.spectrum, options);
-        Self { slot, start, remembers, search }
+        Self { slot, periods: 0, start, remembers, search }
+    }
+
+    /// Periods stepped for the instance.
+    fn stepped(&self) -> u32 {
+        self.periods + self.search.evaluations()
     }
 
     /// The map's answer, if it is one: numbers, and the same contact as before.

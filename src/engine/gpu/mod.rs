@@ -21,8 +21,8 @@ use chunk::{Checkpoint, Chunk};
 use pace::Pace;
 use rayon::prelude::*;
 use session::Session;
-use std::cell::RefCell;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -97,7 +97,7 @@ pub struct Gpu {
     /// For tests of what happens when a device fails.
     pub drill: Drill,
     /// The device and its compiled shaders between two runs, and the precision and strictness it is open for.
-    idle: RefCell<Option<(Precision, bool, Session)>>,
+    idle: Mutex<Option<(Precision, bool, Session)>>,
 }
 
 /// Failures on one chunk after which the CPU takes over.
@@ -108,7 +108,7 @@ impl Gpu {
     pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
         let (adapter, report) = adapter::choose(wanted)?;
         let strict = report.strict && report.software();
-        let (drill, idle) = (Drill::default(), RefCell::default());
+        let (drill, idle) = (Drill::default(), Mutex::default());
         Ok(Self { adapter, report, chunk: None, strict, drill, idle })
     }
 
@@ -253,7 +253,8 @@ impl Engine for Gpu {
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         // A device that cannot be opened at all is an error, before anything is computed.
-        let held = self.idle.take().filter(|held| (held.0, held.1) == (plan.precision, self.strict));
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = idle.take().filter(|held| (held.0, held.1) == (plan.precision, self.strict));
         let session = match held {
             Some((.., session)) => session,
             None => Session::open(self, plan.precision == Precision::F64)?,
@@ -269,7 +270,7 @@ impl Engine for Gpu {
             };
             outcome.put(&class.instances, finished);
         }
-        self.idle.replace(opened.session.map(|session| (plan.precision, self.strict, session)));
+        *idle = opened.session.map(|session| (plan.precision, self.strict, session));
         outcome.notes = opened.notes;
         Ok(outcome)
     }

@@ -4,8 +4,7 @@ use super::{Failure, GpuError};
 use super::{Gpu, strict};
 use crate::kernel::{Binding, ShaderSpec, WORKGROUP};
 use std::borrow::Cow;
-use std::cell::RefCell;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
     BufferUsages, ComputePipeline, Device, DeviceDescriptor, Features, MapMode, PassthroughShaderEntryPoint,
@@ -20,7 +19,7 @@ pub(super) struct Session {
     /// Whether the driver must round after each operation.
     strict: bool,
     edit: Option<fn(String) -> String>,
-    pipelines: RefCell<Vec<(ShaderSpec, ComputePipeline)>>,
+    pipelines: Mutex<Vec<(ShaderSpec, ComputePipeline)>>,
     trouble: Arc<Mutex<Option<Failure>>>,
 }
 
@@ -76,7 +75,7 @@ impl Session {
             queue,
             strict: *strict,
             edit: gpu.drill.edit,
-            pipelines: RefCell::default(),
+            pipelines: Mutex::default(),
             trouble,
         })
     }
@@ -98,7 +97,7 @@ impl Session {
 
     /// The compiled shader for `spec`, and the layout of its bindings.
     pub fn pipeline(&self, spec: ShaderSpec) -> Result<(ComputePipeline, BindGroupLayout), Failure> {
-        let mut pipelines = self.pipelines.borrow_mut();
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         let found = pipelines.iter().find(|(known, _)| *known == spec).map(|(_, pipeline)| pipeline.clone());
         let pipeline = match found {
             Some(pipeline) => pipeline,
