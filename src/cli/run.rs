@@ -29,7 +29,7 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
-    /// Instances to redo with the reference engine after the run [default: as many as a tenth of its time allows, or 2 s]
+    /// Instances to redo with the reference engine after the run [default: as many as a tenth of its time allows, or 0.5 s]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     audit: Option<u32>,
     /// Redo none
@@ -147,7 +147,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
 
 /// What an audit may take: a share of the run's time, or so many seconds after a short one.
 const AUDIT_SHARE: f64 = 0.1;
-const AUDIT_SECONDS: f64 = 2.0;
+const AUDIT_SECONDS: f64 = 0.5;
 
 /// The audit: as many instances as asked for; else one for each core, and more while time is left.
 fn audit(
@@ -236,7 +236,7 @@ fn accuracy(
     }
     let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
     if audited.is_empty() && !told_not_to && !known.is_empty() {
-        voice.say("audit: no instance could be redone in a tenth of the run's time or 2 s; --audit 4 redoes four all the same");
+        voice.say("audit: no instance could be redone in a tenth of the run's time or 0.5 s; --audit 4 redoes four all the same");
     }
     if !audited.is_empty() {
         let largest = redone.iter().copied().fold(0.0, f64::max);
