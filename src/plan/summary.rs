@@ -23,7 +23,7 @@ impl Plan {
     /// In words and as JSON; `seconds` is the estimated run time, where known.
     pub fn summary(&self, seconds: Option<f64>) -> Summary {
         let mut text = format!(
-            "{} instance{}, {} driven instrument{}, {} class{}, precision {}\n",
+            "{} instance{}, {} driven instrument{}, {} class{}, precision {}{}\n",
             self.cases.len(),
             plural(self.cases.len(), "s"),
             self.drives.len(),
@@ -31,6 +31,10 @@ impl Plan {
             self.classes.len(),
             plural(self.classes.len(), "es"),
             self.precision.name(),
+            match self.precision_settled() {
+                None => ", or by a trial of both, whichever serves",
+                Some(_) => "",
+            },
         );
         let mut drives = Vec::new();
         for (index, drive) in self.drives.iter().enumerate() {
@@ -89,6 +93,7 @@ impl Plan {
         let json = json!({
             "instances": self.cases.len(),
             "precision": self.precision.name(),
+            "precision_by_trial": self.precision_settled().is_none(),
             "periods": self.run.periods,
             "measure": self.run.measure,
             "steady": match self.run.steady {
