@@ -121,6 +121,6 @@ fn the_choice_is_told_and_kept_in_the_file() {
     let results = afmsweep::store::read(&desk.results(&scene)).unwrap();
     assert_eq!(results.text("precision"), Some("f64"));
     assert!(results.flags.iter().all(|flags| flags.name != "precision"));
-    let said = desk.works(&["run", path, "--no-estimate"]).err;
-    assert!(said.contains("precision: f64: nothing is estimated"), "{said}");
+    let said = desk.works(&["run", path, "--no-audit", "--no-estimate"]).err;
+    assert!(said.contains("precision: f64: nothing to choose it by"), "{said}");
 }

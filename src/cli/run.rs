@@ -62,7 +62,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut plan = args.engine.plan(&mut scene)?;
     let engine = args.engine.engine(&mut plan, voice)?;
-    // Without estimates nothing could choose.
+    let unchosen = if plan.precision_open { "nothing to choose it by" } else { "as told" };
     plan.precision_open &= !args.no_estimate && !args.engine.reference();
     let summary = plan.summary(None);
     if voice.verbose {
@@ -87,7 +87,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
             let Settled { outcome, found, periods } = steady::run(&plan, &[], engine.as_ref(), &progress)?;
             let unknown = vec![f64::NAN; plan.cases.len()];
             let left_out = unknown.clone();
-            let arithmetic = Arithmetic::of(&plan, "nothing is estimated");
+            let arithmetic = Arithmetic::of(&plan, unchosen);
             Controlled { plan, outcome, estimates: unknown, left_out, found, periods, arithmetic }
         }
     };
