@@ -63,3 +63,27 @@ fn a_search_says_what_it_found() {
     assert!(words.contains("branches: 1 instance with a second periodic state"), "{words}");
     let _ = read(&desk.path("said.h5")).unwrap();
 }
+
+/// What `plan` tells of a scene that searches: the cost of waiting, said to be that (no run is behind it).
+#[test]
+fn a_plan_says_that_states_are_searched_for() {
+    let desk = Desk::new();
+    let said = |name: &str, run: &str| {
+        let scene = point(&desk, name, run);
+        let path = scene.to_str().unwrap();
+        (desk.works(&["plan", path]).out, desk.json(&["plan", path, "--json"]))
+    };
+    let (text, json) = said("both.toml", "steady = \"search\"\nbranches = \"both\"\nperiods = 3000");
+    assert!(text.contains("periodic states are searched for: steps and time are told as if every instance"));
+    assert!(text.contains("waits all 3000; a second state of each"), "{text}");
+    assert_eq!((&json["steady"], &json["branches"]), (&"search".into(), &"both".into()));
+    let steps = json["classes"][0]["steps_per_period"].as_u64().unwrap();
+    assert_eq!(json["instance_steps"].as_u64(), Some(3000 * steps), "{json}");
+    assert!(json["estimate_is_for"].as_str().unwrap().contains("waited for all periods"), "{json}");
+    let (text, json) = said("one.toml", "steady = \"search\"\nperiods = 3000");
+    assert!(text.contains("searched for") && !text.contains("second state"), "{text}");
+    assert_eq!(json["branches"], "one");
+    let (text, json) = said("waits.toml", "periods = 3000");
+    assert!(!text.contains("searched"), "{text}");
+    assert_eq!(json["steady"], "wait");
+}

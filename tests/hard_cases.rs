@@ -85,7 +85,7 @@ const CASES: &[(&str, Expect)] = &[
     ("radius_1_nm", Within(taps)),
     ("rod_damped", Within(taps)),
     ("rod_resonance", Within(taps)),
-    // Known miss: undamped rod modes of small share are not kept, and ring on (README, what it does not do).
+    // Known miss: undamped rod modes of small share are not kept, and ring on (ARCHITECTURE, modes, damping).
     ("rod_undamped", Misses(taps, 1.5e-3)),
     ("sample_1_kpa", Within(taps)),
     ("sample_1_tpa", Within(taps)),

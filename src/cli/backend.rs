@@ -16,7 +16,8 @@ pub struct EngineArgs {
     /// GPU adapter, by its index or a part of its name as `afmsweep devices` lists them
     #[arg(long, value_name = "ADAPTER")]
     device: Option<String>,
-    /// Arithmetic of the inner loop [default: f64 on the CPU; on a GPU f32 where accuracy is 1e-3 or more]
+    /// Arithmetic of the inner loop [default: by a trial of both; where none is worth while f64, on a GPU f32 for accuracy
+    /// 1e-3 or more]
     #[arg(long, value_enum)]
     precision: Option<PrecisionArg>,
     /// Steps per drive period for every instance, in place of the plan's choice
@@ -126,6 +127,7 @@ impl EngineArgs {
             Some(PrecisionArg::F32) => Precision::F32,
             Some(PrecisionArg::F64) | None => Precision::F64,
         };
-        Plan::new(scene, precision).with_context(|| format!("{}", scene.path.display()))
+        let plan = Plan::new(scene, precision).with_context(|| format!("{}", scene.path.display()))?;
+        Ok(Plan { precision_open: self.precision.is_none(), ..plan })
     }
 }

@@ -3,7 +3,7 @@
 use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, load};
-use afmsweep::control::{self, Audited, Controlled, Other};
+use afmsweep::control::{self, Arithmetic, Audited, Controlled, Other};
 use afmsweep::engine::{EngineError, Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
@@ -29,7 +29,7 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
-    /// Instances to redo with the reference engine after the run [default: as many as a tenth of its time allows, or 2 s]
+    /// Instances to redo with the reference engine after the run [default: as many as a tenth of its time allows, or 0.5 s]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     audit: Option<u32>,
     /// Redo none
@@ -62,6 +62,8 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut plan = args.engine.plan(&mut scene)?;
     let engine = args.engine.engine(&mut plan, voice)?;
+    let unchosen = if plan.precision_open { "nothing to choose it by" } else { "as told" };
+    plan.precision_open &= !args.no_estimate && !args.engine.reference();
     let summary = plan.summary(None);
     if voice.verbose {
         voice.say(summary.to_string().trim_end());
@@ -72,7 +74,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         instances(plan.cases.len()),
         plan.instance_steps() as f64,
         engine.device(),
-        plan.precision.name()
+        if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
     ));
     let progress = Arc::new(Progress::default());
     on_interrupt(&progress);
@@ -84,7 +86,9 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         true => {
             let Settled { outcome, found, periods } = steady::run(&plan, &[], engine.as_ref(), &progress)?;
             let unknown = vec![f64::NAN; plan.cases.len()];
-            Controlled { plan, outcome, estimates: unknown.clone(), left_out: unknown, found, periods }
+            let left_out = unknown.clone();
+            let arithmetic = Arithmetic::of(&plan, unchosen);
+            Controlled { plan, outcome, estimates: unknown, left_out, found, periods, arithmetic }
         }
     };
     let others = match run.plan.run.both_branches && !progress.stopped() {
@@ -100,6 +104,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         wall_time: start.elapsed().as_secs_f64(),
         rate: if progress.steps() == 0 { 0.0 } else { progress.steps() as f64 / stepping },
         plan: plan.summary(None).json().to_string(),
+        arithmetic: run.arithmetic.clone(),
     };
     // Ctrl-C after the last instance came too late to spoil anything.
     let whole = outcome.results.iter().all(|one| one.status != Status::NotRun);
@@ -134,6 +139,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         searched(&run, &others, voice);
     }
     close(&scene, plan, outcome, &results, voice);
+    precision(&run, voice);
     accuracy(plan, outcome, estimates, (&audited, no_audit), voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
@@ -147,7 +153,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
 
 /// What an audit may take: a share of the run's time, or so many seconds after a short one.
 const AUDIT_SHARE: f64 = 0.1;
-const AUDIT_SECONDS: f64 = 2.0;
+const AUDIT_SECONDS: f64 = 0.5;
 
 /// The audit: as many instances as asked for; else one for each core, and more while time is left.
 fn audit(
@@ -216,6 +222,17 @@ fn searched(run: &Controlled, others: &[Other], voice: Voice) {
     }
 }
 
+/// In which precision it ran, and why.
+fn precision(run: &Controlled, voice: Voice) {
+    let (plan, arithmetic) = (&run.plan, &run.arithmetic);
+    let other = arithmetic.of.iter().filter(|one| **one != plan.precision).count();
+    let rest = match other {
+        0 => String::new(),
+        _ => format!("; {} went on in f64, which it did not bring to the accuracy", instances(other)),
+    };
+    voice.say(format_args!("precision: {}: {}{rest}", plan.precision.name(), arithmetic.reason));
+}
+
 /// What is known of the errors.
 fn accuracy(
     plan: &Plan,
@@ -236,7 +253,7 @@ fn accuracy(
     }
     let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
     if audited.is_empty() && !told_not_to && !known.is_empty() {
-        voice.say("audit: no instance could be redone in a tenth of the run's time or 2 s; --audit 4 redoes four all the same");
+        voice.say("audit: no instance could be redone in a tenth of the run's time or 0.5 s; --audit 4 redoes four all the same");
     }
     if !audited.is_empty() {
         let largest = redone.iter().copied().fold(0.0, f64::max);

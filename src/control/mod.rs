@@ -4,6 +4,7 @@
 mod audit;
 mod branches;
 mod modes;
+mod precision;
 mod sensitive;
 mod steps;
 mod truth;
@@ -14,7 +15,7 @@ pub use truth::by_reference;
 
 use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
-use crate::plan::Plan;
+use crate::plan::{Plan, Precision};
 use crate::steady::PeriodicState;
 
 /// A run to the accuracy asked for.
@@ -31,6 +32,31 @@ pub struct Controlled {
     pub found: Vec<Option<Box<PeriodicState>>>,
     /// Of each instance the periods of its last run, those of the search among them.
     pub periods: Vec<u32>,
+    pub arithmetic: Arithmetic,
+}
+
+/// Which arithmetic stepped what, and why.
+#[derive(Clone, Debug)]
+pub struct Arithmetic {
+    /// Of each instance that of its last run.
+    pub of: Vec<Precision>,
+    /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
+    pub rounding: f64,
+    pub reason: String,
+}
+
+impl Arithmetic {
+    /// The plan's for all instances.
+    pub fn of(plan: &Plan, reason: &str) -> Self {
+        let of = vec![plan.precision; plan.cases.len()];
+        Self { of, rounding: f64::NAN, reason: reason.into() }
+    }
+
+    /// `f32`, `f64` or `mixed`.
+    pub fn name(&self) -> &'static str {
+        let first = self.of.first().copied().unwrap_or_default();
+        if self.of.iter().any(|one| *one != first) { "mixed" } else { first.name() }
+    }
 }
 
 /// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
@@ -43,6 +69,9 @@ pub struct Controlled {
 /// prescribes its steps, nothing is estimated. Instances that had to run with more steps run once more from a start
 /// moved a little: where that moves the result, it is called sensitive.
 ///
+/// Precision: where the plan leaves it open, the sample runs in f64 and in f32; where that moves it by little, the run
+/// is in f32, and what f32 does not bring to the accuracy goes on in f64.
+///
 /// # Errors
 /// What the engine says.
 pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
@@ -54,6 +83,7 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
     if stepped.is_empty() {
         let outcome = engine.run(plan, progress)?;
         let (count, plan) = (plan.cases.len(), plan.clone());
+        let arithmetic = Arithmetic::of(&plan, "nothing was stepped");
         return Ok(Controlled {
             plan,
             outcome,
@@ -61,10 +91,14 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
             left_out: vec![0.0; count],
             found: Vec::new(),
             periods: vec![0; count],
+            arithmetic,
         });
     }
-    let modes::Choice { plan, left_out, notes } = modes::choose(plan, &stepped, engine, progress)?;
-    let mut all = steps::run(plan, (&all, &stepped), left_out, engine, progress)?;
+    let modes::Choice { mut plan, left_out, mut notes } = modes::choose(plan, &stepped, engine, progress)?;
+    let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
+    notes.append(&mut chosen.notes);
+    (plan.precision, plan.precision_open) = (chosen.precision, false);
+    let mut all = steps::run(plan, (&all, &stepped), (left_out, &chosen), engine, progress)?;
     all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {
         let i = i as usize;

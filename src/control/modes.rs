@@ -4,7 +4,7 @@ use super::steps::difference;
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::Plan;
+use crate::plan::{Plan, Precision};
 use crate::steady;
 use std::f64::consts::PI;
 
@@ -58,14 +58,13 @@ pub(super) fn choose(
         return Ok(Choice { plan: plan.clone(), left_out, notes });
     }
     let order = by_stiffness(plan, stepped);
-    let every = order.len().div_ceil(SAMPLE);
-    // The stiffest of each law too: nothing stands behind it.
-    let stiffest: Vec<u32> = laws(plan, &order).filter_map(|(_, members)| members.last().copied()).collect();
-    let counts =
-        |(place, i): (usize, &u32)| (place.is_multiple_of(every) || stiffest.contains(i)).then_some(*i);
-    let sample: Vec<u32> = order.iter().enumerate().filter_map(counts).collect();
+    let sample = spread(plan, &order);
+    // What the levers cost is not to be mistaken for rounding.
+    let open = plan.precision_settled().is_none() && engine.double();
+    let precision = if open { Precision::F64 } else { plan.precision };
     let mut run = |accuracy: f64| {
-        let settled = steady::run(&plan.richer(&sample, accuracy), &[], engine, progress)?;
+        let trial = Plan { precision, ..plan.richer(&sample, accuracy) };
+        let settled = steady::run(&trial, &[], engine, progress)?;
         notes.extend(settled.outcome.notes);
         Ok::<_, EngineError>(settled.outcome.results)
     };
@@ -108,6 +107,21 @@ pub(super) fn choose(
         }
     }
     Ok(Choice { plan: plan.levers(&wanted), left_out, notes })
+}
+
+/// A sample of `stepped`, from the softest to the stiffest contact of each law.
+pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
+    spread(plan, &by_stiffness(plan, stepped))
+}
+
+/// Evenly spread over instances in their order.
+fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
+    let every = order.len().div_ceil(SAMPLE);
+    // The stiffest of each law too: nothing stands behind it.
+    let stiffest: Vec<u32> = laws(plan, order).filter_map(|(_, members)| members.last().copied()).collect();
+    let counts =
+        |(place, i): (usize, &u32)| (place.is_multiple_of(every) || stiffest.contains(i)).then_some(*i);
+    order.iter().enumerate().filter_map(counts).collect()
 }
 
 /// What a lever costs the members of the sample under one law, softest contact first.

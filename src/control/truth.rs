@@ -1,6 +1,6 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
-use super::Controlled;
+use super::{Arithmetic, Controlled};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, solve_near};
 use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Precision, Station};
@@ -39,6 +39,10 @@ pub fn by_reference(
         left_out: unknown,
         found,
         periods,
+        arithmetic: Arithmetic::of(
+            &Plan { precision: Precision::F64, ..plan.clone() },
+            "the reference engine has no other",
+        ),
     })
 }
 

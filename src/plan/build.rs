@@ -46,6 +46,7 @@ impl Plan {
             },
             run: scene.run.clone(),
             precision,
+            precision_open: false,
             waveforms: scene.output.waveforms.clone(),
             stations: None,
         })
@@ -97,6 +98,7 @@ impl Plan {
             observables,
             run: Run { periods, measure, ..self.run.clone() },
             precision: self.precision,
+            precision_open: false,
             waveforms: None,
             stations: None,
         }

@@ -2,11 +2,13 @@
 
 mod build;
 mod modes;
+mod precision;
 mod steps;
 mod summary;
 
 pub use build::PlanError;
 pub use modes::{KeptMode, KeptModes};
+pub use precision::Precision;
 pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
 
@@ -16,24 +18,6 @@ use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
 use std::sync::Arc;
-
-/// Arithmetic of the engine's inner loop.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    F32,
-    #[default]
-    F64,
-}
-
-impl Precision {
-    /// `f32` or `f64`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        }
-    }
-}
 
 /// Everything an engine needs to run a scene.
 #[derive(Clone, Debug)]
@@ -48,6 +32,8 @@ pub struct Plan {
     pub wants: Wants,
     pub run: Run,
     pub precision: Precision,
+    /// Whether `precision` is but a default, which error control may change by estimate.
+    pub precision_open: bool,
     /// Waveforms asked for.
     pub waveforms: Option<WaveformRequest>,
     /// Where each instance starts, in place of the scene's start; where they end is then told too.

@@ -1,6 +1,7 @@
 //! The plan in words and as JSON.
 
 use super::{Class, Plan};
+use crate::scene::Steady;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -15,11 +16,14 @@ pub struct Summary {
 /// Drives told one by one; of more, the first and the last.
 const TOLD: usize = 6;
 
+/// What steps and time are told for, whether a scene waits or searches.
+const ESTIMATED: &str = "every instance waited for all periods, once";
+
 impl Plan {
     /// In words and as JSON; `seconds` is the estimated run time, where known.
     pub fn summary(&self, seconds: Option<f64>) -> Summary {
         let mut text = format!(
-            "{} instance{}, {} driven instrument{}, {} class{}, precision {}\n",
+            "{} instance{}, {} driven instrument{}, {} class{}, precision {}{}\n",
             self.cases.len(),
             plural(self.cases.len(), "s"),
             self.drives.len(),
@@ -27,6 +31,10 @@ impl Plan {
             self.classes.len(),
             plural(self.classes.len(), "es"),
             self.precision.name(),
+            match self.precision_settled() {
+                None => ", or by a trial of both, whichever serves",
+                Some(_) => "",
+            },
         );
         let mut drives = Vec::new();
         for (index, drive) in self.drives.iter().enumerate() {
@@ -73,6 +81,7 @@ impl Plan {
             self.run.measure,
             self.instance_steps() as f64
         );
+        text += &self.searched();
         text += &format!(
             "results {} before compression, memory about {}\n",
             bytes(self.file_bytes()),
@@ -84,8 +93,15 @@ impl Plan {
         let json = json!({
             "instances": self.cases.len(),
             "precision": self.precision.name(),
+            "precision_by_trial": self.precision_settled().is_none(),
             "periods": self.run.periods,
             "measure": self.run.measure,
+            "steady": match self.run.steady {
+                Steady::Wait => "wait",
+                Steady::Search => "search",
+            },
+            "branches": if self.run.both_branches { "both" } else { "one" },
+            "estimate_is_for": ESTIMATED,
             "accuracy": self.run.accuracy,
             "observables": self.observables.iter().map(|one| one.name()).collect::<Vec<_>>(),
             "drives_in_all": self.drives.len(),
@@ -97,6 +113,22 @@ impl Plan {
             "estimated_time_s": seconds,
         });
         Summary { json, text }
+    }
+
+    /// What a search makes of the numbers around it; nothing where the scene waits.
+    fn searched(&self) -> String {
+        if self.run.steady == Steady::Wait {
+            return String::new();
+        }
+        let second = match self.run.both_branches {
+            true => "; a second state of each is searched for on top",
+            false => "",
+        };
+        format!(
+            "periodic states are searched for: steps and time are told as if {ESTIMATED}; a search mostly takes 50 to \
+             300 periods, and what it does not find waits all {}{second}\n",
+            self.run.periods
+        )
     }
 
     fn drive_json(&self, index: usize) -> Value {

@@ -4,10 +4,10 @@ mod search;
 mod waveforms;
 
 use crate::contact::{Contact, Law, Warning};
-use crate::control::Audited;
+use crate::control::{Arithmetic, Audited};
 use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
-use crate::plan::Plan;
+use crate::plan::{Plan, Precision};
 use crate::scene::{Layout, Params, Scene};
 use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Listed, Results, Variable};
 use rayon::prelude::*;
@@ -25,6 +25,7 @@ pub struct Facts {
     pub rate: f64,
     /// The plan as JSON.
     pub plan: String,
+    pub arithmetic: Arithmetic,
 }
 
 /// Everything the results file holds, waveforms apart.
@@ -52,7 +53,10 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
                 bits: true,
                 data: warnings,
             },
-        ],
+        ]
+        .into_iter()
+        .chain(precisions(&facts.arithmetic))
+        .collect(),
         waveforms: None,
         force_curves: force_curves(scene, plan),
         audit: None,
@@ -64,12 +68,25 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
             ("program".into(), Attribute::Text("afmsweep".into())),
             ("version".into(), Attribute::Text(env!("CARGO_PKG_VERSION").into())),
             ("device".into(), Attribute::Text(facts.device.clone())),
-            ("precision".into(), Attribute::Text(plan.precision.name().into())),
+            ("precision".into(), Attribute::Text(facts.arithmetic.name().into())),
+            ("precision_reason".into(), Attribute::Text(facts.arithmetic.reason.clone())),
             ("wall_time_seconds".into(), Attribute::Number(facts.wall_time)),
             ("instance_steps".into(), Attribute::Number(plan.instance_steps() as f64)),
             ("instance_steps_per_second".into(), Attribute::Number(facts.rate)),
         ],
     }
+}
+
+/// Flag `precision`, where a run has both.
+fn precisions(arithmetic: &Arithmetic) -> Option<Flags> {
+    const BOTH: [Precision; 2] = [Precision::F32, Precision::F64];
+    BOTH.iter().all(|one| arithmetic.of.contains(one)).then(|| Flags {
+        name: "precision".into(),
+        long_name: "arithmetic of the instance's last run".into(),
+        meanings: BOTH.iter().map(|one| one.name().into()).collect(),
+        bits: false,
+        data: arithmetic.of.iter().map(|one| u8::from(*one == Precision::F64)).collect(),
+    })
 }
 
 fn coordinate(axis: &crate::scene::Axis) -> Coordinate {

@@ -1,6 +1,7 @@
 //! Running a built-in scene, as `afmsweep run` does.
 
 use super::StudyError;
+use crate::control::Arithmetic;
 use crate::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use crate::plan::{Plan, Precision};
 use crate::record::{self, Facts};
@@ -52,6 +53,7 @@ impl Ran {
             wall_time: self.wall_time,
             rate: self.plan.instance_steps() as f64 / self.wall_time,
             plan: self.plan.summary(None).json().to_string(),
+            arithmetic: Arithmetic::of(&self.plan, "nothing is estimated"),
         };
         let mut results = record::results(&self.scene, &self.plan, &self.outcome, &facts);
         if let Some(request) = &self.scene.output.waveforms {

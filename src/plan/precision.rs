@@ -1,0 +1,47 @@
+//! The arithmetic of the inner loop, and whether it is still open.
+
+use super::Plan;
+use crate::scene::{Start, Steady};
+
+/// Arithmetic of the engine's inner loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    F32,
+    #[default]
+    F64,
+}
+
+impl Precision {
+    /// `f32` or `f64`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+/// Fewest stepped instances for which a trial of both precisions is a small part of what f32 may spare.
+const MANY: usize = 1024;
+
+impl Plan {
+    /// Why the precision is settled before anything has run; none where error control is to decide by a sample.
+    pub fn precision_settled(&self) -> Option<&'static str> {
+        let stepped = self.classes.iter().filter(|class| class.steps > 0);
+        if !self.precision_open {
+            Some("as told")
+        } else if self.run.steps_per_period.is_some() {
+            Some("steps are prescribed, so nothing is estimated")
+        } else if self.run.start == Start::Rest {
+            // No two such runs settle on the same motion: a sample says little of the others.
+            Some("a run from rest does not forget what it rounds")
+        } else if self.run.steady == Steady::Search {
+            // The period maps are: what is run on from the states found costs little.
+            Some("periodic states are searched for in f64")
+        } else if stepped.map(|class| class.instances.len()).sum::<usize>() <= MANY {
+            Some("too few instances for a trial of f32 to pay")
+        } else {
+            None
+        }
+    }
+}
