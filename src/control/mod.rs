@@ -4,6 +4,7 @@
 mod audit;
 mod branches;
 mod modes;
+mod portions;
 mod precision;
 mod sensitive;
 mod steps;
@@ -34,6 +35,10 @@ pub struct Controlled {
     pub periods: Vec<u32>,
     pub arithmetic: Arithmetic,
 }
+
+/// Instances taken to their ends together, before the next are begun: enough for any device, and of what only the way
+/// there needs no more is held; whoever stops a run keeps the portions that are done.
+const PORTION: usize = 1 << 17;
 
 /// Which arithmetic stepped what, and why.
 #[derive(Clone, Debug)]
@@ -98,7 +103,10 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
     let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
     notes.append(&mut chosen.notes);
     (plan.precision, plan.precision_open) = (chosen.precision, false);
-    let mut all = steps::run(plan, (&all, &stepped), (left_out, &chosen), engine, progress)?;
+    let mut all = match all.len() > PORTION {
+        false => steps::run(plan, (&all, &stepped), (left_out, &chosen), engine, progress)?,
+        true => portions::run(plan, &all, (left_out, &chosen), engine, progress)?,
+    };
     all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {
         let i = i as usize;

@@ -74,9 +74,8 @@ impl Plan {
         plan
     }
 
-    /// A plan of some of this one's instances, each as often as it is named, over `periods` of which the last
-    /// `measure` are measured: the same stepping, nothing but the fundamental summed.
-    pub fn trial(&self, instances: &[u32], periods: u32, measure: u32) -> Self {
+    /// A plan of some of this one's instances alone, numbered in their order here, each as often as it is named.
+    pub fn part(&self, instances: &[u32]) -> Self {
         let mut place = HashMap::new();
         let mut drives = Vec::new();
         let mut cases = Vec::with_capacity(instances.len());
@@ -89,18 +88,30 @@ impl Plan {
             cases.push(case);
         }
         let classes = classify(&cases, &drives, 0..cases.len() as u32);
-        let observables = Vec::new();
         Self {
             drives,
             cases,
             classes,
+            observables: self.observables.clone(),
+            wants: self.wants,
+            run: self.run.clone(),
+            precision: self.precision,
+            precision_open: self.precision_open,
+            waveforms: None,
+            stations: None,
+        }
+    }
+
+    /// Likewise, over `periods` of which the last `measure` are measured: the same stepping, nothing but the
+    /// fundamental summed.
+    pub fn trial(&self, instances: &[u32], periods: u32, measure: u32) -> Self {
+        let observables = Vec::new();
+        Self {
             wants: Wants::of(&observables),
             observables,
             run: Run { periods, measure, ..self.run.clone() },
-            precision: self.precision,
             precision_open: false,
-            waveforms: None,
-            stations: None,
+            ..self.part(instances)
         }
     }
 

@@ -23,6 +23,7 @@ pub struct PeriodicState {
     /// Steps per period with which it was found.
     pub steps: u32,
     /// The period map's slope there, column by column: travel of the kept modes, then rate over angular frequency.
+    /// Empty where nobody is to search on from there.
     pub slope: Box<[f64]>,
 }
 

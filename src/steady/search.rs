@@ -47,7 +47,9 @@ impl Begin<'_> {
     /// A state of the instance with other steps.
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
-            Self::Near(near) => near.get(instance as usize)?.as_deref(),
+            Self::Near(near) => {
+                near.get(instance as usize)?.as_deref().filter(|place| !place.slope.is_empty())
+            }
             Self::Still => None,
         }
     }
