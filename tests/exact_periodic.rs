@@ -30,7 +30,7 @@ fn search(
 
 fn found(verdict: Verdict<Dyn>) -> Found<Dyn> {
     match verdict {
-        Verdict::Found(found) => found,
+        Verdict::Found(found) => *found,
         Verdict::Lost(why) => panic!("{why:?}"),
     }
 }

@@ -2,15 +2,21 @@
 
 use super::spectrum::Spectrum;
 use nalgebra::allocator::Allocator;
-use nalgebra::{DefaultAllocator, DimMin, OMatrix, OVector, U1};
+use nalgebra::{DefaultAllocator, DimDiff, DimMin, DimSub, OMatrix, OVector, U1};
 
 /// How many numbers a state has: a constant, or as many as it is made with.
-pub trait Size: DimMin<Self, Output = Self> {}
-impl<D: DimMin<D, Output = D>> Size for D {}
+pub trait Size: DimMin<Self, Output = Self> + DimSub<U1> {}
+impl<D: DimMin<D, Output = D> + DimSub<U1>> Size for D {}
 
 /// Where memory for states and slopes comes from.
-pub trait Memory<D: Size>: Allocator<D> + Allocator<D, D> {}
-impl<D: Size, A: Allocator<D> + Allocator<D, D>> Memory<D> for A {}
+pub trait Memory<D: Size>:
+    Allocator<D> + Allocator<D, D> + Allocator<D, DimDiff<D, U1>> + Allocator<DimDiff<D, U1>>
+{
+}
+impl<D: Size, A> Memory<D> for A where
+    A: Allocator<D> + Allocator<D, D> + Allocator<D, DimDiff<D, U1>> + Allocator<DimDiff<D, U1>>
+{
+}
 
 /// How a search goes about.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +79,7 @@ pub enum Verdict<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
-    Found(Found<D>),
+    Found(Box<Found<D>>),
     Lost(Lost),
 }
 
@@ -288,14 +294,17 @@ where
     /// The next stride, or the end where Newton's step is short enough.
     fn stride(&mut self) -> Stage<D> {
         let stuck = Stage::Done(Verdict::Lost(Lost::Stuck));
-        let Some(newton) = self.step(f64::INFINITY) else { return stuck };
         let near = self.options.tolerance * self.options.scale;
-        if newton.norm() <= near {
+        // Newton's step is no shorter than the change it undoes over the norm of 1 - slope.
+        let far = self.change.norm() > near * (1.0 + self.slope.norm());
+        let step = if far && self.time < NEWTON { self.step(self.time) } else { self.step(f64::INFINITY) };
+        let Some(mut step) = step else { return stuck };
+        if !far && step.norm() <= near {
             let rough = self.options.last_step > self.options.step;
             if !rough && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
                 return Stage::Slope { whole: true };
             }
-            self.state += newton;
+            self.state += step;
             // Where nobody asks for stability the slope will do as it is.
             let enough = self.options.near && (!self.options.stable || self.taken == Taken::Whole);
             let at = match self.known {
@@ -305,8 +314,12 @@ where
             let sure = |at: &Spectrum| !self.options.stable || at.multiplier < CLEARLY;
             return at.filter(sure).map_or(Stage::Last, |at| self.found(at));
         }
-        let step = if self.time >= NEWTON { Some(newton) } else { self.step(self.time) };
-        let Some(mut step) = step else { return stuck };
+        if !far && self.time < NEWTON {
+            match self.step(self.time) {
+                Some(shorter) => step = shorter,
+                None => return stuck,
+            }
+        }
         let (length, longest) = (step.norm(), STRIDE * self.options.scale);
         if length > longest {
             step *= longest / length;
@@ -372,6 +385,10 @@ where
         if multiplier.is_nan() || (self.options.stable && multiplier >= 1.0) {
             return Stage::Done(Verdict::Lost(Lost::Unstable));
         }
-        Stage::Done(Verdict::Found(Found { state: self.state.clone(), slope: self.slope.clone(), spectrum }))
+        Stage::Done(Verdict::Found(Box::new(Found {
+            state: self.state.clone(),
+            slope: self.slope.clone(),
+            spectrum,
+        })))
     }
 }

@@ -1,7 +1,7 @@
 //! What the map's slope says of a fixed point.
 
 use super::search::{Memory, Size};
-use nalgebra::{DMatrix, DefaultAllocator, OMatrix, Schur};
+use nalgebra::{DefaultAllocator, OMatrix, Schur};
 
 /// Of a map's slope at a fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,17 +17,17 @@ impl Spectrum {
     where
         DefaultAllocator: Memory<D>,
     {
-        let size = slope.nrows();
-        let least_change = least_change(slope);
-        let slope = DMatrix::from_iterator(size, size, slope.iter().copied());
-        Self { multiplier: largest_multiplier(slope), least_change }
+        Self { multiplier: largest_multiplier(slope), least_change: least_change(slope) }
     }
 }
 
 /// Largest modulus of the eigenvalues, or infinity where they are not found: the factor by which the slowest
 /// deviation shrinks in a period.
-fn largest_multiplier(slope: DMatrix<f64>) -> f64 {
-    let found = Schur::try_new(slope, f64::EPSILON, 10_000);
+fn largest_multiplier<D: Size>(slope: &OMatrix<f64, D, D>) -> f64
+where
+    DefaultAllocator: Memory<D>,
+{
+    let found = Schur::try_new(slope.clone(), f64::EPSILON, 10_000);
     let Some(schur) = found else { return f64::INFINITY };
     schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
@@ -46,6 +46,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DMatrix;
 
     #[test]
     fn a_turning_and_shrinking_plane_has_its_factor() {
@@ -55,6 +56,6 @@ mod tests {
         // |1 - 0.97 exp(0.4 i)|, in both directions.
         let least = (1.0 - 2.0 * shrink * cosine + shrink * shrink).sqrt();
         assert!((least_change(&slope) - least / 2f64.sqrt()).abs() < 1e-14);
-        assert!((largest_multiplier(slope) - shrink).abs() < 1e-14);
+        assert!((largest_multiplier(&slope) - shrink).abs() < 1e-14);
     }
 }
