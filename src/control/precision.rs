@@ -8,9 +8,9 @@ use crate::plan::{Plan, Precision};
 use crate::steady;
 
 /// Share of the accuracy asked for that rounding in f32 may cost the sample. Of 400 and of 1,100 random instances under
-/// each law (quality factors 10 to 2000, asked for 1e-2 and 1e-3) rounding moved the median by less than a seventh of the
+/// each law (quality factors 10 to 2000, asked for 1e-2 and 1e-3) rounding moved the median by at most a fifth of the
 /// sample's largest, the 95th percentile by no more than twice it, and under DMT single ones by ten times it: with a tenth
-/// the rarest are off by what is asked for.
+/// the rarest may be off by as much as is asked for. Most of those are refined, and then go on in f64.
 const SHARE: f64 = 0.1;
 /// A step in f32 costs so much of one in f64: a register holds twice as many.
 const CHEAPER: f64 = 0.5;
