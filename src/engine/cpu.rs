@@ -6,10 +6,10 @@ use super::saved::Saved;
 use super::start;
 use super::track::{Member, member, step_length};
 use super::walk::{Packs, Walk};
-use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, station};
+use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map};
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, Lane, Wave};
-use crate::plan::{Class, Driven, Plan};
+use crate::plan::{Class, Driven, Plan, Station};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -66,19 +66,19 @@ impl Cpu {
 fn run(plan: &Plan, rounding: Rounding, progress: &Progress) -> Result<Outcome, EngineError> {
     let mut outcome = Outcome::of(plan);
     for class in &plan.classes {
-        let begun = station::begin(plan, &class.instances);
-        let from = begun.as_ref().map(|saved| Resume { saved, done: 0 });
+        let from = plan.stations.as_ref().map(|stations| Resume::Stations(stations, &class.instances));
         outcome.put(&class.instances, resume(plan, class, from, rounding, progress)?);
     }
     Ok(outcome)
 }
 
-/// Instances as they stood after some periods, in the order of their class.
+/// Where the instances of a class begin, if not at the run's start; in their order there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Resume<'a> {
-    pub saved: &'a [Saved],
-    /// Periods done.
-    pub done: u32,
+pub(super) enum Resume<'a> {
+    /// As they stood after so many periods.
+    Saved(&'a [Saved], u32),
+    /// At these stations of theirs: by instance of the plan, and which instances they are.
+    Stations(&'a [Station], &'a [u32]),
 }
 
 /// Runs a class from its start, or from where it was left. Results in the order of the class' instances.
@@ -186,7 +186,7 @@ fn finish_pack<E>(plan: &Plan, pack: &[Member], track: &dyn Walk<E>) -> Vec<Ende
         .enumerate()
         .map(|(lane, ((case, driven), sums))| Ended {
             finished: finish(&sums, case, driven, &plan.run, plan.wants),
-            end: tell.then(|| Box::new(station::station(&track.saved(lane)))),
+            end: tell.then(|| Box::new(track.station(lane))),
         })
         .collect()
 }

@@ -5,10 +5,10 @@ use super::measure::Sums;
 use super::saved::Saved;
 use super::start;
 use crate::kernel::{
-    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, MODES_MAX, State, Tally, Wave, flown, period,
+    Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, State, Tally, Wave, flown, period,
 };
 use crate::observe::Wants;
-use crate::plan::{CasePlan, Driven, Plan};
+use crate::plan::{CasePlan, Driven, Plan, Station};
 use crate::scene::{Run, Start};
 use std::f64::consts::TAU;
 use std::rc::Rc;
@@ -144,15 +144,14 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         track
     }
 
-    /// Member `lane` as it stands.
-    pub fn saved(&self, lane: usize) -> Saved {
-        let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
-        for (k, (from_x, from_u)) in self.state.x.iter().zip(&self.state.u).enumerate() {
-            (x[k], u[k]) = (from_x.lane(lane), from_u.lane(lane));
+    /// Where member `lane` stands.
+    pub fn station(&self, lane: usize) -> Station {
+        let mut station = Station { finite: self.finite[lane], ..Station::FREE };
+        for (k, (x, u)) in self.state.x.iter().zip(&self.state.u).enumerate() {
+            (station.x[k], station.u[k]) = (x.lane(lane) * LENGTH, u.lane(lane) * LENGTH);
         }
-        let ((last, touched), finite) = (self.tally.carried(lane), self.finite[lane]);
-        let touching = self.state.touching.lane(lane);
-        Saved { x, u, touching, last, touched, ledger: self.ledger.lane(lane), finite }
+        station.touching = self.state.touching.lane(lane) > 0.0;
+        station
     }
 
     /// Steps through `periods` more periods; `decay` holds their samples for a start from rest.

@@ -7,13 +7,13 @@ use super::lanes::Family;
 use super::law::KernelLaw;
 use super::measure::Sums;
 use super::return_map::{Make as MakeTable, table};
-use super::saved::Saved;
+use super::station;
 use super::track::{Member, Track};
 use crate::contact::Law;
 use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
 use crate::kernel::{Decay, Lane, MODES_MAX, Wave};
 use crate::observe::Wants;
-use crate::plan::Plan;
+use crate::plan::{Plan, Station};
 use crate::scene::Run;
 
 /// See [`Track`].
@@ -27,8 +27,8 @@ pub(super) trait Walk<E>: Send {
         wants: Wants,
     );
     fn sums(&self, run: &Run, steps: u32) -> Vec<Sums>;
-    /// Member `lane` as it stands.
-    fn saved(&self, lane: usize) -> Saved;
+    /// Where member `lane` stands.
+    fn station(&self, lane: usize) -> Station;
     fn members(&self) -> usize;
     fn done(&self) -> u32;
 }
@@ -49,8 +49,8 @@ impl<E, L: Lane<Element = E>, I: KernelLaw<L> + Send, const M: usize> Walk<E> fo
         Track::sums(self, run, steps)
     }
 
-    fn saved(&self, lane: usize) -> Saved {
-        Track::saved(self, lane)
+    fn station(&self, lane: usize) -> Station {
+        Track::station(self, lane)
     }
 
     fn members(&self) -> usize {
@@ -128,9 +128,13 @@ fn boxed<E, L: Lane<Element = E> + 'static, I: KernelLaw<L> + Send + 'static, co
 ) -> Box<dyn Walk<E>> {
     let track: Track<L, I, M> = match from {
         None => Track::new(members, plan.run.start),
-        Some(from) => {
-            let saved = &from.saved[first..first + members.len()];
-            Track::resumed(members, plan.run.start, saved, from.done)
+        Some(Resume::Saved(saved, done)) => {
+            Track::resumed(members, plan.run.start, &saved[first..first + members.len()], done)
+        }
+        Some(Resume::Stations(stations, instances)) => {
+            let here = instances[first..first + members.len()].iter();
+            let saved: Vec<_> = here.map(|i| station::saved(plan, *i, &stations[*i as usize])).collect();
+            Track::resumed(members, plan.run.start, &saved, 0)
         }
     };
     Box::new(track)

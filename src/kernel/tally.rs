@@ -68,11 +68,6 @@ impl<L: Lane> Tally<L> {
         tally
     }
 
-    /// What [`Tally::resume`] asks for, of one instance.
-    pub fn carried(&self, lane: usize) -> ([f64; 2], f64) {
-        (self.last.map(|value| value.lane(lane)), self.touched.lane(lane))
-    }
-
     /// Empties the sums for the next period; what links samples across its start is kept.
     #[inline(always)]
     pub fn next_period(&mut self) {

@@ -202,7 +202,7 @@ impl Gpu {
         let from = checkpoint.as_ref().map_or(0, |at| at.done);
         opened.notes.push(format!("going on from period {from} on the CPU"));
         let rest = Class { instances: tables.instances, ..class.clone() };
-        let resume = checkpoint.as_ref().map(|at| Resume { saved: &at.saved, done: at.done });
+        let resume = checkpoint.as_ref().map(|at| Resume::Saved(&at.saved, at.done));
         cpu::resume(plan, &rest, resume, Rounding::new(self.strict), progress)
     }
 }
