@@ -51,11 +51,9 @@ fn henons_fixed_point_and_its_multiplier_are_found() {
         let found = found(verdict);
         assert!((found.state[0] - x).abs() < 1e-10, "{a}: {} {x}", found.state[0]);
         assert!((found.state[1] - b * x).abs() < 1e-10);
-        assert!(
-            (found.spectrum.multiplier - multiplier).abs() < 1e-8,
-            "{a}: {} {multiplier}",
-            found.spectrum.multiplier
-        );
+        // One-sided differences are off by half the second derivative, which is a, times their step.
+        let off = (found.spectrum.multiplier - multiplier).abs();
+        assert!(off < 2.0 * a * OPTIONS.step, "{a}: off by {off:e}");
         println!("a = {a}: {spent} evaluations");
         assert!(spent < 100, "{spent}");
     }

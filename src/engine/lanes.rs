@@ -94,25 +94,34 @@ fn fused() -> Option<Instructions> {
 
 /// Does it with the lanes for this precision.
 pub(super) fn with<S: Stepping>(precision: Precision, rounding: Rounding, what: S) -> S::Output {
-    match (precision, rounding) {
+    match precision {
+        Precision::F32 => with_single(rounding, what),
+        Precision::F64 => with_double(rounding, what),
+    }
+}
+
+fn with_single<S: Stepping>(rounding: Rounding, what: S) -> S::Output {
+    match rounding {
         #[cfg(target_arch = "x86_64")]
-        (Precision::F32, Rounding::Fused(Instructions::Avx512)) => what.with::<(Zmm32, Pair<Zmm32>)>(),
+        Rounding::Fused(Instructions::Avx512) => what.with::<(Zmm32, Pair<Zmm32>)>(),
         #[cfg(target_arch = "x86_64")]
-        (Precision::F64, Rounding::Fused(Instructions::Avx512)) => what.with::<(Zmm64, Pair<Zmm64>)>(),
-        #[cfg(target_arch = "x86_64")]
-        (Precision::F32, Rounding::Fused(Instructions::Avx2)) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
-        #[cfg(target_arch = "x86_64")]
-        (Precision::F64, Rounding::Fused(Instructions::Avx2)) => what.with::<(Pair<Ymm64>, Pair<Ymm64>)>(),
+        Rounding::Fused(Instructions::Avx2) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
         #[cfg(target_arch = "aarch64")]
-        (Precision::F32, Rounding::Fused(Instructions::Neon)) => {
-            what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>()
-        }
+        Rounding::Fused(Instructions::Neon) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
+        Rounding::Strict => what.with::<(Pack32, Pack32)>(),
+    }
+}
+
+/// Does it with the lanes of f64.
+pub(super) fn with_double<S: Stepping>(rounding: Rounding, what: S) -> S::Output {
+    match rounding {
+        #[cfg(target_arch = "x86_64")]
+        Rounding::Fused(Instructions::Avx512) => what.with::<(Zmm64, Pair<Zmm64>)>(),
+        #[cfg(target_arch = "x86_64")]
+        Rounding::Fused(Instructions::Avx2) => what.with::<(Pair<Ymm64>, Pair<Ymm64>)>(),
         #[cfg(target_arch = "aarch64")]
-        (Precision::F64, Rounding::Fused(Instructions::Neon)) => {
-            what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>()
-        }
-        (Precision::F32, Rounding::Strict) => what.with::<(Pack32, Pack32)>(),
-        (Precision::F64, Rounding::Strict) => what.with::<(Pack64, Pack64)>(),
+        Rounding::Fused(Instructions::Neon) => what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>(),
+        Rounding::Strict => what.with::<(Pack64, Pack64)>(),
     }
 }
 

@@ -4,11 +4,11 @@
 use super::lanes::{self, Family, Rounding, Stepping};
 use super::law::KernelLaw;
 use super::track::{Member, case, member};
-use super::walk::Packs;
+use super::walk::{Shape, shaped};
 use super::{EngineError, Progress, start};
 use crate::kernel::{Case, LENGTH, Lane, State, Tally, Wave, period};
 use crate::observe::Wants;
-use crate::plan::{Class, Plan, Precision, Station};
+use crate::plan::{Class, Plan, Station};
 use crate::scene::Start;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub trait ReturnMap: Send + Sync {
 }
 
 /// Instances of one class: their constants, and how they are stepped.
-pub(super) trait Table: Send + Sync {
+trait Table: Send + Sync {
     /// Instances stepped side by side.
     fn width(&self) -> usize;
     /// Steps per period.
@@ -35,9 +35,6 @@ pub(super) trait Table: Send + Sync {
     /// Takes up to [`Table::width`] places on; the number of an instance is its row.
     fn after(&self, pack: &mut [(u32, Station)], periods: u32);
 }
-
-/// Makes the table of a class.
-pub(super) type Make = fn(&Plan, &Class) -> Box<dyn Table>;
 
 pub(super) struct Map {
     tables: Vec<Box<dyn Table>>,
@@ -60,7 +57,7 @@ impl Map {
             for (row, instance) in class.instances.iter().enumerate() {
                 places[*instance as usize] = (number as u32, row as u32);
             }
-            let make = || lanes::with(Precision::F64, rounding, Tabulate { plan: &part, class });
+            let make = || lanes::with_double(rounding, Tabulate { plan: &part, class });
             tables.push(match &pool {
                 None => make()?,
                 Some(pool) => pool.install(make)?,
@@ -79,8 +76,19 @@ impl Stepping for Tabulate<'_> {
     type Output = Result<Box<dyn Table>, EngineError>;
 
     fn with<F: Family>(self) -> Self::Output {
-        let packs = Packs::<F::Element>::of::<F>(self.class.law, self.class.modes)?;
-        Ok((packs.table)(self.plan, self.class))
+        shaped::<F, _>(self.class.law, self.class.modes, self)
+    }
+}
+
+impl<E> Shape<E> for Tabulate<'_> {
+    type Output = Box<dyn Table>;
+
+    fn with<L, I, const M: usize>(self) -> Box<dyn Table>
+    where
+        L: Lane<Element = E> + 'static,
+        I: KernelLaw<L> + Send + Sync + 'static,
+    {
+        table::<L, I, M>(self.plan, self.class)
     }
 }
 
@@ -125,8 +133,8 @@ struct Rows<L: Lane, I, const M: usize> {
     law: std::marker::PhantomData<I>,
 }
 
-/// See [`Make`].
-pub(super) fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: usize>(
+/// The table of a class.
+fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: usize>(
     plan: &Plan,
     class: &Class,
 ) -> Box<dyn Table> {

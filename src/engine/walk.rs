@@ -6,7 +6,6 @@ use super::cpu::Resume;
 use super::lanes::Family;
 use super::law::KernelLaw;
 use super::measure::Sums;
-use super::return_map::{Make as MakeTable, table};
 use super::station;
 use super::track::{Member, Track};
 use crate::contact::Law;
@@ -64,48 +63,77 @@ impl<E, L: Lane<Element = E>, I: KernelLaw<L> + Send, const M: usize> Walk<E> fo
 
 type Make<E> = fn(&Plan, &[Member], Option<Resume>, usize) -> Box<dyn Walk<E>>;
 
+/// Something to be done with the kernel that steps one law and number of modes.
+pub(super) trait Shape<E> {
+    type Output;
+    fn with<L, I, const M: usize>(self) -> Self::Output
+    where
+        L: Lane<Element = E> + 'static,
+        I: KernelLaw<L> + Send + Sync + 'static;
+}
+
+/// Does it with the lanes of a family for a law and a number of modes.
+///
+/// # Errors
+/// No modes, or more than the kernel can step.
+pub(super) fn shaped<F: Family, S: Shape<F::Element>>(
+    law: Law,
+    modes: usize,
+    what: S,
+) -> Result<S::Output, EngineError> {
+    // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
+    macro_rules! law {
+        (Nothing, $lane:ty) => { Nothing };
+        ($law:ident, $lane:ty) => { $law<$lane> };
+    }
+    macro_rules! modes {
+        ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
+            match modes {
+                0 => Err(EngineError::NoModes),
+                $(..=$two => Ok(what.with::<F::Wide, law!($law, F::Wide), $two>()),)*
+                $(..=$one => Ok(what.with::<F::Narrow, law!($law, F::Narrow), $one>()),)*
+                modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
+            }
+        };
+    }
+    // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
+    // quotients that wait for each other; the others have more to gain from leaving the law out.
+    match law {
+        Law::None => modes!(Nothing: wide, narrow 8),
+        Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
+        Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
+        Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
+    }
+}
+
 /// How packs of a class are made: so many instances each.
 pub(super) struct Packs<E> {
     pub width: usize,
     make: Make<E>,
-    /// Their constants as a table.
-    pub table: MakeTable,
+}
+
+/// Packs for a law and a number of modes.
+struct NewPacks;
+
+impl<E: Lane<Element = E>> Shape<E> for NewPacks {
+    type Output = Packs<E>;
+
+    fn with<L, I, const M: usize>(self) -> Packs<E>
+    where
+        L: Lane<Element = E> + 'static,
+        I: KernelLaw<L> + Send + Sync + 'static,
+    {
+        Packs { width: L::WIDTH, make: boxed::<E, L, I, M> }
+    }
 }
 
 impl<E: Lane<Element = E>> Packs<E> {
-    fn new<L: Lane<Element = E> + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: usize>() -> Self
-    {
-        Self { width: L::WIDTH, make: boxed::<E, L, I, M>, table: table::<L, I, M> }
-    }
-
     /// For a law and a number of modes.
     ///
     /// # Errors
     /// No modes, or more than the kernel can step.
     pub fn of<F: Family<Element = E>>(law: Law, modes: usize) -> Result<Self, EngineError> {
-        // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
-        macro_rules! law {
-            (Nothing, $lane:ty) => { Nothing };
-            ($law:ident, $lane:ty) => { $law<$lane> };
-        }
-        macro_rules! modes {
-            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
-                match modes {
-                    0 => Err(EngineError::NoModes),
-                    $(..=$two => Ok(Self::new::<F::Wide, law!($law, F::Wide), $two>()),)*
-                    $(..=$one => Ok(Self::new::<F::Narrow, law!($law, F::Narrow), $one>()),)*
-                    modes => Err(EngineError::TooManyModes { modes, most: MODES_MAX }),
-                }
-            };
-        }
-        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
-        // quotients that wait for each other; the others have more to gain from leaving the law out.
-        match law {
-            Law::None => modes!(Nothing: wide, narrow 8),
-            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
-            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
-            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
-        }
+        shaped::<F, _>(law, modes, NewPacks)
     }
 
     /// The pack whose first member is number `first` of its class, at the run's start or where it was saved.

@@ -2,21 +2,15 @@
 
 use super::spectrum::Spectrum;
 use nalgebra::allocator::Allocator;
-use nalgebra::{DefaultAllocator, DimDiff, DimMin, DimSub, OMatrix, OVector, U1};
+use nalgebra::{DefaultAllocator, DimMin, OMatrix, OVector, U1};
 
 /// How many numbers a state has: a constant, or as many as it is made with.
-pub trait Size: DimMin<Self, Output = Self> + DimSub<U1> {}
-impl<D: DimMin<D, Output = D> + DimSub<U1>> Size for D {}
+pub trait Size: DimMin<Self, Output = Self> {}
+impl<D: DimMin<D, Output = D>> Size for D {}
 
 /// Where memory for states and slopes comes from.
-pub trait Memory<D: Size>:
-    Allocator<D> + Allocator<D, D> + Allocator<D, DimDiff<D, U1>> + Allocator<DimDiff<D, U1>>
-{
-}
-impl<D: Size, A> Memory<D> for A where
-    A: Allocator<D> + Allocator<D, D> + Allocator<D, DimDiff<D, U1>> + Allocator<DimDiff<D, U1>>
-{
-}
+pub trait Memory<D: Size>: Allocator<D> + Allocator<D, D> {}
+impl<D: Size, A: Allocator<D> + Allocator<D, D>> Memory<D> for A {}
 
 /// How a search goes about.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! What the map's slope says of a fixed point.
 
 use super::search::{Memory, Size};
-use nalgebra::{DefaultAllocator, OMatrix, Schur};
+use nalgebra::{DMatrix, DefaultAllocator, Dyn, OMatrix, Schur};
 
 /// Of a map's slope at a fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,9 @@ fn largest_multiplier<D: Size>(slope: &OMatrix<f64, D, D>) -> f64
 where
     DefaultAllocator: Memory<D>,
 {
-    let found = Schur::try_new(slope.clone(), f64::EPSILON, 10_000);
+    // Compiled once for all sizes.
+    let slope = DMatrix::from_column_slice(slope.nrows(), slope.ncols(), slope.as_slice());
+    let found = Schur::<f64, Dyn>::try_new(slope, f64::EPSILON, 10_000);
     let Some(schur) = found else { return f64::INFINITY };
     schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
@@ -46,7 +48,6 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DMatrix;
 
     #[test]
     fn a_turning_and_shrinking_plane_has_its_factor() {

@@ -1,0 +1,256 @@
+//! What a run costs as a user has it: the program itself, from start to file, over the size and the kind of the sweep.
+//!
+//! `cargo bench --bench size -- [--largest N] [--starts N] [-o FOLDER]`; tables, and a page in FOLDER.
+
+#[path = "../common/page.rs"]
+mod page;
+mod program;
+
+use page::Part;
+use program::{Folder, Run};
+use serde_json::{Value, json};
+
+/// A sweep of `counts` over work of adhesion, modulus and radius.
+struct Scene<'a> {
+    law: &'a str,
+    counts: [usize; 3],
+    modulus: &'a str,
+    observables: &'a str,
+    run: &'a str,
+}
+
+const SOFT: &str = r#"from = "0.1 GPa", to = "10 GPa""#;
+const HARD: &str = r#"from = "1 GPa", to = "100 GPa""#;
+const USUAL: &str = r#""amplitude", "phase", "force_max""#;
+
+impl Scene<'_> {
+    fn text(&self) -> String {
+        let decay = if self.law == "dmt" { "decay_length = \"0.3 nm\"" } else { "" };
+        let [adhesion, modulus, radius] = self.counts;
+        let axis = |count: usize, path: &str, range: &str| match count {
+            0 | 1 => String::new(),
+            _ => format!("\"{path}\" = {{ {range}, points = {count}, scale = \"log\" }}\n"),
+        };
+        let sweep = [
+            axis(adhesion, "sample.surface_energy", r#"from = "1 mJ/m^2", to = "100 mJ/m^2""#),
+            axis(modulus, "sample.youngs_modulus", self.modulus),
+            axis(radius, "instrument.tip.radius", r#"from = "5 nm", to = "40 nm""#),
+        ]
+        .concat();
+        let sweep = if sweep.is_empty() { sweep } else { format!("[sweep]\n{sweep}") };
+        format!(
+            r#"
+[instrument]
+preset = "ha-fung-chen-2005"
+[instrument.cantilever]
+quality_factor = 150
+[instrument.tip]
+radius = "20 nm"
+youngs_modulus = "130 GPa"
+poisson_ratio = 0.28
+[sample]
+youngs_modulus = "2 GPa"
+poisson_ratio = 0.3
+surface_energy = "20 mJ/m^2"
+[contact]
+law = "{}"
+{decay}
+[drive]
+frequency = "resonance"
+free_amplitude = "20 nm"
+[approach]
+gap = "17 nm"
+{sweep}
+[run]
+periods = 480
+measure = 20
+accuracy = 1e-3
+{}
+[output]
+observables = [{}]
+"#,
+            self.law, self.run, self.observables
+        )
+    }
+}
+
+const SEARCHED: &str = "steady = \"search\"";
+
+/// About `count` instances on three axes.
+fn cube(count: usize) -> [usize; 3] {
+    match count {
+        1_000_000 => [100, 100, 100],
+        100_000 => [40, 50, 50],
+        10_000 => [20, 20, 25],
+        1_000 => [10, 10, 10],
+        _ => [4, 5, 5],
+    }
+}
+
+fn row(mut head: Value, run: &Run) -> Value {
+    let per_instance = (run.stepping.max(1e-9)) / run.instances.max(1) as f64;
+    for (key, value) in [
+        ("wall_s", json!(run.wall)),
+        ("stepping_s", json!(run.stepping)),
+        ("share", json!(run.stepping / run.wall)),
+        ("microseconds_each", json!(1e6 * per_instance)),
+        ("rate", json!(run.rate)),
+        ("memory_mb", json!(run.memory_mb)),
+        ("estimate", json!(run.largest_estimate)),
+        ("doubtful", json!(run.doubtful)),
+    ] {
+        head[key] = value;
+    }
+    println!("{head}");
+    head
+}
+
+fn sizes(folder: &Folder, largest: usize) -> Vec<Value> {
+    let mut rows = Vec::new();
+    for (law, modulus, named) in [
+        ("dmt", SOFT, "0.1 to 10"),
+        ("jkr", SOFT, "0.1 to 10"),
+        ("dmt", HARD, "1 to 100"),
+        ("jkr", HARD, "1 to 100"),
+    ] {
+        for count in [100, 1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|count| *count <= largest) {
+            let text = Scene { law, counts: cube(count), modulus, observables: USUAL, run: SEARCHED }.text();
+            let run = folder.run(&text, &["--precision", "f32", "--no-audit"]);
+            rows.push(row(json!({ "law": law, "modulus_gpa": named, "instances": run.instances }), &run));
+        }
+    }
+    rows
+}
+
+/// Ten thousand instances once as planned, waited for 64 periods of 96 steps.
+fn once(folder: &Folder, head: Value, law: &str, observables: &str, modes: usize, more: &[&str]) -> Value {
+    let run = format!("modes = {modes}\nsteps_per_period = 192");
+    let text = Scene { law, counts: cube(10_000), modulus: SOFT, observables, run: &run }.text();
+    let mut options = vec!["--no-estimate", "--no-audit"];
+    options.extend(more);
+    row(head, &folder.run(&text, &options))
+}
+
+fn kinds(folder: &Folder) -> Vec<Value> {
+    let mut rows = Vec::new();
+    let single = ["--precision", "f32"];
+    for modes in 1..=8 {
+        rows.push(once(
+            folder,
+            json!({ "what": format!("dmt, {modes} modes, f32") }),
+            "dmt",
+            USUAL,
+            modes,
+            &single,
+        ));
+    }
+    for law in ["hertz", "dmt", "jkr"] {
+        for precision in ["f32", "f64"] {
+            let head = json!({ "what": format!("{law}, 4 modes, {precision}") });
+            rows.push(once(folder, head, law, USUAL, 4, &["--precision", precision]));
+        }
+    }
+    for observable in [
+        "amplitude",
+        "phase",
+        "force_max",
+        "force_min",
+        "indentation_max",
+        "contact_time",
+        "contacts",
+        "force_mean",
+        "dissipation",
+        "virial",
+        "harmonic_amplitude",
+    ] {
+        let head = json!({ "what": format!("dmt, 4 modes, f32, {observable} alone") });
+        rows.push(once(folder, head, "dmt", &format!("\"{observable}\""), 4, &single));
+    }
+    for threads in ["1", "2"] {
+        let head = json!({ "what": format!("dmt, 4 modes, f32, threads {threads}") });
+        rows.push(once(folder, head, "dmt", USUAL, 4, &["--precision", "f32", "--threads", threads]));
+    }
+    rows
+}
+
+/// From start to file: one instance, many times; quickstart with and without an audit.
+fn ends(folder: &Folder, starts: usize) -> Vec<Value> {
+    let one =
+        Scene { law: "dmt", counts: [1, 1, 1], modulus: SOFT, observables: USUAL, run: SEARCHED }.text();
+    let mut walls: Vec<Run> =
+        (0..starts.max(1)).map(|_| folder.run(&one, &["--backend", "cpu", "--no-audit"])).collect();
+    walls.sort_by(|a, b| a.outside.total_cmp(&b.outside));
+    let middle = &walls[walls.len() / 2];
+    let mut rows = Vec::new();
+    let mut first = row(json!({ "what": "one instance, searched, the middle of many starts" }), middle);
+    first["outside_s"] = json!(middle.outside);
+    rows.push(first);
+    let quick = std::fs::read_to_string("scenes/quickstart.toml").expect("the scene of the README");
+    for (what, options) in [
+        ("quickstart", vec!["--backend", "cpu"]),
+        ("quickstart, no audit", vec!["--backend", "cpu", "--no-audit"]),
+        ("quickstart, no audit, f64", vec!["--backend", "cpu", "--no-audit", "--precision", "f64"]),
+    ] {
+        let run = folder.run(&quick, &options);
+        let mut one = row(json!({ "what": what }), &run);
+        one["outside_s"] = json!(run.outside);
+        rows.push(one);
+    }
+    rows
+}
+
+fn main() {
+    let mut args = std::env::args().skip(1).filter(|arg| arg != "--bench");
+    let (mut largest, mut starts, mut output) = (1_000_000, 21, None);
+    let given: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
+    while let Some(arg) = args.next() {
+        let mut value = || args.next().unwrap_or_else(|| panic!("{arg} needs a value"));
+        match arg.as_str() {
+            "--largest" => largest = value().parse().expect("--largest: a number"),
+            "--starts" => starts = value().parse().expect("--starts: a number"),
+            "-o" => output = Some(value()),
+            other => panic!("unknown option {other}: --largest N, --starts N, -o FOLDER"),
+        }
+    }
+    let folder = Folder::new();
+    let costs: &[(&str, &str)] = &[
+        ("wall_s", "wall, s"),
+        ("stepping_s", "of it stepping, s"),
+        ("share", "share"),
+        ("microseconds_each", "microseconds per instance"),
+        ("memory_mb", "memory at most, MB"),
+        ("estimate", "largest estimated error"),
+        ("doubtful", "not called ok"),
+    ];
+    let with = |head: &[(&'static str, &'static str)]| -> Vec<(&str, &str)> { [head, costs].concat() };
+    let size_columns = with(&[("law", "law"), ("modulus_gpa", "modulus, GPa"), ("instances", "instances")]);
+    let kind_columns =
+        [("what", "what"), ("stepping_s", "stepping, s"), ("rate", "instance-steps per second")];
+    let end_columns = with(&[("what", "what"), ("outside_s", "process, s")]);
+    let parts = [
+        Part {
+            heading: "Over the number of instances",
+            text: "afmsweep run --precision f32 --no-audit: each a converged tapping case (quality factor 150, free \
+                   amplitude 20 nm, gap 17 nm, accuracy 1e-3; amplitude, phase, largest force), periodic states \
+                   searched for, modes and steps by estimate.",
+            columns: &size_columns,
+            rows: sizes(&folder, largest),
+        },
+        Part {
+            heading: "Over modes, laws, observables, threads",
+            text: "10,000 instances once, 480 periods of 192 steps: what a step costs.",
+            columns: &kind_columns,
+            rows: kinds(&folder),
+        },
+        Part {
+            heading: "From start to file",
+            text: "Process: from its start to its end, as a shell sees it.",
+            columns: &end_columns,
+            rows: ends(&folder, starts),
+        },
+    ];
+    if let Some(output) = output {
+        let command = format!("cargo bench --bench size -- {}", given.join(" "));
+        page::write(&output, "Cost against size", &command, &parts);
+    }
+}
