@@ -105,7 +105,7 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
     (plan.precision, plan.precision_open) = (chosen.precision, false);
     let mut all = match all.len() > PORTION {
         false => steps::run(plan, (&all, &stepped), (left_out, &chosen), engine, progress)?,
-        true => portions::run(plan, &all, (left_out, &chosen), engine, progress)?,
+        true => portions::run(plan, (&all, PORTION), (left_out, &chosen), engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {

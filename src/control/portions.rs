@@ -1,14 +1,14 @@
 //! Many instances, portion by portion.
 
-use super::{Arithmetic, Controlled, PORTION, precision, steps};
+use super::{Arithmetic, Controlled, precision, steps};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
 
-/// [`steps::run`] for `all` the plan's instances, a portion of them at a time.
+/// [`steps::run`] for `all` the plan's instances, `size` of them at a time.
 pub(super) fn run(
     plan: Plan,
-    all: &[u32],
+    (all, size): (&[u32], usize),
     (left_out, chosen): (Vec<f64>, &precision::Choice),
     engine: &dyn Engine,
     progress: &Progress,
@@ -23,7 +23,7 @@ pub(super) fn run(
         arithmetic: chosen.arithmetic(count),
         plan,
     };
-    for portion in all.chunks(PORTION) {
+    for portion in all.chunks(size) {
         if progress.stopped() {
             break;
         }
@@ -59,5 +59,46 @@ impl Controlled {
             self.arithmetic.of[i] = of[n];
         }
         self.outcome.notes.extend(part.outcome.notes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Cpu;
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// The whole is what portions of it are, to the bit: waited for and searched for.
+    #[test]
+    fn portions_give_what_the_whole_gives() {
+        let text = include_str!("../../scenes/quickstart.toml");
+        for steady in ["wait", "search"] {
+            let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
+            let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
+            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(83).collect();
+            let plan = plan.part(&some);
+            let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
+            let (engine, progress) = (Cpu::default(), Progress::default());
+            let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
+            let none = vec![0.0; all.len()];
+            let whole = steps::run(plan.clone(), (&all, &all), (none.clone(), &chosen), &engine, &progress)
+                .expect("it runs");
+            let parts = super::run(plan, (&all, 20), (none, &chosen), &engine, &progress).expect("it runs");
+            for &i in &all {
+                let i = i as usize;
+                let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);
+                assert_eq!(format!("{a:?}"), format!("{b:?}"), "{steady}, instance {i}");
+                assert_eq!(whole.estimates[i].to_bits(), parts.estimates[i].to_bits());
+                assert_eq!(
+                    (whole.periods[i], whole.plan.cases[i].steps),
+                    (parts.periods[i], parts.plan.cases[i].steps)
+                );
+                let place = |all: &Controlled| Some(all.found.get(i)?.as_ref()?.station);
+                assert_eq!(place(&whole), place(&parts));
+            }
+        }
     }
 }
