@@ -6,7 +6,7 @@ use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::Wants;
 use crate::scene::{DriveFrequency, Params, Run, Scene, Start, Steady};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -320,24 +320,45 @@ fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> Cas
 
 /// Groups these instances by shape; within a class by drive, then gap, then stiffness.
 fn classify(cases: &[CasePlan], drives: &[Driven], instances: impl Iterator<Item = u32>) -> Vec<Class> {
-    let mut groups: BTreeMap<(u32, Law, usize), Vec<u32>> = BTreeMap::new();
-    for index in instances {
-        let case = &cases[index as usize];
-        let modes = drives[case.drive as usize].kept.modes.len();
-        groups.entry((case.steps, case.contact.law, modes)).or_default().push(index);
-    }
-    groups
-        .into_iter()
-        .map(|((steps, law, modes), mut instances)| {
-            instances.sort_by(|a, b| {
-                let (a, b) = (&cases[*a as usize], &cases[*b as usize]);
-                let stiffness = |case: &CasePlan| case.contact.modulus * case.contact.radius.sqrt();
-                a.drive
-                    .cmp(&b.drive)
-                    .then(a.gap.total_cmp(&b.gap))
-                    .then(stiffness(a).total_cmp(&stiffness(b)))
-            });
-            Class { law, modes, steps, instances }
+    let mut all: Vec<Placed> = instances.map(|index| Placed::new(index, cases, drives)).collect();
+    all.par_sort_by(|a, b| {
+        let order = a.shape().cmp(&b.shape()).then(a.drive.cmp(&b.drive));
+        order.then(a.gap.total_cmp(&b.gap)).then(a.stiffness.total_cmp(&b.stiffness))
+    });
+    all.chunk_by(|a, b| a.shape() == b.shape())
+        .map(|class| {
+            let (steps, law, modes) = class[0].shape();
+            Class { law, modes, steps, instances: class.iter().map(|one| one.index).collect() }
         })
         .collect()
+}
+
+/// What decides an instance's place in the classes.
+struct Placed {
+    index: u32,
+    steps: u32,
+    law: Law,
+    modes: usize,
+    drive: u32,
+    gap: f64,
+    stiffness: f64,
+}
+
+impl Placed {
+    fn new(index: u32, cases: &[CasePlan], drives: &[Driven]) -> Self {
+        let CasePlan { drive, steps, gap, contact, .. } = &cases[index as usize];
+        Self {
+            index,
+            steps: *steps,
+            law: contact.law,
+            modes: drives[*drive as usize].kept.modes.len(),
+            drive: *drive,
+            gap: *gap,
+            stiffness: contact.modulus * contact.radius.sqrt(),
+        }
+    }
+
+    fn shape(&self) -> (u32, Law, usize) {
+        (self.steps, self.law, self.modes)
+    }
 }

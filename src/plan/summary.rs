@@ -125,8 +125,8 @@ impl Plan {
             false => "",
         };
         format!(
-            "periodic states are searched for: steps and time are told as if {ESTIMATED}; a search mostly takes 50 to \
-             300 periods, and what it does not find waits all {}{second}\n",
+            "periodic states are searched for: steps and time are told as if {ESTIMATED}; a search mostly takes 25 to \
+             250 periods, and what it does not find waits all {}{second}\n",
             self.run.periods
         )
     }

@@ -6,10 +6,10 @@ use super::{Reference, integrate};
 use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::flown;
-use crate::periodic::{Ask, Options, Search, Verdict};
+use crate::periodic::{Ask, Found, Options, Search, Verdict};
 use crate::plan::{CasePlan, Driven, Plan, Station};
 use crate::scene::{Run, Start};
-use nalgebra::DVector;
+use nalgebra::{DVector, Dyn};
 use std::f64::consts::PI;
 
 /// Distance to the periodic state that is aimed at, and that is near enough, as shares of the accuracy asked for.
@@ -25,6 +25,10 @@ const ROUGH: f64 = 3e-5;
 const WARM: u32 = 8;
 const MOST: u32 = 200;
 const MEASURED: u32 = 4;
+/// Modes that a second search counts among its unknowns at least, and the damping ratio that they have at least: without
+/// any they never settle.
+const WIDE: usize = 6;
+const DAMPED: f64 = 1e-5;
 
 /// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
 /// there is none to be found. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
@@ -57,31 +61,23 @@ pub fn solve_near(
             return Ok(None);
         }
     }
-    let mut search = Search::new(
-        map.slow_part(&map.after),
-        Options {
-            scale,
-            tolerance: NEAR * accuracy,
-            enough: ENOUGH * accuracy,
-            step,
-            last_step: step,
-            most: MOST,
-            near: true,
-            // Of undamped modes that the stepped engine does not keep the multipliers are 1.
-            stable: false,
-        },
-    );
-    while let Ask::Map(states) = search.ask() {
-        if progress.stopped() {
-            return Ok(None);
-        }
-        let values: Vec<_> = match states.as_slice() {
-            [state] => vec![map.go_on(state)],
-            many => many.iter().map(|state| map.aside(state)).collect(),
-        };
-        search.answer(&values);
+    let options = Options {
+        scale,
+        tolerance: NEAR * accuracy,
+        enough: ENOUGH * accuracy,
+        step,
+        last_step: step,
+        most: MOST,
+        near: true,
+        // Of undamped modes that the stepped engine does not keep the multipliers are 1.
+        stable: false,
+    };
+    let mut found = map.search(options, progress);
+    if found.is_none() && map.widen() {
+        // Modes that the stepped engine does without may ring for long all the same.
+        found = map.search(options, progress);
     }
-    let Some(Verdict::Found(found)) = search.verdict() else { return Ok(None) };
+    let Some(found) = found else { return Ok(None) };
     map.begin(&map.with_slow(&map.after, &found.state));
     // The first period's predecessor is not known, the second one's is not looked at.
     let run = Run { periods: MEASURED + 2, measure: MEASURED, start: Start::Steady, ..plan.run.clone() };
@@ -127,6 +123,37 @@ struct Map {
 }
 
 impl Map {
+    /// The fixed point next to where the last period ended.
+    fn search(&mut self, options: Options, progress: &Progress) -> Option<Found<Dyn>> {
+        let mut search = Search::new(self.slow_part(&self.after), options);
+        while let Ask::Map(states) = search.ask() {
+            if progress.stopped() {
+                return None;
+            }
+            let values: Vec<_> = match states.as_slice() {
+                [state] => vec![self.go_on(state)],
+                many => many.iter().map(|state| self.aside(state)).collect(),
+            };
+            search.answer(&values);
+        }
+        match search.verdict() {
+            Some(Verdict::Found(found)) => Some((**found).clone()),
+            _ => None,
+        }
+    }
+
+    /// Counts more modes among the unknowns, those that the tip force moves most; whether there are any.
+    fn widen(&mut self) -> bool {
+        let system = &self.walk.system;
+        let modes = system.modes();
+        let rings = |place: &usize| system.oscillator(*place).1 > DAMPED && !self.slow.contains(place);
+        let room = WIDE.saturating_sub(self.slow.len() / 2);
+        let more: Vec<usize> = (0..modes).filter(rings).take(room).collect();
+        let numbers = self.after.iter().all(|value| value.is_finite());
+        self.slow.extend(more.iter().flat_map(|place| [*place, modes + place]));
+        numbers && !more.is_empty()
+    }
+
     fn slow_part(&self, all: &DVector<f64>) -> DVector<f64> {
         DVector::from_iterator(self.slow.len(), self.slow.iter().map(|place| all[*place]))
     }
