@@ -28,6 +28,11 @@ pub(super) fn halved(plan: &Plan, instances: &[u32]) -> Plan {
     plan.stepped(instances, |case| (case.steps / 2).max(2 * FEWEST))
 }
 
+/// The plan for these instances with a quarter of its steps, for the first estimate.
+pub(super) fn quartered(plan: &Plan, instances: &[u32]) -> Plan {
+    halved(plan, instances).stepped(instances, |case| case.steps / 2)
+}
+
 /// Runs `all` the plan's instances, and `stepped`, those that need steps, with a quarter and with half of the plan's
 /// steps, and then as the estimates ask for. `left_out` is what the modes left out cost. Where `chosen` says so, what
 /// f32 does not bring to the accuracy goes on in f64: rounding does not fall with the steps.
@@ -45,7 +50,7 @@ pub(super) fn run(
         return Ok(Controlled::new(plan, settled, (estimates, &left_out), chosen));
     }
     let fine = halved(&plan, all);
-    let coarse = fine.stepped(stepped, |case| case.steps / 2);
+    let coarse = quartered(&plan, stepped);
     let rough = steady::run(&coarse, &[], engine, progress)?;
     let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);

@@ -1,6 +1,6 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
-use super::{Arithmetic, Controlled};
+use super::{Arithmetic, Controlled, steps};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, solve_near};
 use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Precision, Station};
@@ -20,13 +20,21 @@ pub fn by_reference(
 ) -> Result<Controlled, EngineError> {
     let count = plan.cases.len();
     let search = plan.run.steady == Steady::Search;
+    let stepped: Vec<u32> = (0..count as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
     let Settled { mut outcome, found, periods } = match search {
         true => {
-            steady::run(&Plan { precision: Precision::F64, ..plan.clone() }, &[], &Cpu::default(), progress)?
+            // By the same way as a controlled run, so that of two states it is the same one.
+            let plan = Plan { precision: Precision::F64, ..plan.clone() };
+            let rough = match plan.run.steps_per_period {
+                Some(_) => Vec::new(),
+                None => {
+                    steady::run(&steps::quartered(&plan, &stepped), &[], &Cpu::default(), progress)?.found
+                }
+            };
+            steady::run(&plan, &rough, &Cpu::default(), progress)?
         }
         false => steady::run(plan, &[], reference, progress)?,
     };
-    let stepped: Vec<u32> = (0..count as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
     if search && !progress.stopped() {
         let truths = truths(plan, true, &stepped, &found, reference, progress)?;
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
