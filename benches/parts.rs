@@ -17,7 +17,7 @@ fn scene(law: &str, run: &str) -> Scene {
     Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole")
 }
 
-/// Its hundred and first instances' plan: every fortieth.
+/// The plan of every fortieth of its instances.
 fn plan(law: &str, run: &str, precision: Precision) -> Plan {
     let plan = Plan::new(&scene(law, run), precision).expect("the scene can be planned");
     let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(40).collect();

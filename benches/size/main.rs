@@ -122,7 +122,7 @@ fn sizes(folder: &Folder, largest: usize) -> Vec<Value> {
     rows
 }
 
-/// Ten thousand instances once as planned, waited for 64 periods of 96 steps.
+/// Ten thousand instances once, waited for 480 periods of 192 steps.
 fn once(folder: &Folder, head: Value, law: &str, observables: &str, modes: usize, more: &[&str]) -> Value {
     let run = format!("modes = {modes}\nsteps_per_period = 192");
     let text = Scene { law, counts: cube(10_000), modulus: SOFT, observables, run: &run }.text();

@@ -23,8 +23,9 @@ pub struct Options {
     pub enough: f64,
     /// Step of the differences that make the slope, in units of `scale`: far above the map's roughness.
     pub step: f64,
-    /// The same where it is to tell whether the state is stable.
-    pub last_step: f64,
+    /// Step of the central differences that make the slope at the end; without one the slope on one side will do there,
+    /// unless it leaves the state's stability in doubt.
+    pub last_step: Option<f64>,
     /// Most evaluations of the map.
     pub most: u32,
     /// Whether the start is thought to be next to the fixed point.
@@ -225,11 +226,10 @@ where
                 Ask::Map(self.columns.iter().map(|k| moved(*k, self.options.step)).collect())
             }
             Stage::Stride { step, .. } => Ask::Map(vec![&self.state + step]),
-            Stage::Last => Ask::Map(
-                (0..size)
-                    .flat_map(|k| [moved(k, -self.options.last_step), moved(k, self.options.last_step)])
-                    .collect(),
-            ),
+            Stage::Last => {
+                let step = self.last_step();
+                Ask::Map((0..size).flat_map(|k| [moved(k, -step), moved(k, step)]).collect())
+            }
             Stage::Done(_) => Ask::Nothing,
         }
     }
@@ -251,6 +251,11 @@ where
         if self.evaluations >= self.options.most && self.verdict().is_none() {
             self.stage = Stage::Done(Verdict::Lost(Lost::Stuck));
         }
+    }
+
+    /// Step of central differences.
+    fn last_step(&self) -> f64 {
+        self.options.last_step.unwrap_or(self.options.step)
     }
 
     fn begun(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
@@ -294,15 +299,15 @@ where
         let step = if far && self.time < NEWTON { self.step(self.time) } else { self.step(f64::INFINITY) };
         let Some(mut step) = step else { return stuck };
         if !far && step.norm() <= near {
-            let rough = self.options.last_step > self.options.step;
-            if !rough && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
+            let central = self.options.last_step.is_some();
+            if !central && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
                 return Stage::Slope { whole: true };
             }
             self.state += step;
             // Where nobody asks for stability the slope will do as it is.
             let enough = self.options.near && (!self.options.stable || self.taken == Taken::Whole);
             let at = match self.known {
-                None if enough || !rough => Some(Spectrum::of(&self.slope)),
+                None if enough || !central => Some(Spectrum::of(&self.slope)),
                 known => known,
             };
             let sure = |at: &Spectrum| !self.options.stable || at.multiplier < CLEARLY;
@@ -369,7 +374,7 @@ where
             let (Some(Some(low)), Some(Some(high))) = (values.get(2 * k), values.get(2 * k + 1)) else {
                 return Stage::Done(Verdict::Lost(Lost::Undefined));
             };
-            self.slope.set_column(k, &((high - low) / (2.0 * self.options.last_step * self.options.scale)));
+            self.slope.set_column(k, &((high - low) / (2.0 * self.last_step() * self.options.scale)));
         }
         self.found(Spectrum::of(&self.slope))
     }

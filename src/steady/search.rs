@@ -13,8 +13,7 @@ use std::ops::Range;
 /// Instances searched for at a time: as many as keep the engine busy and the memory small.
 const CHUNK: usize = 8192;
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
-/// of contact, and before the beats that follow it, in which no stride is of use: with 3 a search took 38 periods in the
-/// mean at a quality factor of 150 and 79 at 1000, with 8 54 and 131, with 32 108 and 543.
+/// of contact, and before the beats that follow it, in which no stride is of use.
 const WARM: [u32; 3] = [3, 32, 128];
 /// Evaluations after which a search gives up.
 const MOST: u32 = 300;
@@ -24,8 +23,8 @@ const NEAR: f64 = 1e-3;
 const ENOUGH: f64 = 0.1;
 /// Differences, in units of the free amplitude, that make the map's slope on the way and at the end: jumps of the
 /// contact make it rough.
-const SMOOTH: (f64, f64) = (1e-6, 1e-6);
-const ROUGH: (f64, f64) = (3e-5, 3e-4);
+const SMOOTH: (f64, Option<f64>) = (1e-6, None);
+const ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
 
 /// What the searches ended with, by instance of the plan.
 pub(super) struct Searched {

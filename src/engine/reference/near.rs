@@ -66,7 +66,7 @@ pub fn solve_near(
         tolerance: NEAR * accuracy,
         enough: ENOUGH * accuracy,
         step,
-        last_step: step,
+        last_step: None,
         most: MOST,
         near: true,
         // Of undamped modes that the stepped engine does not keep the multipliers are 1.
