@@ -64,7 +64,7 @@ fn plan(wide: &Wide) -> Plan {
 pub fn run(count: usize, waits: usize, seed: u64) -> Vec<Value> {
     println!("{count} random instances for each law, seed {seed}");
     println!(
-        "{:<6}{:>8}{:>6}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>12}",
+        "{:<6}{:>8}{:>6}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
         "law",
         "asked",
         "ok",
@@ -75,6 +75,7 @@ pub fn run(count: usize, waits: usize, seed: u64) -> Vec<Value> {
         "above3",
         "low by 3",
         "steps/per.",
+        "in f32",
         "seconds"
     );
     let mut rows = Vec::new();
@@ -95,7 +96,7 @@ pub fn run(count: usize, waits: usize, seed: u64) -> Vec<Value> {
 
 fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> Value {
     let Wide { law, count, accuracy, .. } = *wide;
-    let plan = plan(wide);
+    let plan = Plan { precision_open: true, ..plan(wide) };
     let start = Instant::now();
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
     let seconds = start.elapsed().as_secs_f64();
@@ -121,10 +122,11 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
         errors.push(error);
     }
     errors.sort_by(f64::total_cmp);
+    let single = run.arithmetic.of.iter().filter(|one| **one == Precision::F32).count();
     let above = |times: f64| errors.iter().filter(|error| **error > times * accuracy).count();
     let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
     println!(
-        "{law:<6}{accuracy:>8.0e}{:>6}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{seconds:>12.2}",
+        "{law:<6}{accuracy:>8.0e}{:>6}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
         errors.len(),
         above(1.0),
         above(3.0),
@@ -143,6 +145,7 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
         "above_three_times_the_ask": above(3.0),
         "estimate_too_low_by_three": low,
         "mean_steps_per_period": steps,
+        "in_f32": single,
         "seconds": seconds,
     })
 }

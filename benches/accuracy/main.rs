@@ -36,7 +36,7 @@ fn main() {
     let parts = [
         Part {
             heading: "Whether the accuracy is met",
-            text: "Random instances from wide ranges (samples of 10 MPa to 100 GPa, work of adhesion 1 mJ/m^2 to 0.2 J/m^2, tips of 5 to 100 nm, quality factors 10 to 60, free amplitudes 5 to 100 nm, gaps of 0.3 to 1.05 of them), every observable but the whole number of contacts; errors are the worst observable's on its scale, against the reference engine with all modes: of each instance that the run for 1e-4 calls ok its own periodic state next to the run's. Some of them the reference also waited for, as the engines do (400 periods): the last column. Counted are instances that are ok and have a truth. An estimate is too low if the error is three times it, and above a tenth of the accuracy.",
+            text: "Random instances from wide ranges (samples of 10 MPa to 100 GPa, work of adhesion 1 mJ/m^2 to 0.2 J/m^2, tips of 5 to 100 nm, quality factors 10 to 60, free amplitudes 5 to 100 nm, gaps of 0.3 to 1.05 of them), every observable but the whole number of contacts, the precision left to the run as on the command line; errors are the worst observable's on its scale, against the reference engine with all modes: of each instance that the run for 1e-4 calls ok its own periodic state next to the run's. Some of them the reference also waited for, as the engines do (400 periods): the last column. Counted are instances that are ok and have a truth. An estimate is too low if the error is three times it, and above a tenth of the accuracy.",
             columns: &[
                 ("law", "law"),
                 ("accuracy", "asked"),
@@ -49,6 +49,7 @@ fn main() {
                 ("above_three_times_the_ask", "above 3 times"),
                 ("estimate_too_low_by_three", "estimate too low by 3"),
                 ("mean_steps_per_period", "mean steps per period"),
+                ("in_f32", "in f32"),
                 ("seconds", "s"),
                 ("waits_same", "waits to that state"),
                 ("waits_steady", "of"),
