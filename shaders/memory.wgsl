@@ -16,6 +16,10 @@ fn case_of(i: u32) -> Case {
     lever.drag_$ = drives[DRIVE_DRAG_$ * job.drives + row];
     lever.land_x_$ = drives[DRIVE_LAND_X_$ * job.drives + row];
     lever.land_u_$ = drives[DRIVE_LAND_U_$ * job.drives + row];
+    //% if shifts
+    lever.shift_x_$ = drives[DRIVE_SHIFT_X_$ * job.drives + row];
+    lever.shift_u_$ = drives[DRIVE_SHIFT_U_$ * job.drives + row];
+    //% end
     //% end
     //% if energy
     //% each mode

@@ -12,6 +12,10 @@ struct Case {
     drag_$: real,
     land_x_$: real,
     land_u_$: real,
+    //% if shifts
+    shift_x_$: real,
+    shift_u_$: real,
+    //% end
     //% end
     //% if energy
     //% each mode
@@ -47,8 +51,8 @@ struct Sample {
     beyond: real,
     indentation: real,
     //% if energy
-    speed: real,
-    centred: real,
+    work: real,
+    virial: real,
     //% end
     kick: Kick,
 }
@@ -88,13 +92,29 @@ fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: 
     (*state).x_$ = lever.land_x_$ * impulse + flown_x_$;
     (*state).u_$ = lever.land_u_$ * impulse + flown_u_$;
     //% end
+    //% if shifts
+    if ZERO < abs(kick.shift) {
+        //% each mode
+        (*state).x_$ = lever.shift_x_$ * kick.shift + (*state).x_$;
+        (*state).u_$ = lever.shift_u_$ * kick.shift + (*state).u_$;
+        //% end
+    }
+    //% end
     let corner = TWENTY_FOURTH;
+    //% if energy
+    var work = impulse * (lever.kick_paid * impulse + speed - excess);
+    var virial = impulse * (-acceleration * corner + (steady + beyond));
+    //% if shifts
+    work = -acceleration * kick.shift + work;
+    virial = -kick.shift * (HALF * impulse + speed) + virial;
+    //% end
+    //% end
     return Sample(
         corner * impulse + beyond,
         -corner * impulse + indentation,
         //% if energy
-        lever.kick_paid * impulse + speed - excess,
-        -acceleration * TWENTY_FOURTH + (steady + beyond),
+        work,
+        virial,
         //% end
         kick,
     );

@@ -34,5 +34,5 @@ fn hertz_kick(law: Law, at: Approach, touching: real) -> Kick {
     }
     let path = path_around(at, hertz_sample(law, at.indentation));
     let mean = hertz_mean(law, path);
-    return Kick(corrected(mean.force, mean.slope), mean.share, hertz_touching(path.end));
+    return Kick(corrected(mean.force, mean.slope), ZERO, mean.share, hertz_touching(path.end));
 }

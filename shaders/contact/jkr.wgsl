@@ -7,14 +7,10 @@ fn jkr_newton(e: real, s: real) -> real {
     return e - (e * r - s) * r / slope;
 }
 
-fn jkr_root(t: real) -> real {
-    let s = sqrt(max(t, LEAST));
+fn jkr_root(s: real) -> real {
     let q = sqrt(s);
-    var e = s / (JKR_ROOT_SIX + JKR_ROOT_A * q + s / (JKR_ROOT_B + q));
-    e = jkr_newton(e, s);
-    e = jkr_newton(e, s);
-    e = jkr_newton(e, s);
-    return jkr_newton(e, s);
+    let e = s / (JKR_ROOT_SIX + JKR_ROOT_A * q + s / (JKR_ROOT_B + q));
+    return jkr_newton(jkr_newton(jkr_newton(e, s), s), s);
 }
 
 // Mean of the force over the indentation between two points of the curve, and its mean slope.
@@ -63,36 +59,105 @@ fn jkr_mean(e1: real, e2: real) -> JkrMean {
     return JkrMean((work - FIVE * JKR_TINY) * inverse, slope * inverse);
 }
 
-fn jkr_evaluate(law: Law, at: Approach, touching: real, impulse: real) -> Kick {
-    let path = path_around(at, impulse);
-    let t1 = path.start * law.inverse_unit + THREE;
-    let end = path.end * law.inverse_unit;
-    let t2 = end + THREE;
-    let was = ZERO < touching;
-    let begins = was || ZERO < path.start;
-    let touches = !begins && ZERO < path.end;
-    let holds = begins && ZERO < t1;
-    let lets_go = holds && t2 < ZERO;
-    let stays = holds && !lets_go;
-    let acting = holds || touches;
-    if !acting {
-        return no_kick();
-    }
-    let e1 = select(jkr_root(t1), JKR_TOUCH, touches);
-    let e2 = select(jkr_root(t2), ZERO, lets_go);
-    let after_touch = end / (t2 - t1);
-    let before_fold = t1 / (t1 - t2);
-    let share = select(select(ONE, before_fold, lets_go), after_touch, touches);
-    let mean = jkr_mean(e1, e2);
-    let force = mean.force * law.unit_force * share;
-    let slope = max(mean.slope * law.unit_force * law.inverse_unit, JKR_STEEPEST);
-    return Kick(select(force, corrected(force, slope), stays), share, select(ZERO, ONE, stays || touches));
+// A point of the curve: the root of t, e, and F.
+struct JkrPoint {
+    root_t: real,
+    e: real,
+    force: real,
+}
+
+fn jkr_point_of(root_t: real, e: real) -> JkrPoint {
+    let y = e + ONE;
+    let cube = y * y * y;
+    return JkrPoint(root_t, e, cube * (cube * SIXTH) + -cube);
+}
+
+fn jkr_roughly(t: real) -> JkrPoint {
+    let s = sqrt(max(t, LEAST));
+    return jkr_point_of(s, jkr_root(s));
+}
+
+fn jkr_next(near: JkrPoint, t: real) -> JkrPoint {
+    let s = sqrt(max(t, LEAST));
+    return jkr_point_of(s, jkr_newton(jkr_newton(near.e, s), s));
+}
+
+fn jkr_either(no: JkrPoint, yes: JkrPoint, mask: bool) -> JkrPoint {
+    return JkrPoint(
+        select(no.root_t, yes.root_t, mask),
+        select(no.e, yes.e, mask),
+        select(no.force, yes.force, mask),
+    );
+}
+
+// What the curve does between two points of it that are passed evenly.
+struct JkrPart {
+    mean: real,
+    moment: real,
+    slope: real,
+    bow: real,
+    roots: real,
+}
+
+fn jkr_between(start: JkrPoint, end: JkrPoint) -> JkrPart {
+    let mean = jkr_mean(start.e, end.e);
+    let bow = -HALF * (start.force + end.force) + mean.force;
+    let roots = max(start.root_t + end.root_t, LEAST);
+    let lean = (end.root_t - start.root_t) / roots;
+    let even = TWELFTH * (end.force - start.force);
+    return JkrPart(mean.force, -TENTH * (bow * lean) + even, mean.slope, bow, roots);
+}
+
+fn jkr_ahead(t1: real, pace: real, left: real, free: real, held: real) -> real {
+    return left * left * (HALF * free + -held) + (left * pace + t1);
 }
 
 fn jkr_kick(law: Law, at: Approach, touching: real) -> Kick {
-    if !(ZERO < touching || may_touch(at)) {
+    let was = ZERO < touching;
+    if !(was || may_touch(at)) {
         return no_kick();
     }
-    let guess = jkr_evaluate(law, at, touching, ZERO);
-    return jkr_evaluate(law, at, touching, guess.impulse);
+    let free = at.acceleration * law.inverse_unit;
+    let speed = -HALF * free + at.speed * law.inverse_unit;
+    let along = at.indentation * law.inverse_unit;
+    let begin = -HALF * (at.speed * law.inverse_unit) + (EIGHTH * free + along);
+    let end = HALF * free + (begin + speed);
+    let begins = was || ZERO < begin;
+    let touches = !begins && ZERO < end;
+    if !(begins || touches) {
+        return no_kick();
+    }
+    let pull = law.unit_force * law.inverse_unit;
+    let before_t1 = jkr_roughly(begin + THREE);
+    let t1 = select(pull * TWELFTH * before_t1.force + begin + THREE, THREE, touches);
+    let touch = jkr_point_of(JKR_TOUCH_ROOT, JKR_TOUCH);
+    let here = jkr_either(jkr_next(before_t1, t1), touch, touches);
+    let fast = sqrt(max(-TWO * free * begin + speed * speed, ZERO));
+    let late = min(select(ZERO, -TWO * begin / max(speed + fast, LEAST), touches), ONE);
+    let left = ONE - late;
+    let pace = select(speed, fast, touches);
+    let near = jkr_roughly(jkr_ahead(t1, pace, left, free, HALF * pull * here.force));
+    let guess = jkr_between(here, near);
+    let held = pull * (HALF * guess.mean + -guess.moment);
+    let t2 = jkr_ahead(t1, pace, left, free, held);
+    let lets_go = begins && (t2 < ZERO || t1 < ZERO);
+    let there = jkr_either(jkr_next(near, t2), jkr_point_of(ZERO, ZERO), lets_go);
+    let part = jkr_between(here, there);
+    let height = max(t1, ZERO);
+    let bent = -TWO * held + free;
+    let falling = sqrt(max(-TWO * bent * height + speed * speed, ZERO));
+    let gone = min(TWO * height / max(falling - speed, LEAST), ONE);
+    let share = select(left, gone, lets_go);
+    let force = law.unit_force * part.mean;
+    let bend = at.acceleration - force;
+    let slope = max(part.slope * pull, JKR_STEEPEST) * TWELFTH;
+    let roots = max(part.roots * part.roots, abs(bend * law.inverse_unit));
+    let lean = slope - TENTH * pull * part.bow / roots;
+    let impulse = share * (-(bend * lean) * share * share + force);
+    let middle = select(HALF, -HALF, lets_go) * (ONE - share);
+    let moment = impulse * middle + share * share * (law.unit_force * part.moment);
+    let before = select(here.force, ZERO, touches);
+    let after = select(there.force, ZERO, lets_go);
+    let shift = law.unit_force * TWELFTH * (after - before) + -moment;
+    return Kick(impulse, shift, share, select(ONE, ZERO, lets_go));
 }

@@ -11,6 +11,7 @@ struct Approach {
 // What the sample does to the tip during one step.
 struct Kick {
     impulse: real,
+    shift: real,
     contact: real,
     touching: real,
 }
@@ -21,7 +22,7 @@ struct Path {
 }
 
 fn no_kick() -> Kick {
-    return Kick(ZERO, ZERO, ZERO);
+    return Kick(ZERO, ZERO, ZERO, ZERO);
 }
 
 fn may_touch(at: Approach) -> bool {

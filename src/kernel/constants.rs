@@ -20,6 +20,10 @@ constants! {
     EIGHT = 8.0;
     HALF = 0.5;
     QUARTER = 0.25;
+    EIGHTH = 0.125;
+    SIXTH = 1.0 / 6.0;
+    TENTH = 0.1;
+    THIRD = 1.0 / 3.0;
     TWELFTH = 1.0 / 12.0;
     TWENTY_FOURTH = 1.0 / 24.0;
     /// Beyond any indentation, within f32.
@@ -28,9 +32,16 @@ constants! {
     LEAST = 1e-30;
     /// Factor of Hertz's energy, (2/5) d^2.5.
     HERTZ_ENERGY = 0.4;
+    /// DMT's tail: (1/3 + (TAIL_1 + TAIL_2 x) x)/(1 + TAIL_POLE x) is 1/3 + x/15 + x^2/35 + ... to 2.7e-3 from 0 to 1,
+    /// and to x^2 near 0.
+    TAIL_1 = 1.0 / 15.0 + TAIL_POLE / 3.0;
+    TAIL_2 = -0.033_716;
+    TAIL_POLE = -0.799_079;
     /// e = y - 1 at JKR's first touch, D = 0: 4^(1/3) - 1.
     JKR_TOUCH = 0.587_401_051_968_199_4;
-    /// Start of the root search: sqrt(6), and two numbers fitted so that four Newton steps do.
+    /// sqrt(t) there, t = 3.
+    JKR_TOUCH_ROOT = 1.732_050_807_568_877_2;
+    /// Start of the root search: sqrt(6), and two numbers fitted so that few Newton steps do.
     JKR_ROOT_SIX = 2.449_489_7;
     JKR_ROOT_A = 0.36;
     JKR_ROOT_B = 0.75;

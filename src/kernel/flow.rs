@@ -32,6 +32,9 @@ pub struct Flow<L, const M: usize> {
     /// What a unit of impulse changes x and u by, seen at the next sample.
     pub land_x: [L; M],
     pub land_u: [L; M],
+    /// What a unit of a kick's shift of the tip changes x and u by, seen at the next sample.
+    pub shift_x: [L; M],
+    pub shift_u: [L; M],
     /// Change of the speed that counts as work by half a unit of impulse, all modes together.
     pub kick_paid: L,
 }
@@ -73,6 +76,8 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             work_u: gather(Row::work_u),
             land_x: gather(|row| row.land()[0]),
             land_u: gather(|row| row.land()[1]),
+            shift_x: gather(|row| row.share * (1.0 + row.step[0])),
+            shift_u: gather(|row| row.share * row.step[2]),
             kick_paid: L::from_lanes(|i| rows[i].iter().map(Row::kick_paid).sum()),
         }
     }

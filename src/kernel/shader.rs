@@ -71,7 +71,10 @@ impl ShaderSpec {
 
     /// Fields of a row of the table of drives, in order.
     pub fn drive_fields(&self) -> Vec<String> {
-        let modes = ["m00", "m01", "m11", "rate", "pull", "drag", "land_x", "land_u", "work_x", "work_u"];
+        let modes = [
+            "m00", "m01", "m11", "rate", "pull", "drag", "land_x", "land_u", "shift_x", "shift_u", "work_x",
+            "work_u",
+        ];
         let mut fields: Vec<String> =
             modes.iter().flat_map(|name| (0..self.modes).map(move |k| format!("{name}_{k}"))).collect();
         let rest = ["kick_paid", "free_cosine", "free_sine", "free_rate"];
@@ -230,6 +233,7 @@ impl ShaderSpec {
             "carried" => self.carried(),
             "measured" => self.measured,
             "decay" => self.decay,
+            "shifts" => self.law.shifts,
             _ => false,
         }
     }

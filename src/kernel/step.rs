@@ -1,6 +1,6 @@
 //! One step, and one drive period of steps.
 
-use super::constants::{TWENTY_FOURTH, ZERO};
+use super::constants::{HALF, TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
 use super::{Flow, Lane, Tally};
 use crate::observe::Wants;
@@ -56,11 +56,10 @@ pub struct Sample<L> {
     pub beyond: L,
     /// Indentation, corrected likewise.
     pub indentation: L,
-    /// Speed of the tip's travel that makes work of the impulse, to fourth order.
-    pub speed: L,
-    /// Travel that makes the virial of the impulse, likewise: the impulse is a mean over the step,
-    /// so its factor is the travel less a 24th of its second difference.
-    pub centred: L,
+    /// Work of the kick, impulse times speed of the tip's travel, to fourth order.
+    pub work: L,
+    /// Its virial, impulse times travel, likewise.
+    pub virial: L,
     pub kick: Kick<L>,
 }
 
@@ -81,9 +80,9 @@ macro_rules! each_mode {
 impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     /// The constants that the motion depends on; those that only make work of it are left out.
     pub fn numbers(&self) -> Vec<L> {
-        let Flow { m00, m01, m11, rate, pull, drag, land_x, land_u, .. } = &self.flow;
-        let mut all: Vec<L> =
-            [m00, m01, m11, rate, pull, drag, land_x, land_u].into_iter().flatten().copied().collect();
+        let Flow { m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u, .. } = &self.flow;
+        let lever = [m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u];
+        let mut all: Vec<L> = lever.into_iter().flatten().copied().collect();
         all.extend([self.free.cosine, self.free.sine, self.free.rate, self.gap]);
         all.extend(self.law.numbers());
         all
@@ -95,11 +94,27 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let mut modes = || std::array::from_fn(|_| next());
         let [m00, m01, m11, rate] = [modes(), modes(), modes(), modes()];
         let [pull, drag, land_x, land_u] = [modes(), modes(), modes(), modes()];
+        let [shift_x, shift_u] = [modes(), modes()];
         let zero = L::splat(ZERO);
         let none = [zero; M];
         let (work_x, work_u, kick_paid) = (none, none, zero);
+        let flow = Flow {
+            m00,
+            m01,
+            m11,
+            rate,
+            pull,
+            drag,
+            work_x,
+            work_u,
+            land_x,
+            land_u,
+            shift_x,
+            shift_u,
+            kick_paid,
+        };
         Self {
-            flow: Flow { m00, m01, m11, rate, pull, drag, work_x, work_u, land_x, land_u, kick_paid },
+            flow,
             free: Free { cosine: next(), sine: next(), rate: next() },
             gap: next(),
             law: I::from_numbers(next),
@@ -156,19 +171,33 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             state.x[k] = flow.land_x[k].mul_add(impulse, flown_x);
             state.u[k] = flow.land_u[k].mul_add(impulse, flown_u);
         });
+        // A shift of zero changes nothing.
+        if I::SHIFTS && L::any(L::splat(ZERO).less(kick.shift.abs())) {
+            each_mode!(M, k => {
+                state.x[k] = flow.shift_x[k].mul_add(kick.shift, state.x[k]);
+                state.u[k] = flow.shift_u[k].mul_add(kick.shift, state.u[k]);
+            });
+        }
         // A kick's corner against the smooth path it stands for.
         let corner = L::splat(TWENTY_FOURTH);
-        let (mut paid, mut centred) = (L::splat(ZERO), L::splat(ZERO));
+        let (mut work, mut virial) = (L::splat(ZERO), L::splat(ZERO));
         if energy {
-            paid = flow.kick_paid.mul_add(impulse, speed) - excess;
-            centred = (-acceleration).mul_add(L::splat(TWENTY_FOURTH), steady + beyond);
+            work = impulse * (flow.kick_paid.mul_add(impulse, speed) - excess);
+            // The impulse is a mean over the step: its factor is the travel less a 24th of its second
+            // difference.
+            virial = impulse * (-acceleration).mul_add(corner, steady + beyond);
+            if I::SHIFTS {
+                // Impulse that falls early or late falls at another speed and travel.
+                work = (-acceleration).mul_add(kick.shift, work);
+                virial = (-kick.shift).mul_add(L::splat(HALF).mul_add(impulse, speed), virial);
+            }
         }
         Sample {
             steady,
             beyond: corner.mul_add(impulse, beyond),
             indentation: (-corner).mul_add(impulse, indentation),
-            speed: paid,
-            centred,
+            work,
+            virial,
             kick,
         }
     }

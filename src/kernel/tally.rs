@@ -31,7 +31,7 @@ pub struct Tally<L> {
     pub begun: L,
     pub ended: L,
     pub apart: L,
-    /// Sum of impulses, of impulse times speed, of impulse times travel.
+    /// Sum of impulses, of their work, of their virial.
     pub impulse: L,
     pub work: L,
     pub virial: L,
@@ -105,10 +105,9 @@ impl<L: Lane> Tally<L> {
             self.add_contact(sample);
         }
         if wants.energy {
-            let impulse = sample.kick.impulse;
-            self.impulse = self.impulse + impulse;
-            self.work = impulse.mul_add(sample.speed, self.work);
-            self.virial = impulse.mul_add(sample.centred, self.virial);
+            self.impulse = self.impulse + sample.kick.impulse;
+            self.work = self.work + sample.work;
+            self.virial = self.virial + sample.virial;
         }
         // Kept up before the measured part too: its first sample needs its predecessors.
         self.last = [self.last[1], sample.indentation];

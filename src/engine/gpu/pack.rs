@@ -171,6 +171,8 @@ fn drive_row<I: KernelLaw<f64>>(plan: &Plan, spec: &ShaderSpec, member: Member) 
         flow.drag,
         flow.land_x,
         flow.land_u,
+        flow.shift_x,
+        flow.shift_u,
         flow.work_x,
         flow.work_u,
     ];

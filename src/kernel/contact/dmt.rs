@@ -2,10 +2,10 @@
 //! its decay with distance outside; equations (17), (18) of Ha, Fung & Chen 2005 in the form
 //! that is continuous at first touch.
 
-use super::hertz::Hertz;
+use super::hertz::{Hertz, Mean};
 use super::path::{Path, corrected};
 use super::{Approach, Interaction, Kick, Lane, LawShader, hertz};
-use crate::kernel::constants::{ONE, TWO, ZERO};
+use crate::kernel::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
 
 /// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -23,12 +23,69 @@ impl<L: Lane> Dmt<L> {
     }
 }
 
+/// The attraction 1/s^2 while s runs evenly from `a` to `b`, both at least 1, or in part of a step and is 1 in the rest.
+struct Tail<L> {
+    sum: L,
+    step: L,
+    mean: L,
+    /// Minus the mean of its slope in s: (a + b)/(ab)^2.
+    fall: L,
+}
+
+/// How far the tail is from a force that changes evenly over the step.
+struct Bend<L> {
+    /// Its first moment, less an even change's, over z.
+    moment: L,
+    /// z = (b - a)/(a + b), and 1/(a + b).
+    lean: L,
+    inverse_sum: L,
+}
+
+impl<L: Lane> Tail<L> {
+    #[inline(always)]
+    fn along(a: L, b: L) -> Self {
+        let mean = L::splat(ONE) / (a * b);
+        let sum = a + b;
+        Self { sum, step: b - a, mean, fall: sum * mean * mean }
+    }
+
+    /// Whether the step is long beside the distance.
+    #[inline(always)]
+    fn bends(&self) -> L::Mask {
+        self.sum.less(L::splat(EIGHT) * self.step.abs())
+    }
+
+    /// `outside` is its share of the step, `inside` the rest.
+    ///
+    /// With c = (a + b)/2 the moment of 1/s^2 about its middle is -z phi(z^2)/(ab), phi(x) = (z - (1 - x) atanh z)/(2xz)
+    /// = 1/3 + x/15 + x^2/35 + ... up to 1/2 (ARCHITECTURE.md).
+    #[inline(always)]
+    fn bend(&self, outside: L, inside: L) -> Bend<L> {
+        let one = L::splat(ONE);
+        // One quotient for two: 1/sum, and phi's pole, 1/(1 + TAIL_POLE z^2) = sum^2/pole.
+        let square = self.sum * self.sum;
+        let pole = (L::splat(TAIL_POLE) * self.step).mul_add(self.step, square);
+        let both = one / (pole * self.sum);
+        let inverse_sum = pole * both;
+        let lean = self.step * inverse_sum;
+        let x = lean * lean;
+        let above = L::splat(TAIL_2).mul_add(x, L::splat(TAIL_1)).mul_add(x, L::splat(THIRD));
+        let phi = above * (square * self.sum * both);
+        let middle = L::splat(HALF) * self.sum;
+        let moment = outside * outside.mul_add(phi, inside * middle);
+        let even = middle * middle * self.mean * L::splat(THIRD);
+        Bend { moment: self.mean * (moment - even), lean, inverse_sum }
+    }
+}
+
 impl<L: Lane> Interaction<L> for Dmt<L> {
     const SHADER: &'static LawShader = &LawShader {
         name: "dmt",
         texts: &[hertz::TEXT, include_str!("../../../shaders/contact/dmt.wgsl")],
         fields: &["stiffness", "adhesion", "inverse_decay"],
+        shifts: <Self as Interaction<L>>::SHIFTS,
     };
+    const SHIFTS: bool = true;
 
     fn numbers(&self) -> Vec<L> {
         vec![self.hertz.stiffness, self.adhesion, self.inverse_decay]
@@ -41,26 +98,33 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        let (zero, one, two) = (L::splat(ZERO), L::splat(ONE), L::splat(TWO));
+        let (zero, one) = (L::splat(ZERO), L::splat(ONE));
         let y = one / self.stretch(at.indentation);
         let mut sample = -(self.adhesion * y * y);
         if L::any(zero.less(at.indentation)) {
             sample = (-(self.adhesion * y)).mul_add(y, self.hertz.sample(at.indentation));
         }
         let path = Path::around(at, sample);
-        // Mean attraction along a piece of path: 1/((1 + x1)(1 + x2)) outside, 1 inside, by shares.
-        let outside = one / (self.stretch(path.start) * self.stretch(path.end));
-        // Slope of the attraction outside, relative to it: -2/(D0 + distance); in contact none.
-        let fall = two * self.inverse_decay * y;
-        if !L::any(L::either(zero.less(path.start), zero.less(path.end))) {
-            let pull = self.adhesion * outside;
-            return Kick { impulse: corrected(-pull, -(pull * fall)), contact: zero, touching: zero };
+        let tail = Tail::along(self.stretch(path.start), self.stretch(path.end));
+        let mut hertz = Mean { force: zero, slope: zero, share: zero };
+        if L::any(L::either(zero.less(path.start), zero.less(path.end))) {
+            hertz = self.hertz.mean(path);
         }
-        let mean = self.hertz.mean(path);
-        let pull = self.adhesion * mean.share.mul_add(one - outside, outside);
-        let slope = mean.slope - pull * fall * (one - mean.share);
-        let impulse = corrected(mean.force - pull, slope);
-        Kick { impulse, contact: mean.share, touching: self.touching_at(path.end) }
+        // Mean attraction along the piece: the tail's outside, 1 inside, by shares.
+        let away = one - hertz.share;
+        let force = hertz.force - self.adhesion * hertz.share.mul_add(one - tail.mean, tail.mean);
+        let steep = self.adhesion * self.inverse_decay * away;
+        let mut impulse = corrected(force, hertz.slope - steep * tail.fall);
+        let mut shift = zero;
+        let bends = L::either(tail.bends(), zero.less(hertz.share));
+        if L::any(bends) {
+            let bend = tail.bend(away, hertz.share);
+            // The path bends too, and meets the force off the chord.
+            let met = (at.acceleration - force).mul_add(steep * bend.moment * bend.inverse_sum, impulse);
+            impulse = L::select(bends, met, impulse);
+            shift = L::select(bends, -(self.adhesion * bend.lean * bend.moment), zero);
+        }
+        Kick { impulse, shift, contact: hertz.share, touching: self.touching_at(path.end) }
     }
 
     #[inline(always)]

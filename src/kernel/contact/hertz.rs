@@ -45,7 +45,13 @@ impl<L: Lane> Hertz<L> {
 }
 
 impl<L: Lane> Interaction<L> for Hertz<L> {
-    const SHADER: &'static LawShader = &LawShader { name: "hertz", texts: &[TEXT], fields: &["stiffness"] };
+    const SHADER: &'static LawShader = &LawShader {
+        name: "hertz",
+        texts: &[TEXT],
+        fields: &["stiffness"],
+        shifts: <Self as Interaction<L>>::SHIFTS,
+    };
+    const SHIFTS: bool = false;
 
     fn numbers(&self) -> Vec<L> {
         vec![self.stiffness]
@@ -65,6 +71,7 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
         let mean = self.mean(path);
         Kick {
             impulse: corrected(mean.force, mean.slope),
+            shift: L::splat(ZERO),
             contact: mean.share,
             touching: self.touching_at(path.end),
         }

@@ -37,6 +37,9 @@ impl<L: Lane> Approach<L> {
 pub struct Kick<L> {
     /// Change of tip travel per step; positive pushes away.
     pub impulse: L,
+    /// Tip travel by which the impulse falls earlier or later within the step than a force that changes
+    /// evenly would have it; zero where a law has [`Interaction::SHIFTS`] false.
+    pub shift: L,
     /// Share of the step spent in contact, 0 to 1.
     pub contact: L,
     /// 1 in contact at the step's end, else 0.
@@ -52,12 +55,16 @@ pub struct LawShader {
     pub texts: &'static [&'static str],
     /// Its constants, in the order of [`Interaction::numbers`].
     pub fields: &'static [&'static str],
+    /// [`Interaction::SHIFTS`].
+    pub shifts: bool,
 }
 
 /// One contact law with its constants in kernel units.
 pub trait Interaction<L: Lane>: Copy {
     /// The same law in the shader.
     const SHADER: &'static LawShader;
+    /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
+    const SHIFTS: bool;
 
     /// Its constants, in the order of the shader's fields.
     fn numbers(&self) -> Vec<L>;
@@ -75,7 +82,7 @@ impl<L: Lane> Kick<L> {
     #[inline(always)]
     fn none() -> Self {
         let zero = L::splat(ZERO);
-        Self { impulse: zero, contact: zero, touching: zero }
+        Self { impulse: zero, shift: zero, contact: zero, touching: zero }
     }
 }
 
@@ -88,7 +95,9 @@ impl<L: Lane> Interaction<L> for Nothing {
         name: "nothing",
         texts: &[include_str!("../../../shaders/contact/nothing.wgsl")],
         fields: &[],
+        shifts: <Self as Interaction<L>>::SHIFTS,
     };
+    const SHIFTS: bool = false;
 
     fn numbers(&self) -> Vec<L> {
         Vec::new()
