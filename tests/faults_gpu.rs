@@ -49,15 +49,25 @@ const FAULTS: &[Fault] = &[
     }),
     ("dmt", "attraction multiplied out", |text| {
         let (from, to) = (
-            "(mean.share * (ONE - outside) + outside)",
-            "mean.share * (ONE - outside) + law.adhesion * outside",
+            "law.adhesion * (hertz.share * (ONE - outside) + outside)",
+            "(law.adhesion * hertz.share * (ONE - outside) + law.adhesion * outside)",
         );
         swap(&text, from, to)
     }),
     ("jkr", "first pass for the second", |text| {
-        swap(&text, "return jkr_evaluate(law, at, touching, guess.impulse);", "return guess;")
+        swap(&text, "let part = jkr_between(here, there);", "let part = guess;")
     }),
-    ("jkr", "one Newton step less", |text| swap(&text, "return jkr_newton(e, s);", "return e;")),
+    ("jkr", "one Newton step less", |text| {
+        swap(&text, "jkr_newton(jkr_newton(near.e, s), s)", "jkr_newton(near.e, s)")
+    }),
+    ("dmt", "TAIL_POLE one bit up", |text| nudge(&text, "TAIL_POLE")),
+    ("dmt", "kick without its shift", |text| swap(&text, "if ZERO < abs(kick.shift) {", "if false {")),
+    ("jkr", "work of the shift left out", |text| {
+        swap(&text, "work = -acceleration * kick.shift + work;", "")
+    }),
+    ("jkr", "let go without its shift", |text| {
+        swap(&text, "Kick(impulse, shift, share,", "Kick(impulse, select(shift, ZERO, lets_go), share,")
+    }),
     ("jkr", "memory taken before the step", |text| swap(&text, "(*state).touching = kick.touching;", "")),
     ("dmt", "samples of the parabola swapped", |text| {
         swap(&text, "let first = (*tally).last_0;", "let first = (*tally).last_1;")
@@ -74,12 +84,8 @@ const FAULTS: &[Fault] = &[
     ("hertz", "wave of the next step", |text| {
         swap(&text, "waves[2u * index + 1u], decay", "waves[2u * index + 3u], decay")
     }),
-    ("dmt", "centre added up in another order", |text| {
-        swap(
-            &text,
-            "-acceleration * TWENTY_FOURTH + (steady + beyond)",
-            "-acceleration * TWENTY_FOURTH + steady + beyond",
-        )
+    ("jkr", "centre added up in another order", |text| {
+        swap(&text, "-acceleration * corner + (steady + beyond)", "-acceleration * corner + steady + beyond")
     }),
 ];
 

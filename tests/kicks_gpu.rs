@@ -14,7 +14,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 const COUNT: usize = 1 << 16;
 
-/// Largest error beside the CPU's own in f32, of the impulse relative to the terms it is the sum of, and of
+/// Largest error beside the CPU's own in f32, of impulse and shift relative to the terms they are the sum of, and of
 /// the share of the step in contact. Seen on lavapipe: 1.0, at 2.6e-7 (Hertz, DMT) and 1.8e-4 (JKR, where a
 /// path nearly at rest crosses the fold: its share of the step is a quotient of small differences).
 const TIMES: f64 = 4.0;
@@ -58,7 +58,7 @@ fn constants(i: usize, law: &str) -> Vec<f64> {
     all.into_iter().map(|value| f64::from(value as f32)).collect()
 }
 
-/// Impulse, share and touching on the CPU.
+/// The kick on the CPU.
 fn on_cpu<L: Lane + From<f32>>(law: &str, i: usize, shift: f64) -> Kick<L> {
     let single = |value: f64| L::from(value as f32);
     let (at, touching) = approach(i);
@@ -99,7 +99,7 @@ fn spec(law: &str) -> ShaderSpec {
     ShaderSpec { law, modes: 1, wants, measured: false, decay: false, double: false }
 }
 
-/// The kicks by the best adapter: [3][instance].
+/// The kicks by the best adapter: [4][instance].
 async fn kicks(law: &str) -> Vec<f32> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
@@ -134,7 +134,7 @@ async fn kicks(law: &str) -> Vec<f32> {
         device.create_buffer_init(&BufferInitDescriptor { label: None, contents: bytes, usage })
     };
     let storage = wgpu::BufferUsages::STORAGE;
-    let out = buffer(cast_slice(&vec![0f32; 3 * COUNT]), storage | wgpu::BufferUsages::COPY_SRC);
+    let out = buffer(cast_slice(&vec![0f32; 4 * COUNT]), storage | wgpu::BufferUsages::COPY_SRC);
     let buffers = [
         buffer(cast_slice(&[COUNT as u32, 0, 0, 0]), wgpu::BufferUsages::UNIFORM),
         buffer(cast_slice(&cases), storage),
@@ -150,7 +150,7 @@ async fn kicks(law: &str) -> Vec<f32> {
         entries: &entries,
     });
     let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-    let back = buffer(cast_slice(&vec![0f32; 3 * COUNT]), usage);
+    let back = buffer(cast_slice(&vec![0f32; 4 * COUNT]), usage);
     let mut encoder = device.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -176,8 +176,8 @@ fn undecided(i: usize, law: &str) -> bool {
 
 fn kicks_agree(law: &'static str) -> Result<(), Failed> {
     let ours = pollster::block_on(kicks(law));
-    // Impulse and share: the GPU's largest errors, and the CPU's in f32.
-    let (mut errors, mut cpu) = ([0.0f64; 2], [0.0f64; 2]);
+    // Impulse, share and shift: the GPU's largest errors, and the CPU's in f32.
+    let (mut errors, mut cpu) = ([0.0f64; 3], [0.0f64; 3]);
     let (mut left, mut acting) = (0, 0);
     for i in 0..COUNT {
         let truth = on_cpu::<f64>(law, i, 0.0);
@@ -192,12 +192,14 @@ fn kicks_agree(law: &'static str) -> Result<(), Failed> {
         let scale = size(i, law);
         errors[0] = errors[0].max((got(0) - truth.impulse).abs() / scale);
         errors[1] = errors[1].max((got(1) - truth.contact).abs());
+        errors[2] = errors[2].max((got(3) - truth.shift).abs() / scale);
         cpu[0] = cpu[0].max((f64::from(single.impulse) - truth.impulse).abs() / scale);
         cpu[1] = cpu[1].max((f64::from(single.contact) - truth.contact).abs());
+        cpu[2] = cpu[2].max((f64::from(single.shift) - truth.shift).abs() / scale);
     }
     println!(
-        "{law}: impulse within {:.1e} (CPU in f32 {:.1e}), share {:.1e} ({:.1e}); {acting} of {COUNT} act, {left} on the edge",
-        errors[0], cpu[0], errors[1], cpu[1]
+        "{law}: impulse within {:.1e} (CPU in f32 {:.1e}), share {:.1e} ({:.1e}), shift {:.1e} ({:.1e}); {acting} of {COUNT} act, {left} on the edge",
+        errors[0], cpu[0], errors[1], cpu[1], errors[2], cpu[2]
     );
     for (ours, theirs) in errors.iter().zip(cpu) {
         assert!(*ours <= TIMES * theirs, "{law}: {ours:e}, the CPU in f32 {theirs:e}");

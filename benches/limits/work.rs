@@ -7,8 +7,9 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Start;
 use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 
-/// + - * / sqrt min max abs of a step and of what it adds to the observables' sums, both sides of every branch.
-pub fn operations(plan: &Plan) -> usize {
+/// + - * / sqrt min max abs of a step and of what it adds to the observables' sums: those of every step, and with all
+/// that a branch may add.
+pub fn operations(plan: &Plan) -> [usize; 2] {
     let class = &plan.classes[0];
     let spec = ShaderSpec {
         law: match class.law {
@@ -24,7 +25,10 @@ pub fn operations(plan: &Plan) -> usize {
         double: plan.precision == Precision::F64,
     };
     let module = naga::front::wgsl::parse_str(&spec.compose()).expect("the shader is right");
-    ["step", "tally_add"].iter().map(|name| of_function(&module, named(&module, name))).sum()
+    [false, true].map(|branches| {
+        let counted = |name: &&str| of_function(&module, named(&module, name), branches);
+        ["step", "tally_add"].iter().map(counted).sum()
+    })
 }
 
 fn named<'a>(module: &'a Module, name: &str) -> &'a Function {
@@ -32,7 +36,7 @@ fn named<'a>(module: &'a Module, name: &str) -> &'a Function {
     found.map(|(_, function)| function).expect("the shader has it")
 }
 
-fn of_function(module: &Module, function: &Function) -> usize {
+fn of_function(module: &Module, function: &Function, branches: bool) -> usize {
     let float = |expression: &Expression| match expression {
         Expression::Binary { op, .. } => matches!(
             op,
@@ -53,18 +57,38 @@ fn of_function(module: &Module, function: &Function) -> usize {
         }
         _ => false,
     };
-    let own = function.expressions.iter().filter(|(_, one)| float(one) && !index(one)).count();
-    own + calls(module, &function.body)
+    let own = |one: &Expression| usize::from(float(one) && !index(one));
+    of_block(module, function, &function.body, branches, &own)
 }
 
-fn calls(module: &Module, block: &Block) -> usize {
-    block
-        .iter()
-        .map(|statement| match statement {
-            Statement::Call { function, .. } => of_function(module, &module.functions[*function]),
-            Statement::Block(block) => calls(module, block),
-            Statement::If { accept, reject, .. } => calls(module, accept) + calls(module, reject),
+/// Up to where a step may be done, unless branches count.
+fn of_block(
+    module: &Module,
+    function: &Function,
+    block: &Block,
+    branches: bool,
+    own: &dyn Fn(&Expression) -> usize,
+) -> usize {
+    let mut sum = 0;
+    for statement in block {
+        sum += match statement {
+            Statement::Emit(range) => {
+                range.clone().map(|handle| own(&function.expressions[handle])).sum::<usize>()
+            }
+            Statement::Call { function, .. } => of_function(module, &module.functions[*function], branches),
+            Statement::Block(block) => of_block(module, function, block, branches, own),
+            Statement::If { accept, reject, .. } if branches => {
+                [accept, reject].iter().map(|block| of_block(module, function, block, branches, own)).sum()
+            }
+            Statement::If { accept, reject, .. } if [accept, reject].iter().any(|block| returns(block)) => {
+                return sum;
+            }
             _ => 0,
-        })
-        .sum()
+        };
+    }
+    sum
+}
+
+fn returns(block: &Block) -> bool {
+    block.iter().any(|statement| matches!(statement, Statement::Return { .. }))
 }

@@ -128,10 +128,10 @@ fn jkr_kick(law: Law, at: Approach, touching: real) -> Kick {
         return no_kick();
     }
     let pull = law.unit_force * law.inverse_unit;
-    let before_t1 = jkr_roughly(begin + THREE);
-    let t1 = select(pull * TWELFTH * before_t1.force + begin + THREE, THREE, touches);
+    let outset = jkr_roughly(begin + THREE);
+    let t1 = select(pull * TWELFTH * outset.force + begin + THREE, THREE, touches);
     let touch = jkr_point_of(JKR_TOUCH_ROOT, JKR_TOUCH);
-    let here = jkr_either(jkr_next(before_t1, t1), touch, touches);
+    let here = jkr_either(jkr_next(outset, t1), touch, touches);
     let fast = sqrt(max(-TWO * free * begin + speed * speed, ZERO));
     let late = min(select(ZERO, -TWO * begin / max(speed + fast, LEAST), touches), ONE);
     let left = ONE - late;

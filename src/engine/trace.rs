@@ -36,6 +36,9 @@ pub struct TraceSample {
     pub indentation: f64,
     /// Mean force over the step, N.
     pub force: f64,
+    /// First moment of the force about the middle of the step, time in steps, beyond a 12th of the force's change over
+    /// it, N: what tells a force that acts early or late from one that changes evenly.
+    pub moment: f64,
     /// Travel of the rod's top beyond its steady free motion by the kept modes, m.
     pub top: f64,
     /// Whether the tip is in contact at the step's end.
@@ -125,6 +128,7 @@ impl Tracing<'_> {
                     beyond: sample.beyond.lane(0) * LENGTH,
                     indentation: sample.indentation.lane(0) * LENGTH,
                     force: sample.kick.impulse.lane(0) / force,
+                    moment: -sample.kick.shift.lane(0) / force,
                     top: top.sum::<f64>() * LENGTH,
                     touching: sample.kick.touching.lane(0) > 0.0,
                 });

@@ -32,8 +32,12 @@ pub fn force_harmonics(plan: &Plan, instance: usize) -> Vec<Complex<f64>> {
     let most = (count / 2).min(4096);
     (0..=most)
         .map(|m| {
+            // A force that acts late in its step does so with a later phase.
+            let turn = Complex::new(0.0, -TAU * m as f64 / count as f64);
             let sum: Complex<f64> = (trace.samples.iter().enumerate())
-                .map(|(n, sample)| table[m * (2 * n + 1) % (2 * count)] * sample.force)
+                .map(|(n, sample)| {
+                    table[m * (2 * n + 1) % (2 * count)] * (sample.force + turn * sample.moment)
+                })
                 .sum();
             let mean = sum / count as f64;
             if m == 0 {

@@ -9,7 +9,7 @@ struct Job {
 @group(0) @binding(1) var<storage, read> cases: array<real>;
 // Indentation, speed, acceleration and touching before: [4][instance].
 @group(0) @binding(2) var<storage, read> approaches: array<real>;
-// Impulse, share in contact and touching after: [3][instance].
+// Impulse, share in contact, touching after and shift: [4][instance].
 @group(0) @binding(3) var<storage, read_write> kicks: array<real>;
 
 fn at(field: u32, i: u32) -> u32 {
@@ -27,4 +27,5 @@ fn kick(@builtin(global_invocation_id) id: vec3<u32>) {
     kicks[at(0u, i)] = kick.impulse;
     kicks[at(1u, i)] = kick.contact;
     kicks[at(2u, i)] = kick.touching;
+    kicks[at(3u, i)] = kick.shift;
 }

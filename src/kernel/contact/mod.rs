@@ -1,4 +1,4 @@
-//! The laws as the kernel needs them: mean force along a straight piece of the tip's path.
+//! The laws as the kernel needs them: mean force along a piece of the tip's path, and when within the step it acts.
 
 mod dmt;
 mod hertz;
