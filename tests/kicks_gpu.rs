@@ -15,8 +15,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 const COUNT: usize = 1 << 16;
 
 /// Largest error beside the CPU's own in f32, of impulse and shift relative to the terms they are the sum of, and of
-/// the share of the step in contact. Seen on lavapipe: 1.0, at 2.6e-7 (Hertz, DMT) and 1.8e-4 (JKR, where a
-/// path nearly at rest crosses the fold: its share of the step is a quotient of small differences).
+/// the share of the step in contact. Seen on lavapipe: 1.0, at 2.7e-7 (Hertz, DMT) and 7e-7 (JKR).
 const TIMES: f64 = 4.0;
 
 /// Numbers between 0 and 1: a van der Corput sequence in one base for each use.

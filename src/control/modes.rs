@@ -18,8 +18,16 @@ const RICHEST: f64 = 0.1;
 const MANY: usize = 4 * SAMPLE;
 /// No lever is made for an accuracy worse than this: it would have no mode.
 const POOREST: f64 = 0.3;
-/// Share of the accuracy asked for that modes left out may cost.
-const SHARE: f64 = 0.35;
+/// Share of the accuracy asked for that modes left out may cost the sample: the rarest instance costs several times its
+/// neighbours in it, where a contact lasts as long as a mode left out takes to swing.
+const SHARE: f64 = 0.2;
+/// The same for the poorer levers, which leave out more.
+const SHARE_POORER: f64 = 0.1;
+
+/// What a lever for `accuracy` may cost where `asked` is asked for.
+fn bound(accuracy: f64, asked: f64) -> f64 {
+    asked * if accuracy > asked { SHARE_POORER } else { SHARE }
+}
 /// Neighbours in the sample, on either side, whose largest difference stands for an instance's.
 const NEAR: usize = 2;
 
@@ -82,7 +90,8 @@ pub(super) fn choose(
         let results = run(accuracy)?;
         let of = |i: &u32| apart(plan, *i, &results, &truths);
         let differences: Vec<f64> = sample.iter().map(of).collect();
-        let enough = differences.iter().all(|difference| *difference <= SHARE * plan.run.accuracy);
+        let bound = bound(accuracy, plan.run.accuracy);
+        let enough = differences.iter().all(|difference| *difference <= bound);
         trials.push(Trial { accuracy, differences });
         if enough {
             break;
@@ -93,7 +102,7 @@ pub(super) fn choose(
         let known: Vec<usize> = (0..sample.len()).filter(|n| law_of(plan, sample[*n]) == law).collect();
         let places: Vec<f64> = known.iter().map(|n| stiffness(plan, sample[*n])).collect();
         let levers: Vec<Lever> =
-            trials.iter().map(|trial| Lever::new(trial, &known, SHARE * accuracy)).collect();
+            trials.iter().map(|trial| Lever::new(trial, &known, bound(trial.accuracy, accuracy))).collect();
         for &i in members {
             let here = stiffness(plan, i);
             let place = places.partition_point(|other| *other < here);

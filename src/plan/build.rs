@@ -123,8 +123,7 @@ impl Plan {
         for driven in &mut plan.drives {
             driven.kept = lever(driven, accuracy, run);
         }
-        let fewest =
-            |case: &CasePlan| steps::fewest(case.contact.law, &plan.drives[case.drive as usize], run);
+        let fewest = |case: &CasePlan| steps::fewest(&plan.drives[case.drive as usize]);
         plan.stepped(instances, |case| match run.steps_per_period {
             Some(_) => case.steps,
             None => case.steps.max(fewest(case)),
@@ -163,7 +162,7 @@ impl Plan {
             if run.steps_per_period.is_none() && case.steps > 0 {
                 case.steps = match accuracy > run.accuracy {
                     true => case.steps.min(steps_of(case, driven, run)),
-                    false => case.steps.max(steps::fewest(case.contact.law, driven, run)),
+                    false => case.steps.max(steps::fewest(driven)),
                 };
             }
         }

@@ -3,7 +3,6 @@
 use super::modes::ANGLE_MAX;
 use super::{Driven, KeptModes};
 use crate::contact::{Contact, Law};
-use crate::scene::Run;
 use std::f64::consts::TAU;
 
 /// Fewest steps per period the rule gives.
@@ -36,7 +35,7 @@ pub fn steps(
     accuracy: f64,
 ) -> u32 {
     let base = BASE * (1e-3 / accuracy).powf(1.0 / ORDER);
-    let fast = fast(contact.law, kept, omega, accuracy);
+    let fast = fast(kept, omega);
     let period = TAU / omega;
     let mobility = kept.mobility();
     let depth = deepest(contact, mobility, omega, amplitude, gap);
@@ -53,25 +52,13 @@ pub fn steps(
 }
 
 /// Steps that the fastest kept oscillator needs.
-fn fast(law: Law, kept: &KeptModes, omega: f64, accuracy: f64) -> f64 {
-    TAU * kept.fastest() / (omega * angle(law, accuracy))
+fn fast(kept: &KeptModes, omega: f64) -> f64 {
+    TAU * kept.fastest() / (omega * ANGLE_MAX)
 }
 
-/// Fewest steps with which the kept modes can be stepped.
-pub fn fewest(law: Law, driven: &Driven, run: &Run) -> u32 {
-    rung(fast(law, &driven.kept, driven.free.omega, run.accuracy))
-}
-
-/// Phase, rad, that the fastest oscillator may turn through in a step.
-///
-/// A force without jumps hardly moves the fast oscillators. JKR's jumps leave them ringing, and a
-/// step weighs what they do to the path to second order: in `scenes/force_curves.toml` driven at 2 kHz a phase of 1.2
-/// put the loss per cycle off by up to 2.6e-3, 0.6, 0.3 and 0.07 by 9e-4, 2e-4 and 1e-5.
-fn angle(law: Law, accuracy: f64) -> f64 {
-    match law {
-        Law::Jkr => (0.6 * (accuracy / 1e-3).sqrt()).clamp(0.05, ANGLE_MAX),
-        _ => ANGLE_MAX,
-    }
+/// Fewest steps per period with which the kept modes can be stepped.
+pub fn fewest(driven: &Driven) -> u32 {
+    rung(fast(&driven.kept, driven.free.omega))
 }
 
 /// Smallest of 64, 96, 128, 192, 256, ... that is not below `steps`: few classes, small excess.
