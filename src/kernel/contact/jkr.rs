@@ -113,15 +113,18 @@ impl<L: Lane> Point<L> {
     }
 }
 
-/// What the curve does between two points of it that are passed evenly; in units of F and, for `lean`, of F/D.
+/// What the curve does between two points of it that are passed evenly, in units of F and D.
+///
+/// `moment` over the change of D is `slope`/12 - `bow`/(10 `roots`^2), which stays finite where the tip turns round.
 struct Part<L> {
     mean: L,
     /// First moment about the middle, for a whole step.
     moment: L,
-    /// `moment` over the change of D, in the form that stays finite where the tip turns round: `slope`/12 less `bow`/
-    /// (10 `roots`^2).
+    /// Change of F over that of D.
     slope: L,
+    /// Mean less the mean of the two ends.
     bow: L,
+    /// Sum of the roots of t at the ends.
     roots: L,
 }
 
@@ -156,8 +159,8 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
         Self { unit_force: next(), inverse_unit: next() }
     }
 
-    /// The part of the step in contact: from its start or from touch, to its end or to the fold. Lengths in units of
-    /// the fold from here on, forces too.
+    /// The part of the step in contact: from its start or from touch, to its end or to the fold. Lengths are in units of
+    /// the fold until the impulse, which is of the kernel's again.
     #[inline(always)]
     fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
         let (zero, one, half) = (L::splat(ZERO), L::splat(ONE), L::splat(HALF));
