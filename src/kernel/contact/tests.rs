@@ -148,63 +148,56 @@ fn standing_still() {
 
 /// Impulse along a bent path and the shift of the tip, against the static law's force summed over the time of one step:
 /// the shift is the first moment less that of a force that changes evenly between the ends, the other way.
+fn check_bent(
+    name: &str,
+    kick: impl Fn(f64, f64, f64, bool) -> Kick<f64>,
+    law: &dyn StaticLaw,
+    memory: bool,
+    bounds: [f64; 2],
+) {
+    let unit = 2.0 * PI * WORK * RADIUS;
+    let mut worst = [0.0f64; 4];
+    for (start, end, before) in PIECES {
+        let before = before && (memory || start > 0.0);
+        for bend in [-0.02, 0.0, 0.05] {
+            let acceleration = bend * (end - start).abs();
+            let count = 100_000;
+            let place =
+                |s: f64| 0.5 * (start + end) + (end - start) * s + 0.5 * acceleration * (s * s - 0.25);
+            let mut touching = law.next_contact(start * LENGTH, before);
+            let first = law.force(start * LENGTH, touching);
+            let (mut impulse, mut moment) = (0.0, 0.0);
+            for n in 0..count {
+                let s = (f64::from(n) + 0.5) / f64::from(count) - 0.5;
+                touching = law.next_contact(place(s) * LENGTH, touching);
+                let force = law.force(place(s) * LENGTH, touching) / f64::from(count);
+                impulse += force;
+                moment += force * s;
+            }
+            let last = law.force(end * LENGTH, law.next_contact(end * LENGTH, touching));
+            let shift = (last - first) / 12.0 - moment;
+            let scale = first.abs().max(last.abs()).max(unit);
+            let got = kick(start, end, acceleration, before);
+            let errors = [(got.impulse - impulse).abs() / scale, (got.shift - shift).abs() / scale];
+            // What a straight path, and no shift, would be off by.
+            let straight = (kick(start, end, 0.0, before).impulse - impulse).abs() / scale;
+            let all = [errors[0], errors[1], straight, shift.abs() / scale];
+            worst = std::array::from_fn(|n| worst[n].max(all[n]));
+        }
+    }
+    let [impulse, shift, straight, none] = worst;
+    println!("{name}: impulse, shift within {impulse:.1e}, {shift:.1e}; without {straight:.1e}, {none:.1e}");
+    assert!(worst[0] < bounds[0] && worst[1] < bounds[1], "{name}: {worst:?}");
+    let seen = worst[2] > 2.0 * bounds[0] && worst[3] > 2.0 * bounds[1];
+    assert!(seen, "{name}: nothing to see, {worst:?}");
+}
+
 #[test]
 fn impulse_and_first_moment_along_a_bent_path() {
     // Attraction alone: to Hertz's onset, which is smooth enough, no shift belongs.
     let tail = Dmt { hertz: Hertz { stiffness: 0.0 }, ..dmt::<f64>() };
-    let laws: [(&str, &dyn Fn(f64, f64, f64, bool) -> Kick<f64>, &dyn StaticLaw, bool, [f64; 2]); 2] = [
-        (
-            "DMT",
-            &|a, b, bend, touching| bent_kick(&tail, a, b, bend, touching),
-            &contact::Dmt::new(1e-9, RADIUS, WORK, DECAY),
-            false,
-            [1e-4, 2e-3],
-        ),
-        (
-            "JKR",
-            &|a, b, bend, touching| bent_kick(&jkr::<f64>(), a, b, bend, touching),
-            &contact::Jkr::new(MODULUS, RADIUS, WORK),
-            true,
-            [1e-3, 2e-2],
-        ),
-    ];
-    let unit = 2.0 * PI * WORK * RADIUS;
-    for (name, kick, law, memory, bounds) in laws {
-        let mut worst = [0.0f64; 4];
-        for (start, end, before) in PIECES {
-            let before = before && (memory || start > 0.0);
-            for bend in [-0.02, 0.0, 0.05] {
-                let acceleration = bend * (end - start).abs();
-                let count = 100_000;
-                let place =
-                    |s: f64| 0.5 * (start + end) + (end - start) * s + 0.5 * acceleration * (s * s - 0.25);
-                let mut touching = law.next_contact(start * LENGTH, before);
-                let first = law.force(start * LENGTH, touching);
-                let (mut impulse, mut moment) = (0.0, 0.0);
-                for n in 0..count {
-                    let s = (f64::from(n) + 0.5) / f64::from(count) - 0.5;
-                    touching = law.next_contact(place(s) * LENGTH, touching);
-                    let force = law.force(place(s) * LENGTH, touching) / f64::from(count);
-                    impulse += force;
-                    moment += force * s;
-                }
-                let last = law.force(end * LENGTH, law.next_contact(end * LENGTH, touching));
-                let shift = (last - first) / 12.0 - moment;
-                let scale = first.abs().max(last.abs()).max(unit);
-                let got = kick(start, end, acceleration, before);
-                let errors = [(got.impulse - impulse).abs() / scale, (got.shift - shift).abs() / scale];
-                // What a straight path, and no shift, would be off by.
-                let straight = (kick(start, end, 0.0, before).impulse - impulse).abs() / scale;
-                let all = [errors[0], errors[1], straight, shift.abs() / scale];
-                worst = std::array::from_fn(|n| worst[n].max(all[n]));
-            }
-        }
-        let [impulse, shift, straight, none] = worst;
-        println!(
-            "{name}: impulse, shift within {impulse:.1e}, {shift:.1e}; without {straight:.1e}, {none:.1e}"
-        );
-        assert!(worst[0] < bounds[0] && worst[1] < bounds[1], "{name}: {worst:?}");
-        let seen = worst[2] > 2.0 * bounds[0] && worst[3] > 2.0 * bounds[1];
-        assert!(seen, "{name}: nothing to see, {worst:?}");
-    }
+    let law = contact::Dmt::new(1e-9, RADIUS, WORK, DECAY);
+    check_bent("DMT", |a, b, bend, t| bent_kick(&tail, a, b, bend, t), &law, false, [1e-4, 2e-3]);
+    let law = contact::Jkr::new(MODULUS, RADIUS, WORK);
+    check_bent("JKR", |a, b, bend, t| bent_kick(&jkr::<f64>(), a, b, bend, t), &law, true, [1e-3, 2e-2]);
 }
