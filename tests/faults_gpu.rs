@@ -54,7 +54,7 @@ const FAULTS: &[Fault] = &[
         );
         swap(&text, from, to)
     }),
-    ("jkr", "first pass for the second", |text| {
+    ("jkr", "guess for the part", |text| {
         swap(&text, "let part = jkr_between(here, there);", "let part = guess;")
     }),
     ("jkr", "one Newton step less", |text| {

@@ -8,7 +8,8 @@ use afmsweep::scene::Start;
 use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 
 /// Sums, products, quotients, roots, min, max and abs of a step and of what it adds to the observables' sums: those of
-/// every step, and with all that a branch may add. The CPU skips some of the former too, where no lane needs them.
+/// every step, and with all that a branch may add. The CPU skips some of the former too, where no lane needs them;
+/// loops are not counted, the kernel has none.
 pub fn operations(plan: &Plan) -> [usize; 2] {
     let class = &plan.classes[0];
     let spec = ShaderSpec {

@@ -4,7 +4,7 @@ fn dmt_stretch(law: Law, indentation: real) -> real {
     return max(-indentation, ZERO) * law.inverse_decay + ONE;
 }
 
-// How far the attraction is from a force that changes evenly: first moment over z, z, 1/(a + b).
+// How far the attraction is from a force that changes evenly: minus the first moment over z, z, 1/(a + b).
 struct Bend {
     moment: real,
     lean: real,

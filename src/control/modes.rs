@@ -24,12 +24,13 @@ const SHARE: f64 = 0.2;
 /// The same for the poorer levers, which leave out more.
 const SHARE_POORER: f64 = 0.1;
 
+/// Neighbours in the sample, on either side, whose largest difference stands for an instance's.
+const NEAR: usize = 2;
+
 /// What a lever for `accuracy` may cost where `asked` is asked for.
 fn bound(accuracy: f64, asked: f64) -> f64 {
     asked * if accuracy > asked { SHARE_POORER } else { SHARE }
 }
-/// Neighbours in the sample, on either side, whose largest difference stands for an instance's.
-const NEAR: usize = 2;
 
 /// The plan with the modes that each instance needs.
 pub(super) struct Choice {

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 /// How often an instance runs again with twice as many steps.
 const DOUBLINGS: usize = 4;
 
-/// What is left of the difference between two runs in the finer one's error. Errors fall by 8 to 16 times with
-/// twice the steps (orders 3 to 4), which leaves a seventh to a fifteenth; single cases do worse.
+/// What is left of the difference between two runs in the finer one's error. Errors fall by 6 to 16 times with
+/// twice the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
 const LEFT: f64 = 0.25;
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate

@@ -28,12 +28,12 @@ constants! {
     TWENTY_FOURTH = 1.0 / 24.0;
     /// Beyond any indentation, within f32.
     FAR = 1e30;
-    /// Keeps 0/0 out where the tip is outside; far below any root of an indentation.
+    /// Keeps 0/0 out: outside, at JKR's fold, in times of touch and of letting go; far below any root of an indentation.
     LEAST = 1e-30;
     /// Factor of Hertz's energy, (2/5) d^2.5.
     HERTZ_ENERGY = 0.4;
-    /// DMT's tail: (1/3 + (TAIL_1 + TAIL_2 x) x)/(1 + TAIL_POLE x) is 1/3 + x/15 + x^2/35 + ... to 2.7e-3 from 0 to 1,
-    /// and to x^2 near 0.
+    /// DMT's tail: (1/3 + (TAIL_1 + TAIL_2 x) x)/(1 + TAIL_POLE x) is 1/3 + x/15 + x^2/35 + ... right in its first two
+    /// terms, and to 2.7e-3 from 0 to 1.
     TAIL_1 = 1.0 / 15.0 + TAIL_POLE / 3.0;
     TAIL_2 = -0.033_716;
     TAIL_POLE = -0.799_079;

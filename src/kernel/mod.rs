@@ -6,7 +6,7 @@
 //! the mean of the force along the tip's path from half a step before the sample to half a step
 //! after it, taken from the law's antiderivative, so that onset, pull-off, jumps and attractions
 //! much shorter than a step are weighed exactly instead of sampled. ARCHITECTURE.md derives the
-//! four corrections that make it fourth order away from such events.
+//! corrections that make it fourth order where the force is smooth, and those that tell when within the step it acts.
 //!
 //! Everything here is generic over [`Lane`] and uses + - * / sqrt min max abs and select only,
 //! so that a shader can say the same in the same order. Whether a product that is summed rounds before the

@@ -34,7 +34,7 @@ struct Tail<L> {
 
 /// How far the tail is from a force that changes evenly over the step.
 struct Bend<L> {
-    /// Its first moment, less an even change's, over z.
+    /// Minus the first moment of 1/s^2 about the middle of the step, less an even change's, over z.
     moment: L,
     /// z = (b - a)/(a + b), and 1/(a + b).
     lean: L,
@@ -57,12 +57,12 @@ impl<L: Lane> Tail<L> {
 
     /// `outside` is its share of the step, `inside` the rest.
     ///
-    /// With c = (a + b)/2 the moment of 1/s^2 about its middle is -z phi(z^2)/(ab), phi(x) = (z - (1 - x) atanh z)/(2xz)
+    /// With c = (a + b)/2 the moment of 1/s^2 about its middle is -z p(z^2)/(ab), p(x) = (z - (1 - x) atanh z)/(2xz)
     /// = 1/3 + x/15 + x^2/35 + ... up to 1/2 (ARCHITECTURE.md).
     #[inline(always)]
     fn bend(&self, outside: L, inside: L) -> Bend<L> {
         let one = L::splat(ONE);
-        // One quotient for two: 1/sum, and phi's pole, 1/(1 + TAIL_POLE z^2) = sum^2/pole.
+        // One quotient for two: 1/sum, and p's pole, 1/(1 + TAIL_POLE z^2) = sum^2/pole.
         let square = self.sum * self.sum;
         let pole = (L::splat(TAIL_POLE) * self.step).mul_add(self.step, square);
         let both = one / (pole * self.sum);
@@ -70,9 +70,9 @@ impl<L: Lane> Tail<L> {
         let lean = self.step * inverse_sum;
         let x = lean * lean;
         let above = L::splat(TAIL_2).mul_add(x, L::splat(TAIL_1)).mul_add(x, L::splat(THIRD));
-        let phi = above * (square * self.sum * both);
+        let p = above * (square * self.sum * both);
         let middle = L::splat(HALF) * self.sum;
-        let moment = outside * outside.mul_add(phi, inside * middle);
+        let moment = outside * outside.mul_add(p, inside * middle);
         let even = middle * middle * self.mean * L::splat(THIRD);
         Bend { moment: self.mean * (moment - even), lean, inverse_sum }
     }

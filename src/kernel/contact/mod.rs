@@ -38,7 +38,7 @@ pub struct Kick<L> {
     /// Change of tip travel per step; positive pushes away.
     pub impulse: L,
     /// Tip travel by which the impulse falls earlier or later within the step than a force that changes
-    /// evenly would have it; zero where a law has [`Interaction::SHIFTS`] false.
+    /// evenly would have it, positive where a repulsive one falls early; zero where a law has [`Interaction::SHIFTS`] false.
     pub shift: L,
     /// Share of the step spent in contact, 0 to 1.
     pub contact: L,

@@ -1,4 +1,5 @@
-//! A straight piece of the tip's path, from half a step before a sample to half a step after it.
+//! A straight piece of the tip's path, from half a step before a sample to half a step after it, for the laws without
+//! memory; JKR follows the bent one.
 
 use super::{Approach, Lane};
 use crate::kernel::constants::{HALF, ONE, QUARTER, TWELFTH, TWENTY_FOURTH, ZERO};
