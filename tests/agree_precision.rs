@@ -115,7 +115,8 @@ fn the_choice_is_told_and_kept_in_the_file() {
     let flag = results.flags.iter().find(|flags| flags.name == "precision").expect("which is which");
     assert_eq!(flag.meanings, ["f32", "f64"]);
     let double = flag.data.iter().filter(|code| **code == 1).count();
-    assert!(double > 0 && said.contains(&format!("; {double} instance")), "{said}");
+    let instances = if double == 1 { "instance" } else { "instances" };
+    assert!(double > 0 && said.contains(&format!("; {double} {instances} went on in f64")), "{said}");
     let said = desk.works(&["run", path, "--no-audit", "--precision", "f64"]).err;
     assert!(said.contains("precision: f64: as told"), "{said}");
     let results = afmsweep::store::read(&desk.results(&scene)).unwrap();

@@ -20,9 +20,9 @@ fn tail_bend(sum: real, span: real, mean: real, outside: real, inside: real) -> 
     let lean = span * inverse_sum;
     let x = lean * lean;
     let above = (TAIL_2 * x + TAIL_1) * x + THIRD;
-    let phi = above * (square * sum * both);
+    let p = above * (square * sum * both);
     let middle = HALF * sum;
-    let moment = outside * (outside * phi + inside * middle);
+    let moment = outside * (outside * p + inside * middle);
     let even = middle * middle * mean * THIRD;
     return Bend(mean * (moment - even), lean, inverse_sum);
 }

@@ -83,9 +83,8 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
         name: "dmt",
         texts: &[hertz::TEXT, include_str!("../../../shaders/contact/dmt.wgsl")],
         fields: &["stiffness", "adhesion", "inverse_decay"],
-        shifts: <Self as Interaction<L>>::SHIFTS,
+        shifts: true,
     };
-    const SHIFTS: bool = true;
 
     fn numbers(&self) -> Vec<L> {
         vec![self.hertz.stiffness, self.adhesion, self.inverse_decay]

@@ -45,13 +45,8 @@ impl<L: Lane> Hertz<L> {
 }
 
 impl<L: Lane> Interaction<L> for Hertz<L> {
-    const SHADER: &'static LawShader = &LawShader {
-        name: "hertz",
-        texts: &[TEXT],
-        fields: &["stiffness"],
-        shifts: <Self as Interaction<L>>::SHIFTS,
-    };
-    const SHIFTS: bool = false;
+    const SHADER: &'static LawShader =
+        &LawShader { name: "hertz", texts: &[TEXT], fields: &["stiffness"], shifts: false };
 
     fn numbers(&self) -> Vec<L> {
         vec![self.stiffness]

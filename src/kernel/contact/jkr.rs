@@ -146,9 +146,8 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
         name: "jkr",
         texts: &[include_str!("../../../shaders/contact/jkr.wgsl")],
         fields: &["unit_force", "inverse_unit"],
-        shifts: <Self as Interaction<L>>::SHIFTS,
+        shifts: true,
     };
-    const SHIFTS: bool = true;
 
     fn numbers(&self) -> Vec<L> {
         vec![self.unit_force, self.inverse_unit]

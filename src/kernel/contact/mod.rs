@@ -38,7 +38,7 @@ pub struct Kick<L> {
     /// Change of tip travel per step; positive pushes away.
     pub impulse: L,
     /// Tip travel by which the impulse falls earlier or later within the step than a force that changes
-    /// evenly would have it, positive where a repulsive one falls early; zero where a law has [`Interaction::SHIFTS`] false.
+    /// evenly would have it, positive where a repulsive one falls early; zero where a law has [`LawShader::shifts`] false.
     pub shift: L,
     /// Share of the step spent in contact, 0 to 1.
     pub contact: L,
@@ -55,7 +55,7 @@ pub struct LawShader {
     pub texts: &'static [&'static str],
     /// Its constants, in the order of [`Interaction::numbers`].
     pub fields: &'static [&'static str],
-    /// [`Interaction::SHIFTS`].
+    /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
     pub shifts: bool,
 }
 
@@ -63,8 +63,6 @@ pub struct LawShader {
 pub trait Interaction<L: Lane>: Copy {
     /// The same law in the shader.
     const SHADER: &'static LawShader;
-    /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
-    const SHIFTS: bool;
 
     /// Its constants, in the order of the shader's fields.
     fn numbers(&self) -> Vec<L>;
@@ -95,9 +93,8 @@ impl<L: Lane> Interaction<L> for Nothing {
         name: "nothing",
         texts: &[include_str!("../../../shaders/contact/nothing.wgsl")],
         fields: &[],
-        shifts: <Self as Interaction<L>>::SHIFTS,
+        shifts: false,
     };
-    const SHIFTS: bool = false;
 
     fn numbers(&self) -> Vec<L> {
         Vec::new()
