@@ -5,6 +5,7 @@ mod modes;
 mod precision;
 mod steps;
 mod summary;
+mod variants;
 
 pub use build::PlanError;
 pub use modes::{KeptMode, KeptModes};

@@ -1,0 +1,145 @@
+//! Other plans for the same scene: some instances, other steps, other levers.
+
+use super::build::{classify, steps_for_modes};
+use super::{CasePlan, Driven, KeptModes, Plan, steps};
+use crate::observe::Wants;
+use crate::scene::Run;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// Other ways to run the same scene, to learn what a choice of the plan costs in accuracy.
+impl Plan {
+    /// The same plan for these instances alone; the others are not run.
+    pub fn only(&self, instances: &[u32]) -> Self {
+        self.stepped(instances, |case| case.steps)
+    }
+
+    /// Likewise, with another number of steps per period for each. Instances that are free of the sample
+    /// stay so.
+    pub fn stepped(&self, instances: &[u32], steps: impl Fn(&CasePlan) -> u32) -> Self {
+        let mut plan = self.clone();
+        for &index in instances {
+            let case = &mut plan.cases[index as usize];
+            if case.steps > 0 {
+                case.steps = steps(case);
+            }
+        }
+        plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
+        plan
+    }
+
+    /// A plan of some of this one's instances alone, numbered in their order here, each as often as it is named.
+    pub fn part(&self, instances: &[u32]) -> Self {
+        let mut place = HashMap::new();
+        let mut drives = Vec::new();
+        let mut cases = Vec::with_capacity(instances.len());
+        for &index in instances {
+            let mut case = self.cases[index as usize];
+            case.drive = *place.entry(case.drive).or_insert_with(|| {
+                drives.push(self.drives[case.drive as usize].clone());
+                drives.len() as u32 - 1
+            });
+            cases.push(case);
+        }
+        let classes = classify(&cases, &drives, 0..cases.len() as u32);
+        Self {
+            drives,
+            cases,
+            classes,
+            observables: self.observables.clone(),
+            wants: self.wants,
+            run: self.run.clone(),
+            precision: self.precision,
+            precision_open: self.precision_open,
+            waveforms: None,
+            stations: None,
+        }
+    }
+
+    /// Likewise, over `periods` of which the last `measure` are measured: the same stepping, nothing but the
+    /// fundamental summed.
+    pub fn trial(&self, instances: &[u32], periods: u32, measure: u32) -> Self {
+        let observables = Vec::new();
+        Self {
+            wants: Wants::of(&observables),
+            observables,
+            run: Run { periods, measure, ..self.run.clone() },
+            precision_open: false,
+            ..self.part(instances)
+        }
+    }
+
+    /// The same plan for these instances alone, with the modes that `accuracy` would ask for, and as many more
+    /// steps as they need.
+    pub fn richer(&self, instances: &[u32], accuracy: f64) -> Self {
+        let mut plan = self.clone();
+        let run = &self.run;
+        for driven in &mut plan.drives {
+            driven.kept = lever(driven, accuracy, run);
+        }
+        let fewest = |case: &CasePlan| steps::fewest(&plan.drives[case.drive as usize]);
+        plan.stepped(instances, |case| match run.steps_per_period {
+            Some(_) => case.steps,
+            None => case.steps.max(fewest(case)),
+        })
+    }
+
+    /// The same plan for these instances alone, each with the modes that its own accuracy would ask for: as many
+    /// more steps as richer modes need, as many fewer as the rule gives for poorer ones.
+    pub fn levers(&self, wanted: &[(u32, f64)]) -> Self {
+        let run = &self.run;
+        let mut made: HashMap<(u32, u64), u32> = HashMap::new();
+        // By drive of this plan, those of the new one.
+        let mut variants: HashMap<u32, Vec<u32>> = HashMap::new();
+        let mut plan = Self { drives: Vec::new(), ..self.clone() };
+        let mut drive_of = |drive: u32, accuracy: Option<f64>, drives: &mut Vec<Driven>| {
+            *made.entry((drive, accuracy.map_or(u64::MAX, f64::to_bits))).or_insert_with(|| {
+                let mut driven = self.drives[drive as usize].clone();
+                if let Some(accuracy) = accuracy {
+                    driven.kept = lever(&driven, accuracy, run);
+                }
+                // The same lever by another accuracy.
+                let known = variants.entry(drive).or_default();
+                let same = |n: &&u32| drives[**n as usize].kept.modes == driven.kept.modes;
+                if let Some(found) = known.iter().find(same) {
+                    return *found;
+                }
+                drives.push(driven);
+                known.push(drives.len() as u32 - 1);
+                drives.len() as u32 - 1
+            })
+        };
+        for &(i, accuracy) in wanted {
+            let case = &mut plan.cases[i as usize];
+            case.drive = drive_of(case.drive, Some(accuracy), &mut plan.drives);
+            let driven = &plan.drives[case.drive as usize];
+            if run.steps_per_period.is_none() && case.steps > 0 {
+                case.steps = match accuracy > run.accuracy {
+                    true => case.steps.min(steps_of(case, driven, run)),
+                    false => case.steps.max(steps::fewest(driven)),
+                };
+            }
+        }
+        let chosen: HashSet<u32> = wanted.iter().map(|(i, _)| *i).collect();
+        for i in 0..plan.cases.len() as u32 {
+            if !chosen.contains(&i) {
+                let case = &mut plan.cases[i as usize];
+                case.drive = drive_of(case.drive, None, &mut plan.drives);
+            }
+        }
+        plan.classes = classify(&plan.cases, &plan.drives, wanted.iter().map(|(i, _)| *i));
+        plan
+    }
+}
+
+/// The modes that `accuracy` asks for.
+fn lever(driven: &Driven, accuracy: f64, run: &Run) -> Arc<KeptModes> {
+    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
+    Arc::new(KeptModes::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most))
+}
+
+/// The rule's steps for a case and its lever.
+fn steps_of(case: &CasePlan, driven: &Driven, run: &Run) -> u32 {
+    let (omega, amplitude) = (driven.free.omega, driven.free.tip.norm());
+    steps::steps(&case.contact, &driven.kept, omega, amplitude, case.gap, run.accuracy)
+}
