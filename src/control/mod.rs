@@ -69,8 +69,9 @@ impl Arithmetic {
 ///
 /// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
 /// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
-/// runs with the modes that a ten times finer accuracy asks for; where that changes too much, more modes are kept
-/// for all. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
+/// runs with poorer and richer levers, and each instance takes the one that serves its neighbours in it; the first of its
+/// two runs is with the next poorer one, so that the difference tells of modes as of steps, and what of it the steps
+/// do not explain goes on with a richer one. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
 /// prescribes its steps, nothing is estimated. Instances that had to run with more steps run once more from a start
 /// moved a little: where that moves the result, it is called sensitive.
 ///
@@ -99,13 +100,17 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
             arithmetic,
         });
     }
-    let modes::Choice { mut plan, left_out, mut notes } = modes::choose(plan, &stepped, engine, progress)?;
+    let modes::Choice { mut plan, mut poorer, left_out, mut notes } =
+        modes::choose(plan, &stepped, engine, progress)?;
     let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
     notes.append(&mut chosen.notes);
-    (plan.precision, plan.precision_open) = (chosen.precision, false);
+    for plan in [Some(&mut plan), poorer.as_mut()].into_iter().flatten() {
+        (plan.precision, plan.precision_open) = (chosen.precision, false);
+    }
+    let first = steps::First { poorer, left_out, chosen: &chosen };
     let mut all = match all.len() > PORTION {
-        false => steps::run(plan, (&all, &stepped), (left_out, &chosen), engine, progress)?,
-        true => portions::run(plan, (&all, PORTION), (left_out, &chosen), engine, progress)?,
+        false => steps::run(plan, (&all, &stepped), first, engine, progress)?,
+        true => portions::run(plan, (&all, PORTION), first, engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {

@@ -23,6 +23,9 @@ const POOREST: f64 = 0.3;
 const SHARE: f64 = 0.2;
 /// The same for the poorer levers, which leave out more.
 const SHARE_POORER: f64 = 0.1;
+/// The same for the lever of the first run, the next poorer one: the difference to the second run then is an estimate of
+/// every instance's own, which its neighbours in the sample cannot give, and little of it is left in the second.
+const SHARE_FIRST: f64 = 1.5;
 
 /// Neighbours in the sample, on either side, whose largest difference stands for an instance's.
 const NEAR: usize = 2;
@@ -35,6 +38,8 @@ fn bound(accuracy: f64, asked: f64) -> f64 {
 /// The plan with the modes that each instance needs.
 pub(super) struct Choice {
     pub plan: Plan,
+    /// The same with the next poorer levers, of the instances that are not all in the sample themselves.
+    pub poorer: Option<Plan>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     /// What the engine had to say of the sample's runs.
@@ -64,7 +69,7 @@ pub(super) fn choose(
         |plan: &Plan| -> Vec<_> { plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect() };
     let most = modes(&plan.richer(&[], RICHEST * accuracy));
     if plan.run.modes.is_some() || modes(plan) == most {
-        return Ok(Choice { plan: plan.clone(), left_out, notes });
+        return Ok(Choice { plan: plan.clone(), poorer: None, left_out, notes });
     }
     let order = by_stiffness(plan, stepped);
     let sample = spread(plan, &order);
@@ -92,31 +97,40 @@ pub(super) fn choose(
         let of = |i: &u32| apart(plan, *i, &results, &truths);
         let differences: Vec<f64> = sample.iter().map(of).collect();
         let bound = bound(accuracy, plan.run.accuracy);
-        let enough = differences.iter().all(|difference| *difference <= bound);
-        trials.push(Trial { accuracy, differences });
+        let below = |trial: &Trial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
+        let first = SHARE_FIRST * plan.run.accuracy;
+        let before = trials.last().is_none_or(|before| below(before, first));
+        let trial = Trial { accuracy, differences };
+        let enough = before && below(&trial, bound);
+        trials.push(trial);
         if enough {
             break;
         }
     }
-    let mut wanted: Vec<(u32, f64)> = Vec::with_capacity(order.len());
+    let (mut wanted, mut poorer) = (Vec::with_capacity(order.len()), Vec::with_capacity(order.len()));
     for (law, members) in laws(plan, &order) {
         let known: Vec<usize> = (0..sample.len()).filter(|n| law_of(plan, sample[*n]) == law).collect();
         let places: Vec<f64> = known.iter().map(|n| stiffness(plan, sample[*n])).collect();
-        let levers: Vec<Lever> =
-            trials.iter().map(|trial| Lever::new(trial, &known, bound(trial.accuracy, accuracy))).collect();
+        let levers: Vec<Lever> = trials.iter().map(|trial| Lever::new(trial, &known, accuracy)).collect();
         for &i in members {
             let here = stiffness(plan, i);
             let place = places.partition_point(|other| *other < here);
-            let (lever, cost) = levers
-                .iter()
-                .find_map(|lever| Some((lever.accuracy, lever.cost(place)?)))
-                // The richest one is some three times as good as what it was held against.
-                .unwrap_or((RICHEST * accuracy, RICHEST * accuracy));
+            let serves = |n: &usize| *n == 0 || levers[n - 1].begins(place);
+            let found =
+                (0..levers.len()).filter(serves).find_map(|n| levers[n].cost(place).map(|cost| (n, cost)));
+            // The richest one is some three times as good as what it was held against.
+            let (lever, cost) = found
+                .map_or((RICHEST * accuracy, RICHEST * accuracy), |(n, cost)| (levers[n].accuracy, cost));
+            let before = found.map_or(levers.len(), |(n, _)| n).checked_sub(1);
+            let before = before.filter(|n| levers[*n].begins(place));
             wanted.push((i, lever));
+            poorer.push((i, before.map_or(lever, |n| levers[n].accuracy)));
             left_out[i as usize] = cost;
         }
     }
-    Ok(Choice { plan: plan.levers(&wanted), left_out, notes })
+    // Of the sample itself all is known.
+    let poorer = (order.len() > sample.len()).then(|| plan.levers(&poorer));
+    Ok(Choice { plan: plan.levers(&wanted), poorer, left_out, notes })
 }
 
 /// A sample of `stepped`, from the softest to the stiffest contact of each law.
@@ -138,15 +152,23 @@ fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
 struct Lever {
     accuracy: f64,
     differences: Vec<f64>,
-    /// So many of the first ones it does not fail.
+    /// So many of the first ones it does not fail, and so many not in the first run.
     good: usize,
+    first: usize,
 }
 
 impl Lever {
-    fn new(trial: &Trial, known: &[usize], bound: f64) -> Self {
+    fn new(trial: &Trial, known: &[usize], asked: f64) -> Self {
         let differences: Vec<f64> = known.iter().map(|n| trial.differences[*n]).collect();
-        let good = differences.iter().position(|one| *one > bound).unwrap_or(differences.len());
-        Self { accuracy: trial.accuracy, differences, good }
+        let within =
+            |bound: f64| differences.iter().position(|one| *one > bound).unwrap_or(differences.len());
+        let (good, first) = (within(bound(trial.accuracy, asked)), within(SHARE_FIRST * asked));
+        Self { accuracy: trial.accuracy, differences, good, first }
+    }
+
+    /// Whether it will do for the first run of an instance with `place` softer members.
+    fn begins(&self, place: usize) -> bool {
+        (place + NEAR).min(self.differences.len()) <= self.first
     }
 
     /// The largest difference that it makes near an instance with `place` softer members; none where it fails one of

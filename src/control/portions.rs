@@ -1,15 +1,17 @@
 //! Many instances, portion by portion.
 
-use super::{Arithmetic, Controlled, precision, steps};
+use super::steps::{self, First};
+use super::{Arithmetic, Controlled};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
+use std::collections::HashMap;
 
 /// [`steps::run`] for `all` the plan's instances, `size` of them at a time.
 pub(super) fn run(
     plan: Plan,
     (all, size): (&[u32], usize),
-    (left_out, chosen): (Vec<f64>, &precision::Choice),
+    First { poorer, left_out, chosen }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
@@ -31,7 +33,9 @@ pub(super) fn run(
         let every: Vec<u32> = (0..portion.len() as u32).collect();
         let stepped: Vec<u32> = every.iter().copied().filter(|n| part.cases[*n as usize].steps > 0).collect();
         let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
-        whole.take(portion, steps::run(part, (&every, &stepped), (left_out, chosen), engine, progress)?);
+        let poorer = poorer.as_ref().map(|plan| plan.part(portion));
+        let first = First { poorer, left_out, chosen };
+        whole.take(portion, steps::run(part, (&every, &stepped), first, engine, progress)?);
     }
     whole.plan = whole.plan.only(all);
     Ok(whole)
@@ -50,9 +54,12 @@ impl Controlled {
                 |state: Box<PeriodicState>| Box::new(PeriodicState { slope: Box::default(), ..*state });
             self.found[*place as usize] = found.map(kept);
         }
+        let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
             self.plan.cases[i].steps = part.plan.cases[n].steps;
+            self.plan.take_lever(*place, &part.plan, n as u32, &mut taken);
+            self.left_out[i] = part.left_out[n];
             self.outcome.results[i] = part.outcome.results[n];
             self.estimates[i] = part.estimates[n];
             self.periods[i] = part.periods[n];
@@ -65,6 +72,7 @@ impl Controlled {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::precision;
     use crate::engine::Cpu;
     use crate::plan::Precision;
     use crate::scene::Scene;
@@ -84,9 +92,9 @@ mod tests {
             let (engine, progress) = (Cpu::default(), Progress::default());
             let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
             let none = vec![0.0; all.len()];
-            let whole = steps::run(plan.clone(), (&all, &all), (none.clone(), &chosen), &engine, &progress)
-                .expect("it runs");
-            let parts = super::run(plan, (&all, 20), (none, &chosen), &engine, &progress).expect("it runs");
+            let first = || First { poorer: None, left_out: none.clone(), chosen: &chosen };
+            let whole = steps::run(plan.clone(), (&all, &all), first(), &engine, &progress).expect("it runs");
+            let parts = super::run(plan, (&all, 20), first(), &engine, &progress).expect("it runs");
             for &i in &all {
                 let i = i as usize;
                 let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);

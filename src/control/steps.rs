@@ -7,6 +7,8 @@ use crate::observe::Status;
 use crate::plan::{Plan, Precision, STEPS_MAX};
 use crate::steady::{self, SETTLED, Settled};
 use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// How often an instance runs again with twice as many steps.
 const DOUBLINGS: usize = 4;
@@ -19,8 +21,24 @@ const LEFT: f64 = 0.25;
 /// sees (undamped modes of small share, rounding).
 const AIM: f64 = 0.6;
 
+/// What leaving modes out costs is what of a first difference is more than so many times the second, which is of steps
+/// alone: errors fall by no more with twice the steps.
+const STEEPEST: f64 = 16.0;
+
+/// Runs of an instance beyond the doublings, which may all have gone into steps, to try richer levers.
+const LEVERS: usize = 2;
+
 /// Fewest steps per period.
 const FEWEST: u32 = 16;
+
+/// What is known before the steps are.
+pub(super) struct First<'a> {
+    /// The plan with the levers of the first run; none where they are the plan's own.
+    pub poorer: Option<Plan>,
+    /// What the modes left out cost each instance, by the sample.
+    pub left_out: Vec<f64>,
+    pub chosen: &'a precision::Choice,
+}
 
 /// The plan for these instances with half of its steps, which are on the safe side.
 pub(super) fn halved(plan: &Plan, instances: &[u32]) -> Plan {
@@ -33,12 +51,12 @@ pub(super) fn quartered(plan: &Plan, instances: &[u32]) -> Plan {
 }
 
 /// Runs `all` the plan's instances, and `stepped`, those that need steps, with a quarter and with half of the plan's
-/// steps, and then as the estimates ask for. `left_out` is what the modes left out cost. Where `chosen` says so, what
-/// f32 does not bring to the accuracy goes on in f64: rounding does not fall with the steps.
+/// steps, and then as the estimates ask for. Where the choice of precision says so, what f32 does not bring to the
+/// accuracy goes on in f64: rounding does not fall with the steps.
 pub(super) fn run(
     plan: Plan,
     (all, stepped): (&[u32], &[u32]),
-    (left_out, chosen): (Vec<f64>, &precision::Choice),
+    First { poorer, left_out, chosen }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
@@ -46,37 +64,62 @@ pub(super) fn run(
         let settled = steady::run(&plan, &[], engine, progress)?;
         let mut estimates = vec![0.0; plan.cases.len()];
         stepped.iter().for_each(|i| estimates[*i as usize] = f64::NAN);
-        return Ok(Controlled::new(plan, settled, (estimates, &left_out), chosen));
+        return Ok(Controlled::new(plan, settled, (estimates, left_out), chosen));
     }
     let fine = halved(&plan, all);
-    let coarse = quartered(&plan, stepped);
+    let coarse = match poorer {
+        None => quartered(&plan, stepped),
+        Some(mut poorer) => {
+            poorer.cases.iter_mut().zip(&plan.cases).for_each(|(poor, case)| poor.steps = case.steps);
+            quartered(&poorer, stepped)
+        }
+    };
     let rough = steady::run(&coarse, &[], engine, progress)?;
     let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
-    let mut estimates = left_out.clone();
-    for (i, error) in estimate(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
-        estimates[i as usize] += error;
+    let mut parts = Parts { of_steps: vec![0.0; plan.cases.len()], both: vec![f64::NAN; plan.cases.len()] };
+    let lever = |plan: &Plan, i: usize| Arc::clone(&plan.drives[plan.cases[i].drive as usize].kept);
+    for (i, apart) in differences(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
+        let i = i as usize;
+        parts.of_steps[i] = LEFT * apart;
+        let known = rough.outcome.results[i].status == Status::Ok;
+        if known && lever(&coarse, i).modes != lever(&fine, i).modes {
+            parts.both[i] = apart;
+        }
     }
-    let mut now = Controlled::new(fine, settled, (estimates, &left_out), chosen);
+    let most: Vec<u32> = fine.cases.iter().map(|case| (case.steps << DOUBLINGS).min(STEPS_MAX)).collect();
+    let estimates = left_out.iter().zip(&parts.of_steps).map(|(a, b)| a + b).collect();
+    let mut now = Controlled::new(fine, settled, (estimates, left_out), chosen);
     let mut doubted = Vec::new();
-    for round in 0..DOUBLINGS {
+    for round in 0..DOUBLINGS + LEVERS {
         let again: Vec<u32> =
             stepped.iter().copied().filter(|i| now.doubtful(*i as usize, chosen.mixed)).collect();
         if round == 0 {
             doubted.clone_from(&again);
         }
-        if again.is_empty() || progress.stopped() {
-            break;
-        }
         // Rounding may be what does not repeat: that is for f64 to say, with the same steps.
         let (unsteady, rough): (Vec<u32>, Vec<u32>) =
             again.into_iter().partition(|i| now.outcome.results[*i as usize].status == Status::NotSteady);
-        let (single, double): (Vec<u32>, Vec<u32>) = rough
-            .into_iter()
-            .partition(|i| now.arithmetic.of[*i as usize] == Precision::F32 && (round == 0 || !chosen.mixed));
-        now.again(&unsteady, (1, Precision::F64), engine, progress)?;
-        now.again(&single, (2, Precision::F32), engine, progress)?;
-        now.again(&double, (2, Precision::F64), engine, progress)?;
+        let (poor, mut rough): (Vec<u32>, Vec<u32>) =
+            rough.into_iter().partition(|i| parts.modes_lead(*i as usize, &now.left_out));
+        let (poor, richest) = now.plan.can_be_richer(poor);
+        rough.extend(richest);
+        rough.retain(|i| now.plan.cases[*i as usize].steps <= most[*i as usize] / 2);
+        if unsteady.is_empty() && poor.is_empty() && rough.is_empty() || progress.stopped() {
+            break;
+        }
+        let single = |i: &u32| now.arithmetic.of[*i as usize] == Precision::F32;
+        let (poor_single, poor_double): (Vec<u32>, Vec<u32>) = poor.into_iter().partition(single);
+        let (single, double): (Vec<u32>, Vec<u32>) =
+            rough.into_iter().partition(|i| single(i) && (round == 0 || !chosen.mixed));
+        let mut again = |instances: &[u32], what, precision| {
+            now.again(&mut parts, instances, (what, precision), engine, progress)
+        };
+        again(&unsteady, Again::Alike, Precision::F64)?;
+        again(&single, Again::Finer, Precision::F32)?;
+        again(&double, Again::Finer, Precision::F64)?;
+        again(&poor_single, Again::Richer, Precision::F32)?;
+        again(&poor_double, Again::Richer, Precision::F64)?;
     }
     now.plan = now.plan.only(all);
     for &i in stepped {
@@ -100,46 +143,91 @@ pub(super) fn run(
     Ok(now)
 }
 
+/// What estimates are made of, by instance, beside [`Controlled::left_out`].
+struct Parts {
+    of_steps: Vec<f64>,
+    /// The first difference, of steps and modes, where the second is still to come.
+    both: Vec<f64>,
+}
+
+impl Parts {
+    /// Whether more steps will not help: known once two runs had the same lever.
+    fn modes_lead(&self, i: usize, left_out: &[f64]) -> bool {
+        self.both[i].is_nan() && left_out[i] > self.of_steps[i]
+    }
+}
+
+/// What is new in another run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Again {
+    /// Nothing but the precision.
+    Alike,
+    /// Twice the steps.
+    Finer,
+    /// A richer lever.
+    Richer,
+}
+
 impl Controlled {
     fn new(
         plan: Plan,
         Settled { outcome, found, periods }: Settled,
-        (estimates, left_out): (Vec<f64>, &[f64]),
+        (estimates, left_out): (Vec<f64>, Vec<f64>),
         chosen: &precision::Choice,
     ) -> Self {
         let arithmetic = chosen.arithmetic(plan.cases.len());
-        Self { plan, outcome, estimates, left_out: left_out.to_vec(), found, periods, arithmetic }
+        Self { plan, outcome, estimates, left_out, found, periods, arithmetic }
     }
 
-    /// Runs these instances again with so many times their steps.
+    /// Runs these instances again.
     fn again(
         &mut self,
+        parts: &mut Parts,
         again: &[u32],
-        (times, precision): (u32, Precision),
+        (what, precision): (Again, Precision),
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
         if again.is_empty() || progress.stopped() {
             return Ok(());
         }
-        let finer = Plan { precision, ..self.plan.stepped(again, |case| times * case.steps) };
+        let mut finer = match what {
+            Again::Alike => self.plan.only(again),
+            Again::Finer => self.plan.stepped(again, |case| 2 * case.steps),
+            Again::Richer => self.plan.enriched(again),
+        };
+        finer.precision = precision;
         let Settled { outcome, mut found, periods } = steady::run(&finer, &self.found, engine, progress)?;
         if progress.stopped() {
             return Ok(());
         }
-        for (i, error) in estimate(&finer, again, &self.outcome.results, &outcome.results) {
-            let i = i as usize;
-            if times > 1 {
-                self.estimates[i] = self.left_out[i] + error;
-            } else if outcome.results[i].status == Status::Ok {
+        let mut taken = HashMap::new();
+        for (i, apart) in differences(&finer, again, &self.outcome.results, &outcome.results) {
+            let (n, error) = (i as usize, LEFT * apart);
+            match what {
+                Again::Finer => {
+                    let modes = LEFT * (parts.both[n] - STEEPEST * apart);
+                    self.left_out[n] = self.left_out[n].max(modes);
+                    (parts.of_steps[n], parts.both[n]) = (error, f64::NAN);
+                    self.estimates[n] = self.left_out[n] + error;
+                }
+                Again::Richer => {
+                    self.left_out[n] = error;
+                    self.estimates[n] = error + parts.of_steps[n];
+                }
                 // The same steps in another precision teach nothing of the steps: that is still to come.
-                self.estimates[i] = f64::INFINITY;
+                Again::Alike if outcome.results[n].status == Status::Ok => {
+                    parts.both[n] = f64::NAN;
+                    self.estimates[n] = f64::INFINITY;
+                }
+                Again::Alike => {}
             }
-            self.outcome.results[i] = outcome.results[i];
-            self.plan.cases[i].steps = finer.cases[i].steps;
-            self.periods[i] = periods[i];
-            self.arithmetic.of[i] = precision;
-            if let (Some(place), Some(new)) = (self.found.get_mut(i), found.get_mut(i)) {
+            self.outcome.results[n] = outcome.results[n];
+            self.plan.cases[n].steps = finer.cases[n].steps;
+            self.plan.take_lever(i, &finer, i, &mut taken);
+            self.periods[n] = periods[n];
+            self.arithmetic.of[n] = precision;
+            if let (Some(place), Some(new)) = (self.found.get_mut(n), found.get_mut(n)) {
                 *place = new.take();
             }
         }
@@ -157,12 +245,10 @@ impl Controlled {
     }
 }
 
-/// Estimated error of the finer of two results of each instance.
-fn estimate(plan: &Plan, instances: &[u32], coarse: &[Finished], fine: &[Finished]) -> Vec<(u32, f64)> {
-    instances
-        .par_iter()
-        .map(|&i| (i, LEFT * difference(plan, i as usize, &coarse[i as usize], &fine[i as usize])))
-        .collect()
+/// How far two results of each instance are apart.
+fn differences(plan: &Plan, instances: &[u32], coarse: &[Finished], fine: &[Finished]) -> Vec<(u32, f64)> {
+    let apart = |&i: &u32| (i, difference(plan, i as usize, &coarse[i as usize], &fine[i as usize]));
+    instances.par_iter().map(apart).collect()
 }
 
 /// How far two results of an instance are apart: the worst observable on its scale.

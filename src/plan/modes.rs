@@ -36,6 +36,8 @@ pub struct KeptModes {
     pub residual_share: f64,
     /// Whether the faster modes are kept as one residual oscillator.
     pub residual_kept: bool,
+    /// The accuracy that asked for them.
+    pub accuracy: f64,
     /// What decided.
     pub reason: String,
 }
@@ -93,7 +95,8 @@ impl KeptModes {
                 top: mode.top / mode.tip,
             });
         }
-        let mut kept = Self { modes, flexibility, residual_share: left, residual_kept: false, reason };
+        let mut kept =
+            Self { modes, flexibility, residual_share: left, residual_kept: false, accuracy, reason };
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
         } else {

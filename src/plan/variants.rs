@@ -130,6 +130,64 @@ impl Plan {
         plan.classes = classify(&plan.cases, &plan.drives, wanted.iter().map(|(i, _)| *i));
         plan
     }
+
+    /// These instances, first those that can have a richer lever, then the others.
+    pub fn can_be_richer(&self, instances: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
+        let mut known: HashMap<u32, bool> = HashMap::new();
+        instances.into_iter().partition(|i| {
+            let drive = self.cases[*i as usize].drive;
+            let driven = &self.drives[drive as usize];
+            *known.entry(drive).or_insert_with(|| notch(driven, &self.run).is_some())
+        })
+    }
+
+    /// The same plan for these instances alone, with the least of the levers that are richer than their own and as many
+    /// more steps as half of what that needs on the safe side. This plan's drives keep their places.
+    pub fn enriched(&self, instances: &[u32]) -> Self {
+        let mut plan = self.clone();
+        let mut made: HashMap<u32, u32> = HashMap::new();
+        for &i in instances {
+            let case = &mut plan.cases[i as usize];
+            case.drive = *made.entry(case.drive).or_insert_with(|| {
+                let driven = &self.drives[case.drive as usize];
+                let Some(kept) = notch(driven, &self.run) else { return case.drive };
+                plan.drives.push(Driven { kept, ..driven.clone() });
+                plan.drives.len() as u32 - 1
+            });
+            if self.run.steps_per_period.is_none() && case.steps > 0 {
+                case.steps = case.steps.max(steps::fewest(&plan.drives[case.drive as usize]) / 2);
+            }
+        }
+        plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
+        plan
+    }
+
+    /// Takes an instance's lever from another plan of the same scene, where it is number `there`; `taken` knows by that
+    /// plan's drives those of this one.
+    pub fn take_lever(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
+        let drive = other.cases[there as usize].drive;
+        let driven = &other.drives[drive as usize];
+        let mine = &self.drives[self.cases[i as usize].drive as usize];
+        if Arc::ptr_eq(&mine.kept, &driven.kept) {
+            return;
+        }
+        self.cases[i as usize].drive = *taken.entry(drive).or_insert_with(|| {
+            self.drives.push(driven.clone());
+            self.drives.len() as u32 - 1
+        });
+    }
+}
+
+/// Richer levers are looked for at so many times finer accuracies, one after the other.
+const FINER: f64 = 0.25;
+const NOTCHES: usize = 8;
+
+/// The least of the levers that are richer than this one; none where it is the richest that can be stepped, or is
+/// prescribed.
+fn notch(driven: &Driven, run: &Run) -> Option<Arc<KeptModes>> {
+    let accuracies = (1..=NOTCHES as i32).map(|n| driven.kept.accuracy * FINER.powi(n));
+    let mut levers = accuracies.map(|accuracy| lever(driven, accuracy, run));
+    levers.find(|lever| lever.modes != driven.kept.modes)
 }
 
 /// The modes that `accuracy` asks for.

@@ -102,9 +102,9 @@ pub(super) fn still(plan: &Plan, instance: u32) -> Station {
     station
 }
 
-/// A state found with other steps per period as it is met with the instance's own, and the map's slope there: stations
-/// stand half a step into the period.
-pub(super) fn with_own_steps<D: Size + DimName>(
+/// A state found with other steps per period or another lever as it is met with the instance's own, and the map's slope
+/// there: stations stand half a step into the period. A mode that the other lever lacks is at rest and free.
+pub(super) fn as_its_own<D: Size + DimName>(
     plan: &Plan,
     instance: u32,
     place: &PeriodicState,
@@ -115,19 +115,30 @@ where
     let case = &plan.cases[instance as usize];
     let driven = &plan.drives[case.drive as usize];
     let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(place.steps));
-    let mut moved = place.station;
+    let mut moved = Station { touching: place.station.touching, ..Station::FREE };
     let (mut there, mut back) = (OMatrix::<f64, D, D>::identity(), OMatrix::<f64, D, D>::identity());
-    let modes = D::DIM / 2;
+    let (modes, others) = (D::DIM / 2, place.kept.modes.len());
+    // The residual oscillator of a poorer lever swings as the mode that a richer one has in its place.
+    let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);
+    let own = driven.kept.modes.iter().take(modes);
+    let known: Vec<Option<usize>> = own.map(|mode| same(mode.omega)).collect();
+    let (mut slope, _) = free_slope::<D>(plan, instance);
     for (k, mode) in driven.kept.modes.iter().enumerate().take(modes) {
         let flow = |time: f64, at| flown(mode.omega * time, mode.damping, at);
-        [moved.x[k], moved.u[k]] = flow(later, [moved.x[k], moved.u[k]]);
         for (matrix, time) in [(&mut there, later), (&mut back, -later)] {
             for (column, unit) in [(k, [1.0, 0.0]), (modes + k, [0.0, 1.0])] {
                 [matrix[(k, column)], matrix[(modes + k, column)]] = flow(time, unit);
             }
         }
+        let Some(j) = known[k] else { continue };
+        [moved.x[k], moved.u[k]] = flow(later, [place.station.x[j], place.station.u[j]]);
+        for (l, i) in known.iter().enumerate().filter_map(|(l, i)| Some((l, (*i)?))) {
+            for (column, from) in [(l, i), (modes + l, others + i)] {
+                slope[(k, column)] = place.slope[from * 2 * others + j];
+                slope[(modes + k, column)] = place.slope[from * 2 * others + others + j];
+            }
+        }
     }
-    let slope = OMatrix::<f64, D, D>::from_column_slice(&place.slope);
     (moved, there * slope * back)
 }
 

@@ -9,7 +9,7 @@ pub use wait::SETTLED;
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
 use crate::periodic::Spectrum;
-use crate::plan::{Plan, Precision, Station};
+use crate::plan::{KeptModes, Plan, Precision, Station};
 use crate::scene::Steady;
 use search::Begin;
 use std::sync::Arc;
@@ -20,8 +20,9 @@ pub struct PeriodicState {
     pub station: Station,
     /// What the period map does to small deviations.
     pub spectrum: Spectrum,
-    /// Steps per period with which it was found.
+    /// Steps per period with which it was found, and the lever.
     pub steps: u32,
+    pub kept: Arc<KeptModes>,
     /// The period map's slope there, column by column: travel of the kept modes, then rate over angular frequency.
     /// Empty where nobody is to search on from there.
     pub slope: Box<[f64]>,
@@ -42,7 +43,7 @@ pub struct Settled {
 const ON: u32 = 5;
 
 /// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
-/// same instances with the same modes and other steps, or nothing.
+/// same instances with other steps or levers, or nothing.
 ///
 /// A state found is held to be one only if it is stable and, run on from, stays within the accuracy asked for (where
 /// f32 is too coarse to tell, in f64); every other instance is waited for.

@@ -1,14 +1,15 @@
 //! Many searches side by side: all that they ask for in one run.
 
 use super::PeriodicState;
-use super::map::{PeriodMap, free_slope, station, still, vector, with_own_steps};
+use super::map::{PeriodMap, as_its_own, free_slope, station, still, vector};
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
 use crate::periodic::{Ask, Memory, Options, Search, Size, Verdict};
-use crate::plan::{Plan, Station};
+use crate::plan::{CasePlan, Plan, Station};
 use nalgebra::{Const, DefaultAllocator, DimName, OVector};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Instances searched for at a time: as many as keep the engine busy and the memory small.
 const CHUNK: usize = 8192;
@@ -38,12 +39,12 @@ pub(super) struct Searched {
 pub(super) enum Begin<'a> {
     /// At rest.
     Still,
-    /// At states of the same instances with other steps, and where there is none at the free oscillation.
+    /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
     Near(&'a [Option<Box<PeriodicState>>]),
 }
 
 impl Begin<'_> {
-    /// A state of the instance with other steps.
+    /// A state of the instance with other steps or another lever.
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
             Self::Near(near) => {
@@ -133,6 +134,10 @@ struct Batch<'a> {
 type Left = (u32, u32, Station);
 
 impl Batch<'_> {
+    fn case(&self, slot: u32) -> &CasePlan {
+        &self.plan.cases[self.instances[slot as usize] as usize]
+    }
+
     fn run<D: Size + DimName>(self, slots: Range<u32>) -> Result<Vec<End>, EngineError>
     where
         DefaultAllocator: Memory<D>,
@@ -206,7 +211,8 @@ impl Batch<'_> {
                         found: Some(Box::new(PeriodicState {
                             station: station::<D>(&found.state, one.start.touching),
                             spectrum: found.spectrum,
-                            steps: self.plan.cases[self.instances[one.slot as usize] as usize].steps,
+                            steps: self.case(one.slot).steps,
+                            kept: Arc::clone(&self.plan.drives[self.case(one.slot).drive as usize].kept),
                             slope: found.slope.as_slice().into(),
                         })),
                     }),
@@ -251,10 +257,10 @@ where
         }
     }
 
-    /// From a state with other steps.
+    /// From a state with other steps or another lever.
     fn beside(plan: &Plan, slot: u32, instance: u32, place: &PeriodicState) -> Self {
         let (remembers, options) = options(plan, instance);
-        let (start, slope) = with_own_steps::<D>(plan, instance, place);
+        let (start, slope) = as_its_own::<D>(plan, instance, place);
         let search = Search::beside(vector(&start), slope, place.spectrum, options);
         Self { slot, periods: 0, start, remembers, search }
     }
