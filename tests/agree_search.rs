@@ -37,6 +37,34 @@ fn tapping(law: LawChoice, quality: f64, modulus: f64, gap: f64) -> Scene {
     })
 }
 
+/// From a poorer lever's state to a richer one's, and back.
+#[test]
+fn a_state_found_with_another_lever_leads_to_the_one_found_without() {
+    let (engine, progress) = (Cpu::default(), Progress::default());
+    for law in [LawChoice::Hertz, LawChoice::Dmt, LawChoice::Jkr] {
+        let scene = checks::calibrated(40.0, 300e3, 200.0, 20e-9, 15e-9, |scene| {
+            checks::sample(scene, law, 3e9, 0.03, 10e-9);
+            scene.run.steady = Steady::Search;
+        });
+        let plan = checks::plan(&scene, None);
+        let with = |accuracy: f64| plan.levers(&[(0, accuracy)]).stepped(&[0], |_| 512);
+        let run = |plan: &Plan, near: &Settled| steady::run(plan, &near.found, &engine, &progress).unwrap();
+        let alone = |plan: &Plan| steady::run(plan, &[], &engine, &progress).unwrap();
+        for (from, to) in [(0.1, 1e-4), (1e-4, 0.1)] {
+            let (first, second) = (with(from), with(to));
+            let count = |plan: &Plan| plan.drives[plan.cases[0].drive as usize].kept.modes.len();
+            assert_ne!(count(&first), count(&second));
+            let (near, far) = (run(&second, &alone(&first)), alone(&second));
+            let what = format!("{law:?}, {} to {} oscillators", count(&first), count(&second));
+            let error = apart(&second, &near.outcome.results[0], &far.outcome.results[0]);
+            println!("{what}: {error:.1e} apart, {} periods for {}", near.periods[0], far.periods[0]);
+            assert!(near.found[0].is_some() && far.found[0].is_some(), "{what}");
+            assert!(error < 0.01 * plan.run.accuracy, "{what}: {error:e}");
+            assert!(near.periods[0] < far.periods[0], "{what}: {} {}", near.periods[0], far.periods[0]);
+        }
+    }
+}
+
 #[test]
 fn searching_ends_where_waiting_ends() {
     let mut largest: f64 = 0.0;

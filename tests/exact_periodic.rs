@@ -1,6 +1,6 @@
 //! The search for fixed points on maps whose fixed points and multipliers are known in closed form.
 
-use afmsweep::periodic::{Ask, Found, Lost, Options, Search, Verdict};
+use afmsweep::periodic::{Found, Lost, Options, Search, Verdict};
 use nalgebra::{DMatrix, DVector, Dyn};
 
 const OPTIONS: Options = Options {
@@ -21,8 +21,8 @@ fn search(
     map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
 ) -> (Verdict<Dyn>, u32) {
     let mut search = Search::new(DVector::from_column_slice(start), options);
-    while let Ask::Map(states) = search.ask() {
-        let values: Vec<_> = states.iter().map(&map).collect();
+    while search.verdict().is_none() {
+        let values: Vec<_> = search.asks().map(|state| map(&state)).collect();
         search.answer(&values);
     }
     (search.verdict().expect("it has ended").clone(), search.evaluations())

@@ -1,6 +1,6 @@
 //! The scales of an instance.
 
-use crate::observe::Measured;
+use crate::observe::{Measured, Observable};
 use crate::plan::{Driven, Plan};
 use crate::scene::Start;
 use nalgebra::Complex;
@@ -16,7 +16,7 @@ pub struct Scales {
     pub force: f64,
     /// Dissipation and virial: work of the drive in a period, with or without the sample, or the loss,
     /// whichever is largest, J. From rest no period is like the next: what the largest force could do over
-    /// the free swing.
+    /// the free swing. NaN where none of them was asked for.
     pub work: f64,
 }
 
@@ -31,7 +31,10 @@ impl Scales {
         // What was not asked for is NaN, which max leaves aside.
         let force = graze.max(truth.force_max.abs()).max(truth.force_min.abs());
         let swing = force * length;
+        let works = [Observable::Dissipation, Observable::Virial];
+        let asked = plan.observables.iter().any(|one| works.contains(one));
         let work = match plan.run.start {
+            _ if !asked => f64::NAN,
             Start::Rest => swing,
             Start::Steady => {
                 let tapping = drive_work(driven, tip(truth));
@@ -39,7 +42,7 @@ impl Scales {
             }
         };
         // Without any damping nothing works on anything.
-        Self { length, force, work: if work > 0.0 { work } else { swing } }
+        Self { length, force, work: if work > 0.0 || !asked { work } else { swing } }
     }
 }
 

@@ -36,10 +36,6 @@ pub struct Controlled {
     pub arithmetic: Arithmetic,
 }
 
-/// Instances taken to their ends together, before the next are begun: enough for any device, and of what only the way
-/// there needs no more is held; whoever stops a run keeps the portions that are done.
-const PORTION: usize = 1 << 17;
-
 /// Which arithmetic stepped what, and why.
 #[derive(Clone, Debug)]
 pub struct Arithmetic {
@@ -100,17 +96,16 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
             arithmetic,
         });
     }
-    let modes::Choice { mut plan, mut poorer, left_out, mut notes } =
+    let modes::Choice { mut plan, poorer, left_out, mut notes } =
         modes::choose(plan, &stepped, engine, progress)?;
     let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
     notes.append(&mut chosen.notes);
-    for plan in [Some(&mut plan), poorer.as_mut()].into_iter().flatten() {
-        (plan.precision, plan.precision_open) = (chosen.precision, false);
-    }
+    (plan.precision, plan.precision_open) = (chosen.precision, false);
     let first = steps::First { poorer, left_out, chosen: &chosen };
-    let mut all = match all.len() > PORTION {
+    let portions = engine.portions();
+    let mut all = match all.len() > portions.0 {
         false => steps::run(plan, (&all, &stepped), first, engine, progress)?,
-        true => portions::run(plan, (&all, PORTION), first, engine, progress)?,
+        true => portions::run(plan, (&all, portions), first, engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
     for &i in &stepped {

@@ -6,6 +6,7 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Most instances of the sample.
@@ -38,8 +39,8 @@ fn bound(accuracy: f64, asked: f64) -> f64 {
 /// The plan with the modes that each instance needs.
 pub(super) struct Choice {
     pub plan: Plan,
-    /// The same with the next poorer levers, of the instances that are not all in the sample themselves.
-    pub poorer: Option<Plan>,
+    /// By instance, the accuracy whose modes the next poorer lever carries; none where all are in the sample themselves.
+    pub poorer: Option<Vec<f64>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     /// What the engine had to say of the sample's runs.
@@ -67,17 +68,24 @@ pub(super) fn choose(
     let accuracy = plan.run.accuracy;
     let modes =
         |plan: &Plan| -> Vec<_> { plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect() };
-    let most = modes(&plan.richer(&[], RICHEST * accuracy));
-    if plan.run.modes.is_some() || modes(plan) == most {
-        return Ok(Choice { plan: plan.clone(), poorer: None, left_out, notes });
+    let as_it_is = |left_out| Choice { plan: plan.clone(), poorer: None, left_out, notes: Vec::new() };
+    if plan.run.modes.is_some() {
+        return Ok(as_it_is(left_out));
     }
     let order = by_stiffness(plan, stepped);
     let sample = spread(plan, &order);
+    // A plan of its own: trials cost what the sample is, not what it is of.
+    let part = plan.part(&sample);
+    let members: Vec<u32> = (0..sample.len() as u32).collect();
+    let most = modes(&part.richer(&[], RICHEST * accuracy));
+    if modes(&part) == most {
+        return Ok(as_it_is(left_out));
+    }
     // What the levers cost is not to be mistaken for rounding.
     let open = plan.precision_settled().is_none() && engine.double();
     let precision = if open { Precision::F64 } else { plan.precision };
     let mut run = |accuracy: f64| {
-        let trial = Plan { precision, ..plan.richer(&sample, accuracy) };
+        let trial = Plan { precision, ..part.richer(&members, accuracy) };
         let settled = steady::run(&trial, &[], engine, progress)?;
         notes.extend(settled.outcome.notes);
         Ok::<_, EngineError>(settled.outcome.results)
@@ -88,14 +96,14 @@ pub(super) fn choose(
     let mut trials = Vec::new();
     for factor in poorer.iter().chain(&RICHER) {
         let accuracy = (factor * accuracy).min(POOREST);
-        let lever = modes(&plan.richer(&[], accuracy));
+        let lever = modes(&part.richer(&[], accuracy));
         if tried.contains(&lever) {
             continue;
         }
         tried.push(lever);
         let results = run(accuracy)?;
-        let of = |i: &u32| apart(plan, *i, &results, &truths);
-        let differences: Vec<f64> = sample.iter().map(of).collect();
+        let of = |i: &u32| apart(&part, *i, &results, &truths);
+        let differences: Vec<f64> = members.iter().map(of).collect();
         let bound = bound(accuracy, plan.run.accuracy);
         let below = |trial: &Trial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
         let first = SHARE_FIRST * plan.run.accuracy;
@@ -107,7 +115,8 @@ pub(super) fn choose(
             break;
         }
     }
-    let (mut wanted, mut poorer) = (Vec::with_capacity(order.len()), Vec::with_capacity(order.len()));
+    let mut wanted = Vec::with_capacity(order.len());
+    let mut poorer = vec![accuracy; plan.cases.len()];
     for (law, members) in laws(plan, &order) {
         let known: Vec<usize> = (0..sample.len()).filter(|n| law_of(plan, sample[*n]) == law).collect();
         let places: Vec<f64> = known.iter().map(|n| stiffness(plan, sample[*n])).collect();
@@ -124,12 +133,12 @@ pub(super) fn choose(
             let before = found.map_or(levers.len(), |(n, _)| n).checked_sub(1);
             let before = before.filter(|n| levers[*n].begins(place));
             wanted.push((i, lever));
-            poorer.push((i, before.map_or(lever, |n| levers[n].accuracy)));
+            poorer[i as usize] = before.map_or(lever, |n| levers[n].accuracy);
             left_out[i as usize] = cost;
         }
     }
     // Of the sample itself all is known.
-    let poorer = (order.len() > sample.len()).then(|| plan.levers(&poorer));
+    let poorer = (order.len() > sample.len()).then_some(poorer);
     Ok(Choice { plan: plan.levers(&wanted), poorer, left_out, notes })
 }
 
@@ -199,13 +208,13 @@ fn law_of(plan: &Plan, instance: u32) -> Law {
 /// By law, then stiffness.
 fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     let mut keyed: Vec<(usize, f64, u32)> = stepped
-        .iter()
+        .par_iter()
         .map(|&i| {
             let law = Law::ALL.iter().position(|law| *law == law_of(plan, i)).unwrap_or(0);
             (law, stiffness(plan, i), i)
         })
         .collect();
-    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    keyed.par_sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     keyed.into_iter().map(|(.., i)| i).collect()
 }
 

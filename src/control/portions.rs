@@ -5,12 +5,14 @@ use super::{Arithmetic, Controlled};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
+use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// [`steps::run`] for `all` the plan's instances, `size` of them at a time.
+/// [`steps::run`] for `all` the plan's instances, in portions of `size`, some of them at once. Whoever stops a run keeps
+/// the portions that are done.
 pub(super) fn run(
     plan: Plan,
-    (all, size): (&[u32], usize),
+    (all, (size, at_once)): (&[u32], (usize, usize)),
     First { poorer, left_out, chosen }: First,
     engine: &dyn Engine,
     progress: &Progress,
@@ -25,17 +27,27 @@ pub(super) fn run(
         arithmetic: chosen.arithmetic(count),
         plan,
     };
-    for portion in all.chunks(size) {
-        if progress.stopped() {
-            break;
-        }
-        let part = whole.plan.part(portion);
+    let one = |plan: &Plan, portion: &[u32]| {
+        let part = plan.part(portion);
         let every: Vec<u32> = (0..portion.len() as u32).collect();
         let stepped: Vec<u32> = every.iter().copied().filter(|n| part.cases[*n as usize].steps > 0).collect();
         let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
-        let poorer = poorer.as_ref().map(|plan| plan.part(portion));
+        let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
         let first = First { poorer, left_out, chosen };
-        whole.take(portion, steps::run(part, (&every, &stepped), first, engine, progress)?);
+        steps::run(part, (&every, &stepped), first, engine, progress)
+    };
+    let portions: Vec<&[u32]> = all.chunks(size).collect();
+    for some in portions.chunks(at_once) {
+        if progress.stopped() {
+            break;
+        }
+        let done: Vec<_> = match some {
+            [portion] => vec![one(&whole.plan, portion)],
+            _ => some.par_iter().map(|portion| one(&whole.plan, portion)).collect(),
+        };
+        for (portion, part) in some.iter().zip(done) {
+            whole.take(portion, part?);
+        }
     }
     whole.plan = whole.plan.only(all);
     Ok(whole)
@@ -94,7 +106,7 @@ mod tests {
             let none = vec![0.0; all.len()];
             let first = || First { poorer: None, left_out: none.clone(), chosen: &chosen };
             let whole = steps::run(plan.clone(), (&all, &all), first(), &engine, &progress).expect("it runs");
-            let parts = super::run(plan, (&all, 20), first(), &engine, &progress).expect("it runs");
+            let parts = super::run(plan, (&all, (20, 3)), first(), &engine, &progress).expect("it runs");
             for &i in &all {
                 let i = i as usize;
                 let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);

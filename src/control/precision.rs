@@ -60,15 +60,16 @@ pub(super) fn choose(
     if !engine.double() {
         return Ok(Choice::settled(plan, "the device has no other"));
     }
-    let sample = modes::sample(plan, stepped);
-    let trial = halved(plan, &sample);
+    let part = plan.part(&modes::sample(plan, stepped));
+    let sample: Vec<u32> = (0..part.cases.len() as u32).collect();
+    let trial = halved(&part, &sample);
     let run = |precision| steady::run(&Plan { precision, ..trial.clone() }, &[], engine, progress);
     let (double, single) = (run(Precision::F64)?, run(Precision::F32)?);
     if progress.stopped() {
         return Ok(Choice::settled(plan, "stopped before its trial"));
     }
     let result = |of: &steady::Settled, i: u32| of.outcome.results[i as usize];
-    let moved = |i: &u32| apart(plan, *i, &result(&single, *i), &result(&double, *i));
+    let moved = |i: &u32| apart(&part, *i, &result(&single, *i), &result(&double, *i));
     let rounding = sample.iter().map(moved).fold(0.0, f64::max);
     let cost = |of: &steady::Settled, i: u32| {
         f64::from(trial.cases[i as usize].steps) * f64::from(of.periods[i as usize])

@@ -33,8 +33,8 @@ const FEWEST: u32 = 16;
 
 /// What is known before the steps are.
 pub(super) struct First<'a> {
-    /// The plan with the levers of the first run; none where they are the plan's own.
-    pub poorer: Option<Plan>,
+    /// By instance, the accuracy whose modes the lever of the first run carries; none where it is the plan's own.
+    pub poorer: Option<Vec<f64>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
@@ -69,7 +69,9 @@ pub(super) fn run(
     let fine = halved(&plan, all);
     let coarse = match poorer {
         None => quartered(&plan, stepped),
-        Some(mut poorer) => {
+        Some(accuracies) => {
+            let wanted: Vec<(u32, f64)> = stepped.iter().map(|i| (*i, accuracies[*i as usize])).collect();
+            let mut poorer = plan.levers(&wanted);
             poorer.cases.iter_mut().zip(&plan.cases).for_each(|(poor, case)| poor.steps = case.steps);
             quartered(&poorer, stepped)
         }
@@ -255,4 +257,39 @@ fn differences(plan: &Plan, instances: &[u32], coarse: &[Finished], fine: &[Fini
 pub(super) fn difference(plan: &Plan, i: usize, a: &Finished, b: &Finished) -> f64 {
     let scales = Scales::of(plan, i, &b.measured);
     worst(&plan.observables, &a.measured, &b.measured, &scales)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Cpu;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// Levers that a sample vouches for and that leave out what a stiff sample moves: one mode, then two oscillators.
+    /// Truth is a far richer lever with far more steps.
+    #[test]
+    fn a_lever_that_is_too_poor_for_one_instance_is_seen_by_its_own_difference() {
+        let text = include_str!("../../tests/hard/sample_1_tpa.toml");
+        let scene = Scene::parse(Path::new("sample_1_tpa.toml"), text).expect("the scene is whole");
+        let whole = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let chosen = precision::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
+        let rich = whole.richer(&[0], 1e-2 * scene.run.accuracy).stepped(&[0], |case| 4 * case.steps);
+        let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
+        let with = |accuracy| whole.levers(&[(0, accuracy)]);
+        let run = |poorer| {
+            let first = First { poorer, left_out: vec![0.0], chosen: &chosen };
+            run(with(0.1), (&[0], &[0]), first, &engine, &progress).expect("it runs")
+        };
+        let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);
+        let modes = |of: &Controlled| of.plan.drives[of.plan.cases[0].drive as usize].kept.modes.len();
+        let (alike, apart) = (run(None), run(Some(vec![0.3])));
+        let asked = scene.run.accuracy;
+        // By steps alone nothing is seen of it.
+        assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));
+        assert!(error(&apart) < asked && apart.estimates[0] < asked, "{:e}", error(&apart));
+        assert!(error(&apart) < 3.0 * apart.estimates[0], "{:e} {:e}", error(&apart), apart.estimates[0]);
+        assert!(modes(&apart) > modes(&alike), "{} {}", modes(&apart), modes(&alike));
+    }
 }

@@ -49,6 +49,11 @@ impl Engine for Cpu {
         }
     }
 
+    /// What a portion does on one thread is hidden behind the others; threads of its own do one run at a time.
+    fn portions(&self) -> (usize, usize) {
+        (1 << 14, if self.threads.is_none() { 4 * rayon::current_num_threads() } else { 1 })
+    }
+
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
         let map = return_map::Map::new(plan, instances, Rounding::new(self.strict), self.pool()?)?;
         Ok(Some(Box::new(map)))

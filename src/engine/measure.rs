@@ -4,7 +4,7 @@ use super::Finished;
 use super::start;
 use super::track::force_scale;
 use crate::contact::{Contact, Law};
-use crate::kernel::{LENGTH, Lane, Ledger};
+use crate::kernel::{LENGTH, Ledger};
 use crate::observe::{Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven};
 use crate::scene::Run;
@@ -25,10 +25,10 @@ pub(super) struct Sums {
 const UNRESOLVED: f64 = 0.7;
 
 impl Sums {
-    /// Lane `lane` of a ledger over `periods` measured periods of `steps` steps.
-    pub fn new<L: Lane>(ledger: &Ledger<L>, lane: usize, finite: bool, periods: u32, steps: u32) -> Self {
+    /// A ledger over `periods` measured periods of `steps` steps.
+    pub fn new(ledger: Ledger<f64>, finite: bool, periods: u32, steps: u32) -> Self {
         let periods = f64::from(periods);
-        Self { finite, periods, steps: periods * f64::from(steps), ledger: ledger.lane(lane) }
+        Self { finite, periods, steps: periods * f64::from(steps), ledger }
     }
 
     /// Largest change (m) of the fundamental, of the latest ones and of those into a measured period.

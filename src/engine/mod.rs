@@ -41,6 +41,12 @@ pub trait Engine: Sync {
         true
     }
 
+    /// Of a run of very many instances, how many are taken to their ends together, and how many such portions at once:
+    /// enough to keep the device busy, and of what only the way there needs no more is held.
+    fn portions(&self) -> (usize, usize) {
+        (1 << 17, 1)
+    }
+
     /// The return map of these instances, to be asked again and again; none where the engine has no quicker way to
     /// one than to run a plan each time.
     ///

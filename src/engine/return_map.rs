@@ -32,8 +32,14 @@ trait Table: Send + Sync {
     fn width(&self) -> usize;
     /// Steps per period.
     fn steps(&self) -> u32;
-    /// Takes up to [`Table::width`] places on; the number of an instance is its row.
-    fn after(&self, pack: &mut [(u32, Station)], periods: u32);
+    /// Takes up to [`Table::width`] of the starts on, these by their places there, with the rows of their instances.
+    fn after(
+        &self,
+        pack: &[(usize, u32)],
+        starts: &[(u32, Station)],
+        periods: u32,
+        out: &mut [Option<Station>],
+    );
 }
 
 pub(super) struct Map {
@@ -102,30 +108,29 @@ impl ReturnMap for Map {
 
     fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>> {
         let mut out = vec![None; starts.len()];
-        let (mut own, mut pack) = (Vec::with_capacity(starts.len()), Vec::new());
+        let mut own = Vec::with_capacity(starts.len());
         for (number, table) in self.tables.iter().enumerate() {
             own.clear();
-            let here = |(_, (instance, _)): &(usize, &(u32, Station))| {
-                self.places[*instance as usize].0 as usize == number
-            };
-            own.extend(starts.iter().enumerate().filter(here).map(|(n, _)| n));
-            for some in own.chunks(table.width()) {
+            own.extend(starts.iter().enumerate().filter_map(|(n, (instance, _))| {
+                let (table, row) = self.places[*instance as usize];
+                (table as usize == number).then_some((n, row))
+            }));
+            for pack in own.chunks(table.width()) {
                 if progress.stopped() {
                     return out;
                 }
-                pack.clear();
-                pack.extend(some.iter().map(|n| (self.places[starts[*n].0 as usize].1, starts[*n].1)));
-                table.after(&mut pack, periods);
+                table.after(pack, starts, periods, &mut out);
                 progress.add(pack.len() as u64 * u64::from(periods) * u64::from(table.steps()));
-                some.iter().zip(&pack).for_each(|(n, (_, end))| out[*n] = Some(*end));
             }
         }
         out
     }
 }
 
-/// Constants of a class, a row for each instance.
+/// Constants of a class: those that all its instances share, and a row of the others for each.
 struct Rows<L: Lane, I, const M: usize> {
+    /// In their order; none where the next number of a row stands.
+    shared: Vec<Option<L::Element>>,
     rows: Vec<L::Element>,
     /// Numbers in a row.
     length: usize,
@@ -140,10 +145,21 @@ fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: us
 ) -> Box<dyn Table> {
     let packs: Vec<(Vec<L::Element>, usize)> =
         class.instances.par_chunks(L::WIDTH).map(|pack| rows::<L, I, M>(plan, pack)).collect();
-    let length = packs.first().map_or(0, |(_, length)| *length);
+    let all = packs.first().map_or(0, |(_, length)| *length);
+    let rows = || packs.iter().flat_map(|(rows, _)| rows.chunks_exact(all));
+    let mut shared: Vec<Option<L::Element>> =
+        rows().next().map_or_else(Vec::new, |row| row.iter().copied().map(Some).collect());
+    let bits = |element: L::Element| -> u64 { element.into().to_bits() };
+    for row in rows() {
+        for (place, own) in shared.iter_mut().zip(row) {
+            *place = place.filter(|element| bits(*element) == bits(*own));
+        }
+    }
+    let own = rows().flat_map(|row| row.iter().zip(&shared).filter(|(_, shared)| shared.is_none()));
     Box::new(Rows::<L, I, M> {
-        rows: packs.into_iter().flat_map(|(rows, _)| rows).collect(),
-        length,
+        rows: own.map(|(element, _)| *element).collect(),
+        length: shared.iter().filter(|shared| shared.is_none()).count(),
+        shared,
         waves: start::waves::<L>(class.steps, 1),
         law: std::marker::PhantomData,
     })
@@ -170,50 +186,97 @@ impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I
         self.waves[0].len() as u32
     }
 
-    fn after(&self, pack: &mut [(u32, Station)], periods: u32) {
+    fn after(
+        &self,
+        pack: &[(usize, u32)],
+        starts: &[(u32, Station)],
+        periods: u32,
+        out: &mut [Option<Station>],
+    ) {
+        L::run(
+            #[inline(always)]
+            || self.stepped(pack, starts, periods, out),
+        );
+    }
+}
+
+impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
+    #[inline(always)]
+    fn stepped(
+        &self,
+        pack: &[(usize, u32)],
+        starts: &[(u32, Station)],
+        periods: u32,
+        out: &mut [Option<Station>],
+    ) {
         let mut buffer = [L::element(0.0); WIDEST];
         // The last one fills the lanes left over.
-        let mut row = [0; WIDEST];
-        for (lane, row) in row.iter_mut().enumerate().take(L::WIDTH) {
-            *row = pack[lane.min(pack.len() - 1)].0 as usize * self.length;
+        let last = pack[pack.len() - 1];
+        let mut begin: [(&Station, &[L::Element]); WIDEST] = [(&starts[last.0].1, self.row(last.1)); WIDEST];
+        for (place, (n, row)) in begin.iter_mut().zip(pack) {
+            *place = (&starts[*n].1, self.row(*row));
         }
-        let mut gather = |value: &dyn Fn(usize) -> f64| -> L {
-            for (lane, place) in buffer.iter_mut().enumerate().take(L::WIDTH) {
-                *place = L::element(value(lane.min(pack.len() - 1)));
+        let begin = &begin[..L::WIDTH];
+        let mut state =
+            State::<L, M> { x: [L::splat(0.0); M], u: [L::splat(0.0); M], touching: L::splat(0.0) };
+        for k in 0..M {
+            for (place, (station, _)) in buffer.iter_mut().zip(begin) {
+                *place = L::element(station.x[k] / LENGTH);
             }
-            L::load(&buffer)
-        };
-        let mut state: State<L, M> = State {
-            x: std::array::from_fn(|k| gather(&|lane| pack[lane].1.x[k] / LENGTH)),
-            u: std::array::from_fn(|k| gather(&|lane| pack[lane].1.u[k] / LENGTH)),
-            touching: gather(&|lane| f64::from(u8::from(pack[lane].1.touching))),
-        };
-        let mut field = 0;
-        let case: Case<L, I, M> = Case::from_numbers(|| {
-            for (place, row) in buffer.iter_mut().zip(row).take(L::WIDTH) {
-                *place = self.rows[row + field];
+            state.x[k] = L::load(&buffer);
+            for (place, (station, _)) in buffer.iter_mut().zip(begin) {
+                *place = L::element(station.u[k] / LENGTH);
             }
-            field += 1;
-            L::load(&buffer)
-        });
+            state.u[k] = L::load(&buffer);
+        }
+        for (place, (station, _)) in buffer.iter_mut().zip(begin) {
+            *place = L::element(f64::from(u8::from(station.touching)));
+        }
+        state.touching = L::load(&buffer);
+        let (mut shared, mut own) = (self.shared.iter(), 0..self.length);
+        let case: Case<L, I, M> = Case::from_numbers(
+            #[inline(always)]
+            || {
+                if let Some(Some(element)) = shared.next() {
+                    return L::broadcast(*element);
+                }
+                let field = own.next().unwrap_or(0);
+                for (place, (_, row)) in buffer.iter_mut().zip(begin) {
+                    *place = row[field];
+                }
+                L::load(&buffer)
+            },
+        );
         let mut tally = Tally::start(state.touching, state.touching);
         for _ in 0..periods {
             // As a run does before the measured part; the sums are left.
             period(&case, &mut state, &self.waves, None, Wants::FUNDAMENTAL, &mut tally);
         }
-        let mut scatter = |field: L, put: &dyn Fn(&mut Station, f64)| {
+        for ((n, _), (station, _)) in pack.iter().zip(begin) {
+            out[*n] = Some(**station);
+        }
+        let mut put = |field: L, put: fn(&mut Station, usize, f64), k: usize| {
             field.store(&mut buffer);
-            pack.iter_mut().zip(buffer).for_each(|((_, end), value)| put(end, value.into()));
+            for ((n, _), value) in pack.iter().zip(&buffer) {
+                if let Some(end) = &mut out[*n] {
+                    put(end, k, (*value).into());
+                }
+            }
         };
         for k in 0..M {
-            scatter(state.x[k], &|end, value| end.x[k] = value * LENGTH);
-            scatter(state.u[k], &|end, value| end.u[k] = value * LENGTH);
+            put(state.x[k], |end, k, value| end.x[k] = value * LENGTH, k);
+            put(state.u[k], |end, k, value| end.u[k] = value * LENGTH, k);
         }
-        scatter(state.touching, &|end, value| end.touching = value > 0.0);
-        for (_, end) in pack {
+        put(state.touching, |end, _, value| end.touching = value > 0.0, 0);
+        for (n, _) in pack {
+            let Some(end) = &mut out[*n] else { continue };
             // Beyond f32 counts as none, as in a run.
             let numbers = |all: &[f64]| all.iter().all(|value| ((value / LENGTH) as f32).is_finite());
-            end.finite &= numbers(&end.x) && numbers(&end.u);
+            end.finite &= numbers(&end.x[..M]) && numbers(&end.u[..M]);
         }
+    }
+
+    fn row(&self, row: u32) -> &[L::Element] {
+        &self.rows[row as usize * self.length..][..self.length]
     }
 }

@@ -52,12 +52,12 @@ pub(super) fn case<L: Lane, I: KernelLaw<L>, const M: usize>(
         .collect();
     let contacts: Vec<_> =
         members.iter().map(|(plan, driven)| (plan.contact, force_scale(driven, plan.steps))).collect();
-    let free = |i: usize| start::amplitudes(members[i].1, start);
+    let free: Vec<(f64, f64)> = members.iter().map(|(_, driven)| start::amplitudes(driven, start)).collect();
     Case {
         flow: Flow::new(&flows),
         free: Free {
-            cosine: L::from_lanes(|i| free(i).0 / LENGTH),
-            sine: L::from_lanes(|i| free(i).1 / LENGTH),
+            cosine: L::from_lanes(|i| free[i].0 / LENGTH),
+            sine: L::from_lanes(|i| free[i].1 / LENGTH),
             rate: L::from_lanes(|i| TAU / f64::from(members[i].0.steps)),
         },
         gap: L::from_lanes(|i| members[i].0.gap / LENGTH),
@@ -203,8 +203,8 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
 
     /// What has been measured of each member, with `steps` steps a period.
     pub fn sums(&self, run: &Run, steps: u32) -> Vec<Sums> {
-        let sum = |(lane, finite): (usize, &bool)| Sums::new(&self.ledger, lane, *finite, run.measure, steps);
-        self.finite.iter().enumerate().map(sum).collect()
+        let sum = |(finite, ledger): (&bool, _)| Sums::new(ledger, *finite, run.measure, steps);
+        self.finite.iter().zip(self.ledger.lanes()).map(sum).collect()
     }
 
     /// Members.

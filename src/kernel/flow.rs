@@ -62,9 +62,14 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             let known = rows.last().filter(|_| instances[n - 1] == instances[n]);
             rows.push(known.map_or_else(|| Rc::new(Row::all(modes, *step, M)), Rc::clone));
         }
+        let alike = rows.iter().all(|row| Rc::ptr_eq(row, &rows[0]));
         let gather = |value: fn(&Row) -> f64| -> [L; M] {
-            std::array::from_fn(|k| L::from_lanes(|i| value(&rows[i][k])))
+            std::array::from_fn(|k| match alike {
+                true => L::splat(value(&rows[0][k])),
+                false => L::from_lanes(|i| value(&rows[i][k])),
+            })
         };
+        let paid = |rows: &[Row]| rows.iter().map(Row::kick_paid).sum();
         Self {
             m00: gather(|row| row.step[0]),
             m01: gather(|row| row.step[1]),
@@ -78,7 +83,10 @@ impl<L: Lane, const M: usize> Flow<L, M> {
             land_u: gather(|row| row.land()[1]),
             shift_x: gather(|row| row.share * (1.0 + row.step[0])),
             shift_u: gather(|row| row.share * row.step[2]),
-            kick_paid: L::from_lanes(|i| rows[i].iter().map(Row::kick_paid).sum()),
+            kick_paid: match alike {
+                true => L::splat(paid(&rows[0])),
+                false => L::from_lanes(|i| paid(&rows[i])),
+            },
         }
     }
 }

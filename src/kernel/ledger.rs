@@ -55,48 +55,44 @@ impl<L: Lane> Ledger<L> {
 
     /// Several instances' side by side.
     pub fn from_lanes<'a>(ledger: impl Fn(usize) -> &'a Ledger<f64>) -> Self {
-        let lanes = |value: fn(&Ledger<f64>) -> f64| L::from_lanes(|i| value(ledger(i)));
-        Self {
-            last_cosine: lanes(|one| one.last_cosine),
-            last_sine: lanes(|one| one.last_sine),
-            changes: std::array::from_fn(|n| L::from_lanes(|i| ledger(i).changes[n])),
-            largest: lanes(|one| one.largest),
-            cosine: std::array::from_fn(|n| L::from_lanes(|i| ledger(i).cosine[n])),
-            sine: std::array::from_fn(|n| L::from_lanes(|i| ledger(i).sine[n])),
-            deepest: lanes(|one| one.deepest),
-            highest: lanes(|one| one.highest),
-            held: lanes(|one| one.held),
-            time: lanes(|one| one.time),
-            begun: lanes(|one| one.begun),
-            ended: lanes(|one| one.ended),
-            apart: lanes(|one| one.apart),
-            impulse: lanes(|one| one.impulse),
-            work: lanes(|one| one.work),
-            virial: lanes(|one| one.virial),
-        }
+        let numbers: Vec<Vec<f64>> = (0..L::WIDTH).map(|i| ledger(i).numbers().copied().collect()).collect();
+        let mut all = Self::new();
+        let places = all.places().enumerate();
+        places.for_each(|(n, place)| *place = L::from_lanes(|i| numbers[i][n]));
+        all
     }
 
-    /// One instance's, in f64.
-    pub fn lane(&self, lane: usize) -> Ledger<f64> {
-        let all = |values: &[L; HARMONICS]| values.map(|value| value.lane(lane));
-        Ledger {
-            last_cosine: self.last_cosine.lane(lane),
-            last_sine: self.last_sine.lane(lane),
-            changes: self.changes.map(|value| value.lane(lane)),
-            largest: self.largest.lane(lane),
-            cosine: all(&self.cosine),
-            sine: all(&self.sine),
-            deepest: self.deepest.lane(lane),
-            highest: self.highest.lane(lane),
-            held: self.held.lane(lane),
-            time: self.time.lane(lane),
-            begun: self.begun.lane(lane),
-            ended: self.ended.lane(lane),
-            apart: self.apart.lane(lane),
-            impulse: self.impulse.lane(lane),
-            work: self.work.lane(lane),
-            virial: self.virial.lane(lane),
+    /// Each instance's own, in f64.
+    pub fn lanes(&self) -> Vec<Ledger<f64>> {
+        let mut all = vec![Ledger::<f64>::new(); L::WIDTH];
+        let mut lanes: Vec<_> = all.iter_mut().map(Ledger::places).collect();
+        let mut buffer = vec![L::element(ZERO); L::WIDTH];
+        for number in self.numbers() {
+            number.store(&mut buffer);
+            for (places, value) in lanes.iter_mut().zip(&buffer) {
+                if let Some(place) = places.next() {
+                    *place = (*value).into();
+                }
+            }
         }
+        drop(lanes);
+        all
+    }
+
+    /// All numbers, one after the other.
+    fn numbers(&self) -> impl Iterator<Item = &L> {
+        let Self { last_cosine, last_sine, changes, largest, cosine, sine, .. } = self;
+        let Self { deepest, highest, held, time, begun, ended, apart, impulse, work, virial, .. } = self;
+        let single = [last_cosine, last_sine, largest, deepest, highest, held, time, begun, ended, apart];
+        single.into_iter().chain([impulse, work, virial]).chain(changes).chain(cosine).chain(sine)
+    }
+
+    /// Their places, in the same order.
+    fn places(&mut self) -> impl Iterator<Item = &mut L> {
+        let Self { last_cosine, last_sine, changes, largest, cosine, sine, .. } = self;
+        let Self { deepest, highest, held, time, begun, ended, apart, impulse, work, virial, .. } = self;
+        let single = [last_cosine, last_sine, largest, deepest, highest, held, time, begun, ended, apart];
+        single.into_iter().chain([impulse, work, virial]).chain(changes).chain(cosine).chain(sine)
     }
 
     /// Takes in one period of `steps` steps; `wants` is none where it is not measured.

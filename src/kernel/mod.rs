@@ -28,7 +28,7 @@ mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use flow::{Flow, FlowMode, flown};
+pub use flow::{Flow, FlowMode, flown, increments};
 pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
 pub use pair::Pair;

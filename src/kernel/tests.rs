@@ -135,7 +135,7 @@ fn stepped<L: Lane, I: Interaction<L>>(law: impl Fn(&dyn Fn(usize) -> f64) -> I)
             tally.next_period();
         }
         for i in 0..L::WIDTH {
-            let one = ledger.lane(i);
+            let one = &ledger.lanes()[i];
             let sums = one.cosine.iter().chain(&one.sine).chain(&one.changes).copied();
             let rest = [one.deepest, one.highest, one.held, one.time, one.begun, one.ended, one.apart];
             let state = [state.x[0], state.u[0], state.x[1], state.u[1]].map(|value| value.lane(i));

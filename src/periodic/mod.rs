@@ -8,5 +8,5 @@
 mod search;
 mod spectrum;
 
-pub use search::{Ask, Found, Lost, Memory, Options, Search, Size, Verdict};
+pub use search::{Found, Lost, Memory, Options, Search, Size, Verdict};
 pub use spectrum::Spectrum;

@@ -34,18 +34,6 @@ pub struct Options {
     pub stable: bool,
 }
 
-/// What a search wants to know.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Ask<D: Size>
-where
-    DefaultAllocator: Memory<D>,
-{
-    /// The map at these states.
-    Map(Vec<OVector<f64, D>>),
-    /// Nothing more.
-    Nothing,
-}
-
 /// A fixed point.
 #[derive(Clone, Debug)]
 pub struct Found<D: Size>
@@ -209,32 +197,40 @@ where
         }
     }
 
-    /// What it wants to know next.
-    pub fn ask(&self) -> Ask<D> {
-        let size = self.state.len();
-        let moved = |k: usize, by: f64| {
-            let mut state = self.state.clone();
-            state[k] += by * self.options.scale;
-            state
-        };
+    /// States at which it wants to know the map next; none once it has ended.
+    pub fn asks(&self) -> impl ExactSizeIterator<Item = OVector<f64, D>> {
+        (0..self.wants()).map(|n| self.place(n))
+    }
+
+    /// How many [`Search::asks`] for.
+    pub fn wants(&self) -> usize {
         match &self.stage {
-            Stage::Begin => Ask::Map(vec![self.state.clone()]),
-            Stage::Slope { whole: true } => {
-                Ask::Map((0..size).map(|k| moved(k, self.options.step)).collect())
-            }
-            Stage::Slope { whole: false } => {
-                Ask::Map(self.columns.iter().map(|k| moved(*k, self.options.step)).collect())
-            }
-            Stage::Stride { step, .. } => Ask::Map(vec![&self.state + step]),
-            Stage::Last => {
-                let step = self.last_step();
-                Ask::Map((0..size).flat_map(|k| [moved(k, -step), moved(k, step)]).collect())
-            }
-            Stage::Done(_) => Ask::Nothing,
+            Stage::Begin | Stage::Stride { .. } => 1,
+            Stage::Slope { whole: true } => self.size(),
+            Stage::Slope { whole: false } => self.columns.len(),
+            Stage::Last => 2 * self.size(),
+            Stage::Done(_) => 0,
         }
     }
 
-    /// Takes the answers, in the order of [`Search::ask`]; none where the map has no answer of use.
+    fn place(&self, n: usize) -> OVector<f64, D> {
+        let mut state = self.state.clone();
+        match &self.stage {
+            Stage::Begin | Stage::Done(_) => {}
+            Stage::Stride { step, .. } => state += step,
+            Stage::Slope { whole } => {
+                let k = if *whole { n } else { self.columns[n] };
+                state[k] += self.options.step * self.options.scale;
+            }
+            Stage::Last => {
+                let step = self.last_step() * self.options.scale;
+                state[n / 2] += if n.is_multiple_of(2) { -step } else { step };
+            }
+        }
+        state
+    }
+
+    /// Takes the answers, in the order of [`Search::asks`]; none where the map has no answer of use.
     pub fn answer(&mut self, values: &[Option<OVector<f64, D>>]) {
         self.evaluations += values.len() as u32;
         let stage = std::mem::replace(&mut self.stage, Stage::Done(Verdict::Lost(Lost::Stuck)));

@@ -4,7 +4,7 @@ use super::build::{classify, steps_for_modes};
 use super::{CasePlan, Driven, KeptModes, Plan, steps};
 use crate::observe::Wants;
 use crate::scene::Run;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Other ways to run the same scene, to learn what a choice of the plan costs in accuracy.
@@ -109,9 +109,14 @@ impl Plan {
                 drives.len() as u32 - 1
             })
         };
+        // Neighbours mostly want the same.
+        let mut last = ((u32::MAX, f64::NAN), 0);
         for &(i, accuracy) in wanted {
             let case = &mut plan.cases[i as usize];
-            case.drive = drive_of(case.drive, Some(accuracy), &mut plan.drives);
+            if last.0 != (case.drive, accuracy) {
+                last = ((case.drive, accuracy), drive_of(case.drive, Some(accuracy), &mut plan.drives));
+            }
+            case.drive = last.1;
             let driven = &plan.drives[case.drive as usize];
             if run.steps_per_period.is_none() && case.steps > 0 {
                 case.steps = match accuracy > run.accuracy {
@@ -120,12 +125,10 @@ impl Plan {
                 };
             }
         }
-        let chosen: HashSet<u32> = wanted.iter().map(|(i, _)| *i).collect();
-        for i in 0..plan.cases.len() as u32 {
-            if !chosen.contains(&i) {
-                let case = &mut plan.cases[i as usize];
-                case.drive = drive_of(case.drive, None, &mut plan.drives);
-            }
+        let mut chosen = vec![false; plan.cases.len()];
+        wanted.iter().for_each(|(i, _)| chosen[*i as usize] = true);
+        for (case, _) in plan.cases.iter_mut().zip(chosen).filter(|(_, chosen)| !chosen) {
+            case.drive = drive_of(case.drive, None, &mut plan.drives);
         }
         plan.classes = classify(&plan.cases, &plan.drives, wanted.iter().map(|(i, _)| *i));
         plan

@@ -2,10 +2,10 @@
 
 use super::PeriodicState;
 use crate::engine::{Engine, EngineError, Progress, ReturnMap};
-use crate::kernel::{MODES_MAX, flown};
+use crate::kernel::{MODES_MAX, flown, increments};
 use crate::periodic::{Memory, Size};
-use crate::plan::{Plan, Precision, Station};
-use nalgebra::{Complex, DefaultAllocator, DimName, OMatrix, OVector};
+use crate::plan::{KeptMode, Plan, Precision, Station};
+use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -62,17 +62,17 @@ impl<'a> PeriodMap<'a> {
     /// was stopped.
     pub fn after(
         &self,
-        starts: Vec<(u32, Station)>,
+        starts: &[(u32, Station)],
         periods: u32,
     ) -> Result<Vec<Option<Station>>, EngineError> {
         if let Some(map) = &self.quick {
             let steps = |slot: u32| self.plan.cases[self.instances[slot as usize] as usize].steps;
             let all: u64 = starts.iter().map(|(slot, _)| u64::from(steps(*slot))).sum();
             self.progress.foresee(all * u64::from(periods));
-            return Ok(map.after(&starts, periods, self.progress));
+            return Ok(map.after(starts, periods, self.progress));
         }
         let (instances, stations): (Vec<u32>, Vec<Station>) =
-            starts.into_iter().map(|(slot, place)| (self.instances[slot as usize], place)).unzip();
+            starts.iter().map(|(slot, place)| (self.instances[*slot as usize], *place)).unzip();
         let mut trial = self.plan.trial(&instances, periods, 1);
         trial.precision = Precision::F64;
         trial.stations = Some(Arc::new(stations));
@@ -116,30 +116,37 @@ where
     let driven = &plan.drives[case.drive as usize];
     let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(place.steps));
     let mut moved = Station { touching: place.station.touching, ..Station::FREE };
-    let (mut there, mut back) = (OMatrix::<f64, D, D>::identity(), OMatrix::<f64, D, D>::identity());
     let (modes, others) = (D::DIM / 2, place.kept.modes.len());
+    let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
     // The residual oscillator of a poorer lever swings as the mode that a richer one has in its place.
     let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);
-    let own = driven.kept.modes.iter().take(modes);
-    let known: Vec<Option<usize>> = own.map(|mode| same(mode.omega)).collect();
-    let (mut slope, _) = free_slope::<D>(plan, instance);
-    for (k, mode) in driven.kept.modes.iter().enumerate().take(modes) {
-        let flow = |time: f64, at| flown(mode.omega * time, mode.damping, at);
-        for (matrix, time) in [(&mut there, later), (&mut back, -later)] {
-            for (column, unit) in [(k, [1.0, 0.0]), (modes + k, [0.0, 1.0])] {
-                [matrix[(k, column)], matrix[(modes + k, column)]] = flow(time, unit);
-            }
-        }
-        let Some(j) = known[k] else { continue };
-        [moved.x[k], moved.u[k]] = flow(later, [place.station.x[j], place.station.u[j]]);
-        for (l, i) in known.iter().enumerate().filter_map(|(l, i)| Some((l, (*i)?))) {
-            for (column, from) in [(l, i), (modes + l, others + i)] {
-                slope[(k, column)] = place.slope[from * 2 * others + j];
-                slope[(modes + k, column)] = place.slope[from * 2 * others + others + j];
-            }
+    let known: Vec<Option<usize>> = own.iter().map(|mode| same(mode.omega)).collect();
+    let mut slope = match known.iter().all(Option::is_some) {
+        true => OMatrix::<f64, D, D>::zeros(),
+        false => free_slope::<D>(plan, instance).0,
+    };
+    let turn = |time: f64| {
+        let of = |mode: &KeptMode| {
+            let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
+            Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
+        };
+        own.iter().map(of).collect::<Vec<_>>()
+    };
+    let (there, back) = (turn(later), turn(-later));
+    let known = || known.iter().enumerate().filter_map(|(k, j)| Some((k, (*j)?)));
+    for (k, j) in known() {
+        let now = there[k] * Vector2::new(place.station.x[j], place.station.u[j]);
+        (moved.x[k], moved.u[k]) = (now[0], now[1]);
+        for (l, i) in known() {
+            let theirs = |row: usize, column: usize| place.slope[column * 2 * others + row];
+            let (n, m) = (others + j, others + i);
+            let block = Matrix2::new(theirs(j, i), theirs(j, m), theirs(n, i), theirs(n, m));
+            let block = there[k] * block * back[l];
+            (slope[(k, l)], slope[(k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
+            (slope[(modes + k, l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
         }
     }
-    (moved, there * slope * back)
+    (moved, slope)
 }
 
 /// The map's slope without a sample, and its columns of modes that ring for longer than [`SLOW`] says: contact changes

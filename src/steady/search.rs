@@ -5,7 +5,7 @@ use super::map::{PeriodMap, as_its_own, free_slope, station, still, vector};
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
-use crate::periodic::{Ask, Memory, Options, Search, Size, Verdict};
+use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
 use crate::plan::{CasePlan, Plan, Station};
 use nalgebra::{Const, DefaultAllocator, DimName, OVector};
 use std::ops::Range;
@@ -160,8 +160,8 @@ impl Batch<'_> {
             if left.is_empty() || warm >= plan.run.periods {
                 break;
             }
-            let starts = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
-            let ends = self.map.after(starts, warm)?;
+            let starts: Vec<_> = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
+            let ends = self.map.after(&starts, warm)?;
             let warmed = left.iter().zip(ends).filter_map(|((slot, periods, _), end)| {
                 let mut one = One::begin(plan, *slot, instance(*slot), end?);
                 one.periods = periods + warm;
@@ -183,45 +183,51 @@ impl Batch<'_> {
         DefaultAllocator: Memory<D>,
     {
         let mut lost = Vec::new();
+        let (mut starts, mut values) = (Vec::new(), Vec::new());
         while !all.is_empty() {
-            let (mut starts, mut counts) = (Vec::new(), Vec::with_capacity(all.len()));
+            starts.clear();
             for one in &all {
-                let before = starts.len();
-                if let Ask::Map(states) = one.search.ask() {
-                    let place = |state| (one.slot, station::<D>(state, one.start.touching));
-                    starts.extend(states.iter().map(place));
-                }
-                counts.push(starts.len() - before);
+                let place = |state| (one.slot, station::<D>(&state, one.start.touching));
+                starts.extend(one.search.asks().map(place));
             }
-            let ends = self.map.after(starts, 1)?;
-            let mut rest = ends.as_slice();
-            for (one, count) in all.iter_mut().zip(counts) {
-                let (own, others) = rest.split_at(count);
-                rest = others;
-                let values: Vec<_> = own.iter().map(|end| one.useful((*end)?)).collect();
+            let ends = self.map.after(&starts, 1)?;
+            let mut rest = ends.iter();
+            for one in &mut all {
+                values.clear();
+                values.extend(rest.by_ref().take(one.search.wants()).map(|end| one.useful((*end)?)));
                 one.search.answer(&values);
             }
-            let mut going = Vec::with_capacity(all.len());
-            for one in all {
-                match one.search.verdict() {
-                    None => going.push(one),
-                    Some(Verdict::Found(found)) => done.push(End {
-                        slot: one.slot,
-                        periods: one.stepped(),
-                        found: Some(Box::new(PeriodicState {
-                            station: station::<D>(&found.state, one.start.touching),
-                            spectrum: found.spectrum,
-                            steps: self.case(one.slot).steps,
-                            kept: Arc::clone(&self.plan.drives[self.case(one.slot).drive as usize].kept),
-                            slope: found.slope.as_slice().into(),
-                        })),
-                    }),
-                    Some(Verdict::Lost(_)) => lost.push((one.slot, one.stepped(), one.start)),
+            all.retain(|one| match one.search.verdict() {
+                None => true,
+                Some(Verdict::Found(found)) => {
+                    done.push(self.end(one, found));
+                    false
                 }
-            }
-            all = going;
+                Some(Verdict::Lost(_)) => {
+                    lost.push((one.slot, one.stepped(), one.start));
+                    false
+                }
+            });
         }
         Ok(lost)
+    }
+
+    fn end<D: Size + DimName>(self, one: &One<D>, found: &Found<D>) -> End
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let case = self.case(one.slot);
+        End {
+            slot: one.slot,
+            periods: one.stepped(),
+            found: Some(Box::new(PeriodicState {
+                station: station::<D>(&found.state, one.start.touching),
+                spectrum: found.spectrum,
+                steps: case.steps,
+                kept: Arc::clone(&self.plan.drives[case.drive as usize].kept),
+                slope: found.slope.as_slice().into(),
+            })),
+        }
     }
 }
 

@@ -93,7 +93,7 @@ impl Layout {
         if !shape.is_empty() && size_of_val(data) >= TINY {
             builder = builder.chunk(chunk(shape)).shuffle();
             if hdf5::filters::deflate_available() {
-                builder = builder.deflate(4);
+                builder = builder.deflate(1);
             }
             builder = builder.fletcher32();
         }

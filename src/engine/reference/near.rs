@@ -6,7 +6,7 @@ use super::{Reference, integrate};
 use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::flown;
-use crate::periodic::{Ask, Found, Options, Search, Verdict};
+use crate::periodic::{Found, Options, Search, Verdict};
 use crate::plan::{CasePlan, Driven, Plan, Station};
 use crate::scene::{Run, Start};
 use nalgebra::{DVector, Dyn};
@@ -126,7 +126,8 @@ impl Map {
     /// The fixed point next to where the last period ended.
     fn search(&mut self, options: Options, progress: &Progress) -> Option<Found<Dyn>> {
         let mut search = Search::new(self.slow_part(&self.after), options);
-        while let Ask::Map(states) = search.ask() {
+        while search.verdict().is_none() {
+            let states: Vec<_> = search.asks().collect();
             if progress.stopped() {
                 return None;
             }
