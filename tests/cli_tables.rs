@@ -207,7 +207,15 @@ fn devices_name_the_processor() {
     let cpu = &answer["devices"][0];
     assert_eq!(cpu["backend"], "cpu");
     assert!(cpu["threads"].as_u64().unwrap() >= 1);
-    assert!(!cpu["name"].as_str().unwrap().is_empty());
+    let name = cpu["name"].as_str().unwrap();
+    assert!(!name.is_empty());
+    // Of vector instructions a test can ask for itself, those used are told.
+    #[cfg(target_arch = "x86_64")]
+    assert_eq!(
+        is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+        name.contains("(AVX"),
+        "{name}"
+    );
     assert!(desk.works(&["devices"]).out.starts_with("cpu "));
 }
 

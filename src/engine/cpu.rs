@@ -26,13 +26,15 @@ pub struct Cpu {
 /// Steps between two looks at the progress; samples of decaying free motion tabulated at a time.
 const BLOCK: usize = 1 << 18;
 
-/// The processor's name, where the system tells it, or its architecture.
+/// The processor's name, where the system tells it, or its architecture, and the vector instructions used of it: they
+/// make a difference of two to four times in speed.
 pub fn processor() -> String {
     let name = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
         Some(line.split_once(':')?.1.trim().to_owned())
     });
-    name.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
+    let name = name.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH));
+    lanes::instructions().map_or(name.clone(), |instructions| format!("{name} ({instructions})"))
 }
 
 impl Engine for Cpu {

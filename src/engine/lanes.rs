@@ -92,6 +92,18 @@ fn fused() -> Option<Instructions> {
     None
 }
 
+/// The instructions that [`Rounding::new`] finds, as they are known; none where nothing fuses.
+pub(super) fn instructions() -> Option<&'static str> {
+    fused().map(|instructions| match instructions {
+        #[cfg(target_arch = "aarch64")]
+        Instructions::Neon => "NEON",
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2 => "AVX2",
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx512 => "AVX-512",
+    })
+}
+
 /// Does it with the lanes for this precision.
 pub(super) fn with<S: Stepping>(precision: Precision, rounding: Rounding, what: S) -> S::Output {
     match precision {
