@@ -34,7 +34,10 @@ pub fn processor() -> String {
         Some(line.split_once(':')?.1.trim().to_owned())
     });
     let name = name.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH));
-    lanes::instructions().map_or(name.clone(), |instructions| format!("{name} ({instructions})"))
+    match lanes::instructions() {
+        Some(instructions) => format!("{name} ({instructions})"),
+        None => name,
+    }
 }
 
 impl Engine for Cpu {
