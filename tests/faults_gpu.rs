@@ -57,8 +57,8 @@ const FAULTS: &[Fault] = &[
     ("jkr", "guess for the part", |text| {
         swap(&text, "let part = jkr_between(here, there);", "let part = guess;")
     }),
-    ("jkr", "one Newton step less", |text| {
-        swap(&text, "jkr_newton(jkr_newton(near.e, s), s)", "jkr_newton(near.e, s)")
+    ("jkr", "one of Halley's steps less", |text| {
+        swap(&text, "jkr_halley(jkr_halley(jkr_about(s), t), t)", "jkr_halley(jkr_about(s), t)")
     }),
     ("dmt", "TAIL_POLE one bit up", |text| nudge(&text, "TAIL_POLE")),
     ("dmt", "kick without its shift", |text| swap(&text, "if ZERO < abs(kick.shift) {", "if false {")),

@@ -2,6 +2,7 @@
 
 use crate::problem::Problem;
 use afmsweep::compare::{Scales, worst};
+use afmsweep::engine::Finished;
 use afmsweep::observe::{Measured, Status};
 use serde::{Deserialize, Serialize};
 
@@ -29,10 +30,19 @@ pub struct Errors {
 impl Problem {
     /// Errors of what a solver measured of these instances, where the truth can be used.
     pub fn errors(&self, results: impl Iterator<Item = (usize, Measured)>) -> Errors {
+        self.errors_from(&self.truth, results)
+    }
+
+    /// The same with another truth, of each instance.
+    pub fn errors_from(
+        &self,
+        truth: &[Finished],
+        results: impl Iterator<Item = (usize, Measured)>,
+    ) -> Errors {
         let mut errors: Vec<f64> = results
-            .filter(|(i, _)| self.truth[*i].status == Status::Ok)
+            .filter(|(i, _)| truth[*i].status == Status::Ok)
             .map(|(i, ours)| {
-                let truth = &self.truth[i].measured;
+                let truth = &truth[i].measured;
                 worst(&self.plan.observables, &ours, truth, &Scales::of(&self.plan, i, truth))
             })
             .collect();

@@ -47,6 +47,15 @@ impl Cost {
         }
     }
 
+    /// So many times as long.
+    pub fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Exactly(seconds) => Self::Exactly(factor * seconds),
+            Self::AtMost(seconds) => Self::AtMost(factor * seconds),
+            Self::NotReached => Self::NotReached,
+        }
+    }
+
     /// How many times as long as `other` this takes; a bound where one of them is.
     pub fn over(self, other: Self) -> String {
         let (Some(a), Some(b)) = (self.seconds(), other.seconds()) else { return "not reached".to_owned() };

@@ -21,6 +21,7 @@ mod python;
 #[path = "../common/random.rs"]
 mod random;
 mod rk4;
+mod settled;
 mod story;
 #[cfg(feature = "peers")]
 mod walk;
@@ -95,6 +96,7 @@ fn main() {
     let mut points = Vec::new();
     let mut versions = BTreeMap::new();
     let mut counted = Vec::new();
+    let mut states = Vec::new();
     for law in LAWS {
         if !arguments.wants(law) {
             continue;
@@ -107,9 +109,12 @@ fn main() {
             found.extend(more);
             versions.extend(used);
         }
-        for point in &found {
+        let settled = settled::measure(&problem, arguments.repeats);
+        for point in found.iter().chain(&settled.points) {
             print(point);
         }
+        println!("{} periods waited: {:?}", problem.name, settled.waiting);
+        states.push(settled);
         points.extend(found);
     }
     let Some(folder) = output else { return };
@@ -118,7 +123,8 @@ fn main() {
         date: afmsweep::store::now(),
         paragraphs: story(&arguments, &devices, &versions, &counted),
     };
-    let written = page::files(&points, &story).and_then(|files| save(folder, page::GENERATOR, &files));
+    let written =
+        page::files(&points, &states, &story).and_then(|files| save(folder, page::GENERATOR, &files));
     written.unwrap_or_else(|error| panic!("{error}"));
     println!("{}", folder.join("README.md").display());
 }

@@ -2,13 +2,15 @@
 
 use crate::level::Cost;
 use crate::measure::Point;
+use crate::problem::PERIODS;
+use crate::settled::{NAME, Settled};
 use afmsweep::report::{Chart, Document, Field, Look, Plot, ReportError};
 use std::fmt::Write;
 
 /// Marks the page, so that the folder may be written again.
 pub const GENERATOR: &str = "afmsweep precision bench";
 /// Median errors at which solvers are compared.
-const LEVELS: [f64; 4] = [1e-3, 1e-5, 1e-6, 1e-7];
+pub const LEVELS: [f64; 4] = [1e-3, 1e-5, 1e-6, 1e-7];
 
 /// Solvers that stand in one line of the comparison: the cheaper of several methods at each accuracy.
 struct Family {
@@ -85,6 +87,40 @@ fn shown(error: f64) -> String {
     if error.is_finite() { format!("{error:.1e}") } else { "none".to_owned() }
 }
 
+/// Times to the periodic state: by searching, and by as many periods of each solver as waiting takes.
+fn to_the_state(points: &[Point], settled: &Settled) -> Vec<Vec<String>> {
+    let mut head = vec!["solver".to_owned()];
+    head.extend(LEVELS.iter().map(|level| format!("at {level:.0e}")));
+    head.extend(LEVELS.iter().map(|level| format!("ratio at {level:.0e}")));
+    let ours: Vec<&Point> = settled.points.iter().collect();
+    let ours = LEVELS.map(|level| Cost::at(&ours, level));
+    let mut rows = vec![head];
+    let mut add = |name: String, costs: Vec<Cost>| {
+        let mut row = vec![name];
+        row.extend(costs.iter().map(ToString::to_string));
+        row.extend(costs.iter().zip(ours).map(|(cost, ours)| cost.over(ours)));
+        rows.push(row);
+    };
+    add(NAME.to_owned(), ours.to_vec());
+    let waited = LEVELS.map(|level| settled.periods(level));
+    for family in &FAMILIES[1..] {
+        let members = family.of(points, &settled.law);
+        if !members.is_empty() {
+            let cost = |(level, periods): (&f64, &Option<f64>)| match periods {
+                Some(periods) => Cost::at(&members, *level).times(periods / f64::from(PERIODS)),
+                None => Cost::NotReached,
+            };
+            add(family.name.to_owned(), LEVELS.iter().zip(&waited).map(cost).collect());
+        }
+    }
+    let mut last = vec!["periods waited".to_owned()];
+    let shown = |periods: &Option<f64>| periods.map_or_else(|| "more".to_owned(), |n| format!("{n:.0}"));
+    last.extend(waited.iter().map(shown));
+    last.resize(1 + 2 * LEVELS.len(), String::new());
+    rows.push(last);
+    rows
+}
+
 /// Every point of a law.
 fn table(points: &[Point], law: &str) -> Vec<Vec<String>> {
     let head = [
@@ -115,12 +151,12 @@ fn table(points: &[Point], law: &str) -> Vec<Vec<String>> {
     rows
 }
 
-fn csv(points: &[Point]) -> String {
+fn csv(points: &[Point], settled: &[Settled]) -> String {
     let mut text = String::from(
         "law,solver,setting,steps_per_period,seconds_per_instance,clock,median_error,p95_error,largest_error,\
          instances,counted,given_up\n",
     );
-    for point in points {
+    for point in points.iter().chain(settled.iter().flat_map(|settled| &settled.points)) {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
@@ -234,7 +270,11 @@ fn front(mut points: Vec<&Point>) -> Vec<&Point> {
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub fn files(points: &[Point], story: &Story) -> Result<Vec<(String, String)>, ReportError> {
+pub fn files(
+    points: &[Point],
+    settled: &[Settled],
+    story: &Story,
+) -> Result<Vec<(String, String)>, ReportError> {
     let mut page = Document { title: "Work and precision".to_owned(), ..Document::default() };
     page.paragraph("", format!("Made by the command \"{}\", {}.", story.command, story.date));
     for (lead, text) in &story.paragraphs {
@@ -249,6 +289,18 @@ pub fn files(points: &[Point], story: &Story) -> Result<Vec<(String, String)>, R
              better than asked and cheaper than what lies between others; \"about\": so are both.",
             comparison(points, &law),
         );
+        for settled in settled.iter().filter(|settled| settled.law == law) {
+            page.table(
+                &format!(
+                    "To the periodic state: CPU time per instance of this crate's search, with the median error of what it \
+                     finds against the reference's own periodic state ({} of {} instances count: those with a state that \
+                     waiting ends in); and of the solvers above, their time for a period times the periods after which the \
+                     median of fine steps is so near to where waiting ends.",
+                    settled.counted, settled.instances
+                ),
+                to_the_state(points, settled),
+            );
+        }
         let time = Field { label: "time per instance".into(), units: "s".into(), log: true };
         let steps = Field { label: "steps per period".into(), units: "1".into(), log: true };
         let drawn = [
@@ -271,12 +323,14 @@ pub fn files(points: &[Point], story: &Story) -> Result<Vec<(String, String)>, R
     }
     page.heading("All points");
     for law in laws(points) {
-        page.table(&title(&law), table(points, &law));
+        let searches = settled.iter().flat_map(|settled| &settled.points);
+        let all: Vec<Point> = points.iter().chain(searches).cloned().collect();
+        page.table(&title(&law), table(&all, &law));
     }
     let mut files = vec![
         ("index.html".to_owned(), page.html(GENERATOR)),
         ("README.md".to_owned(), page.markdown()),
-        ("precision.csv".to_owned(), csv(points)),
+        ("precision.csv".to_owned(), csv(points, settled)),
     ];
     files.extend(pictures);
     Ok(files)

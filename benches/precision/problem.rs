@@ -7,13 +7,15 @@ use afmsweep::contact::Law;
 use afmsweep::engine::{Engine, Finished, Model, Progress, Reference};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{LawChoice, Scene};
+use afmsweep::scene::{LawChoice, Scene, Steady};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 /// Modes kept.
 pub const MODES: usize = 3;
+/// Drive periods of a run.
+pub const PERIODS: u32 = 200;
 /// Laws measured.
 pub const LAWS: [Law; 3] = [Law::Hertz, Law::Dmt, Law::Jkr];
 /// Tolerance of the reference.
@@ -23,6 +25,8 @@ const TOLERANCE: f64 = 1e-13;
 pub struct Problem {
     pub name: &'static str,
     pub plan: Plan,
+    /// The same, for the periodic states.
+    pub searched: Plan,
     pub truth: Vec<Finished>,
     pub reduced: Reduced,
 }
@@ -101,7 +105,7 @@ free_amplitude = "20 nm"
 [samples]
 {samples}
 [run]
-periods = 200
+periods = {PERIODS}
 measure = 10
 accuracy = 1e-2
 modes = {MODES}
@@ -126,12 +130,16 @@ steps_per_period = 256
 impl Problem {
     /// `count` instances, of which slow solvers take `few`, with their truth by the reference engine.
     pub fn new(law: Law, count: usize, few: usize, seed: u64) -> Self {
-        let plan =
-            Plan::new(&scene(law, count, seed), Precision::F64).unwrap_or_else(|error| panic!("{error}"));
+        let mut scene = scene(law, count, seed);
+        let planned =
+            |scene: &Scene| Plan::new(scene, Precision::F64).unwrap_or_else(|error| panic!("{error}"));
+        let plan = planned(&scene);
+        scene.run.steady = Steady::Search;
+        let searched = planned(&scene);
         let reference = Reference { tolerance: TOLERANCE, model: Model::Kept, threads: None };
         let truth = reference.run(&plan, &Progress::default()).expect("the plan can be run").results;
         let reduced = reduce(law, &plan, few);
-        Self { name: name(law), plan, truth, reduced }
+        Self { name: name(law), plan, searched, truth, reduced }
     }
 
     /// Instances whose truth can be used.

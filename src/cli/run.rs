@@ -151,12 +151,14 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What an audit is meant to take: a share of the run's time, or so many seconds after a short one. At twice that it is
-/// cut off: on a slow machine the first instances would else often just miss it.
+/// What an audit takes: a share of the run's time, or so many seconds after a short one; and the time in which one core
+/// redoes an instance at best, s.
 const AUDIT_SHARE: f64 = 0.1;
-const AUDIT_SECONDS: f64 = 0.5;
+const AUDIT_SECONDS: f64 = 0.25;
+const AUDIT_ONE: f64 = 0.05;
 
-/// The audit: as many instances as asked for; else one for each core, and more while time is left.
+/// The audit: as many instances as asked for; else those that are done when its time is over, and where that was none
+/// (a slow machine), one for each core in up to four times as long.
 fn audit(
     args: &RunArgs,
     run: &Controlled,
@@ -170,26 +172,29 @@ fn audit(
         return redo(count as usize, progress);
     }
     let limit = Duration::from_secs_f64((AUDIT_SHARE * stepping).max(AUDIT_SECONDS));
-    let start = Instant::now();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let each = (limit.as_secs_f64() / AUDIT_ONE).min(64.0) as usize;
+    let done = within(limit, progress, |watched| redo(cores * each, watched))?;
+    match done.is_empty() && !progress.stopped() {
+        true => within(4 * limit, progress, |watched| redo(cores, watched)),
+        false => Ok(done),
+    }
+}
+
+/// Does `work`, which is stopped when its time is over or the run is.
+fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T {
+    let start = Instant::now();
     let (watched, over) = (Progress::default(), AtomicBool::new(false));
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while !over.load(Ordering::Relaxed) {
-                if start.elapsed() > 2 * limit || progress.stopped() {
+                if start.elapsed() > limit || progress.stopped() {
                     watched.stop();
                 }
                 std::thread::sleep(Duration::from_millis(5));
             }
         });
-        let mut done = redo(cores, &watched);
-        let batches = limit.as_secs_f64() / start.elapsed().as_secs_f64();
-        if matches!(&done, Ok(first) if !first.is_empty()) && batches > 3.0 {
-            let more = redo(cores * ((batches - 1.0) as usize).min(8), &watched);
-            // Cut off on the way it may have less than the first.
-            done =
-                done.and_then(|first| more.map(|more| if more.len() > first.len() { more } else { first }));
-        }
+        let done = work(&watched);
         over.store(true, Ordering::Relaxed);
         done
     })
@@ -254,7 +259,10 @@ fn accuracy(
     }
     let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
     if audited.is_empty() && !told_not_to && !known.is_empty() {
-        voice.say("audit: no instance could be redone in a fifth of the run's time or 1 s; --audit 4 redoes four all the same");
+        voice.say(format_args!(
+            "audit: no instance could be redone in half of the run's time or {} s; --audit 4 redoes four all the same",
+            5.0 * AUDIT_SECONDS
+        ));
     }
     if !audited.is_empty() {
         let largest = redone.iter().copied().fold(0.0, f64::max);

@@ -7,6 +7,13 @@ use crate::plan::Plan;
 ///
 /// The choice hangs on the plan and `seed` alone.
 pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
+    let mut chosen = ranked(plan, count, seed);
+    chosen.sort_unstable();
+    chosen
+}
+
+/// The same, those at random and the extreme ones by turns: what is left undone at the end is of both.
+pub fn ranked(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
     let mut stepped: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.clone()).collect();
     stepped.sort_unstable();
     if stepped.len() <= count {
@@ -28,6 +35,7 @@ pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
             }
         }
     }
+    let extreme = chosen.len();
     let mut state = seed;
     while chosen.len() < count {
         // SplitMix64 (Steele, Lea & Flood 2014): enough to pick by.
@@ -41,6 +49,6 @@ pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
             chosen.push(one);
         }
     }
-    chosen.sort_unstable();
-    chosen
+    let (extreme, random) = chosen.split_at(extreme);
+    (0..count).flat_map(|n| [random.get(n), extreme.get(n)]).flatten().copied().collect()
 }

@@ -1,7 +1,7 @@
 //! A few instances redone by the reference engine.
 
 use super::truth;
-use crate::compare::{Scales, choose, error, worst};
+use crate::compare::{Scales, error, ranked, worst};
 use crate::engine::{EngineError, Finished, Outcome, Progress, Reference, TOLERANCE};
 use crate::observe::Status;
 use crate::plan::Plan;
@@ -23,7 +23,7 @@ pub struct Audited {
 }
 
 /// Redoes up to `count` instances of a finished run that are called ok: half of them the most extreme ones, the
-/// others at random. Steady motion is redone as the reference's own periodic state next to the run's (`found` holds
+/// others at random, and by turns, so that one that is stopped has done some of both. Steady motion is redone as the reference's own periodic state next to the run's (`found` holds
 /// the states that the run searched for): that tells its error, and leaves open whether waiting would end in the
 /// same state. Runs from rest are redone whole.
 ///
@@ -38,7 +38,7 @@ pub fn audit(
 ) -> Result<Vec<Audited>, EngineError> {
     let ok = |i: &u32| outcome.results[*i as usize].status == Status::Ok;
     let counted: Vec<u32> = (0..plan.cases.len() as u32).filter(ok).collect();
-    let chosen = choose(&plan.only(&counted), count, 1);
+    let chosen = ranked(&plan.only(&counted), count, 1);
     if chosen.is_empty() {
         return Ok(Vec::new());
     }
@@ -60,5 +60,7 @@ pub fn audit(
     };
     // Stopped on the way: what was not redone says nothing.
     let done = |(_, truth): &(u32, Finished)| truth.status != Status::NotRun;
-    Ok(chosen.into_iter().zip(truths).filter(done).map(one).collect())
+    let mut all: Vec<Audited> = chosen.into_iter().zip(truths).filter(done).map(one).collect();
+    all.sort_unstable_by_key(|one| one.instance);
+    Ok(all)
 }

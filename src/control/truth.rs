@@ -92,14 +92,16 @@ pub(super) fn truths(
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
     let stations = stations(plan, instances, found, progress)?;
-    let near: Vec<Option<Finished>> = instances
-        .par_iter()
-        .zip(&stations)
-        .map(|(&i, station)| match station {
-            Some(station) => solve_near(plan, i as usize, station, reference, progress),
-            None => Ok(None),
-        })
-        .collect::<Result<_, _>>()?;
+    // In their order: a run that is stopped has done the first ones.
+    let mut near = vec![None; instances.len()];
+    let done: Vec<(usize, Option<Finished>)> = stations
+        .iter()
+        .enumerate()
+        .par_bridge()
+        .filter_map(|(n, station)| Some((n, station.as_ref()?)))
+        .map(|(n, station)| Ok((n, solve_near(plan, instances[n] as usize, station, reference, progress)?)))
+        .collect::<Result<_, EngineError>>()?;
+    done.into_iter().for_each(|(n, found)| near[n] = found);
     let none = || instances.iter().zip(&near).filter(|(_, near)| near.is_none()).map(|(i, _)| *i);
     let left: Vec<u32> = if wait || plan.run.start == Start::Rest { none().collect() } else { Vec::new() };
     let lost = match progress.stopped() {

@@ -63,6 +63,12 @@ pub(super) fn settled(change: f64, least_change: Option<f64>, driven: &Driven, r
     left <= run.accuracy * scale || left.is_nan()
 }
 
+/// The first period whose fundamental counts: the one before the first whose change is judged, which are the last four
+/// and every measured one.
+pub(super) fn first_seen(run: &Run) -> u32 {
+    run.periods.saturating_sub(run.measure.max(4)).saturating_sub(1)
+}
+
 /// Measurements of an instance that was stepped.
 pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, wants: Wants) -> Finished {
     if !sums.finite {

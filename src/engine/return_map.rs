@@ -6,8 +6,7 @@ use super::law::KernelLaw;
 use super::track::{Member, case, member};
 use super::walk::{Shape, shaped};
 use super::{EngineError, Progress, start};
-use crate::kernel::{Case, LENGTH, Lane, State, Tally, Wave, period};
-use crate::observe::Wants;
+use crate::kernel::{Case, LENGTH, Lane, State, Wave, unmeasured_period};
 use crate::plan::{Class, Plan, Station};
 use crate::scene::Start;
 use rayon::ThreadPool;
@@ -32,14 +31,16 @@ trait Table: Send + Sync {
     fn width(&self) -> usize;
     /// Steps per period.
     fn steps(&self) -> u32;
-    /// Takes up to [`Table::width`] of the starts on, these by their places there, with the rows of their instances.
-    fn after(
-        &self,
-        pack: &[(usize, u32)],
-        starts: &[(u32, Station)],
-        periods: u32,
-        out: &mut [Option<Station>],
-    );
+    /// Takes a pack on, and puts its ends into the starts' places.
+    fn after(&self, pack: &Pack, out: &mut [Option<Station>]);
+}
+
+/// Up to [`Table::width`] starts that go on together.
+struct Pack<'a> {
+    /// Their places among the starts, and their instances' rows.
+    places: &'a [(usize, u32)],
+    starts: &'a [(u32, Station)],
+    periods: u32,
 }
 
 pub(super) struct Map {
@@ -115,12 +116,12 @@ impl ReturnMap for Map {
                 let (table, row) = self.places[*instance as usize];
                 (table as usize == number).then_some((n, row))
             }));
-            for pack in own.chunks(table.width()) {
+            for places in own.chunks(table.width()) {
                 if progress.stopped() {
                     return out;
                 }
-                table.after(pack, starts, periods, &mut out);
-                progress.add(pack.len() as u64 * u64::from(periods) * u64::from(table.steps()));
+                table.after(&Pack { places, starts, periods }, &mut out);
+                progress.add(places.len() as u64 * u64::from(periods) * u64::from(table.steps()));
             }
         }
         out
@@ -134,7 +135,7 @@ struct Rows<L: Lane, I, const M: usize> {
     rows: Vec<L::Element>,
     /// Numbers in a row.
     length: usize,
-    waves: Vec<Vec<Wave<L::Element>>>,
+    waves: Vec<Wave<L::Element>>,
     law: std::marker::PhantomData<I>,
 }
 
@@ -160,7 +161,7 @@ fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: us
         rows: own.map(|(element, _)| *element).collect(),
         length: shared.iter().filter(|shared| shared.is_none()).count(),
         shared,
-        waves: start::waves::<L>(class.steps, 1),
+        waves: start::waves::<L>(class.steps, 1).into_iter().flatten().collect(),
         law: std::marker::PhantomData,
     })
 }
@@ -183,37 +184,26 @@ impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I
     }
 
     fn steps(&self) -> u32 {
-        self.waves[0].len() as u32
+        self.waves.len() as u32
     }
 
-    fn after(
-        &self,
-        pack: &[(usize, u32)],
-        starts: &[(u32, Station)],
-        periods: u32,
-        out: &mut [Option<Station>],
-    ) {
+    fn after(&self, pack: &Pack, out: &mut [Option<Station>]) {
         L::run(
             #[inline(always)]
-            || self.stepped(pack, starts, periods, out),
+            || self.stepped(pack, out),
         );
     }
 }
 
 impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
     #[inline(always)]
-    fn stepped(
-        &self,
-        pack: &[(usize, u32)],
-        starts: &[(u32, Station)],
-        periods: u32,
-        out: &mut [Option<Station>],
-    ) {
+    fn stepped(&self, pack: &Pack, out: &mut [Option<Station>]) {
+        let Pack { places, starts, periods } = *pack;
         let mut buffer = [L::element(0.0); WIDEST];
         // The last one fills the lanes left over.
-        let last = pack[pack.len() - 1];
+        let last = places[places.len() - 1];
         let mut begin: [(&Station, &[L::Element]); WIDEST] = [(&starts[last.0].1, self.row(last.1)); WIDEST];
-        for (place, (n, row)) in begin.iter_mut().zip(pack) {
+        for (place, (n, row)) in begin.iter_mut().zip(places) {
             *place = (&starts[*n].1, self.row(*row));
         }
         let begin = &begin[..L::WIDTH];
@@ -247,17 +237,15 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
                 L::load(&buffer)
             },
         );
-        let mut tally = Tally::start(state.touching, state.touching);
         for _ in 0..periods {
-            // As a run does before the measured part; the sums are left.
-            period(&case, &mut state, &self.waves, None, Wants::FUNDAMENTAL, &mut tally);
+            unmeasured_period(&case, &mut state, &self.waves);
         }
-        for ((n, _), (station, _)) in pack.iter().zip(begin) {
+        for ((n, _), (station, _)) in places.iter().zip(begin) {
             out[*n] = Some(**station);
         }
         let mut put = |field: L, put: fn(&mut Station, usize, f64), k: usize| {
             field.store(&mut buffer);
-            for ((n, _), value) in pack.iter().zip(&buffer) {
+            for ((n, _), value) in places.iter().zip(&buffer) {
                 if let Some(end) = &mut out[*n] {
                     put(end, k, (*value).into());
                 }
@@ -268,7 +256,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
             put(state.u[k], |end, k, value| end.u[k] = value * LENGTH, k);
         }
         put(state.touching, |end, _, value| end.touching = value > 0.0, 0);
-        for (n, _) in pack {
+        for (n, _) in places {
             let Some(end) = &mut out[*n] else { continue };
             // Beyond f32 counts as none, as in a run.
             let numbers = |all: &[f64]| all.iter().all(|value| ((value / LENGTH) as f32).is_finite());

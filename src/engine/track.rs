@@ -1,11 +1,12 @@
 //! As many instances as a lane holds, on their way through a run together.
 
 use super::law::KernelLaw;
-use super::measure::Sums;
+use super::measure::{Sums, first_seen};
 use super::saved::Saved;
 use super::start;
 use crate::kernel::{
     Case, Decay, Flow, FlowMode, Free, LENGTH, Lane, Ledger, State, Tally, Wave, flown, period,
+    unmeasured_period,
 };
 use crate::observe::Wants;
 use crate::plan::{CasePlan, Driven, Plan, Station};
@@ -164,17 +165,23 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         wants: Wants,
     ) {
         let steps = waves[0].len();
-        let warm = run.periods - run.measure;
+        let (warm, seen) = (run.periods - run.measure, first_seen(run));
         for index in 0..periods {
             if self.finite.iter().all(|finite| !finite) {
                 return;
             }
-            let rows = decay.map(|rows| &rows[index as usize * steps..][..steps]);
-            // Before the measured part only what judges steadiness is kept.
-            let measured = (self.done >= warm).then_some(wants);
-            let sums = measured.unwrap_or(Wants::FUNDAMENTAL);
-            period(&self.case, &mut self.state, waves, rows, sums, &mut self.tally);
-            if self.close_period(steps, measured) {
+            match decay {
+                None if self.done < seen => unmeasured_period(&self.case, &mut self.state, &waves[0]),
+                _ => {
+                    let rows = decay.map(|rows| &rows[index as usize * steps..][..steps]);
+                    // Before the measured part only what judges steadiness is kept.
+                    let measured = (self.done >= warm).then_some(wants);
+                    let sums = measured.unwrap_or(Wants::FUNDAMENTAL);
+                    period(&self.case, &mut self.state, waves, rows, sums, &mut self.tally);
+                    self.close_period(steps, measured);
+                }
+            }
+            if self.beyond() {
                 for (lane, finite) in self.finite.iter_mut().enumerate() {
                     let state = self.state.x.iter().chain(&self.state.u);
                     *finite &= state.fold(true, |all, value| all & (value.lane(lane) as f32).is_finite());
@@ -184,14 +191,22 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Track<L, I, M> {
         }
     }
 
-    /// Takes the period into the ledger; whether some state is no number. Beyond f32 counts as none, so that
-    /// both precisions and a shader agree on it.
-    fn close_period(&mut self, steps: usize, measured: Option<Wants>) -> bool {
+    /// Takes the period into the ledger.
+    fn close_period(&mut self, steps: usize, measured: Option<Wants>) {
         L::run(
             #[inline(always)]
             || {
                 self.ledger.close(&self.tally, steps, measured);
                 self.tally.next_period();
+            },
+        );
+    }
+
+    /// Whether some state is no number. Beyond f32 counts as none, so that both precisions and a shader agree on it.
+    fn beyond(&self) -> bool {
+        L::run(
+            #[inline(always)]
+            || {
                 let beyond = L::splat(BEYOND);
                 let state = self.state.x.iter().zip(&self.state.u);
                 state.fold(false, |some, (x, u)| {

@@ -33,7 +33,7 @@ pub use lane::{Lane, Pack, Pack32, Pack64};
 pub use ledger::Ledger;
 pub use pair::Pair;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
-pub use step::{Case, Decay, Free, Sample, State, Wave, each_step, period};
+pub use step::{Case, Decay, Free, Sample, State, Wave, each_step, period, unmeasured_period};
 pub use tally::Tally;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::{Ymm32, Ymm64, Zmm32, Zmm64};

@@ -233,6 +233,28 @@ pub fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
     );
 }
 
+/// One drive period from steady free motion of which nothing is summed; `waves` of the fundamental.
+///
+/// A loop of its own: without the sums, more of the step stays in registers.
+pub fn unmeasured_period<L: Lane, I: Interaction<L>, const M: usize>(
+    case: &Case<L, I, M>,
+    state: &mut State<L, M>,
+    waves: &[Wave<L::Element>],
+) {
+    L::run(
+        #[inline(always)]
+        || {
+            // As in `each_step`.
+            std::hint::black_box(&L::splat(ZERO));
+            let mut here = *state;
+            for wave in waves {
+                case.step(&mut here, *wave, None, false);
+            }
+            *state = here;
+        },
+    );
+}
+
 /// One drive period into `tally`, which holds the sums; `waves[n]` is of harmonic n + 1.
 pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,

@@ -1,7 +1,9 @@
 //! Lanes against each other: what one instance does alone it does in any register, to the bit.
 
 use super::contact::{Dmt, Hertz, Interaction, Jkr};
-use super::{Case, Flow, FlowMode, Free, Lane, Ledger, Pack, Pair, State, Tally, Wave, period};
+use super::{
+    Case, Flow, FlowMode, Free, Lane, Ledger, Pack, Pair, State, Tally, Wave, period, unmeasured_period,
+};
 use super::{Ymm32, Ymm64, Zmm32, Zmm64};
 use crate::observe::{HARMONICS, Wants};
 use std::f64::consts::TAU;
@@ -127,12 +129,19 @@ fn stepped<L: Lane, I: Interaction<L>>(law: impl Fn(&dyn Fn(usize) -> f64) -> I)
             law: law(&|i| 1e-4 * 1.2f64.powi(((first + i) * 7 % 32) as i32)),
         };
         let mut state = State { x: [zero; 2], u: [zero; 2], touching: zero };
+        let mut alone = state;
         let mut tally = Tally::start(L::splat(-30.0), zero);
         let mut ledger = Ledger::new();
         for _ in 0..12 {
             period(&case, &mut state, &waves, None, ALL, &mut tally);
             ledger.close(&tally, STEPS, Some(ALL));
             tally.next_period();
+            unmeasured_period(&case, &mut alone, &waves[0]);
+        }
+        let numbers = |state: &State<L, 2>| [state.x[0], state.u[0], state.x[1], state.u[1], state.touching];
+        for (summed, alone) in numbers(&state).into_iter().zip(numbers(&alone)) {
+            let same = |i| summed.lane(i).to_bits() == alone.lane(i).to_bits();
+            assert!((0..L::WIDTH).all(same), "without sums it ends elsewhere");
         }
         for i in 0..L::WIDTH {
             let one = &ledger.lanes()[i];

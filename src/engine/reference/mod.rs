@@ -15,7 +15,7 @@ mod walk;
 
 pub use near::solve_near;
 
-use super::measure::{finish_free, lag, settled};
+use super::measure::{finish_free, first_seen, lag, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven, Plan};
@@ -159,8 +159,7 @@ fn integrate(
     progress: &Progress,
 ) -> Finished {
     let warm = run.periods - run.measure;
-    // The fundamental's changes into the last four periods and into every measured one are judged.
-    let judged = (run.periods - run.measure.max(4).min(run.periods)).saturating_sub(1);
+    let seen = first_seen(run);
     let mut sums = Meter::new(wants);
     let (mut cosine, mut sine) = ([0.0; HARMONICS], [0.0; HARMONICS]);
     let mut last = (0.0, 0.0);
@@ -177,15 +176,15 @@ fn integrate(
         let meter = if measured { &mut sums } else { &mut look };
         meter.cosine = [0.0; HARMONICS];
         meter.sine = [0.0; HARMONICS];
-        if !walk.period(number, (number >= judged).then_some(&mut *meter)) {
+        if !walk.period(number, (number >= seen).then_some(&mut *meter)) {
             return Finished { measured: Measured::NONE, status: Status::NonFinite };
         }
         progress.add(u64::from(case.steps));
-        if number < judged {
+        if number < seen {
             continue;
         }
         let now = (meter.cosine[0], meter.sine[0]);
-        if number > judged || judged == 0 {
+        if number > seen || seen == 0 {
             change = change.max((now.0 - last.0).hypot(now.1 - last.1) / std::f64::consts::PI);
         }
         last = now;

@@ -10,19 +10,23 @@ use crate::periodic::{Found, Options, Search, Verdict};
 use crate::plan::{CasePlan, Driven, Plan, Station};
 use crate::scene::{Run, Start};
 use nalgebra::{DVector, Dyn};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
-/// Distance to the periodic state that is aimed at, and that is near enough, as shares of the accuracy asked for.
+/// Distance to the periodic state that is aimed at, and that is near enough, as shares of the accuracy asked for; and
+/// the least that is aimed at, in tolerances of the steps.
 const NEAR: f64 = 1e-4;
 const ENOUGH: f64 = 1e-2;
-/// Tolerance of the steps at most: a slope is to tell a multiplier of 1 - 1e-5 from 1.
-const TIGHT: f64 = 1e-11;
+const NEAREST: f64 = 100.0;
+/// Error of a slope that the steps' tolerance may make, as a share of what the slowest mode loses in a period; that loss
+/// counts as so much at least.
+const SLOPE: f64 = 1e-2;
+const LEAST_LOSS: f64 = 1e-5;
 /// Differences, in units of the free amplitude, for the slope: as the steps allow, and for jumping contacts.
 const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
-/// Periods in which the modes that the stepped engine does not keep begin to move, most evaluations of the map, and
-/// periods measured at the end.
-const WARM: u32 = 8;
+/// Periods in which the modes that the stepped engine does not keep begin to move, before a search and before a second
+/// one; most evaluations of the map, and periods measured at the end.
+const WARM: [u32; 2] = [4, 12];
 const MOST: u32 = 200;
 const MEASURED: u32 = 4;
 /// Modes that a second search counts among its unknowns at least, and the damping ratio that they have at least: without
@@ -53,17 +57,18 @@ pub fn solve_near(
     let remembers = case.contact.law == Law::Jkr;
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { ROUGH } else { SMOOTH };
-    let walk = Walk::new(system, options.tolerance.min(TIGHT));
+    let loss = |place: &usize| {
+        let (omega, damping) = system.oscillator(*place);
+        -(-TAU * damping * omega / driven.free.omega).exp_m1()
+    };
+    let kept = slow.iter().filter(|place| **place < system.modes());
+    let lost = kept.map(loss).fold(1.0, f64::min).max(LEAST_LOSS);
+    let aim = (NEAR * accuracy).max(NEAREST * options.tolerance);
+    let walk = Walk::new(system, options.tolerance.min(SLOPE * step * lost));
     let mut map = Map { walk, remembers, touching: station.touching, slow, before: all.clone(), after: all };
-    for _ in 0..WARM {
-        let here = map.slow_part(&map.after);
-        if progress.stopped() || map.go_on(&here).is_none() {
-            return Ok(None);
-        }
-    }
     let options = Options {
         scale,
-        tolerance: NEAR * accuracy,
+        tolerance: aim,
         enough: ENOUGH * accuracy,
         step,
         last_step: None,
@@ -72,10 +77,23 @@ pub fn solve_near(
         // Of undamped modes that the stepped engine does not keep the multipliers are 1.
         stable: false,
     };
-    let mut found = map.search(options, progress);
-    if found.is_none() && map.widen() {
-        // Modes that the stepped engine does without may ring for long all the same.
+    let mut found = None;
+    for (round, periods) in WARM.into_iter().enumerate() {
+        for _ in 0..periods {
+            let here = map.slow_part(&map.after);
+            if progress.stopped() || map.go_on(&here).is_none() {
+                return Ok(None);
+            }
+        }
+        let warm = map.after.clone();
         found = map.search(options, progress);
+        if found.is_some() || round > 0 {
+            break;
+        }
+        // Modes that the stepped engine does without may ring for long all the same: a second search sees more of them, and
+        // later.
+        map.after = warm;
+        map.widen();
     }
     let Some(found) = found else { return Ok(None) };
     map.begin(&map.with_slow(&map.after, &found.state));
@@ -143,16 +161,14 @@ impl Map {
         }
     }
 
-    /// Counts more modes among the unknowns, those that the tip force moves most; whether there are any.
-    fn widen(&mut self) -> bool {
+    /// Counts more modes among the unknowns, those that the tip force moves most.
+    fn widen(&mut self) {
         let system = &self.walk.system;
         let modes = system.modes();
         let rings = |place: &usize| system.oscillator(*place).1 > DAMPED && !self.slow.contains(place);
         let room = WIDE.saturating_sub(self.slow.len() / 2);
         let more: Vec<usize> = (0..modes).filter(rings).take(room).collect();
-        let numbers = self.after.iter().all(|value| value.is_finite());
         self.slow.extend(more.iter().flat_map(|place| [*place, modes + place]));
-        numbers && !more.is_empty()
     }
 
     fn slow_part(&self, all: &DVector<f64>) -> DVector<f64> {

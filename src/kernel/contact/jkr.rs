@@ -18,23 +18,24 @@ pub struct Jkr<L> {
     pub inverse_unit: L,
 }
 
-/// A Newton step on e sqrt(6 + 4e + e^2) - s, whose slope (2e^2 + 6e + 6)/sqrt(6 + 4e + e^2) never vanishes.
+/// Halley's step on e^2 (e^2 + 4e + 6) - t, of third order. In f32 for t up to 1e24: beyond, the slope's square overflows.
 #[inline(always)]
-fn newton<L: Lane>(e: L, s: L) -> L {
+fn halley<L: Lane>(e: L, t: L) -> L {
     let p = (e + L::splat(FOUR)).mul_add(e, L::splat(SIX));
-    let r = p.sqrt();
-    let slope = (L::splat(TWO) * e + L::splat(SIX)).mul_add(e, L::splat(SIX));
-    e - (e * r - s) * r / slope
+    let miss = (e * e).mul_add(p, -t);
+    let slope = L::splat(FOUR) * e * (e + L::splat(THREE)).mul_add(e, L::splat(THREE));
+    let y = e + L::splat(ONE);
+    let bend = L::splat(SIX) * y * y;
+    e - miss * slope / slope.mul_add(slope, -(miss * bend))
 }
 
-/// Solves e^2 (e^2 + 4e + 6) = s^2 for e >= 0, to 2e-6.
-///
-/// The start is close where adhesion matters, s/sqrt(6 + ...) for small s, and sqrt(s) - 1, 27 % too small, far beyond.
+/// e to 0.9 %, by s = sqrt(t): s/sqrt(6) where adhesion matters, sqrt(s) less a constant far beyond.
 #[inline(always)]
-fn root<L: Lane>(s: L) -> L {
+fn about<L: Lane>(s: L) -> L {
     let q = s.sqrt();
-    let start = s / (L::splat(JKR_ROOT_SIX) + L::splat(JKR_ROOT_A) * q + s / (L::splat(JKR_ROOT_B) + q));
-    newton(newton(newton(start, s), s), s)
+    let above = L::splat(JKR_ROOT_A).mul_add(q, L::splat(ONE));
+    let below = L::splat(JKR_ROOT_B).mul_add(q, L::splat(JKR_ROOT_SIX));
+    s * above / L::splat(JKR_ROOT_A).mul_add(s, below)
 }
 
 /// Mean of F over D between two points of the curve, and its mean slope dF/dD.
@@ -82,18 +83,20 @@ struct Point<L> {
 }
 
 impl<L: Lane> Point<L> {
-    /// At t, which counts as the fold if below zero, to 2e-6.
+    /// At t, which counts as the fold if below zero, to 1e-6.
     #[inline(always)]
     fn roughly(t: L) -> Self {
-        let s = t.max(L::splat(LEAST)).sqrt();
-        Self::of(s, root(s))
+        let t = t.max(L::splat(LEAST));
+        let s = t.sqrt();
+        Self::of(s, halley(about(s), t))
     }
 
-    /// Near this one, to rounding in f32 and 3e-13 in f64.
+    /// The same to rounding.
     #[inline(always)]
-    fn next(self, t: L) -> Self {
-        let s = t.max(L::splat(LEAST)).sqrt();
-        Self::of(s, newton(newton(self.e, s), s))
+    fn at(t: L) -> Self {
+        let t = t.max(L::splat(LEAST));
+        let s = t.sqrt();
+        Self::of(s, halley(halley(about(s), t), t))
     }
 
     #[inline(always)]
@@ -144,7 +147,10 @@ impl<L: Lane> Part<L> {
 impl<L: Lane> Interaction<L> for Jkr<L> {
     const SHADER: &'static LawShader = &LawShader {
         name: "jkr",
-        texts: &[include_str!("../../../shaders/contact/jkr.wgsl")],
+        texts: &[
+            include_str!("../../../shaders/contact/jkr_curve.wgsl"),
+            include_str!("../../../shaders/contact/jkr.wgsl"),
+        ],
         fields: &["unit_force", "inverse_unit"],
         shifts: true,
     };
@@ -186,27 +192,35 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
         // The stepped path lies off the true one by a 12th of the force (ARCHITECTURE.md).
         let near = Point::roughly(start + three);
         let t1 = L::select(touches, three, pull * twelfth * near.force + start + three);
-        let touch = Point::of(L::splat(JKR_TOUCH_ROOT), L::splat(JKR_TOUCH));
-        let from = Point::select(touches, touch, near.next(t1));
-        // Touch divides the step where the free path says.
-        let fast = (-two * free).mul_add(start, speed * speed).max(zero).sqrt();
-        let late = L::select(touches, -two * start / (speed + fast).max(L::splat(LEAST)), zero).min(one);
+        let mut from = Point::at(t1);
+        let (mut late, mut pace) = (zero, speed);
+        if L::any(touches) {
+            // Touch divides the step where the free path says.
+            let touch = Point::of(L::splat(JKR_TOUCH_ROOT), L::splat(JKR_TOUCH));
+            from = Point::select(touches, touch, from);
+            let fast = (-two * free).mul_add(start, speed * speed).max(zero).sqrt();
+            late = L::select(touches, -two * start / (speed + fast).max(L::splat(LEAST)), zero).min(one);
+            pace = L::select(touches, fast, speed);
+        }
         let left = one - late;
-        let pace = L::select(touches, fast, speed);
         let ahead = |held: L| (left * left).mul_add(half.mul_add(free, -held), left.mul_add(pace, t1));
         let near = Point::roughly(ahead(half * pull * from.force));
         let guess = Part::between(from, near);
         let held = pull * half.mul_add(guess.mean, -guess.moment);
         let t2 = ahead(held);
         let lets_go = L::both(begins, L::either(t2.less(zero), t1.less(zero)));
-        let to = Point::select(lets_go, Point::of(zero, zero), near.next(t2));
+        let mut to = Point::at(t2);
+        let mut share = left;
+        if L::any(lets_go) {
+            to = Point::select(lets_go, Point::of(zero, zero), to);
+            // The fold divides it where the path under the force does.
+            let height = t1.max(zero);
+            let bent = (-two).mul_add(held, free);
+            let fast = (-two * bent).mul_add(height, speed * speed).max(zero).sqrt();
+            let gone = (two * height / (fast - speed).max(L::splat(LEAST))).min(one);
+            share = L::select(lets_go, gone, left);
+        }
         let part = Part::between(from, to);
-        // The fold divides it where the path under the force does.
-        let height = t1.max(zero);
-        let bent = (-two).mul_add(held, free);
-        let fast = (-two * bent).mul_add(height, speed * speed).max(zero).sqrt();
-        let gone = (two * height / (fast - speed).max(L::splat(LEAST))).min(one);
-        let share = L::select(lets_go, gone, left);
         // Off the chord by the path's own bend over the part.
         let force = self.unit_force * part.mean;
         let bend = at.acceleration - force;
@@ -243,32 +257,31 @@ mod tests {
     }
 
     #[test]
-    fn root_over_twenty_decades() {
-        let (mut rough, mut worst, mut worst_single): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    fn points_over_thirty_decades() {
+        let (mut start, mut rough, mut worst, mut worst_single): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..=4000 {
             // e from 1e-10 to 1e9, so t from 6e-20 to 1e36.
             let e = 10f64.powf(-10.0 + 19.0 * f64::from(i) / 4000.0);
-            let near = Point::roughly(curve(e * 0.999));
-            rough = rough.max((near.e / (0.999 * e) - 1.0).abs());
-            let error = (near.next(curve(e)).e / e - 1.0).abs();
-            worst = worst.max(error);
+            start = start.max((about(curve(e).sqrt()) / e - 1.0).abs());
+            rough = rough.max((Point::roughly(curve(e)).e / e - 1.0).abs());
+            worst = worst.max((Point::at(curve(e)).e / e - 1.0).abs());
             // The single one is held against what its own rounded t asks for.
             let t = curve(e) as f32;
-            let exact = Point::roughly(f64::from(t)).next(f64::from(t)).e;
-            let single = Point::roughly(t * 0.998).next(t).e;
-            worst_single = worst_single.max((f64::from(single) / exact - 1.0).abs());
+            if t < 1e24 {
+                let exact = Point::at(f64::from(t)).e;
+                worst_single = worst_single.max((f64::from(Point::at(t).e) / exact - 1.0).abs());
+            }
         }
-        println!("largest relative errors {rough:.1e}, {worst:.1e} in f64, {worst_single:.1e} in f32");
-        assert!(rough < 2e-6, "{rough:e}");
-        assert!(worst < 3e-13, "{worst:e}");
+        println!("relative errors {start:.1e}, {rough:.1e}, {worst:.1e}, in f32 {worst_single:.1e}");
+        assert!(start < 9e-3, "{start:e}");
+        assert!(rough < 1e-6, "{rough:e}");
+        assert!(worst < 4.0 * f64::EPSILON, "{worst:e}");
         assert!(worst_single < 4.0 * f64::from(f32::EPSILON), "{worst_single:e}");
-        // The fold, and below it; from there, and to there.
+        // The fold, and below it.
         for t in [0.0, -1.0, -1e20] {
-            assert!(Point::roughly(t).e < 1e-14);
-            assert!(Point::roughly(1e-3).next(t).e < 1e-6);
-            assert!((Point::roughly(t).next(curve(1e-3)).e / 1e-3 - 1.0).abs() < 1e-9);
+            assert!(Point::roughly(t).e < 1e-14 && Point::at(t as f32).e < 1e-14);
         }
-        let touch = Point::roughly(3.0).next(3.0);
+        let touch = Point::at(3.0);
         assert!(
             (touch.e / JKR_TOUCH - 1.0).abs() < 1e-15 && (touch.root_t / JKR_TOUCH_ROOT - 1.0).abs() < 1e-15
         );
