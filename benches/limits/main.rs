@@ -100,12 +100,15 @@ fn plan(variant: &Variant, instances: usize, precision: Precision) -> Plan {
     plan
 }
 
+/// Share of the periods that is measured.
+const MEASURED: f64 = 0.25;
+
 /// Instance-steps per second, by the longest of runs that take about `seconds`.
 fn rate(plan: &Plan, engine: &dyn Engine, seconds: f64) -> f64 {
     let mut plan = plan.clone();
     let most = plan.run.periods;
     let mut run = |periods: u32| {
-        (plan.run.periods, plan.run.measure) = (periods, (periods / 4).max(1));
+        (plan.run.periods, plan.run.measure) = (periods, (MEASURED * f64::from(periods)).max(1.0) as u32);
         let start = Instant::now();
         engine.run(&plan, &Progress::default()).expect("the plan can be run");
         plan.instance_steps() as f64 / start.elapsed().as_secs_f64()
@@ -140,7 +143,7 @@ fn scaling(arguments: &Arguments, precision: Precision) {
     let peak = peak::cpu(precision, 1);
     // A multiply-add is two operations.
     let [least, most] =
-        work::operations(&plan).map(|operations| 100.0 * best[0] * operations as f64 / (2.0 * peak));
+        work::operations(&plan, MEASURED).map(|operations| 100.0 * best[0] * operations / (2.0 * peak));
     println!(
         "standard on one thread: {:.3e} steps/s, {least:.1} to {most:.1}% of one core's {peak:.3e} multiply-adds/s; on {}: {:.3e}, {:.2} times",
         best[0],
@@ -208,14 +211,14 @@ fn main() {
             if variant.name == "standard" {
                 standard = rate;
             }
-            let operations = work::operations(&plan);
-            let shares = operations.map(|operations| rate * operations as f64 / (2.0 * peak));
+            let operations = work::operations(&plan, MEASURED);
+            let shares = operations.map(|operations| rate * operations / (2.0 * peak));
             println!(
                 "{:<18}{:>14.3e}{:>12.2}{:>15}{:>18}",
                 variant.name,
                 rate,
                 rate / standard,
-                format!("{} to {}", operations[0], operations[1]),
+                format!("{:.0} to {:.0}", operations[0], operations[1]),
                 format!("{:.1} to {:.1} %", 100.0 * shares[0], 100.0 * shares[1]),
             );
             rows.push(json!({
@@ -238,7 +241,7 @@ fn main() {
             "device": engine.device(),
             "processor": processor(),
             "date": afmsweep::store::now(),
-            "note": "operations: + - * / sqrt min max abs of a step with its observables: at least those of every step, at most those of every branch",
+            "note": "operations: + - * / sqrt min max abs of a step, with its observables' sums in a quarter of the periods: at least those of every step, at most those of every branch",
             "rows": rows,
         });
         let text = serde_json::to_string_pretty(&all).expect("plain data");

@@ -7,10 +7,11 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Start;
 use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 
-/// Sums, products, quotients, roots, min, max and abs of a step and of what it adds to the observables' sums: those of
-/// every step, and with all that a branch may add. The CPU skips some of the former too, where no lane needs them;
-/// loops are not counted, the kernel has none.
-pub fn operations(plan: &Plan) -> [usize; 2] {
+/// Sums, products, quotients, roots, min, max and abs of a step, and in the share of them that is `measured` of what it
+/// adds to the observables' sums: those of every step, and with all that a branch may add. The CPU skips some of the
+/// former too, where no lane needs them; a GPU does a few more, the fundamental's sums of every step. Loops are not
+/// counted, the kernel has none.
+pub fn operations(plan: &Plan, measured: f64) -> [f64; 2] {
     let class = &plan.classes[0];
     let spec = ShaderSpec {
         law: match class.law {
@@ -27,8 +28,8 @@ pub fn operations(plan: &Plan) -> [usize; 2] {
     };
     let module = naga::front::wgsl::parse_str(&spec.compose()).expect("the shader is right");
     [false, true].map(|branches| {
-        let counted = |name: &&str| of_function(&module, named(&module, name), branches);
-        ["step", "tally_add"].iter().map(counted).sum()
+        let counted = |name: &str| of_function(&module, named(&module, name), branches) as f64;
+        counted("step") + measured * counted("tally_add")
     })
 }
 

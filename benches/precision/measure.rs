@@ -21,6 +21,8 @@ pub const LONGEST: f64 = 0.25;
 /// Tolerances, relative and absolute, of the adaptive solvers.
 #[cfg(feature = "peers")]
 const TOLERANCES: [f64; 7] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12];
+/// Shortest time that is measured, s.
+const SHORTEST: f64 = 0.1;
 /// s
 const PATIENCE: f64 = 2.0;
 
@@ -88,12 +90,7 @@ pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32) -> Vec<Po
             if let Some(warm) = &entry.warm {
                 warm();
             }
-            let (cpu, wall) = (ProcessTime::now(), Instant::now());
-            let results = (entry.run)();
-            let seconds = match entry.clock {
-                "cpu" => cpu.elapsed().as_secs_f64(),
-                _ => wall.elapsed().as_secs_f64(),
-            };
+            let (seconds, results) = timed(entry.clock, || (entry.run)());
             if round == 0 {
                 eprintln!("{} {} {}: {seconds:.3} s", problem.name, entry.solver, entry.setting);
             }
@@ -104,6 +101,24 @@ pub fn measure(problem: &Problem, devices: &mut Devices, repeats: u32) -> Vec<Po
     let points = entries.into_iter().map(|entry| point(problem, entry)).collect();
     devices.notes.extend(notes);
     points
+}
+
+/// Seconds that `work` takes by that clock, and what it says. What is short is done again and again: a process's CPU time
+/// is told in coarse steps.
+pub fn timed<T>(clock: &str, work: impl Fn() -> T) -> (f64, T) {
+    let (cpu, wall) = (ProcessTime::now(), Instant::now());
+    let mut count = 0;
+    loop {
+        let said = work();
+        count += 1;
+        if wall.elapsed().as_secs_f64() > SHORTEST {
+            let seconds = match clock {
+                "cpu" => cpu.elapsed().as_secs_f64(),
+                _ => wall.elapsed().as_secs_f64(),
+            };
+            return (seconds / f64::from(count), said);
+        }
+    }
 }
 
 fn point(problem: &Problem, entry: Entry) -> Point {

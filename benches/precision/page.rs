@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Marks the page, so that the folder may be written again.
 pub const GENERATOR: &str = "afmsweep precision bench";
 /// Median errors at which solvers are compared.
-pub const LEVELS: [f64; 4] = [1e-3, 1e-5, 1e-6, 1e-7];
+const LEVELS: [f64; 4] = [1e-3, 1e-5, 1e-6, 1e-7];
 
 /// Solvers that stand in one line of the comparison: the cheaper of several methods at each accuracy.
 struct Family {
