@@ -311,5 +311,8 @@ fn advice(status: Status) -> &'static str {
         Status::NonFinite => "values ran out of the range of numbers; more steps per period may help",
         Status::OutOfRange => "a contact lasts only a few steps; raise [run] steps_per_period",
         Status::NotRun => "the run ended before them",
+        Status::AccuracyNotMet => {
+            "their error is estimated, or was found by an audit, above the accuracy asked for (error_estimate, group audit)"
+        }
     }
 }

@@ -34,7 +34,7 @@ pub fn others(run: &Controlled, engine: &dyn Engine, progress: &Progress) -> Res
         let (ours, finished) = (&run.outcome.results[i as usize], second.outcome.results[i as usize]);
         let apart = steps::difference(plan, i as usize, ours, &finished) > APART * plan.run.accuracy;
         // Where the first run found no steady state at all, any is another.
-        let another = apart || !matches!(ours.status, Status::Ok | Status::OutOfRange);
+        let another = apart || !ours.status.is_steady();
         another.then_some(Other { instance: i, finished, multiplier: place.spectrum.multiplier })
     };
     Ok(instances.into_iter().filter_map(other).collect())

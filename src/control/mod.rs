@@ -61,7 +61,7 @@ impl Arithmetic {
 }
 
 /// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
-/// for. Instances of which that cannot be said even with the most steps tried are called out of range.
+/// for. Of instances for which that cannot be said even with the most steps and the richest lever tried, the status is accuracy_not_met.
 ///
 /// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
 /// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
@@ -112,7 +112,7 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         let i = i as usize;
         let doubtful = all.estimates[i] > all.plan.run.accuracy;
         if doubtful && all.outcome.results[i].status == Status::Ok {
-            all.outcome.results[i].status = Status::OutOfRange;
+            all.outcome.results[i].status = Status::AccuracyNotMet;
         }
     }
     Ok(all)

@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "aarch64")]
 use crate::kernel::Pack;
-use crate::kernel::{Lane, Pack32, Pack64};
+use crate::kernel::Lane;
 #[cfg(target_arch = "x86_64")]
 use crate::kernel::{Pair, Ymm32, Ymm64, Zmm32, Zmm64};
 use crate::plan::Precision;
@@ -120,7 +120,7 @@ fn with_single<S: Stepping>(rounding: Rounding, what: S) -> S::Output {
         Rounding::Fused(Instructions::Avx2) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
         #[cfg(target_arch = "aarch64")]
         Rounding::Fused(Instructions::Neon) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
-        Rounding::Strict => what.with::<(Pack32, Pack32)>(),
+        Rounding::Strict => what.with::<(f32, f32)>(),
     }
 }
 
@@ -133,7 +133,7 @@ pub(super) fn with_double<S: Stepping>(rounding: Rounding, what: S) -> S::Output
         Rounding::Fused(Instructions::Avx2) => what.with::<(Pair<Ymm64>, Pair<Ymm64>)>(),
         #[cfg(target_arch = "aarch64")]
         Rounding::Fused(Instructions::Neon) => what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>(),
-        Rounding::Strict => what.with::<(Pack64, Pack64)>(),
+        Rounding::Strict => what.with::<(f64, f64)>(),
     }
 }
 

@@ -16,16 +16,19 @@ pub enum Status {
     OutOfRange = 4,
     /// The run ended before this instance was computed.
     NotRun = 5,
+    /// The estimated error, or the one that an audit found, stayed above the accuracy asked for.
+    AccuracyNotMet = 6,
 }
 
 impl Status {
-    pub const ALL: [Status; 6] = [
+    pub const ALL: [Status; 7] = [
         Status::Ok,
         Status::NotSteady,
         Status::Sensitive,
         Status::NonFinite,
         Status::OutOfRange,
         Status::NotRun,
+        Status::AccuracyNotMet,
     ];
 
     /// One word, as in `flag_meanings`.
@@ -37,7 +40,13 @@ impl Status {
             Self::NonFinite => "non_finite",
             Self::OutOfRange => "out_of_range",
             Self::NotRun => "not_run",
+            Self::AccuracyNotMet => "accuracy_not_met",
         }
+    }
+
+    /// Whether the instance has a steady motion, known well or not.
+    pub fn is_steady(self) -> bool {
+        matches!(self, Self::Ok | Self::OutOfRange | Self::AccuracyNotMet)
     }
 
     /// The status of that code.

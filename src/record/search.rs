@@ -16,8 +16,8 @@ pub const BRANCHES: [&str; 3] = ["none", "attractive", "repulsive"];
 fn branch(one: &Finished) -> u8 {
     let force = one.measured.force_mean;
     match one.status {
-        Status::Ok | Status::OutOfRange if force < 0.0 => 1,
-        Status::Ok | Status::OutOfRange if force > 0.0 => 2,
+        status if status.is_steady() && force < 0.0 => 1,
+        status if status.is_steady() && force > 0.0 => 2,
         _ => 0,
     }
 }

@@ -7,7 +7,6 @@ mod wait;
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
-use crate::observe::Status;
 use crate::periodic::Spectrum;
 use crate::plan::{KeptModes, Plan, Precision, Station};
 use crate::scene::Steady;
@@ -114,7 +113,7 @@ fn found(
     outcome.notes.splice(0..0, searched.notes);
     chosen.iter().for_each(|i| periods[*i as usize] += ON);
     let left = |outcome: &Outcome| -> Vec<u32> {
-        let stays = |i: u32| matches!(outcome.results[i as usize].status, Status::Ok | Status::OutOfRange);
+        let stays = |i: u32| outcome.results[i as usize].status.is_steady();
         chosen.iter().copied().filter(|i| !stays(*i)).collect()
     };
     let rough = left(&outcome);

@@ -36,7 +36,7 @@ UNITS = {
     "contact_radius": "m",
     "time": "s",
 }
-MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run"]
+MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run", "accuracy_not_met"]
 GROUPS = ["waveforms", "force_curves", "audit", "other_branch"]
 ENGINES = ["h5netcdf", "netcdf4"]
 
