@@ -1,10 +1,10 @@
 //! Whether the accuracy asked for is met: random instances from wide ranges, run to several accuracies, held
 //! against the reference engine one by one.
 
-use crate::random::{Wide, quantile, scene};
+use crate::random::{Ranges, Wide, quantile, scene};
 use afmsweep::compare::{self, Scales, worst};
-use afmsweep::control;
-use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference};
+use afmsweep::control::{self, Controlled};
+use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use serde_json::{Value, json};
@@ -12,19 +12,33 @@ use std::time::Instant;
 
 const LAWS: [&str; 3] = ["hertz", "dmt", "jkr"];
 const ACCURACIES: [f64; 3] = [1e-2, 1e-3, 1e-4];
-/// Long enough for the largest quality factor to settle.
-const RUN: &str = "periods = 400\nmeasure = 4";
-const QUALITY: [f64; 2] = [10.0, 60.0];
+/// An ensemble: where its instances come from, and how they are run.
+pub struct Ensemble {
+    pub from: Ranges,
+    /// Lines of `[run]`.
+    pub run: &'static str,
+}
+
+/// One lever in air, waited for long enough for the largest quality factor.
+pub const USUAL: Ensemble = Ensemble { from: Ranges::USUAL, run: "periods = 400\nmeasure = 4" };
+/// All kinds of levers, searched for.
+pub const LEVERS: Ensemble =
+    Ensemble { from: Ranges::LEVERS, run: "periods = 600\nmeasure = 4\nsteady = \"search\"" };
+
 /// Of the reference where it waits: three digits below the finest accuracy asked for.
 const TOLERANCE: f64 = 1e-9;
+/// And where it looks for the state next to a run's own.
+const BESIDE: f64 = 1e-9;
 
 /// What the reference makes of the ensemble: of every instance that the run to the finest accuracy calls ok its
 /// own periodic state next to the run's, with all modes.
 fn truths(wide: &Wide) -> Vec<Option<Finished>> {
-    let plan = plan(wide);
+    let (plan, start) = (plan(wide), Instant::now());
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
+    println!("    {}: run for {:e} in {:.0} s", wide.law, wide.accuracy, start.elapsed().as_secs_f64());
     let audited = control::audit(&run.plan, &run.outcome, &run.found, wide.count, &Progress::default())
         .expect("the plan can be run");
+    println!("    {}: truths in {:.0} s", wide.law, start.elapsed().as_secs_f64());
     let mut truths = vec![None; wide.count];
     for one in audited.into_iter().filter(|one| one.truth.status == Status::Ok) {
         truths[one.instance as usize] = Some(one.truth);
@@ -61,13 +75,16 @@ fn plan(wide: &Wide) -> Plan {
 }
 
 /// The table, and its rows.
-pub fn run(count: usize, waits: usize, seed: u64) -> Vec<Value> {
+pub fn run(ensemble: &Ensemble, count: usize, waits: usize, seed: u64) -> Vec<Value> {
     println!("{count} random instances for each law, seed {seed}");
     println!(
-        "{:<6}{:>8}{:>6}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
+        "{:<6}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
         "law",
         "asked",
         "ok",
+        "not met",
+        "unsteady",
+        "no truth",
         "median",
         "95 %",
         "largest",
@@ -80,7 +97,7 @@ pub fn run(count: usize, waits: usize, seed: u64) -> Vec<Value> {
     );
     let mut rows = Vec::new();
     for law in LAWS {
-        let wide = |accuracy| Wide { law, count, seed, accuracy, quality: QUALITY, run: RUN };
+        let wide = |accuracy| Wide { law, count, seed, accuracy, from: ensemble.from, run: ensemble.run };
         let finest = wide(ACCURACIES[2]);
         let truths = truths(&finest);
         let (steady, same) = waited(&finest, waits, &truths);
@@ -100,20 +117,33 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
     let start = Instant::now();
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
     let seconds = start.elapsed().as_secs_f64();
-    let (mut errors, mut low, mut steps) = (Vec::new(), 0, 0.0);
+    let (mut errors, mut low, mut steps, mut others) = (Vec::new(), 0, 0.0, 0);
     for (i, truth) in truths.iter().enumerate() {
         let ours = &run.outcome.results[i];
         steps += f64::from(run.plan.cases[i].steps) / count as f64;
         let Some(truth) = truth.as_ref().filter(|_| ours.status == Status::Ok) else { continue };
-        let scales = Scales::of(&run.plan, i, &truth.measured);
-        let error = worst(&plan.observables, &ours.measured, &truth.measured, &scales);
+        let apart = |truth: &Finished| {
+            let scales = Scales::of(&run.plan, i, &truth.measured);
+            worst(&plan.observables, &ours.measured, &truth.measured, &scales)
+        };
+        let (mut truth, mut error) = (*truth, apart(truth));
+        if error > accuracy
+            && let Some(own) = beside(&run, i as u32)
+            && apart(&own) < error
+        {
+            // Of several states it has another one than the run to the finest accuracy.
+            others += usize::from(apart(&own) <= accuracy);
+            (truth, error) = (own, apart(&own));
+        }
+        let (truth, scales) = (&truth, Scales::of(&run.plan, i, &truth.measured));
         low += usize::from(error > 3.0 * run.estimates[i].max(0.1 * accuracy));
         if error > accuracy {
             let (estimate, steps) = (run.estimates[i], run.plan.cases[i].steps);
             let of = |one: &Observable| compare::error(*one, &ours.measured, &truth.measured, &scales);
             let whose = plan.observables.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
             println!(
-                "    instance {i}: {error:.1e}, estimated {estimate:.1e}, {steps} steps, {} oscillators, {}, in contact {:.4} of the period",
+                "    instance {i} ({}): {error:.1e}, estimated {estimate:.1e}, {steps} steps, {} oscillators, {}, in contact {:.4} of the period",
+                parameters(&run.plan, i),
                 run.plan.drives[run.plan.cases[i].drive as usize].kept.modes.len(),
                 whose.map_or("", |one| one.name()),
                 truth.measured.contact_time,
@@ -124,10 +154,14 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
     errors.sort_by(f64::total_cmp);
     let single = run.arithmetic.of.iter().filter(|one| **one == Precision::F32).count();
     let above = |times: f64| errors.iter().filter(|error| **error > times * accuracy).count();
+    let with = |status: Status| run.outcome.results.iter().filter(|one| one.status == status).count();
     let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
     println!(
-        "{law:<6}{accuracy:>8.0e}{:>6}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
+        "{law:<6}{accuracy:>8.0e}{:>6}{:>9}{:>9}{:>9}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
         errors.len(),
+        with(Status::AccuracyNotMet),
+        with(Status::NotSteady),
+        with(Status::Ok) - errors.len(),
         above(1.0),
         above(3.0),
     );
@@ -136,6 +170,12 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
         "accuracy": accuracy,
         "instances": count,
         "ok": errors.len(),
+        "accuracy_not_met": with(Status::AccuracyNotMet),
+        "not_steady": with(Status::NotSteady),
+        "out_of_range": with(Status::OutOfRange),
+        "sensitive": with(Status::Sensitive),
+        "another_state": others,
+        "no_truth": with(Status::Ok) - errors.len(),
         "waits_steady": steady,
         "waits_same": same,
         "median": median,
@@ -148,4 +188,30 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
         "in_f32": single,
         "seconds": seconds,
     })
+}
+
+/// The reference's periodic state next to the run's own, if there is one.
+fn beside(run: &Controlled, instance: u32) -> Option<Finished> {
+    let station = run.found.get(instance as usize)?.as_ref()?.station;
+    let reference = Reference { tolerance: BESIDE, ..Reference::default() };
+    let found = solve_near(&run.plan, instance as usize, &station, &reference, &Progress::default());
+    found.expect("the plan has the instance").filter(|one| one.status == Status::Ok)
+}
+
+/// What an instance is, to look at it by itself.
+fn parameters(plan: &Plan, i: usize) -> String {
+    let case = &plan.cases[i];
+    let driven = &plan.drives[case.drive as usize];
+    let mode = &driven.instrument.modes[0];
+    format!(
+        "{:.3} N/m, {:.0} kHz, Q {:.1}, K {:.2e} Pa, w {:.1e} J/m^2, R {:.1} nm, A {:.1} nm, gap {:.3} A",
+        mode.omega.powi(2) / (mode.tip * mode.force),
+        driven.frequency() / 1e3,
+        mode.quality_factor,
+        case.contact.modulus,
+        case.contact.work,
+        1e9 * case.contact.radius,
+        1e9 * driven.free.tip.norm(),
+        case.gap / driven.free.tip.norm()
+    )
 }

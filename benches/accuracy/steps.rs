@@ -1,6 +1,6 @@
 //! What the choice of steps costs, against the cheapest number of steps for all that meets the accuracy.
 
-use crate::random::{Wide, scene};
+use crate::random::{Ranges, Wide, scene};
 use afmsweep::compare::{Scales, choose, worst};
 use afmsweep::control;
 use afmsweep::engine::{Cpu, Engine, Finished, Model, Progress, Reference};
@@ -23,7 +23,7 @@ fn quickstart() -> Scene {
 
 fn random(law: &str, count: usize, seed: u64) -> Scene {
     let run = "periods = 400\nmeasure = 4";
-    scene(&Wide { law, count, seed, accuracy: 1e-3, quality: [10.0, 60.0], run })
+    scene(&Wide { law, count, seed, accuracy: 1e-3, from: Ranges::USUAL, run })
 }
 
 /// The largest error of the instances that both call ok, and how many those are.

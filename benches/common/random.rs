@@ -24,6 +24,47 @@ impl Random {
     }
 }
 
+/// Ends of what is random, each spread evenly over its logarithm, gaps evenly.
+#[derive(Clone, Copy, Debug)]
+pub struct Ranges {
+    /// N/m and Hz; the drive is at the lever's frequency.
+    pub stiffness: [f64; 2],
+    pub frequency: [f64; 2],
+    pub quality: [f64; 2],
+    /// Pa, J/m^2, m, m
+    pub modulus: [f64; 2],
+    pub work: [f64; 2],
+    pub radius: [f64; 2],
+    pub amplitude: [f64; 2],
+    /// Of the free amplitude.
+    pub gap: [f64; 2],
+}
+
+impl Ranges {
+    /// One lever of tapping in air.
+    pub const USUAL: Self = Self {
+        stiffness: [40.0; 2],
+        frequency: [300e3; 2],
+        quality: [10.0, 60.0],
+        modulus: [10e6, 100e9],
+        work: [1e-3, 0.2],
+        radius: [5e-9, 100e-9],
+        amplitude: [5e-9, 100e-9],
+        gap: [0.3, 1.05],
+    };
+    /// From soft levers in liquids to stiff ones in air, each instance another.
+    pub const LEVERS: Self = Self {
+        stiffness: [0.03, 100.0],
+        frequency: [10e3, 1e6],
+        quality: [1.5, 1000.0],
+        modulus: [1e6, 200e9],
+        work: [1e-3, 0.2],
+        radius: [2e-9, 200e-9],
+        amplitude: [1e-9, 200e-9],
+        gap: [0.2, 1.05],
+    };
+}
+
 /// What a random scene has.
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<'a> {
@@ -31,40 +72,49 @@ pub struct Wide<'a> {
     pub count: usize,
     pub seed: u64,
     pub accuracy: f64,
-    /// Ends of the quality factors.
-    pub quality: [f64; 2],
+    /// Where the levers, samples and tips come from.
+    pub from: Ranges,
     /// More lines of `[run]`.
     pub run: &'a str,
 }
 
 /// A calibrated lever, and `count` samples, tips, quality factors, amplitudes and gaps under one law.
 pub fn scene(wide: &Wide) -> Scene {
-    let Wide { law, count, seed, accuracy, quality, run } = *wide;
+    let Wide { law, count, seed, accuracy, from, run } = *wide;
     let mut random = Random(seed);
-    let mut lists: [(&str, &str, Vec<f64>); 6] = [
+    let mut lists: [(&str, &str, Vec<f64>); 9] = [
         ("sample.youngs_modulus", "Pa", vec![]),
         ("sample.surface_energy", "J/m^2", vec![]),
         ("instrument.tip.radius", "m", vec![]),
         ("instrument.cantilever.quality_factor", "", vec![]),
         ("drive.free_amplitude", "m", vec![]),
         ("approach.gap", "m", vec![]),
+        ("instrument.cantilever.stiffness", "N/m", vec![]),
+        ("instrument.cantilever.frequency", "Hz", vec![]),
+        ("drive.frequency", "Hz", vec![]),
     ];
     for _ in 0..count {
-        let amplitude = random.log(5e-9, 100e-9);
-        let values = [
-            random.log(10e6, 100e9),
-            random.log(1e-3, 0.2),
-            random.log(5e-9, 100e-9),
-            random.log(quality[0], quality[1]),
-            amplitude,
-            amplitude * (0.3 + 0.75 * random.next()),
-        ];
+        let mut any = |[low, high]: [f64; 2]| random.log(low, high);
+        let (amplitude, modulus, work, radius) =
+            (any(from.amplitude), any(from.modulus), any(from.work), any(from.radius));
+        let quality = any(from.quality);
+        let gap = amplitude * (from.gap[0] + (from.gap[1] - from.gap[0]) * random.next());
+        let one = |ends: [f64; 2], random: &mut Random| match ends[0] == ends[1] {
+            true => ends[0],
+            false => random.log(ends[0], ends[1]),
+        };
+        let stiffness = one(from.stiffness, &mut random);
+        let frequency = one(from.frequency, &mut random);
+        let values = [modulus, work, radius, quality, amplitude, gap, stiffness, frequency, frequency];
         for ((.., list), value) in lists.iter_mut().zip(values) {
             list.push(value);
         }
     }
+    // What does not vary is in the scene.
+    let varies = |list: &[f64]| list.windows(2).any(|pair| pair[0] != pair[1]);
     let samples: String = lists
         .iter()
+        .filter(|(.., list)| varies(list) || list.len() < 2)
         .map(|(path, unit, list)| {
             let words: Vec<String> = list
                 .iter()

@@ -15,7 +15,7 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Steady;
 use afmsweep::steady::{self, Settled};
 use page::Part;
-use random::{Wide, quantile, scene};
+use random::{Ranges, Wide, quantile, scene};
 use serde_json::{Value, json};
 
 const LAWS: [&str; 3] = ["hertz", "dmt", "jkr"];
@@ -77,7 +77,7 @@ fn costs(count: usize, seed: u64) -> Vec<Value> {
                     count,
                     seed,
                     accuracy: ACCURACY,
-                    quality: [quality, quality * 1.001],
+                    from: Ranges { quality: [quality, quality * 1.001], ..Ranges::USUAL },
                     run: &text,
                 };
                 let most = (60.0 * quality) as u32;
@@ -127,7 +127,7 @@ fn same(count: usize, seed: u64) -> Vec<Value> {
             count: part,
             seed,
             accuracy: ACCURACY,
-            quality: [10.0, 1000.0],
+            from: Ranges { quality: [10.0, 1000.0], ..Ranges::USUAL },
             run: "measure = 4\nmodes = 3",
         };
         let (truth, after) = waited(&wide, 32_768);

@@ -4,7 +4,7 @@ use super::steps::difference;
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, Precision};
+use crate::plan::{Basis, Plan, Precision, RICHEST};
 use crate::steady;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -15,7 +15,6 @@ const SAMPLE: usize = 64;
 /// the one that they are held against. The poorer ones pay where there are many more instances than the sample has.
 const POORER: [f64; 3] = [1000.0, 100.0, 10.0];
 const RICHER: [f64; 3] = [1.0, 0.5, 0.25];
-const RICHEST: f64 = 0.1;
 const MANY: usize = 4 * SAMPLE;
 /// No lever is made for an accuracy worse than this: it would have no mode.
 const POOREST: f64 = 0.3;
@@ -39,8 +38,8 @@ fn bound(accuracy: f64, asked: f64) -> f64 {
 /// The plan with the modes that each instance needs.
 pub(super) struct Choice {
     pub plan: Plan,
-    /// By instance, the accuracy whose modes the next poorer lever carries; none where all are in the sample themselves.
-    pub poorer: Option<Vec<f64>>,
+    /// By instance, what the next poorer lever is made by; none where all are in the sample themselves.
+    pub poorer: Option<Vec<Basis>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     /// What the engine had to say of the sample's runs.
@@ -53,7 +52,10 @@ struct Trial {
     differences: Vec<f64>,
 }
 
-/// Tries levers on a sample of `stepped`, the plan's instances that need steps.
+/// Chooses the lever of each of `stepped`, the plan's instances that need steps.
+///
+/// Contacts that are too fast for the modes with the largest shares have a lever of their own from the plan: their first
+/// run has fewer oscillators, and the difference is each instance's own estimate. For the others levers are tried on a sample.
 ///
 /// The harder a contact presses the lever, the more modes it moves: within a law the instances are put in the order
 /// of their contact's stiffness at the deepest indentation to expect. A lever is good for all instances below the
@@ -68,11 +70,18 @@ pub(super) fn choose(
     let accuracy = plan.run.accuracy;
     let modes =
         |plan: &Plan| -> Vec<_> { plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect() };
-    let as_it_is = |left_out| Choice { plan: plan.clone(), poorer: None, left_out, notes: Vec::new() };
-    if plan.run.modes.is_some() {
+    let own = |i: &u32| plan.drives[plan.cases[*i as usize].drive as usize].kept.basis;
+    let (usual, fast): (Vec<u32>, Vec<u32>) =
+        stepped.iter().copied().partition(|i| matches!(own(i), Basis::Shares { .. }));
+    let as_it_is = |left_out| {
+        let first = |i: u32| own(&i).poorer().unwrap_or(own(&i));
+        let poorer = (!fast.is_empty()).then(|| (0..plan.cases.len() as u32).map(first).collect());
+        Choice { plan: plan.clone(), poorer, left_out, notes: Vec::new() }
+    };
+    if plan.run.modes.is_some() || usual.is_empty() {
         return Ok(as_it_is(left_out));
     }
-    let order = by_stiffness(plan, stepped);
+    let order = by_stiffness(plan, &usual);
     let sample = spread(plan, &order);
     // A plan of its own: trials cost what the sample is, not what it is of.
     let part = plan.part(&sample);
@@ -116,7 +125,11 @@ pub(super) fn choose(
         }
     }
     let mut wanted = Vec::with_capacity(order.len());
-    let mut poorer = vec![accuracy; plan.cases.len()];
+    let mut poorer = vec![Basis::Shares { accuracy }; plan.cases.len()];
+    for i in fast.iter().copied() {
+        wanted.push((i, own(&i)));
+        poorer[i as usize] = own(&i).poorer().unwrap_or(own(&i));
+    }
     for (law, members) in laws(plan, &order) {
         let known: Vec<usize> = (0..sample.len()).filter(|n| law_of(plan, sample[*n]) == law).collect();
         let places: Vec<f64> = known.iter().map(|n| stiffness(plan, sample[*n])).collect();
@@ -127,18 +140,24 @@ pub(super) fn choose(
             let serves = |n: &usize| *n == 0 || levers[n - 1].begins(place);
             let found =
                 (0..levers.len()).filter(serves).find_map(|n| levers[n].cost(place).map(|cost| (n, cost)));
-            // The richest one is some three times as good as what it was held against.
-            let (lever, cost) = found
-                .map_or((RICHEST * accuracy, RICHEST * accuracy), |(n, cost)| (levers[n].accuracy, cost));
-            let before = found.map_or(levers.len(), |(n, _)| n).checked_sub(1);
-            let before = before.filter(|n| levers[*n].begins(place));
-            wanted.push((i, lever));
-            poorer[i as usize] = before.map_or(lever, |n| levers[n].accuracy);
+            let shares = |n: usize| Basis::Shares { accuracy: levers[n].accuracy };
+            let Some((n, cost)) = found else {
+                // No lever of the trial serves: one for the contact itself, which the next poorer one vouches for.
+                let own = plan.contact_basis(i).unwrap_or(Basis::Shares { accuracy: RICHEST * accuracy });
+                let (before, cost) = own.poorer().map_or((own, RICHEST * accuracy), |before| (before, 0.0));
+                wanted.push((i, own));
+                (poorer[i as usize], left_out[i as usize]) = (before, cost);
+                continue;
+            };
+            let before = n.checked_sub(1).filter(|n| levers[*n].begins(place));
+            wanted.push((i, shares(n)));
+            poorer[i as usize] = before.map_or(shares(n), shares);
             left_out[i as usize] = cost;
         }
     }
-    // Of the sample itself all is known.
-    let poorer = (order.len() > sample.len()).then_some(poorer);
+    // Of the sample itself all is known, but for those whose own difference has to tell.
+    let own = wanted.iter().any(|(_, basis)| basis.poorer().is_some());
+    let poorer = (order.len() > sample.len() || own).then_some(poorer);
     Ok(Choice { plan: plan.levers(&wanted), poorer, left_out, notes })
 }
 
@@ -190,15 +209,17 @@ impl Lever {
     }
 }
 
-/// The contact's stiffness at the deepest indentation to expect, N/m; under DMT at least the slope of the attraction
-/// just outside, which a tip feels that never touches.
+/// The contact's stiffness at the deepest indentation to expect, over the lever's; under DMT at least the slope of the
+/// attraction just outside, which a tip feels that never touches.
 fn stiffness(plan: &Plan, instance: u32) -> f64 {
-    let contact = &plan.cases[instance as usize].contact;
+    let case = &plan.cases[instance as usize];
+    let (contact, flexibility) = (&case.contact, plan.drives[case.drive as usize].kept.flexibility);
     let pressed = contact.stiffness(plan.expected_depth(instance as usize), true).abs();
-    match contact.law {
+    let felt = match contact.law {
         Law::Dmt => pressed.max(4.0 * PI * contact.radius * contact.work / contact.decay_length),
         _ => pressed,
-    }
+    };
+    felt * flexibility
 }
 
 fn law_of(plan: &Plan, instance: u32) -> Law {

@@ -4,7 +4,7 @@ use super::{Controlled, precision, sensitive};
 use crate::compare::{Scales, worst};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, Precision, STEPS_MAX};
+use crate::plan::{Basis, Plan, Precision, STEPS_MAX};
 use crate::steady::{self, SETTLED, Settled};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -16,6 +16,10 @@ const DOUBLINGS: usize = 4;
 /// What is left of the difference between two runs in the finer one's error. Errors fall by 6 to 16 times with
 /// twice the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
 const LEFT: f64 = 0.25;
+
+/// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 3 to 8 times from
+/// one to the next, not always evenly.
+const LEFT_OF_MODES: f64 = 0.4;
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate
 /// sees (undamped modes of small share, rounding).
@@ -33,8 +37,8 @@ const FEWEST: u32 = 16;
 
 /// What is known before the steps are.
 pub(super) struct First<'a> {
-    /// By instance, the accuracy whose modes the lever of the first run carries; none where it is the plan's own.
-    pub poorer: Option<Vec<f64>>,
+    /// By instance, what the lever of the first run is made by; none where it is the plan's own.
+    pub poorer: Option<Vec<Basis>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
@@ -56,7 +60,7 @@ pub(super) fn quartered(plan: &Plan, instances: &[u32]) -> Plan {
 pub(super) fn run(
     plan: Plan,
     (all, stepped): (&[u32], &[u32]),
-    First { poorer, left_out, chosen }: First,
+    First { poorer, mut left_out, chosen }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
@@ -67,10 +71,13 @@ pub(super) fn run(
         return Ok(Controlled::new(plan, settled, (estimates, left_out), chosen));
     }
     let fine = halved(&plan, all);
-    let coarse = match poorer {
+    let coarse = match &poorer {
         None => quartered(&plan, stepped),
-        Some(accuracies) => {
-            let wanted: Vec<(u32, f64)> = stepped.iter().map(|i| (*i, accuracies[*i as usize])).collect();
+        Some(bases) => {
+            // How many oscillators there are for a fast contact decides what the steps cost, so these are told apart:
+            // the first difference is of steps alone.
+            let first = |i: &u32| if is_fast(&plan, *i) { plan.basis(*i) } else { bases[*i as usize] };
+            let wanted: Vec<(u32, Basis)> = stepped.iter().map(|i| (*i, first(i))).collect();
             let mut poorer = plan.levers(&wanted);
             poorer.cases.iter_mut().zip(&plan.cases).for_each(|(poor, case)| poor.steps = case.steps);
             quartered(&poorer, stepped)
@@ -87,6 +94,21 @@ pub(super) fn run(
         let known = rough.outcome.results[i].status == Status::Ok;
         if known && lever(&coarse, i).modes != lever(&fine, i).modes {
             parts.both[i] = apart;
+        }
+    }
+    if let Some(bases) = &poorer {
+        // And the second one is of oscillators alone.
+        let fast = |i: &u32| is_fast(&plan, *i) && bases[*i as usize] != plan.basis(*i);
+        let fast: Vec<u32> = stepped.iter().copied().filter(fast).collect();
+        if !fast.is_empty() && !progress.stopped() {
+            let wanted: Vec<(u32, Basis)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
+            let mut few = fine.levers(&wanted);
+            few.cases.iter_mut().zip(&fine.cases).for_each(|(few, case)| few.steps = case.steps);
+            let few = few.only(&fast);
+            let poor = steady::run(&few, &settled.found, engine, progress)?;
+            for (i, apart) in differences(&fine, &fast, &poor.outcome.results, &settled.outcome.results) {
+                left_out[i as usize] = LEFT_OF_MODES * apart;
+            }
         }
     }
     let most: Vec<u32> = fine.cases.iter().map(|case| (case.steps << DOUBLINGS).min(STEPS_MAX)).collect();
@@ -214,8 +236,9 @@ impl Controlled {
                     self.estimates[n] = self.left_out[n] + error;
                 }
                 Again::Richer => {
-                    self.left_out[n] = error;
-                    self.estimates[n] = error + parts.of_steps[n];
+                    let left = if is_fast(&finer, i) { LEFT_OF_MODES } else { LEFT };
+                    self.left_out[n] = left * apart;
+                    self.estimates[n] = self.left_out[n] + parts.of_steps[n];
                 }
                 // The same steps in another precision teach nothing of the steps: that is still to come.
                 Again::Alike if outcome.results[n].status == Status::Ok => {
@@ -245,6 +268,11 @@ impl Controlled {
         let room = self.plan.cases[i].steps <= STEPS_MAX / 2;
         helps && room && (status != Status::Ok || self.estimates[i] > AIM * self.plan.run.accuracy)
     }
+}
+
+/// Whether the instance's oscillators are chosen by the rate of its contact.
+fn is_fast(plan: &Plan, i: u32) -> bool {
+    matches!(plan.basis(i), Basis::Contact { .. })
 }
 
 /// How far two results of each instance are apart.
@@ -277,14 +305,14 @@ mod tests {
         let chosen = precision::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
         let rich = whole.richer(&[0], 1e-2 * scene.run.accuracy).stepped(&[0], |case| 4 * case.steps);
         let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
-        let with = |accuracy| whole.levers(&[(0, accuracy)]);
+        let with = |accuracy| whole.levers(&[(0, Basis::Shares { accuracy })]);
         let run = |poorer| {
             let first = First { poorer, left_out: vec![0.0], chosen: &chosen };
             run(with(0.1), (&[0], &[0]), first, &engine, &progress).expect("it runs")
         };
         let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);
         let modes = |of: &Controlled| of.plan.drives[of.plan.cases[0].drive as usize].kept.modes.len();
-        let (alike, apart) = (run(None), run(Some(vec![0.3])));
+        let (alike, apart) = (run(None), run(Some(vec![Basis::Shares { accuracy: 0.3 }])));
         let asked = scene.run.accuracy;
         // By steps alone nothing is seen of it.
         assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));

@@ -6,7 +6,7 @@ use super::law::KernelLaw;
 use super::track::{Member, case, member};
 use super::walk::{Shape, shaped};
 use super::{EngineError, Progress, start};
-use crate::kernel::{Case, LENGTH, Lane, State, Wave, unmeasured_period};
+use crate::kernel::{Case, LENGTH, Lane, State, WRITTEN_OUT, Wave, unmeasured_period};
 use crate::plan::{Class, Plan, Station};
 use crate::scene::Start;
 use rayon::ThreadPool;
@@ -135,6 +135,7 @@ struct Rows<L: Lane, I, const M: usize> {
     rows: Vec<L::Element>,
     /// Numbers in a row.
     length: usize,
+    modes: usize,
     waves: Vec<Wave<L::Element>>,
     law: std::marker::PhantomData<I>,
 }
@@ -161,6 +162,7 @@ fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: us
         rows: own.map(|(element, _)| *element).collect(),
         length: shared.iter().filter(|shared| shared.is_none()).count(),
         shared,
+        modes: class.modes,
         waves: start::waves::<L>(class.steps, 1).into_iter().flatten().collect(),
         law: std::marker::PhantomData,
     })
@@ -199,6 +201,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
     #[inline(always)]
     fn stepped(&self, pack: &Pack, out: &mut [Option<Station>]) {
         let Pack { places, starts, periods } = *pack;
+        let modes = if M <= WRITTEN_OUT { M } else { self.modes.min(M) };
         let mut buffer = [L::element(0.0); WIDEST];
         // The last one fills the lanes left over.
         let last = places[places.len() - 1];
@@ -209,7 +212,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
         let begin = &begin[..L::WIDTH];
         let mut state =
             State::<L, M> { x: [L::splat(0.0); M], u: [L::splat(0.0); M], touching: L::splat(0.0) };
-        for k in 0..M {
+        for k in 0..modes {
             for (place, (station, _)) in buffer.iter_mut().zip(begin) {
                 *place = L::element(station.x[k] / LENGTH);
             }
@@ -225,6 +228,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
         state.touching = L::load(&buffer);
         let (mut shared, mut own) = (self.shared.iter(), 0..self.length);
         let case: Case<L, I, M> = Case::from_numbers(
+            self.modes,
             #[inline(always)]
             || {
                 if let Some(Some(element)) = shared.next() {
@@ -251,7 +255,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
                 }
             }
         };
-        for k in 0..M {
+        for k in 0..modes {
             put(state.x[k], |end, k, value| end.x[k] = value * LENGTH, k);
             put(state.u[k], |end, k, value| end.u[k] = value * LENGTH, k);
         }
@@ -260,7 +264,7 @@ impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
             let Some(end) = &mut out[*n] else { continue };
             // Beyond f32 counts as none, as in a run.
             let numbers = |all: &[f64]| all.iter().all(|value| ((value / LENGTH) as f32).is_finite());
-            end.finite &= numbers(&end.x[..M]) && numbers(&end.u[..M]);
+            end.finite &= numbers(&end.x[..modes]) && numbers(&end.u[..modes]);
         }
     }
 

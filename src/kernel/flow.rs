@@ -1,6 +1,6 @@
 //! Exact flow of the damped modes over one step, and what a kick does to each.
 
-use super::Lane;
+use super::{Lane, WRITTEN_OUT};
 use std::rc::Rc;
 
 /// One mode as the plan gives it: angular frequency (rad/s), damping ratio 1/(2Q), and its share
@@ -16,6 +16,8 @@ pub struct FlowMode {
 /// and u = (dx/dt)/omega, both in kernel units of length.
 #[derive(Clone, Copy, Debug)]
 pub struct Flow<L, const M: usize> {
+    /// Modes that are gone through: all M where they are few, else as many as any instance has.
+    pub count: usize,
     /// Step matrix minus one: x += m00 x + m01 u, u += -m01 x + m11 u. Increments, because a step
     /// matrix rounded to f32 drifts and its increments do not.
     pub m00: [L; M],
@@ -56,21 +58,25 @@ impl<L: Lane, const M: usize> Flow<L, M> {
     /// h^2/24 (g omega^2 x + (g^2 - omega^2) v), in which f itself cancels. Without it the loss is
     /// of second order and shows a law without loss as one that feeds the lever.
     pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
+        let most = instances.iter().map(|(modes, _)| modes.len()).max().unwrap_or(0);
+        let count = if M <= WRITTEN_OUT { M } else { most.min(M) };
         // Neighbours mostly have one lever.
         let mut rows: Vec<Rc<Vec<Row>>> = Vec::with_capacity(instances.len());
         for (n, (modes, step)) in instances.iter().enumerate() {
             let known = rows.last().filter(|_| instances[n - 1] == instances[n]);
-            rows.push(known.map_or_else(|| Rc::new(Row::all(modes, *step, M)), Rc::clone));
+            rows.push(known.map_or_else(|| Rc::new(Row::all(modes, *step, count)), Rc::clone));
         }
         let alike = rows.iter().all(|row| Rc::ptr_eq(row, &rows[0]));
         let gather = |value: fn(&Row) -> f64| -> [L; M] {
             std::array::from_fn(|k| match alike {
+                _ if k >= count => L::splat(0.0),
                 true => L::splat(value(&rows[0][k])),
                 false => L::from_lanes(|i| value(&rows[i][k])),
             })
         };
         let paid = |rows: &[Row]| rows.iter().map(Row::kick_paid).sum();
         Self {
+            count,
             m00: gather(|row| row.step[0]),
             m01: gather(|row| row.step[1]),
             m11: gather(|row| row.step[3]),

@@ -43,3 +43,6 @@ pub const LENGTH: f64 = 1e-9;
 
 /// Most modes one instance may carry.
 pub const MODES_MAX: usize = crate::scene::STEPPED_MODES;
+
+/// Most modes for which a kernel of its own is written out; for more there is one with a loop.
+pub const WRITTEN_OUT: usize = 8;

@@ -2,7 +2,7 @@
 
 use super::constants::{HALF, TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
-use super::{Flow, Lane, Tally};
+use super::{Flow, Lane, Tally, WRITTEN_OUT};
 use crate::observe::Wants;
 
 /// Cosine and sine of the drive's phase at a sample.
@@ -63,11 +63,18 @@ pub struct Sample<L> {
     pub kick: Kick<L>,
 }
 
-/// The body for each of M modes, written out: left as a loop of four or more, the compiler gives up
-/// on vector registers and the step takes six times as long.
+/// The body for each of M modes, written out where there are few: left as a loop of four or more, the compiler gives
+/// up on vector registers and the step takes six times as long. More than [`WRITTEN_OUT`] are in memory anyway: a loop
+/// over as many as there are, compiled once.
 macro_rules! each_mode {
-    ($count:ident, $k:ident => $body:block) => {
-        each_mode!(@ $count, $k, $body, 0 1 2 3 4 5 6 7);
+    ($count:ident of $case:ident, $k:ident => $body:block) => {
+        if $count <= WRITTEN_OUT {
+            each_mode!(@ $count, $k, $body, 0 1 2 3 4 5 6 7);
+        } else {
+            for $k in 0..$case.flow.count.min($count) {
+                $body
+            }
+        }
     };
     (@ $count:ident, $k:ident, $body:block, $($index:literal)*) => {
         $(if $count > $index {
@@ -82,23 +89,30 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     pub fn numbers(&self) -> Vec<L> {
         let Flow { m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u, .. } = &self.flow;
         let lever = [m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u];
-        let mut all: Vec<L> = lever.into_iter().flatten().copied().collect();
+        let mut all: Vec<L> = lever.into_iter().flat_map(|modes| &modes[..self.flow.count]).copied().collect();
         all.extend([self.free.cosine, self.free.sine, self.free.rate, self.gap]);
         all.extend(self.law.numbers());
         all
     }
 
-    /// The other way, one number after the other; no work can be made of it.
+    /// The other way, one number after the other, those of `modes` modes first; no work can be made of it.
     #[inline(always)]
-    pub fn from_numbers(mut next: impl FnMut() -> L) -> Self {
-        let mut modes = || std::array::from_fn(|_| next());
-        let [m00, m01, m11, rate] = [modes(), modes(), modes(), modes()];
-        let [pull, drag, land_x, land_u] = [modes(), modes(), modes(), modes()];
-        let [shift_x, shift_u] = [modes(), modes()];
+    pub fn from_numbers(modes: usize, mut next: impl FnMut() -> L) -> Self {
         let zero = L::splat(ZERO);
         let none = [zero; M];
+        // All of few: the loops are then written out.
+        let count = if M <= WRITTEN_OUT { M } else { modes.min(M) };
+        let mut each = || {
+            let mut values = none;
+            values[..count].iter_mut().for_each(|value| *value = next());
+            values
+        };
+        let [m00, m01, m11, rate] = [each(), each(), each(), each()];
+        let [pull, drag, land_x, land_u] = [each(), each(), each(), each()];
+        let [shift_x, shift_u] = [each(), each()];
         let (work_x, work_u, kick_paid) = (none, none, zero);
         let flow = Flow {
+            count,
             m00,
             m01,
             m11,
@@ -139,7 +153,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let mut excess = L::splat(ZERO);
         if energy {
             excess = -(free.rate * free.rate * speed * L::splat(TWENTY_FOURTH));
-            each_mode!(M, k => {
+            each_mode!(M of self, k => {
                 excess = flow.work_x[k].mul_add(state.x[k], excess);
                 excess = flow.work_u[k].mul_add(state.u[k], excess);
             });
@@ -151,7 +165,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             speed = speed + L::broadcast(decay.speed);
             acceleration = acceleration + L::broadcast(decay.acceleration);
         }
-        each_mode!(M, k => {
+        each_mode!(M of self, k => {
             beyond = beyond + state.x[k];
             speed = flow.rate[k].mul_add(state.u[k], speed);
             acceleration = flow.pull[k].mul_add(state.x[k], acceleration);
@@ -162,7 +176,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let kick = self.law.kick(approach, state.touching);
         let impulse = kick.impulse;
         state.touching = kick.touching;
-        each_mode!(M, k => {
+        each_mode!(M of self, k => {
             let (x, u) = (state.x[k], state.u[k]);
             // Chains of sums: drivers take x + (a + b) apart into one. The kick comes last: nothing before
             // it waits for it.
@@ -173,7 +187,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         });
         // A shift of zero changes nothing.
         if I::SHADER.shifts && L::any(L::splat(ZERO).less(kick.shift.abs())) {
-            each_mode!(M, k => {
+            each_mode!(M of self, k => {
                 state.x[k] = flow.shift_x[k].mul_add(kick.shift, state.x[k]);
                 state.u[k] = flow.shift_u[k].mul_add(kick.shift, state.u[k]);
             });

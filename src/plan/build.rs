@@ -4,7 +4,7 @@ use super::{CasePlan, Class, Driven, KeptModes, Plan, Precision, steps};
 use crate::contact::{Contact, Law};
 use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::Wants;
-use crate::scene::{DriveFrequency, Params, Scene, Start, Steady};
+use crate::scene::{DriveFrequency, Params, Run, Scene, Start, Steady};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -25,7 +25,10 @@ const STEPS_FOR_MODES: f64 = 2048.0;
 impl Plan {
     /// Plans every instance. Each distinct instrument is reduced once.
     pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
-        let (drives, drive_of) = reduce(scene)?;
+        let (mut drives, mut drive_of) = reduce(scene)?;
+        if scene.run.modes.is_none() {
+            fast_contacts(scene, &mut drives, &mut drive_of);
+        }
         let cases: Vec<CasePlan> = (0..scene.len())
             .into_par_iter()
             .map(|index| {
@@ -51,6 +54,46 @@ impl Plan {
             stations: None,
         })
     }
+}
+
+/// Gives instances whose contacts are too fast for the modes with the largest shares a lever that is made for them.
+fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) {
+    let rungs: Vec<(u32, u32)> = drive_of
+        .par_iter()
+        .enumerate()
+        .map(|(index, drive)| {
+            let params = scene.instance(index);
+            (*drive, drives[*drive as usize].rung(&Contact::new(&params), params.approach.gap))
+        })
+        .collect();
+    let mut distinct = rungs.clone();
+    distinct.par_sort_unstable();
+    distinct.dedup();
+    let run = &scene.run;
+    let levers: Vec<Option<Arc<KeptModes>>> = distinct
+        .par_iter()
+        .map(|(drive, rung)| {
+            let driven = &drives[*drive as usize];
+            driven.for_rung(*rung, run.accuracy, |accuracy| shares(driven, accuracy, run))
+        })
+        .collect();
+    let mut made: HashMap<(u32, u32), u32> = HashMap::new();
+    for (key, kept) in distinct.into_iter().zip(levers) {
+        if let Some(kept) = kept {
+            made.insert(key, drives.len() as u32);
+            drives.push(Driven { kept, ..drives[key.0 as usize].clone() });
+        }
+    }
+    if !made.is_empty() {
+        let own = |(drive, key): (&mut u32, &(u32, u32))| *drive = made.get(key).copied().unwrap_or(*drive);
+        drive_of.iter_mut().zip(&rungs).for_each(own);
+    }
+}
+
+/// The modes with the largest shares that `accuracy` asks for.
+pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> KeptModes {
+    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
+    KeptModes::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most)
 }
 
 /// Most steps per period that a mode kept may need.

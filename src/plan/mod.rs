@@ -1,15 +1,19 @@
 //! What a scene needs: modes, steps, laws and observables, as plain data that can be printed.
 
 mod build;
+mod compliance;
 mod modes;
 mod precision;
+mod rate;
 mod steps;
 mod summary;
 mod variants;
 
 pub use build::PlanError;
-pub use modes::{KeptMode, KeptModes};
+pub use compliance::{compliance, reduced};
+pub use modes::{Basis, KeptMode, KeptModes};
 pub use precision::Precision;
+pub(crate) use rate::RICHEST;
 pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
 

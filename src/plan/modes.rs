@@ -7,9 +7,15 @@
 //! so that the static answer to a contact force is exact, at the frequency of the mode that
 //! carries most of it, so that it rings as that one does: with the inertia of all of them it would
 //! ring too fast, which the largest force of short contacts shows (tests/hard/rod_damped.toml).
+//!
+//! Where a contact is so short that this does not do, a soft lever's on a stiff sample, the oscillators are chosen by
+//! the rate of the contact instead: the modes that ring on between contacts, and for the rest a rational Krylov
+//! reduction of what the tip feels of it (`compliance.rs`).
 
-use crate::instrument::Instrument;
-use crate::kernel::{FlowMode, MODES_MAX};
+use super::compliance::{compliance, reduced};
+use crate::instrument::{Instrument, Mode};
+use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
+use std::f64::consts::PI;
 
 /// One oscillator of the reduced instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +32,62 @@ pub struct KeptMode {
     pub top: f64,
 }
 
+/// By what oscillators are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Basis {
+    /// Modes in the order of their share of the tip's flexibility until what is left serves this accuracy, and one
+    /// residual oscillator.
+    Shares { accuracy: f64 },
+    /// So many oscillators for what happens to the tip at rates up to this one, rad/s.
+    Contact { rate: f64, count: usize },
+}
+
+/// Numbers of oscillators that are chosen by the rate of a contact.
+pub(super) const COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
+
+/// The compliance of modes chosen by share has to be right up to so many times the contact's own rate: onset and end of
+/// a contact are faster than its middle.
+const BEYOND: f64 = 4.0;
+
+/// Share of the accuracy asked for by which the compliance may be wrong there.
+const WRONG: f64 = 0.5;
+
+/// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their
+/// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (results/basis).
+const EACH: f64 = 1.3;
+const BESIDE: f64 = 3.0;
+const GROWS: f64 = 0.12;
+
+/// Modes that are faster than the contact by more are not kept as they are.
+const FASTEST: f64 = 64.0;
+
+/// A mode is kept as it is where of its motion this share or more is left after a period of the drive.
+const RINGS: f64 = 1e-3;
+
+impl Basis {
+    /// To look up levers that were made before.
+    pub fn key(&self) -> [u64; 2] {
+        match self {
+            Self::Shares { accuracy } => [accuracy.to_bits(), 0],
+            Self::Contact { rate, count } => [rate.to_bits(), *count as u64],
+        }
+    }
+
+    /// The next one with fewer oscillators, where this one is chosen by the contact's rate.
+    pub fn poorer(&self) -> Option<Self> {
+        let Self::Contact { rate, count } = *self else { return None };
+        let fewer = COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
+        Some(Self::Contact { rate, count: fewer })
+    }
+
+    /// The next one with more, likewise.
+    pub fn richer(&self) -> Option<Self> {
+        let Self::Contact { rate, count } = *self else { return None };
+        let more = COUNTS.into_iter().find(|other| *other > count)?;
+        Some(Self::Contact { rate, count: more })
+    }
+}
+
 /// The reduced instrument, largest share of the flexibility first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeptModes {
@@ -36,8 +98,8 @@ pub struct KeptModes {
     pub residual_share: f64,
     /// Whether the faster modes are kept as one residual oscillator.
     pub residual_kept: bool,
-    /// The accuracy that asked for them.
-    pub accuracy: f64,
+    /// What asked for them.
+    pub basis: Basis,
     /// What decided.
     pub reason: String,
 }
@@ -68,7 +130,7 @@ impl KeptModes {
 
         let mut modes = Vec::new();
         let mut left = 1.0;
-        let wanted = count.unwrap_or(MODES_MAX - 1).min(MODES_MAX);
+        let wanted = count.unwrap_or(WRITTEN_OUT - 1).min(MODES_MAX);
         let mut reason = String::new();
         for &k in &order {
             let done = match count {
@@ -95,14 +157,97 @@ impl KeptModes {
                 top: mode.top / mode.tip,
             });
         }
-        let mut kept =
-            Self { modes, flexibility, residual_share: left, residual_kept: false, accuracy, reason };
+        let basis = Basis::Shares { accuracy };
+        let mut kept = Self { modes, flexibility, residual_share: left, residual_kept: false, basis, reason };
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
         } else {
             kept.add_residual(instrument, accuracy, fastest);
         }
         kept
+    }
+
+    /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly
+    /// the modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of
+    /// the others. None where there are too few modes to reduce, or a mode that answers against the force.
+    pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
+        let weight = |mode: &Mode| mode.tip * mode.force;
+        let share = |mode: &Mode| weight(mode) / (mode.omega * mode.omega);
+        let flexibility: f64 = instrument.modes.iter().map(share).sum();
+        // The slowest lever mode and everything above; slower modes of a rod, each a share of 1e-4 or less, are no
+        // spring at the rates of a contact and stay out.
+        let first = (0..instrument.modes.len())
+            .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
+        let moved: Vec<usize> =
+            (first..instrument.modes.len()).filter(|k| weight(&instrument.modes[*k]) != 0.0).collect();
+        // All of a list of modes; of a beam's finite elements the fastest are too fast to be stepped.
+        let fastest = moved.iter().map(|k| instrument.modes[*k].omega).fold(0.0, f64::max);
+        let all = moved.len() <= count && fastest <= FASTEST * rate;
+        let rings = |k: &usize| {
+            let mode = &instrument.modes[*k];
+            mode.omega <= rate && (-PI * mode.omega / (omega * mode.quality_factor)).exp() >= RINGS
+        };
+        let most = count.min(moved.len()).saturating_sub(2).max(1);
+        let exact = match all {
+            true => moved.len(),
+            false => moved.iter().take_while(|k| rings(k)).count().clamp(1, most.min(count.div_ceil(2))),
+        };
+        let mut modes: Vec<KeptMode> = moved[..exact]
+            .iter()
+            .map(|&k| {
+                let mode = &instrument.modes[k];
+                KeptMode {
+                    index: Some(k),
+                    omega: mode.omega,
+                    damping: 0.5 / mode.quality_factor,
+                    mobility: weight(mode),
+                    top: mode.top / mode.tip,
+                }
+            })
+            .collect();
+        if !all {
+            let rest: Vec<&Mode> = moved[exact..].iter().map(|k| &instrument.modes[*k]).collect();
+            let from = 0.5 * rest[0].omega;
+            modes.extend(reduced(&rest, count - exact, from, rate.max(4.0 * from))?);
+        }
+        let left = 1.0 - modes.iter().map(|mode| mode.mobility / mode.omega.powi(2)).sum::<f64>() / flexibility;
+        let reason = match all {
+            true => format!("all {exact} modes that move the tip"),
+            false => format!(
+                "{exact} mode{} and {} oscillators for contacts of {:.4} MHz",
+                if exact == 1 { "" } else { "s" },
+                count - exact,
+                rate / std::f64::consts::TAU / 1e6
+            ),
+        };
+        let basis = Basis::Contact { rate, count };
+        Some(Self { modes, flexibility, residual_share: left, residual_kept: false, basis, reason })
+    }
+
+    /// How many oscillators an accuracy takes where contacts have the rate `rate` (rad/s): the rule to begin with.
+    pub fn oscillators(instrument: &Instrument, rate: f64, accuracy: f64) -> usize {
+        let weight = |mode: &Mode| (mode.tip * mode.force).abs();
+        let largest = instrument.modes.iter().map(weight).fold(0.0, f64::max);
+        let first = instrument.modes.iter().find(|mode| weight(mode) > 0.05 * largest).map_or(0.0, weight);
+        // A rod's modes hardly move.
+        let slower = instrument.modes.iter().filter(|mode| mode.omega <= rate && weight(mode) > 0.05 * first);
+        ((BESIDE + EACH * slower.count() as f64) * (1e-3 / accuracy).powf(GROWS)).ceil() as usize
+    }
+
+    /// Whether the tip feels the instrument by these oscillators as by all modes where contacts have the rate `rate`
+    /// (rad/s), well enough for `accuracy`.
+    pub fn serves(&self, instrument: &Instrument, rate: f64, accuracy: f64) -> bool {
+        self.wrong(instrument, rate) <= WRONG * accuracy
+    }
+
+    /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.
+    pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
+        let error = |s: f64| {
+            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
+            let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.mobility)), s);
+            (ours / whole - 1.0).abs()
+        };
+        [0.5, 1.0, 2.0, BEYOND].into_iter().map(|times| error(times * rate)).fold(0.0, f64::max)
     }
 
     /// The residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the

@@ -1,7 +1,7 @@
 //! Steps per drive period.
 
 use super::modes::ANGLE_MAX;
-use super::{Driven, KeptModes};
+use super::{Basis, Driven, KeptModes};
 use crate::contact::{Contact, Law};
 use std::f64::consts::TAU;
 
@@ -52,9 +52,13 @@ pub fn steps(
     rung(base.max(fast).max(stiff).max(pull))
 }
 
-/// Steps that the fastest kept oscillator needs.
+/// Steps that the fastest kept oscillator needs. Those made for a fast contact move with it: twice as many.
 fn fast(kept: &KeptModes, omega: f64) -> f64 {
-    TAU * kept.fastest() / (omega * ANGLE_MAX)
+    let finer = match kept.basis {
+        Basis::Shares { .. } => 1.0,
+        Basis::Contact { .. } => 2.0,
+    };
+    finer * TAU * kept.fastest() / (omega * ANGLE_MAX)
 }
 
 /// Fewest steps per period with which the kept modes can be stepped.

@@ -1,7 +1,7 @@
 //! Other plans for the same scene: some instances, other steps, other levers.
 
-use super::build::{classify, steps_for_modes};
-use super::{CasePlan, Driven, KeptModes, Plan, steps};
+use super::build::{classify, shares};
+use super::{Basis, CasePlan, Driven, KeptModes, Plan, steps};
 use crate::observe::Wants;
 use crate::scene::Run;
 use std::collections::HashMap;
@@ -69,13 +69,15 @@ impl Plan {
         }
     }
 
-    /// The same plan for these instances alone, with the modes that `accuracy` would ask for, and as many more
-    /// steps as they need.
+    /// The same plan for these instances alone, with the modes that `accuracy` would ask for by their shares, and as
+    /// many more steps as they need. Levers that are made for their contacts stay.
     pub fn richer(&self, instances: &[u32], accuracy: f64) -> Self {
         let mut plan = self.clone();
         let run = &self.run;
         for driven in &mut plan.drives {
-            driven.kept = lever(driven, accuracy, run);
+            if let Basis::Shares { .. } = driven.kept.basis {
+                driven.kept = lever(driven, Basis::Shares { accuracy }, run);
+            }
         }
         let fewest = |case: &CasePlan| steps::fewest(&plan.drives[case.drive as usize]);
         plan.stepped(instances, |case| match run.steps_per_period {
@@ -84,19 +86,19 @@ impl Plan {
         })
     }
 
-    /// The same plan for these instances alone, each with the modes that its own accuracy would ask for: as many
-    /// more steps as richer modes need, as many fewer as the rule gives for poorer ones.
-    pub fn levers(&self, wanted: &[(u32, f64)]) -> Self {
+    /// The same plan for these instances alone, each with the lever of its own basis: as many more steps as richer modes
+    /// need, as many fewer as the rule gives for the modes of a poorer accuracy.
+    pub fn levers(&self, wanted: &[(u32, Basis)]) -> Self {
         let run = &self.run;
-        let mut made: HashMap<(u32, u64), u32> = HashMap::new();
+        let mut made: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
         // By drive of this plan, those of the new one.
         let mut variants: HashMap<u32, Vec<u32>> = HashMap::new();
         let mut plan = Self { drives: Vec::new(), ..self.clone() };
-        let mut drive_of = |drive: u32, accuracy: Option<f64>, drives: &mut Vec<Driven>| {
-            *made.entry((drive, accuracy.map_or(u64::MAX, f64::to_bits))).or_insert_with(|| {
+        let mut drive_of = |drive: u32, basis: Option<Basis>, drives: &mut Vec<Driven>| {
+            *made.entry((drive, basis.map_or([u64::MAX; 2], |basis| basis.key()))).or_insert_with(|| {
                 let mut driven = self.drives[drive as usize].clone();
-                if let Some(accuracy) = accuracy {
-                    driven.kept = lever(&driven, accuracy, run);
+                if let Some(basis) = basis {
+                    driven.kept = lever(&driven, basis, run);
                 }
                 // The same lever by another accuracy.
                 let known = variants.entry(drive).or_default();
@@ -110,18 +112,20 @@ impl Plan {
             })
         };
         // Neighbours mostly want the same.
-        let mut last = ((u32::MAX, f64::NAN), 0);
-        for &(i, accuracy) in wanted {
+        let mut last = ((u32::MAX, Basis::Shares { accuracy: f64::NAN }), 0);
+        for &(i, basis) in wanted {
             let case = &mut plan.cases[i as usize];
-            if last.0 != (case.drive, accuracy) {
-                last = ((case.drive, accuracy), drive_of(case.drive, Some(accuracy), &mut plan.drives));
+            if last.0 != (case.drive, basis) {
+                last = ((case.drive, basis), drive_of(case.drive, Some(basis), &mut plan.drives));
             }
             case.drive = last.1;
             let driven = &plan.drives[case.drive as usize];
             if run.steps_per_period.is_none() && case.steps > 0 {
-                case.steps = match accuracy > run.accuracy {
-                    true => case.steps.min(steps_of(case, driven, run)),
-                    false => case.steps.max(steps::fewest(driven)),
+                case.steps = match basis {
+                    Basis::Shares { accuracy } if accuracy > run.accuracy => {
+                        case.steps.min(steps_of(case, driven, run))
+                    }
+                    _ => case.steps.max(steps::fewest(driven)),
                 };
             }
         }
@@ -136,11 +140,11 @@ impl Plan {
 
     /// These instances, first those that can have a richer lever, then the others.
     pub fn can_be_richer(&self, instances: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
-        let mut known: HashMap<u32, bool> = HashMap::new();
+        let mut known: HashMap<(u32, u32), bool> = HashMap::new();
         instances.into_iter().partition(|i| {
-            let drive = self.cases[*i as usize].drive;
-            let driven = &self.drives[drive as usize];
-            *known.entry(drive).or_insert_with(|| notch(driven, &self.run).is_some())
+            let (case, driven) = (&self.cases[*i as usize], self.driven(*i));
+            let rung = driven.rung(&case.contact, case.gap);
+            *known.entry((case.drive, rung)).or_insert_with(|| notch(driven, rung, &self.run).is_some())
         })
     }
 
@@ -148,12 +152,13 @@ impl Plan {
     /// more steps as half of what that needs on the safe side. This plan's drives keep their places.
     pub fn enriched(&self, instances: &[u32]) -> Self {
         let mut plan = self.clone();
-        let mut made: HashMap<u32, u32> = HashMap::new();
+        let mut made: HashMap<(u32, u32), u32> = HashMap::new();
         for &i in instances {
+            let driven = self.driven(i);
             let case = &mut plan.cases[i as usize];
-            case.drive = *made.entry(case.drive).or_insert_with(|| {
-                let driven = &self.drives[case.drive as usize];
-                let Some(kept) = notch(driven, &self.run) else { return case.drive };
+            let rung = driven.rung(&case.contact, case.gap);
+            case.drive = *made.entry((case.drive, rung)).or_insert_with(|| {
+                let Some(kept) = notch(driven, rung, &self.run) else { return case.drive };
                 plan.drives.push(Driven { kept, ..driven.clone() });
                 plan.drives.len() as u32 - 1
             });
@@ -163,6 +168,24 @@ impl Plan {
         }
         plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
         plan
+    }
+
+    /// An instance's instrument, drive and lever.
+    fn driven(&self, instance: u32) -> &Driven {
+        &self.drives[self.cases[instance as usize].drive as usize]
+    }
+
+    /// What an instance's lever is made by.
+    pub fn basis(&self, instance: u32) -> Basis {
+        self.driven(instance).kept.basis
+    }
+
+    /// The basis for the contacts of an instance that the modes with the largest shares do not serve, and the next
+    /// poorer one; none where there is none.
+    pub fn contact_basis(&self, instance: u32) -> Option<Basis> {
+        let (case, driven) = (&self.cases[instance as usize], self.driven(instance));
+        let rung = driven.rung(&case.contact, case.gap);
+        Some(richer_than(driven, rung, driven.kept.modes.len())?.basis)
     }
 
     /// Takes an instance's lever from another plan of the same scene, where it is number `there`; `taken` knows by that
@@ -185,18 +208,34 @@ impl Plan {
 const FINER: f64 = 0.25;
 const NOTCHES: usize = 8;
 
-/// The least of the levers that are richer than this one; none where it is the richest that can be stepped, or is
-/// prescribed.
-fn notch(driven: &Driven, run: &Run) -> Option<Arc<KeptModes>> {
-    let accuracies = (1..=NOTCHES as i32).map(|n| driven.kept.accuracy * FINER.powi(n));
-    let mut levers = accuracies.map(|accuracy| lever(driven, accuracy, run));
-    levers.find(|lever| lever.modes != driven.kept.modes)
+/// The least of the levers that are richer than this one, for contacts of this rung; none where it is the richest that
+/// can be stepped, or is prescribed.
+fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<KeptModes>> {
+    if run.modes.is_some() {
+        return None;
+    }
+    match driven.kept.basis {
+        Basis::Contact { .. } => {
+            let richer = lever(driven, driven.kept.basis.richer()?, run);
+            (richer.modes != driven.kept.modes).then_some(richer)
+        }
+        Basis::Shares { accuracy } => {
+            let accuracies = (1..=NOTCHES as i32).map(|n| accuracy * FINER.powi(n));
+            let mut levers = accuracies.map(|accuracy| lever(driven, Basis::Shares { accuracy }, run));
+            let found = levers.find(|lever| lever.modes != driven.kept.modes);
+            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
+        }
+    }
 }
 
-/// The modes that `accuracy` asks for.
-fn lever(driven: &Driven, accuracy: f64, run: &Run) -> Arc<KeptModes> {
-    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
-    Arc::new(KeptModes::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most))
+/// The least of the levers for contacts of this rung that has more than so many oscillators.
+fn richer_than(driven: &Driven, rung: u32, modes: usize) -> Option<Arc<KeptModes>> {
+    driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
+}
+
+/// The lever of that basis.
+fn lever(driven: &Driven, basis: Basis, run: &Run) -> Arc<KeptModes> {
+    driven.lever(basis, |accuracy| shares(driven, accuracy, run))
 }
 
 /// The rule's steps for a case and its lever.

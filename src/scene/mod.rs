@@ -20,7 +20,7 @@ use crate::observe::Observable;
 use std::path::{Path, PathBuf};
 
 /// Most modes an instance can be stepped with (`[run] modes`).
-pub const STEPPED_MODES: usize = 8;
+pub const STEPPED_MODES: usize = 24;
 
 /// A scene as read, checked and ready to plan.
 #[derive(Clone, Debug)]

@@ -116,7 +116,8 @@ where
     let driven = &plan.drives[case.drive as usize];
     let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(place.steps));
     let mut moved = Station { touching: place.station.touching, ..Station::FREE };
-    let (modes, others) = (D::DIM / 2, place.kept.modes.len());
+    // A slope has a row and a column for each number of a state, of which many may be at rest.
+    let (modes, others) = (D::DIM / 2, place.slope.len().isqrt() / 2);
     let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
     // The residual oscillator of a poorer lever swings as the mode that a richer one has in its place.
     let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);

@@ -13,6 +13,10 @@ use std::sync::Arc;
 
 /// Instances searched for at a time: as many as keep the engine busy and the memory small.
 const CHUNK: usize = 8192;
+/// The same where there are many modes: a slope of 24 modes has 18 kB.
+const CHUNK_MANY: usize = 1024;
+/// Numbers of modes that searches are compiled for: those that plans keep.
+const SIZES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, MODES_MAX];
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
 /// of contact, and before the beats that follow it, in which no stride is of use.
 const WARM: [u32; 3] = [3, 32, 128];
@@ -80,9 +84,11 @@ pub(super) fn all(
         let kept = &plan.drives[plan.cases[*i as usize].drive as usize].kept;
         kept.modes.len().clamp(1, MODES_MAX)
     };
-    for count in 1..=MODES_MAX {
-        let group: Vec<u32> = stepped.iter().copied().filter(|i| modes(i) == count).collect();
-        for chunk in group.chunks(CHUNK) {
+    // Where a lever has fewer modes than its search, the others are at rest.
+    let size = |i: &u32| SIZES.into_iter().find(|size| modes(i) <= *size).unwrap_or(MODES_MAX);
+    for count in SIZES {
+        let group: Vec<u32> = stepped.iter().copied().filter(|i| size(i) == count).collect();
+        for chunk in group.chunks(if count > 8 { CHUNK_MANY } else { CHUNK }) {
             if progress.stopped() {
                 return Ok(done);
             }
@@ -97,7 +103,12 @@ pub(super) fn all(
                     5 => batch.run::<Const<10>>(slots),
                     6 => batch.run::<Const<12>>(slots),
                     7 => batch.run::<Const<14>>(slots),
-                    _ => batch.run::<Const<16>>(slots),
+                    8 => batch.run::<Const<16>>(slots),
+                    10 => batch.run::<Const<20>>(slots),
+                    12 => batch.run::<Const<24>>(slots),
+                    16 => batch.run::<Const<32>>(slots),
+                    20 => batch.run::<Const<40>>(slots),
+                    _ => batch.run::<Const<48>>(slots),
                 }
             });
             for part in parts {

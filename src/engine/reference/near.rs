@@ -7,7 +7,7 @@ use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::flown;
 use crate::periodic::{Found, Options, Search, Verdict};
-use crate::plan::{CasePlan, Driven, Plan, Station};
+use crate::plan::{KeptMode, CasePlan, Driven, Plan, Station};
 use crate::scene::{Run, Start};
 use nalgebra::{DVector, Dyn};
 use std::f64::consts::{PI, TAU};
@@ -24,6 +24,8 @@ const LEAST_LOSS: f64 = 1e-5;
 /// Differences, in units of the free amplitude, for the slope: as the steps allow, and for jumping contacts.
 const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
+/// With steps of this tolerance or coarser ones, modes far faster than the contact are not resolved one by one.
+const QUICK: f64 = 1e-11;
 /// Periods in which the modes that the stepped engine does not keep begin to move, before a search and before a second
 /// one; most evaluations of the map, and periods measured at the end.
 const WARM: [u32; 2] = [4, 12];
@@ -48,7 +50,7 @@ pub fn solve_near(
     progress: &Progress,
 ) -> Result<Option<Finished>, EngineError> {
     let (case, driven) = options.checked(plan, instance)?;
-    let mut system = System::new(case, driven, Start::Steady, options.model);
+    let mut system = System::new(case, driven, Start::Steady, options.model, options.tolerance >= QUICK);
     if system.modes() == 0 {
         return Err(EngineError::NoModes);
     }
@@ -116,8 +118,12 @@ fn unknowns(
     let mut state = DVector::zeros(2 * modes);
     let mut slow = Vec::new();
     for (place, index) in system.indices.iter().enumerate() {
-        let Some(k) = driven.kept.modes.iter().position(|mode| mode.index == *index) else { continue };
         let (omega, damping) = system.oscillator(place);
+        // Oscillators that are no mode are the same where their frequencies are.
+        let same = |mode: &KeptMode| {
+            mode.index == *index && (index.is_some() || (mode.omega - omega).abs() < 1e-9 * omega)
+        };
+        let Some(k) = driven.kept.modes.iter().position(same) else { continue };
         let [x, u] = flown(-omega * half, damping, [station.x[k], station.u[k]]);
         state[place] = x;
         state[modes + place] = u * omega / driven.free.omega;

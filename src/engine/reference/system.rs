@@ -5,12 +5,16 @@ use super::dop853::Rates;
 use super::force::Force;
 use crate::engine::start;
 use crate::instrument::Mode;
-use crate::plan::{CasePlan, Driven};
+use crate::plan::{CasePlan, Driven, compliance, reduced};
 use crate::scene::Start;
 use std::f64::consts::TAU;
 
 /// Modes in order of their share of the tip's flexibility are taken until less than this is left.
 const LEFT_OUT: f64 = 1e-6;
+/// Onset and end of a contact are so many times faster than its middle.
+const ONSET: f64 = 4.0;
+/// Modes that are faster by so much follow the contact as springs do, but for their inertia.
+const FAR: f64 = 16.0;
 /// Transients smaller than this part of the scale of length are over.
 const OVER: f64 = 1e-17;
 
@@ -45,9 +49,11 @@ pub(super) struct System {
 }
 
 impl System {
-    pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model) -> Self {
+    /// `quick`: modes that are far faster than the contact are not resolved one by one, which leaves the tip's compliance
+    /// at the contact's rates as it is to some 1e-7.
+    pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model, quick: bool) -> Self {
         let omega = driven.free.omega;
-        let (indices, modes, left_out) = oscillators(driven, model);
+        let (indices, modes, left_out) = oscillators(case, driven, model, quick);
         let mut system = Self {
             stiffness: modes.iter().map(|mode| (mode[0] / omega).powi(2)).collect(),
             loss: modes.iter().map(|mode| mode[1] / omega).collect(),
@@ -183,7 +189,12 @@ fn turned(mode: &Mode, time: f64, [x, v]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Which mode, and frequency, frequency over quality factor, and mobility of each oscillator; the share left out.
-fn oscillators(driven: &Driven, model: Model) -> (Vec<Option<usize>>, Vec<[f64; 3]>, f64) {
+fn oscillators(
+    case: &CasePlan,
+    driven: &Driven,
+    model: Model,
+    quick: bool,
+) -> (Vec<Option<usize>>, Vec<[f64; 3]>, f64) {
     if model == Model::Kept {
         let kept = &driven.kept;
         let each = kept.modes.iter().map(|m| [m.omega, 2.0 * m.damping * m.omega, m.mobility]);
@@ -205,9 +216,27 @@ fn oscillators(driven: &Driven, model: Model) -> (Vec<Option<usize>>, Vec<[f64; 
         left += share(k) / whole;
         order.pop();
     }
+    let rate = driven.contact_rate(&case.contact, case.gap);
+    if quick {
+        order.retain(|&k| modes[k].omega <= FAR * rate || planned(k));
+    }
     let each = order.iter().map(|&k| {
         let mode = &modes[k];
         [mode.omega, mode.omega / mode.quality_factor, mode.tip * mode.force]
     });
-    (order.iter().copied().map(Some).collect(), each.collect(), left)
+    let mut each: Vec<[f64; 3]> = each.collect();
+    let mut indices: Vec<Option<usize>> = order.iter().copied().map(Some).collect();
+    // A fast contact feels what a static force does not: the modes left out then are an oscillator or two, which have their
+    // compliance, and its slope, at the rates of the contact's onset.
+    let fastest = each.iter().map(|one| one[0]).fold(0.0, f64::max);
+    let gone: Vec<&Mode> =
+        (0..modes.len()).filter(|k| !order.contains(k)).map(|k| &modes[k]).filter(|mode| mode.omega > fastest).collect();
+    let answer = |some: &mut dyn Iterator<Item = &Mode>| compliance(some.map(|m| (m.omega, m.tip * m.force)), ONSET * rate);
+    if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
+        && let Some(one) = reduced(&gone, if quick { 2 } else { 1 }, ONSET * rate, if quick { FAR } else { ONSET } * rate)
+    {
+        each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.mobility]));
+        indices.extend(one.iter().map(|_| None));
+    }
+    (indices, each, left)
 }

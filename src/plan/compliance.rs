@@ -1,0 +1,80 @@
+//! The tip's compliance by few oscillators.
+//!
+//! The tip feels the lever through one function only: its travel per tip force, C(s) = sum c_k b_k/(omega_k^2 + s^2)
+//! over all modes, s the rate of what happens (of a contact, the inverse of its duration). It is a Stieltjes function
+//! of s^2, and a rational Krylov subspace with real shifts gives the oscillators that meet its value and its slope at
+//! the shifts (Galerkin projection, a multipoint Pade approximant: Grimme 1997, chapter 3; Antoulas 2005, section
+//! 11.3). They are passive: all frequencies and weights are positive. The lowest modes, which ring on between contacts,
+//! are kept as they are; what they leave of the compliance is what is reduced.
+
+use super::modes::KeptMode;
+use crate::instrument::Mode;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Travel of the tip per force on it that changes at the rate `s` (rad/s), by these oscillators: frequency (rad/s) and
+/// mobility (1/kg) of each; m/N.
+pub fn compliance(oscillators: impl Iterator<Item = (f64, f64)>, s: f64) -> f64 {
+    oscillators.map(|(omega, mobility)| mobility / (omega * omega + s * s)).sum()
+}
+
+/// `count` oscillators for the compliance of these modes at rates from `from` to `to` (rad/s); none where a mode
+/// answers against the force, as it may where the rod does not feel the lever.
+pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<KeptMode>> {
+    let count = count.min(modes.len());
+    let weight = |mode: &Mode| mode.tip * mode.force;
+    if count == 0 || modes.iter().any(|mode| weight(mode) < 0.0) {
+        return None;
+    }
+    let square = |mode: &Mode| mode.omega * mode.omega;
+    let push = DVector::from_iterator(modes.len(), modes.iter().map(|mode| weight(mode).sqrt()));
+    let mut basis: Vec<DVector<f64>> = Vec::with_capacity(count);
+    for n in 0..count {
+        let place = if count == 1 { 0.5 } else { n as f64 / (count - 1) as f64 };
+        let shift = (from * (to / from).powf(place)).powi(2);
+        let mut answer = DVector::from_iterator(
+            modes.len(),
+            modes.iter().zip(push.iter()).map(|(mode, push)| push / (square(mode) + shift)),
+        );
+        // Twice: once leaves what rounding takes.
+        for _ in 0..2 {
+            for known in &basis {
+                answer -= known * known.dot(&answer);
+            }
+            answer /= answer.norm();
+        }
+        if !answer.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        basis.push(answer);
+    }
+    let basis = DMatrix::from_columns(&basis);
+    let stiffness = DMatrix::from_fn(count, count, |i, j| {
+        (0..modes.len()).map(|k| basis[(k, i)] * square(modes[k]) * basis[(k, j)]).sum()
+    });
+    let solved = SymmetricEigen::try_new(stiffness, f64::EPSILON, 100 * count)?;
+    let shapes = &basis * &solved.eigenvectors;
+    let mut oscillators: Vec<KeptMode> = (0..count)
+        .map(|j| {
+            let shape = shapes.column(j);
+            let tip = shape.dot(&push);
+            let square_of = solved.eigenvalues[j];
+            // Strain energy decides whose loss an oscillator has.
+            let loss: f64 =
+                modes.iter().zip(shape.iter()).map(|(mode, v)| v * v * square(mode) / mode.quality_factor).sum();
+            let top: f64 = modes
+                .iter()
+                .zip(shape.iter())
+                .map(|(mode, v)| v * mode.top * (mode.force / mode.tip).abs().sqrt())
+                .sum();
+            KeptMode {
+                index: None,
+                omega: square_of.sqrt(),
+                damping: 0.5 * loss / square_of,
+                mobility: tip * tip,
+                top: top / tip,
+            }
+        })
+        .collect();
+    oscillators.sort_by(|a, b| a.omega.total_cmp(&b.omega));
+    oscillators.iter().all(|one| one.omega.is_finite() && one.omega > 0.0).then_some(oscillators)
+}

@@ -1,0 +1,119 @@
+//! How fast a contact is: the rate at which its stiffness and the lever's compliance balance.
+
+use super::compliance::compliance;
+use super::modes::COUNTS;
+use super::{Basis, Driven, KeptModes};
+use crate::contact::{Contact, Law};
+use crate::instrument::Instrument;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The accuracy, relative to the one asked for, whose modes are the most that are tried before oscillators are chosen
+/// by the contact's rate.
+pub(crate) const RICHEST: f64 = 0.1;
+
+/// Rounds of the fixed point between the rate of a contact and the depth that it leads to: each leaves a tenth of the
+/// miss, and a rate is needed to a factor of two.
+const ROUNDS: usize = 4;
+
+/// Rate of an instance's contact, rad/s: s with k C(s) = 1, where C is the tip's compliance by all modes and k the
+/// contact's stiffness at the depth of a collision with the mobility s^2 C(s) that the tip has at that rate. It is the
+/// contact's own angular frequency: about four over its duration, since a Hertzian collision of depth d and speed v
+/// lasts 2.94 d/v and has the rate 1.37 v/d. 0 where nothing pushes the tip.
+///
+/// `omega` (rad/s) and `amplitude` (m) are of the free tip, `gap` in m.
+pub(super) fn contact_rate(
+    contact: &Contact,
+    instrument: &Instrument,
+    omega: f64,
+    amplitude: f64,
+    gap: f64,
+) -> f64 {
+    let answer = |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
+    // Under DMT a tip that never touches feels the slope of the attraction just outside.
+    let pull = match contact.law {
+        Law::None => return 0.0,
+        Law::Dmt => 4.0 * PI * contact.radius * contact.work / contact.decay_length,
+        Law::Hertz | Law::Jkr => 0.0,
+    };
+    let mut rate = omega;
+    for _ in 0..ROUNDS {
+        let mobility = rate * rate * answer(rate);
+        let depth = super::steps::deepest(contact, mobility, omega, amplitude, gap);
+        let stiffness = contact.stiffness(depth, true).abs().max(pull);
+        let next = (mobility * stiffness).sqrt();
+        if !next.is_finite() {
+            break;
+        }
+        rate = next.max(omega);
+    }
+    rate
+}
+
+impl Driven {
+    /// The rung of an instance's contact rate: it is at most 2 to this power times the drive's angular frequency. So
+    /// neighbours have the same lever.
+    pub(super) fn rung(&self, contact: &Contact, gap: f64) -> u32 {
+        (self.contact_rate(contact, gap) / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
+    }
+
+    /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about
+    /// four over its duration.
+    pub fn contact_rate(&self, contact: &Contact, gap: f64) -> f64 {
+        contact_rate(contact, &self.instrument, self.free.omega, self.free.tip.norm(), gap)
+    }
+
+    /// The contact rate of a rung, rad/s.
+    fn rate(&self, rung: u32) -> f64 {
+        self.free.omega * f64::from(rung).exp2()
+    }
+
+    /// The lever for contacts of that rung, where the modes with the largest shares do not do: these may be as many as
+    /// `shares` makes for [`RICHEST`] of the accuracy.
+    pub(super) fn for_rung(
+        &self,
+        rung: u32,
+        accuracy: f64,
+        shares: impl FnOnce(f64) -> KeptModes,
+    ) -> Option<Arc<KeptModes>> {
+        let (instrument, rate) = (&self.instrument, self.rate(rung));
+        let serves = |kept: &KeptModes| kept.serves(instrument, rate, accuracy);
+        if rung == 0 || serves(&self.kept) || serves(&shares(RICHEST * accuracy)) {
+            return None;
+        }
+        let count = KeptModes::oscillators(instrument, rate, accuracy);
+        self.for_contacts(rung, |kept| kept.modes.len() >= count)
+    }
+
+    /// The least of the levers for contacts of that rung that is `good`, or the one with the most oscillators; none
+    /// where a mode answers against the force.
+    pub(super) fn for_contacts(
+        &self,
+        rung: u32,
+        good: impl Fn(&KeptModes) -> bool,
+    ) -> Option<Arc<KeptModes>> {
+        let mut richest = None;
+        // The first is for what is held against the next.
+        for count in COUNTS.into_iter().skip(1) {
+            let kept = KeptModes::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
+            let enough = kept.as_ref().is_some_and(&good);
+            richest = kept.or(richest);
+            if enough {
+                break;
+            }
+        }
+        richest.map(Arc::new)
+    }
+
+    /// The lever of that basis; where it cannot be made this one's own.
+    pub(super) fn lever(&self, basis: Basis, shares: impl FnOnce(f64) -> KeptModes) -> Arc<KeptModes> {
+        match basis {
+            _ if basis == self.kept.basis => Arc::clone(&self.kept),
+            Basis::Shares { accuracy } => Arc::new(shares(accuracy)),
+            Basis::Contact { rate, count } => {
+                KeptModes::for_contact(&self.instrument, self.free.omega, rate, count)
+                    .map_or_else(|| Arc::clone(&self.kept), Arc::new)
+            }
+        }
+    }
+}
