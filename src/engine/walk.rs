@@ -81,7 +81,8 @@ pub(super) fn shaped<F: Family, S: Shape<F::Element>>(
     modes: usize,
     what: S,
 ) -> Result<S::Output, EngineError> {
-    // Compiled for a few numbers of modes; the ones between are filled up with modes at rest.
+    // Compiled for a few numbers of modes; up to 8 the ones between are filled up with modes at rest, beyond there is
+    // one kernel with a loop.
     macro_rules! law {
         (Nothing, $lane:ty) => { Nothing };
         ($law:ident, $lane:ty) => { $law<$lane> };
@@ -99,10 +100,10 @@ pub(super) fn shaped<F: Family, S: Shape<F::Element>>(
     // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
     // quotients that wait for each other; the others have more to gain from leaving the law out.
     match law {
-        Law::None => modes!(Nothing: wide, narrow 8),
-        Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8),
-        Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8),
-        Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8),
+        Law::None => modes!(Nothing: wide, narrow 8 24),
+        Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8 24),
+        Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8 24),
+        Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8 24),
     }
 }
 
