@@ -2,6 +2,7 @@
 # make test    all tests: Rust, then the results file in Python's readers
 # make lint    formatting, clippy, documentation
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
+# make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=
@@ -13,7 +14,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test deps build lint python python-check scipy-check peers clean
+.PHONY: help demo test deps build lint python python-check scipy-check fuzz peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -55,6 +56,9 @@ $(SCIPY): tests/python/reference/requirements.txt
 
 scipy-check: deps $(SCIPY)
 	tools/scipy_check.sh $(FEATURES)
+
+fuzz: build
+	tests/python/fuzz_scenes.py $(PROGRAM) --mutants $(or $(MUTANTS),10000) --seed $(or $(SEED),1)
 
 peers: deps
 	benches/precision/run.sh
