@@ -5,7 +5,6 @@ use afmsweep::engine::gpu::{Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Reference};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
-use anyhow::Context;
 
 /// Which engine runs it, and how.
 #[derive(clap::Args)]
@@ -127,7 +126,7 @@ impl EngineArgs {
             Some(PrecisionArg::F32) => Precision::F32,
             Some(PrecisionArg::F64) | None => Precision::F64,
         };
-        let plan = Plan::new(scene, precision).with_context(|| format!("{}", scene.path.display()))?;
+        let plan = Plan::new(scene, precision).map_err(|error| error.in_scene(scene))?;
         Ok(Plan { precision_open: self.precision.is_none(), ..plan })
     }
 }

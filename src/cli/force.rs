@@ -1,4 +1,4 @@
-//! `afmsweep force`: static force-indentation curves of the scene's contact, before any sweep.
+//! `afmsweep force`: static force-indentation curves of one instance's contact.
 
 use super::{load, print, print_json};
 use afmsweep::contact::{Contact, Curve};
@@ -16,6 +16,9 @@ pub struct ForceArgs {
     /// A single indentation such as "75 nm" in place of the whole curve; may be repeated
     #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true)]
     indentation: Vec<f64>,
+    /// Instance of the sweep whose contact is shown, counted from 0; the first has the first value of each axis
+    #[arg(short, long, value_name = "N", default_value_t = 0)]
+    instance: usize,
 }
 
 fn parse_length(text: &str) -> Result<f64, String> {
@@ -24,14 +27,29 @@ fn parse_length(text: &str) -> Result<f64, String> {
 
 pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
     let scene = load(&args.scene)?;
-    let contact = Contact::new(&scene.base);
+    if args.instance >= scene.len() {
+        anyhow::bail!(
+            "there is no instance {}: {} has {}, counted from 0; give --instance 0 to {}",
+            args.instance,
+            args.scene.display(),
+            scene.len(),
+            scene.len() - 1
+        );
+    }
+    let contact = Contact::new(&scene.instance(args.instance));
     let curves =
         if args.indentation.is_empty() { contact.curves() } else { contact.curves_at(&args.indentation) };
     if args.json {
-        return print_json(&curves);
+        let mut answer = serde_json::to_value(&curves)?;
+        answer["instance"] = args.instance.into();
+        return print_json(&answer);
     }
+    let which = match scene.sweep.axes.is_empty() {
+        true => String::new(),
+        false => format!(", instance {}{}", args.instance, scene.described(args.instance)),
+    };
     let mut text = format!(
-        "law {}, K {:.6e} Pa, R {:.6e} m, w {:.6e} J/m^2, Tabor's parameter {:.3}\n",
+        "law {}, K {:.6e} Pa, R {:.6e} m, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
         contact.law, contact.modulus, contact.radius, contact.work, contact.tabor
     );
     for curve in &curves.curves {

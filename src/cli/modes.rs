@@ -1,14 +1,17 @@
-//! `afmsweep modes`: natural frequencies and shares of the scene's instrument, before any sweep.
+//! `afmsweep modes`: natural frequencies and shares of the scene's first instance.
 
 use super::{SceneArgs, load, print, print_json};
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, summary};
-use anyhow::Context;
+use afmsweep::plan::PlanError;
 use serde_json::json;
 
 pub fn main(args: &SceneArgs) -> anyhow::Result<()> {
     let scene = load(&args.scene)?;
-    let instrument = Instrument::reduce(&scene.base.instrument, scene.base.drive.on, DEFAULT_TOLERANCE)
-        .with_context(|| format!("{}", args.scene.display()))?;
+    let params = scene.instance(0);
+    let instrument =
+        Instrument::reduce(&params.instrument, params.drive.on, DEFAULT_TOLERANCE).map_err(|source| {
+            PlanError::Instrument { instance: 0, values: String::new(), source }.in_scene(&scene)
+        })?;
     if args.json {
         // The list ends where frequencies can no longer be vouched for; shares count all modes.
         let rest = |shares: Vec<f64>| shares[instrument.resolved..].iter().sum::<f64>();

@@ -23,5 +23,19 @@ pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
     let voice = Voice { quiet: !voice.verbose || args.json, ..voice };
     let engine = args.engine.engine(&mut plan, voice)?;
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
-    if args.json { print_json(summary.json()) } else { print(&summary.to_string()) }
+    let mut warnings = scene.warnings();
+    warnings.extend(plan.doubts());
+    if args.json {
+        let mut answer = summary.json().clone();
+        answer["from_preset"] = scene.from_preset().into_iter().map(|(path, _)| path).collect();
+        answer["warnings"] = warnings.into();
+        return print_json(&answer);
+    }
+    let mut text = summary.to_string();
+    for line in scene.preset_line().into_iter().chain(warnings.iter().map(|line| format!("warning: {line}")))
+    {
+        text += &line;
+        text.push('\n');
+    }
+    print(&text)
 }

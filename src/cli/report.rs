@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub struct ReportArgs {
     /// Results file (HDF5)
     file: PathBuf,
-    /// Folder for the page and its pictures (default: the file's name without .h5)
+    /// Folder for the page and its pictures [default: the file's name without .h5]
     #[arg(short, long)]
     output: Option<PathBuf>,
 }

@@ -76,6 +76,10 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         engine.device(),
         if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
     ));
+    scene.preset_line().iter().for_each(|line| voice.say(line));
+    for line in scene.warnings().iter().chain(&plan.doubts()) {
+        voice.say(format_args!("warning: {line}"));
+    }
     let progress = Arc::new(Progress::default());
     on_interrupt(&progress);
     let shown = Shown::start(Arc::clone(&progress), voice);

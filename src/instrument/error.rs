@@ -5,7 +5,7 @@ use thiserror::Error;
 /// Every failure of this module: each carries its numbers and says what to do.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum InstrumentError {
-    #[error("{what} is {value}, but must be {expected}")]
+    #[error("{what} is {}, but must be {expected}", plain(*value))]
     BadValue { what: &'static str, value: f64, expected: &'static str },
 
     #[error("the lever is given by a list of modes, but the list is empty; give at least one mode")]
@@ -47,20 +47,20 @@ pub enum InstrumentError {
     WrongDrive { given: &'static str, driven_by: &'static str, remedy: &'static str },
 
     #[error(
-        "undamped and driven exactly at the natural frequency {frequency_hz} Hz (mode {}), the free motion grows without \
-         bound; give a finite quality_factor or another frequency", mode + 1
+        "undamped and driven exactly at the natural frequency {} Hz (mode {}), the free motion grows without \
+         bound; give a finite quality_factor or another frequency", plain(*frequency_hz), mode + 1
     )]
     DrivenOnResonance { frequency_hz: f64, mode: usize },
 
     #[error(
-        "the free tip does not move at {frequency_hz} Hz, so no drive gives it an amplitude of {asked:e} m; drive it \
-         elsewhere or by another frequency"
+        "the free tip does not move at {} Hz, so no drive gives it an amplitude of {asked:e} m; drive it \
+         elsewhere or by another frequency", plain(*frequency_hz)
     )]
     NoTipMotion { frequency_hz: f64, asked: f64 },
 
     #[error(
-        "the peak at {frequency_hz} Hz is infinite, as the mode is undamped: `resonance` has no steady state there; give \
-         quality_factor a finite value or the drive a frequency in Hz"
+        "the peak at {} Hz is infinite, as the mode is undamped: `resonance` has no steady state there; give \
+         quality_factor a finite value or the drive a frequency in Hz", plain(*frequency_hz)
     )]
     UndampedPeak { frequency_hz: f64 },
 
@@ -69,4 +69,13 @@ pub enum InstrumentError {
          nothing drives it); give the drive a frequency in Hz"
     )]
     NoPeak { lever_hz: f64 },
+}
+
+/// A number with digits that can be read: as it is, or with a power of ten.
+fn plain(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if !size.is_finite() || (1e-3..1e9).contains(&size) => format!("{value}"),
+        _ => format!("{value:e}"),
+    }
 }

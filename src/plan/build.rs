@@ -122,7 +122,12 @@ fn reduce(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     let relevant: Vec<usize> = (0..axes.len()).filter(|&a| moves_instrument(&axes[a].path)).collect();
     let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
     let mut first = Vec::new();
-    let drive_of: Vec<u32> = (0..scene.len())
+    if relevant.is_empty() {
+        // One instrument for all, as in the largest sweeps: nothing to look up for each instance.
+        first.push(0);
+    }
+    let looked_up = if relevant.is_empty() { 0 } else { scene.len() };
+    let mut drive_of: Vec<u32> = (0..looked_up)
         .map(|instance| {
             let indices = scene.sweep.indices(instance);
             let key = relevant.iter().map(|&a| axes[a].values[indices[a]].to_bits()).collect();
@@ -132,6 +137,7 @@ fn reduce(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
             })
         })
         .collect();
+    drive_of.resize(scene.len(), 0);
 
     // Levers and rods without the drive: fewer still.
     let bodies: Vec<usize> = relevant.into_iter().filter(|&a| !moves_drive(&axes[a].path)).collect();
@@ -150,7 +156,7 @@ fn reduce(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
         .collect();
 
     let fail = |instance: usize| {
-        let values = describe(scene, instance);
+        let values = scene.described(instance);
         move |source| PlanError::Instrument { instance, values, source }
     };
     let instruments: Vec<Arc<Instrument>> = body_first
@@ -172,22 +178,6 @@ fn reduce(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
         })
         .collect::<Result<_, _>>()?;
     Ok((drives, drive_of))
-}
-
-/// ` (sample.youngs_modulus = 1e9 Pa, ...)`, or nothing without a sweep.
-fn describe(scene: &Scene, instance: usize) -> String {
-    if scene.sweep.axes.is_empty() {
-        return String::new();
-    }
-    let indices = scene.sweep.indices(instance);
-    let values: Vec<String> = scene
-        .sweep
-        .axes
-        .iter()
-        .zip(indices)
-        .map(|(axis, index)| format!("{} = {:e} {}", axis.path, axis.values[index], axis.units))
-        .collect();
-    format!(" ({})", values.join(", "))
 }
 
 fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result<Driven, InstrumentError> {
@@ -230,9 +220,11 @@ pub(super) fn classify(
     instances: impl Iterator<Item = u32>,
 ) -> Vec<Class> {
     let mut all: Vec<Placed> = instances.map(|index| Placed::new(index, cases, drives)).collect();
-    all.par_sort_by(|a, b| {
+    // In place: a stable sort would hold them twice.
+    all.par_sort_unstable_by(|a, b| {
         let order = a.shape().cmp(&b.shape()).then(a.drive.cmp(&b.drive));
-        order.then(a.gap.total_cmp(&b.gap)).then(a.stiffness.total_cmp(&b.stiffness))
+        let order = order.then(a.gap.total_cmp(&b.gap)).then(a.stiffness.total_cmp(&b.stiffness));
+        order.then(a.index.cmp(&b.index))
     });
     all.chunk_by(|a, b| a.shape() == b.shape())
         .map(|class| {

@@ -5,6 +5,7 @@ mod compliance;
 mod modes;
 mod precision;
 mod rate;
+mod refusal;
 mod steps;
 mod summary;
 mod variants;

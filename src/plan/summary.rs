@@ -1,6 +1,7 @@
 //! The plan in words and as JSON.
 
-use super::{Class, Plan};
+use super::modes::ANGLE_MAX;
+use super::{Class, Driven, Plan, STEPS_MAX};
 use crate::scene::Steady;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -15,6 +16,17 @@ pub struct Summary {
 
 /// Drives told one by one; of more, the first and the last.
 const TOLD: usize = 6;
+
+/// Bytes held for an instance beside its results: by a run's largest resident set with 20,000 and 80,000 instances
+/// on the CPU; and how much more in a search, which holds that of so many instances at a time.
+const HELD: u64 = 1_070;
+const HELD_SEARCHING: u64 = 1_300;
+const AT_A_TIME: usize = 1 << 17;
+/// Bytes of the program itself and its libraries.
+const PROGRAM: u64 = 25_000_000;
+
+/// So many times above the lever's first mode no instrument is driven.
+const FAR_ABOVE: f64 = 100.0;
 
 /// What steps and time are told for, whether a scene waits or searches.
 const ESTIMATED: &str = "every instance waited for all periods, once";
@@ -174,10 +186,43 @@ impl Plan {
         each * self.cases.len() as u64 + waveforms
     }
 
-    /// Bytes a run holds in memory: plan, measurements and results file.
+    /// Bytes a run holds in memory at most: the program, plans of the scene and of what runs again, measurements of
+    /// all of them, periodic states, and the results with their file.
     pub fn memory_bytes(&self) -> u64 {
-        let each = size_of::<super::CasePlan>() + 4 + size_of::<crate::observe::Measured>() + 8;
-        each as u64 * self.cases.len() as u64 + 2 * self.file_bytes()
+        let searching = match self.run.steady {
+            Steady::Wait => 0,
+            Steady::Search => HELD_SEARCHING * self.cases.len().min(AT_A_TIME) as u64,
+        };
+        PROGRAM + HELD * self.cases.len() as u64 + searching + 2 * self.file_bytes()
+    }
+
+    /// What speaks against the plan though it can be run, one line each: drives that are too slow for the modes they
+    /// ring, or far above them.
+    pub fn doubts(&self) -> Vec<String> {
+        let most = self.run.steps_per_period.map_or(STEPS_MAX, |steps| steps.max(STEPS_MAX));
+        let needed = |drive: &&Driven| TAU * drive.kept.fastest() / (drive.free.omega * ANGLE_MAX);
+        let above = |drive: &&Driven| drive.frequency() / drive.instrument.lever_frequency;
+        let mut lines = Vec::new();
+        if let Some(drive) = self.drives.iter().find(|drive| needed(drive) > f64::from(most)) {
+            lines.push(format!(
+                "a drive of {:.3e} Hz is too slow for a lever of {:.3e} Hz: its modes need {:.1e} steps in each \
+                 period, and at most {most} are taken; give drive.frequency above {:.3e} Hz",
+                drive.frequency(),
+                drive.instrument.lever_frequency,
+                needed(&drive),
+                drive.frequency() * needed(&drive) / f64::from(most)
+            ));
+        }
+        if let Some(drive) = self.drives.iter().find(|drive| above(drive) > FAR_ABOVE) {
+            lines.push(format!(
+                "a drive of {:.3e} Hz is {:.1e} times above the lever's first mode, {:.3e} Hz, which hardly follows it; \
+                 check drive.frequency",
+                drive.frequency(),
+                above(&drive),
+                drive.instrument.lever_frequency
+            ));
+        }
+        lines
     }
 }
 

@@ -64,6 +64,7 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
         attributes: vec![
             ("scene".into(), Attribute::Text(scene.source.clone())),
             ("scene_resolved".into(), Attribute::Text(scene.resolved_toml())),
+            ("from_preset".into(), Attribute::Text(from_preset(scene))),
             ("plan".into(), Attribute::Text(facts.plan.clone())),
             ("program".into(), Attribute::Text("afmsweep".into())),
             ("version".into(), Attribute::Text(env!("CARGO_PKG_VERSION").into())),
@@ -75,6 +76,12 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
             ("instance_steps_per_second".into(), Attribute::Number(facts.rate)),
         ],
     }
+}
+
+/// Paths of the quantities that the scene does not give, single words; `none` where it gives all.
+fn from_preset(scene: &Scene) -> String {
+    let paths: Vec<String> = scene.from_preset().into_iter().map(|(path, _)| path).collect();
+    if paths.is_empty() { "none".to_owned() } else { paths.join(" ") }
 }
 
 /// Flag `precision`, where a run has both.

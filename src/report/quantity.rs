@@ -65,6 +65,9 @@ impl Unit {
 
     /// As [`Unit::value`], with so many significant digits.
     fn digits(&self, value: f64, digits: usize) -> String {
+        if value.is_nan() {
+            return number(value, digits);
+        }
         let number = number(self.show(value), digits);
         match self.text.as_str() {
             "" => number,
@@ -79,6 +82,7 @@ impl Unit {
 /// ```
 /// use afmsweep::report::shown;
 /// assert_eq!(shown(5.70415785e-9, "m", 6), "5.70416 nm");
+/// assert_eq!(shown(f64::NAN, "m", 4), "no value");
 /// assert_eq!(shown(0.0123, "1", 2), "0.012");
 /// ```
 pub fn shown(value: f64, units: &str, digits: usize) -> String {

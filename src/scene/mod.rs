@@ -1,8 +1,10 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
 mod error;
+mod given;
 mod output;
 mod params;
+mod plausible;
 mod quantities;
 mod quantity;
 mod read;
@@ -35,6 +37,8 @@ pub struct Scene {
     pub sweep: Sweep,
     pub run: Run,
     pub output: Output,
+    /// What the file says, and where.
+    said: Vec<read::Said>,
 }
 
 impl Scene {
@@ -74,6 +78,22 @@ impl Scene {
             }
         }
         params
+    }
+
+    /// The swept values of an instance, as ` (sample.youngs_modulus = "1 GPa", ...)`; nothing without a sweep.
+    pub fn described(&self, index: usize) -> String {
+        let written = |(axis, at): (&Axis, usize)| {
+            let value = axis.values[at];
+            let text =
+                Address::find(&axis.path).map_or(format!("{value:e}"), |address| address.written(value));
+            format!("{} = {text}", axis.path)
+        };
+        let values: Vec<String> =
+            self.sweep.axes.iter().zip(self.sweep.indices(index)).map(written).collect();
+        match values.is_empty() {
+            true => String::new(),
+            false => format!(" ({})", values.join(", ")),
+        }
     }
 }
 

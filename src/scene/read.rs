@@ -54,6 +54,8 @@ pub(super) struct Draft {
     pub said: Vec<Said>,
     /// The places of the listed lever modes.
     pub modes: Vec<Range<usize>>,
+    /// Whether the scene names the preset, or has a section for the rod.
+    pub names_rod: bool,
 }
 
 /// Reads the file and then its text.
@@ -205,6 +207,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Checked<Scene
     }
     draft.section(document, "approach", &[])?;
     let sweep = sweep::read(document, &mut draft)?;
+    rules::base(&mut draft);
     rules::check(&mut draft, &sweep)?;
     let run = output::run(document.get("run"), &draft)?;
     let output = output::output(document.get("output"), &run, sweep.len())?;
@@ -216,6 +219,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Checked<Scene
         sweep,
         run,
         output,
+        said: draft.said,
     })
 }
 
@@ -279,6 +283,7 @@ impl Draft {
         if let Some(value) = table.get("preset") {
             values::keyword(value, "instrument.preset", &[(PRESET, ())])?;
         }
+        self.names_rod = ["preset", "actuator"].iter().any(|key| table.contains_key(*key));
         if let Some(table) = self.section(table, "instrument.actuator", &["model"])?
             && let Some((key, value)) = table.get_key_value("model")
         {

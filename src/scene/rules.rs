@@ -37,9 +37,6 @@ pub(super) fn check(draft: &mut Draft, sweep: &Sweep) -> Checked<()> {
     one_lever(draft)?;
     one_of_each(draft)?;
     indices_exist(draft)?;
-    drive_fits(draft)?;
-    adhesion_fits(draft)?;
-    axes_matter(draft)?;
     for axis in &sweep.axes {
         let written = draft.said.iter().any(|said| !said.swept && said.path == axis.path);
         if let (false, Some(address), Some(first)) = (written, Address::find(&axis.path), axis.values.first())
@@ -49,8 +46,23 @@ pub(super) fn check(draft: &mut Draft, sweep: &Sweep) -> Checked<()> {
         }
     }
     lever_is_complete(draft)?;
+    drive_fits(draft)?;
+    adhesion_fits(draft)?;
+    axes_matter(draft)?;
     rod_is_stable(draft, sweep)
 }
+
+/// A lever given by its calibration or its modes stands on a rod only where the scene names one.
+pub(super) fn base(draft: &mut Draft) {
+    let named = draft.names_rod || draft.first_under("instrument.actuator").is_some();
+    let own = draft.first_of(&CALIBRATION).is_some() || draft.first_under(MODES).is_some();
+    if own && !named {
+        draft.params.instrument.actuator.model = ActuatorModel::Rigid;
+    }
+}
+
+/// How to have the rod that such a lever does not have by itself.
+const NAME_ROD: &str = "name the preset's rod by preset = \"ha-fung-chen-2005\" in [instrument]";
 
 impl Draft {
     fn first_of(&self, paths: &[&str]) -> Option<&Said> {
@@ -190,7 +202,10 @@ fn drive_fits(draft: &Draft) -> Checked<()> {
     let level = draft.first_of(&LEVELS);
     let rigid = draft.params.instrument.actuator.model == ActuatorModel::Rigid;
     let on_tip = draft.params.drive.on == DriveOn::Tip;
-    let (model_place, on_place) = (draft.place_of("instrument.actuator.model"), draft.place_of("drive.on"));
+    let on_place = draft.place_of("drive.on");
+    let chosen = draft.first_of(&["instrument.actuator.model"]);
+    let lever = || draft.first_of(&CALIBRATION).or_else(|| draft.first_under(MODES));
+    let model_place = chosen.or_else(lever).map_or(0..0, |said| said.key.clone());
     let refuse = |said: &Said, title: &str, expected: &str, help: &str| {
         Err(Fault::at(said.key.clone(), title)
             .label(format!("found `{}`", said.path))
@@ -206,9 +221,19 @@ fn drive_fits(draft: &Draft) -> Checked<()> {
             .expected("force or free_amplitude in [drive]")
             .help("add a line such as force = \"2 nN\" or free_amplitude = \"20 nm\"")),
         (None, _) if rigid => Err(Fault::at(model_place, "the rigid base has no motion")
-            .label("there is no rod for the preset's voltage to drive")
+            .label(match chosen {
+                Some(_) => "there is no rod for the preset's voltage to drive",
+                None => "this lever stands on a rigid base, as the scene names no rod",
+            })
             .expected("base_amplitude or free_amplitude in [drive]")
-            .help("add a line such as base_amplitude = \"1 nm\", or drive the tip with on = \"tip\"")),
+            .help(match chosen {
+                Some(_) => {
+                    "add a line such as base_amplitude = \"1 nm\", or drive the tip with on = \"tip\"".to_string()
+                }
+                None => format!(
+                    "add a line such as base_amplitude = \"1 nm\", drive the tip with on = \"tip\", or {NAME_ROD}"
+                ),
+            })),
         (Some(said), Some("drive.voltage")) if on_tip => refuse(
             said,
             "a voltage does not drive the tip",
@@ -231,7 +256,10 @@ fn drive_fits(draft: &Draft) -> Checked<()> {
             said,
             "a rigid base has no rod for a voltage",
             BASE_LEVELS,
-            "give base_amplitude = \"1 nm\", or another actuator model",
+            &match chosen {
+                Some(_) => "give base_amplitude = \"1 nm\", or another actuator model".to_string(),
+                None => format!("give base_amplitude = \"1 nm\", or {NAME_ROD}"),
+            },
         ),
         (Some(said), Some("drive.base_amplitude")) if !rigid => refuse(
             said,

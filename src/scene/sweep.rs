@@ -56,7 +56,7 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
             Layout::List if sweep.axes.is_empty() => instances = values.len(),
             Layout::List if values.len() != instances => {
                 return Err(Fault::at(value.span(), "the lists of [samples] differ in length")
-                    .label(format!("found {} values", values.len()))
+                    .label(found_values(values.len()))
                     .expected(format!("{instances} values, as for `{}`", sweep.axes[0].path))
                     .help("each instance takes one entry of every list"));
             }
@@ -225,7 +225,7 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
     }
     match values.iter().find(|number| !address.quantity.domain.holds(**number)) {
         Some(number) => {
-            values::in_domain(*number, value.span(), &address.written(*number), address, &path)?;
+            values::in_domain(*number, value.span(), || address.written(*number), address, &path)?;
             Ok((values, log))
         }
         None => Ok((values, log)),
@@ -239,11 +239,15 @@ fn listed(value: &Value, address: Address) -> Checked<Vec<f64>> {
     let list = values::list(value, &path, &form)?;
     if list.len() > MOST_INSTANCES {
         return Err(Fault::at(value.span(), "the list is too long")
-            .label(format!("found {} values", list.len()))
+            .label(found_values(list.len()))
             .expected(format!("at most {MOST_INSTANCES}"))
             .help("split the scene into several"));
     }
     list.iter().map(|entry| values::quantity(entry, address, &path)).collect()
+}
+
+fn found_values(count: usize) -> String {
+    format!("found {count} value{}", if count == 1 { "" } else { "s" })
 }
 
 /// Positions of two equal values, the earlier first.

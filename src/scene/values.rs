@@ -1,6 +1,7 @@
 //! Single values of a scene file: quantities, counts, keywords, and the keys around them.
 
 use super::error::{Checked, Fault};
+use super::plausible;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use crate::suggest::nearest;
@@ -17,7 +18,7 @@ pub(super) type Value<'a> = Spanned<DeValue<'a>>;
 /// The value of a quantity in SI units, its dimension and domain checked.
 pub(super) fn quantity(value: &Value, address: Address, path: &str) -> Checked<f64> {
     let number = raw_quantity(value, address.quantity.dimension, path)?;
-    in_domain(number, value.span(), &described(value), address, path)?;
+    in_domain(number, value.span(), || described(value), address, path)?;
     Ok(number)
 }
 
@@ -25,16 +26,16 @@ pub(super) fn quantity(value: &Value, address: Address, path: &str) -> Checked<f
 pub(super) fn in_domain(
     number: f64,
     place: Range<usize>,
-    found: &str,
+    found: impl Fn() -> String,
     address: Address,
     path: &str,
 ) -> Checked<()> {
     let domain = address.quantity.domain;
     if domain.holds(number) {
-        return Ok(());
+        return plausible::possible(number, place, found, address);
     }
     Err(Fault::at(place, format!("`{path}` has an impossible value"))
-        .label(format!("found {found}"))
+        .label(format!("found {}", found()))
         .expected(domain.described())
         .help(domain.advice(number)))
 }
