@@ -129,7 +129,7 @@ fn an_undamped_rod_is_told_of_wherever_steady_motion_is_asked_for() {
 #[test]
 fn sizes_beyond_what_is_usual_are_told_with_their_place() {
     for (section, entry, place, words) in [
-        ("instrument.tip", "radius = \"1 m\"", "2:1", "0.1 nm to 1 mm"),
+        ("instrument.tip", "radius = \"1 m\"", "2:1", "100 pm to 1 mm"),
         ("sample", "poisson_ratio = -0.999999999999", "2:1", "at most 0.5"),
         ("approach", "gap = \"-1 m\"", "2:1", "at most 1 mm"),
         ("sweep", "\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"1e13 Pa\"] }", "2:1", "to 2 TPa"),

@@ -65,7 +65,7 @@ static SIZES: [Sizes; 38] = [
     sizes("sample.youngs_modulus", [10.0, 2e12], MODULI),
     sizes("sample.poisson_ratio", [0.0, 0.5], ANY),
     sizes("sample.surface_energy", [1e-9, 10.0], [1e-18, 1e6]),
-    sizes("sample.hamaker", [1e-24, 1e-17], [1e-35, 1.0]),
+    sizes("sample.hamaker", [1e-24, 1e-17], [1e-35, 1e3]),
     sizes("contact.decay_length", [1e-12, 1e-8], PARTS),
     sizes("drive.voltage", [1e-9, 1e4], [1e-30, 1e12]),
     sizes("drive.free_amplitude", [1e-15, 1e-3], PATHS),

@@ -150,6 +150,9 @@ def shortened(text):
     text = re.sub(r"points *= *[0-9]+", "points = 2", text)
     text = re.sub(r"(?m)^periods *= *[0-9]+", "periods = 12", text)
     text = re.sub(r"(?m)^measure *= *[0-9]+", "measure = 4", text)
+    if not re.search(r"(?m)^periods", text):
+        few = "[run]\nperiods = 12\nmeasure = 4\n"
+        text = text.replace("[run]\n", few, 1) if "[run]\n" in text else f"{text}\n{few}"
     return re.sub(r"instances *= *\[[0-9, ]*\]", "instances = [0]", text)
 
 
