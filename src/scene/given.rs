@@ -75,7 +75,7 @@ impl Scene {
             "instrument.tip.poisson_ratio" => {
                 law != LawChoice::None
                     && (base.instrument.tip.youngs_modulus.is_finite()
-                        || self.says("instrument.tip.youngs_modulus"))
+                        || self.sweep.axes.iter().any(|axis| axis.path == "instrument.tip.youngs_modulus"))
             }
             "instrument.tip.radius" | "instrument.tip.youngs_modulus" => law != LawChoice::None,
             "sample.surface_energy" | "sample.hamaker" => !matches!(law, LawChoice::None | LawChoice::Hertz),
