@@ -38,6 +38,14 @@ pub enum StoreError {
     Foreign { path: PathBuf, why: String },
     #[error("{} is damaged or cut short ({why}); copy it again from its source, or run the scene again", path.display())]
     Damaged { path: PathBuf, why: String },
+    #[error(
+        "{} does not hold what its run wrote: {what}; copy it again from its source, or run the scene again \
+         (after a change that was meant, take away the root attribute `checksums`)",
+        path.display()
+    )]
+    Changed { path: PathBuf, what: String },
+    #[error("{} lacks {what}, which its scene asks for; run the scene again", path.display())]
+    Lacking { path: PathBuf, what: String },
     #[error("these results do not fit together: {what}")]
     Inconsistent { what: String },
     #[error("cannot {doing} {}: {source}; {remedy}", path.display())]

@@ -10,6 +10,8 @@ mod history;
 mod labels;
 mod place;
 mod read;
+mod source;
+mod sums;
 mod write;
 
 pub use error::StoreError;
@@ -19,7 +21,7 @@ pub use read::read;
 
 /// Root attributes the store writes itself; in [`Results::attributes`] they are passed over, except that
 /// a `history` given there replaces the one made here.
-pub const OWN_ATTRIBUTES: [&str; 3] = ["title", "Conventions", "history"];
+pub const OWN_ATTRIBUTES: [&str; 4] = ["title", "Conventions", "history", "checksums"];
 
 /// Names that no axis and no variable may take.
 const RESERVED: [&str; 8] = [

@@ -6,7 +6,7 @@
 use super::check::check;
 use super::history::history;
 use super::labels::{self, Scale, attach};
-use super::{Attribute, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms};
+use super::{Attribute, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms, sums};
 use crate::observe::Status;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
 use hdf5::{Dataset, File, Group, H5Type};
@@ -253,6 +253,7 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
             Attribute::Number(value) => labels::number(file, name, *value)?,
         }
     }
+    labels::text(file, sums::ATTRIBUTE, &sums::text(results))?;
     let group = file.group("/")?;
     let mut layout = Layout { file: file.clone(), group, scales: Vec::new() };
     let mut dims = Vec::new();

@@ -1,0 +1,193 @@
+//! A results file that is open for reading: what it claims is not believed before it is looked at.
+
+use super::labels::read_text;
+use super::{Coordinate, Results, StoreError, heap, partial_path, sums};
+use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, LocationType};
+use std::cell::Cell;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// The first bytes of every HDF5 file written here.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+/// Deflate makes data at most this much smaller; what claims more than that of its file, alone or together with the
+/// rest, is not believed, before memory is asked for it.
+const LARGEST_RATIO: u64 = 1100;
+
+/// An open results file.
+pub(super) struct Source {
+    pub path: PathBuf,
+    pub file: File,
+    /// What the file may still claim to hold, in bytes of memory.
+    room: Cell<u64>,
+}
+
+impl Source {
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
+        let own = || path.to_path_buf();
+        let failed = |e| StoreError::io(path, "read", e);
+        let metadata = match std::fs::metadata(path) {
+            Ok(metadata) => metadata,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                let partial = partial_path(path);
+                return Err(match partial.is_file() {
+                    true => StoreError::Unfinished { path: own(), partial },
+                    false => StoreError::Missing { path: own() },
+                });
+            }
+            Err(e) => return Err(failed(e)),
+        };
+        if metadata.is_dir() {
+            return Err(StoreError::Foreign { path: own(), why: "it is a folder".into() });
+        }
+        if !metadata.is_file() {
+            return Err(StoreError::Foreign { path: own(), why: "it is no ordinary file".into() });
+        }
+        let broken_off = path.extension().is_some_and(|extension| extension == "partial");
+        let mut start = Vec::with_capacity(SIGNATURE.len());
+        let mut stream = std::fs::File::open(path).map_err(failed)?;
+        stream.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut start).map_err(failed)?;
+        if start != SIGNATURE {
+            return Err(match (start.is_empty(), broken_off) {
+                (true, true) => StoreError::Partial { path: own() },
+                (true, false) => StoreError::Foreign { path: own(), why: "it is empty".into() },
+                _ => StoreError::Foreign { path: own(), why: "it is no HDF5 file".into() },
+            });
+        }
+        if !heap::is_sound(&mut stream).map_err(failed)? {
+            return Err(match broken_off {
+                true => StoreError::Partial { path: own() },
+                false => StoreError::Damaged { path: own(), why: "its texts are spoilt".into() },
+            });
+        }
+        match File::open(path) {
+            Ok(file) => {
+                let room = Cell::new(metadata.len().saturating_mul(LARGEST_RATIO));
+                Ok(Self { path: own(), file, room })
+            }
+            Err(_) if broken_off => Err(StoreError::Partial { path: own() }),
+            Err(e) => Err(StoreError::Damaged { path: own(), why: e.to_string() }),
+        }
+    }
+
+    pub fn file_scene(&self) -> Result<String, StoreError> {
+        let foreign = |why: &str| StoreError::Foreign { path: self.path.clone(), why: why.into() };
+        let scene = read_text(&self.file, "scene").ok_or_else(|| foreign("it names no scene"))?;
+        if !self.file.link_exists("status") {
+            return Err(foreign("it has no variable status"));
+        }
+        Ok(scene)
+    }
+
+    pub fn damaged(&self, why: impl std::fmt::Display) -> StoreError {
+        StoreError::Damaged { path: self.path.clone(), why: why.to_string() }
+    }
+
+    /// Refuses results that are not what the run wrote, as the file itself tells, or less than its scene asks for.
+    pub fn verify(&self, results: &Results) -> Result<(), StoreError> {
+        let names = self.file.attr_names().map_err(|e| self.damaged(e))?;
+        // Files of earlier versions have none.
+        if names.iter().any(|name| name == sums::ATTRIBUTE) {
+            let written =
+                read_text(&self.file, sums::ATTRIBUTE).ok_or_else(|| self.damaged("its checksums"))?;
+            if let Some(what) = sums::misfit(&written, results) {
+                return Err(StoreError::Changed { path: self.path.clone(), what });
+            }
+        }
+        let lacking = |name: &&String| !results.variables.iter().any(|variable| variable.name == **name);
+        match observables(results).iter().find(lacking) {
+            Some(what) => Err(StoreError::Lacking { path: self.path.clone(), what: what.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// What a group holds, in the order it was written.
+    pub fn members(&self, group: &Group) -> Result<Vec<String>, StoreError> {
+        group
+            .member_names_by(IndexType::CreationOrder, IterationOrder::Increasing)
+            // A file repacked by another tool may have lost that order.
+            .or_else(|_| group.member_names())
+            .map_err(|e| self.damaged(e))
+    }
+
+    pub fn dataset(&self, group: &Group, name: &str) -> Result<Dataset, StoreError> {
+        let missing = || self.damaged(format_args!("{} is missing", inside(group, name)));
+        if group.link_exists(name) { self.member(group, name)?.ok_or_else(missing) } else { Err(missing()) }
+    }
+
+    /// A member of a group that is a dataset. One that cannot be opened is damaged, and not to be passed over.
+    pub fn member(&self, group: &Group, name: &str) -> Result<Option<Dataset>, StoreError> {
+        match (group.dataset(name), group.loc_type_by_name(name)) {
+            (Ok(dataset), _) => Ok(Some(dataset)),
+            (_, Ok(kind)) if kind != LocationType::Dataset => Ok(None),
+            _ => Err(self.damaged(format_args!("{} cannot be opened", inside(group, name)))),
+        }
+    }
+
+    /// The numbers of a dataset, row-major.
+    pub fn numbers<T: H5Type>(&self, dataset: &Dataset) -> Result<Vec<T>, StoreError> {
+        let bytes = |shape: &[usize]| {
+            let elements = shape.iter().try_fold(1u64, |n, &dim| n.checked_mul(dim as u64));
+            elements.and_then(|n| n.checked_mul(size_of::<T>() as u64))
+        };
+        // A chunk is unpacked as a whole, however little of it is asked for.
+        let chunk = dataset.chunk().map_or(Some(0), |chunk| bytes(&chunk));
+        let claimed = bytes(&dataset.shape()).zip(chunk).map(|(all, chunk)| all.max(chunk));
+        // What was never written takes no place in the file and as much memory as it claims.
+        let left = claimed.and_then(|claimed| self.room.get().checked_sub(claimed));
+        let Some(left) = left else {
+            return Err(self.damaged(format_args!("{} claims more data than the file holds", dataset.name())));
+        };
+        self.room.set(left);
+        dataset.read_raw().map_err(|e| self.damaged(format_args!("{}: {e}", dataset.name())))
+    }
+
+    pub fn column<T: H5Type>(&self, group: &Group, name: &str, length: usize) -> Result<Vec<T>, StoreError> {
+        let dataset = self.dataset(group, name)?;
+        let data = self.numbers(&dataset)?;
+        if data.len() != length {
+            return Err(self.damaged(format_args!(
+                "{} has {} values, not {length}",
+                dataset.name(),
+                data.len()
+            )));
+        }
+        Ok(data)
+    }
+
+    pub fn table(
+        &self,
+        group: &Group,
+        name: &str,
+        rows: usize,
+        columns: usize,
+    ) -> Result<Vec<Vec<f64>>, StoreError> {
+        let data: Vec<f64> = self.column(group, name, rows.saturating_mul(columns))?;
+        Ok(data.chunks(columns.max(1)).map(<[f64]>::to_vec).collect())
+    }
+
+    pub fn coordinate(&self, group: &Group, name: &str) -> Result<Coordinate, StoreError> {
+        let dataset = self.dataset(group, name)?;
+        let text = |attribute| read_text(&dataset, attribute).unwrap_or_default();
+        Ok(Coordinate {
+            name: name.to_owned(),
+            units: text("units"),
+            long_name: text("long_name"),
+            values: self.numbers(&dataset)?,
+        })
+    }
+}
+
+/// A member's name as messages have it.
+fn inside(group: &Group, name: &str) -> String {
+    format!("{}/{name}", group.name().trim_end_matches('/'))
+}
+
+/// The observables that the scene asks for, as far as the file tells.
+fn observables(results: &Results) -> Vec<String> {
+    let of = |name| {
+        let scene: toml::Table = results.text(name)?.parse().ok()?;
+        let list = scene.get("output")?.get("observables")?.as_array()?.clone();
+        Some(list.iter().filter_map(|word| word.as_str().map(str::to_owned)).collect())
+    };
+    ["scene_resolved", "scene"].into_iter().find_map(of).unwrap_or_default()
+}

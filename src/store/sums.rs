@@ -1,0 +1,141 @@
+//! Checksums of what a file says: written with it, compared when it is read.
+//!
+//! HDF5 sums its own headers, and numbers where they are chunked. Texts and the lists of chunks it does not. So the
+//! root attribute `checksums` has one sum for each thing that [`Results`] holds, as `name:sum`. It speaks of contents,
+//! not of bytes: a file that was repacked, or that somebody has added to, still fits it.
+
+use super::{Attribute, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, Variable, Waveforms};
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// The root attribute.
+pub(super) const ATTRIBUTE: &str = "checksums";
+
+/// What the attribute says of these results.
+pub(super) fn text(results: &Results) -> String {
+    let mut text = String::new();
+    for (name, sum) in all(results) {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{}{name}:{sum:016x}", if text.is_empty() { "" } else { " " });
+    }
+    text
+}
+
+/// The first thing that is missing or is not what was written, in words.
+pub(super) fn misfit(written: &str, results: &Results) -> Option<String> {
+    let now: HashMap<String, u64> = all(results).into_iter().collect();
+    for entry in written.split(' ') {
+        let sum =
+            entry.rsplit_once(':').and_then(|(name, sum)| Some((name, u64::from_str_radix(sum, 16).ok()?)));
+        let Some((name, sum)) = sum else { return Some(format!("its {ATTRIBUTE} are spoilt")) };
+        let shown =
+            name.strip_prefix('@').map_or_else(|| name.to_owned(), |name| format!("the attribute {name}"));
+        match now.get(name) {
+            None => return Some(format!("{shown} is missing")),
+            Some(now) if *now != sum => return Some(format!("{shown} is not what the run wrote")),
+            Some(_) => {}
+        }
+    }
+    None
+}
+
+/// A sum for each thing; names of attributes begin with `@`.
+fn all(results: &Results) -> Vec<(String, u64)> {
+    let Results { title, axes, list, variables, status, steps_per_period, flags, .. } = results;
+    let mut sums = Vec::new();
+    let mut put = |name: &str, sum: Sum| sums.push((name.to_owned(), sum.0));
+    put("@title", Sum::new().text(title));
+    for (name, value) in &results.attributes {
+        if OWN_ATTRIBUTES.contains(&name.as_str()) {
+            continue;
+        }
+        put(
+            &format!("@{name}"),
+            match value {
+                Attribute::Text(text) => Sum::new().text(text),
+                Attribute::Number(number) => Sum::new().numbers(&[*number]),
+            },
+        );
+    }
+    for Coordinate { name, units, long_name, values } in axes {
+        put(name, Sum::new().text(units).text(long_name).numbers(values));
+    }
+    let names = axes.iter().fold(Sum::new().word(u64::from(*list)), |sum, axis| sum.text(&axis.name));
+    put("axes", names);
+    variables.iter().for_each(|variable| put(&variable.name, of_variable(variable)));
+    put("status", Sum::new().bytes(status));
+    put(
+        "steps_per_period",
+        steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps))),
+    );
+    for Flags { name, long_name, meanings, bits, data } in flags {
+        let sum = Sum::new().text(long_name).word(u64::from(*bits)).bytes(data);
+        put(name, meanings.iter().fold(sum, |sum, word| sum.text(word)));
+    }
+    if let Some(waveforms) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
+        put("waveforms", of_waveforms(waveforms));
+    }
+    if !results.force_curves.is_empty() {
+        put("force_curves", results.force_curves.iter().fold(Sum::new(), with_curve));
+    }
+    for (group, listed) in [("audit", &results.audit), ("other_branch", &results.other_branch)] {
+        let Some(Listed { instances, variables }) = listed.as_ref().filter(|one| !one.instances.is_empty())
+        else {
+            continue;
+        };
+        put(&format!("{group}/instance"), instances.iter().fold(Sum::new(), |sum, one| sum.word(*one)));
+        variables.iter().for_each(|one| put(&format!("{group}/{}", one.name), of_variable(one)));
+    }
+    sums
+}
+
+fn of_variable(variable: &Variable) -> Sum {
+    let Variable { units, long_name, harmonics, data, .. } = variable;
+    Sum::new().text(units).text(long_name).word(harmonics.unwrap_or(0) as u64).numbers(data)
+}
+
+fn of_waveforms(waveforms: &Waveforms) -> Sum {
+    let Waveforms { instances, time, tip_travel, actuator_top, indentation, force } = waveforms;
+    let sum = instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
+    let rows = [time, tip_travel, actuator_top, indentation, force].into_iter().flatten();
+    rows.fold(sum, |sum, row| sum.numbers(row))
+}
+
+fn with_curve(sum: Sum, curve: &ForceCurve) -> Sum {
+    let ForceCurve { instance, law, branch, indentation, force, contact_radius } = curve;
+    let sum = sum.word(*instance).text(law).text(branch);
+    sum.numbers(indentation).numbers(force).numbers(contact_radius)
+}
+
+/// A sum of words of 64 bits that any change of one of them changes.
+#[derive(Clone, Copy)]
+struct Sum(u64);
+
+impl Sum {
+    fn new() -> Self {
+        Self(0x9e37_79b9_7f4a_7c15)
+    }
+
+    fn word(self, word: u64) -> Self {
+        // Each step can be undone, so two different words never lead to one sum from the same place.
+        let mixed = (self.0 ^ word).wrapping_mul(0xff51_afd7_ed55_8ccd);
+        Self((mixed ^ (mixed >> 32)).wrapping_mul(0xc4ce_b9fe_1a85_ec53).rotate_left(29))
+    }
+
+    fn numbers(self, numbers: &[f64]) -> Self {
+        numbers.iter().fold(self.word(numbers.len() as u64), |sum, number| sum.word(number.to_bits()))
+    }
+
+    fn bytes(self, bytes: &[u8]) -> Self {
+        bytes.chunks(8).fold(self.word(bytes.len() as u64), |sum, part| {
+            let mut word = [0; 8];
+            word[..part.len()].copy_from_slice(part);
+            sum.word(u64::from_le_bytes(word))
+        })
+    }
+
+    fn text(self, text: &str) -> Self {
+        // As the file holds it.
+        self.bytes(text.replace('\0', "\u{fffd}").as_bytes())
+    }
+}
