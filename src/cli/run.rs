@@ -88,6 +88,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         false => control::run(&plan, engine.as_ref(), &progress)?,
         true if args.engine.reference() => control::by_reference(&plan, &Reference::default(), &progress)?,
         true => {
+            progress.stage(&["run"]);
             let Settled { outcome, found, periods } = steady::run(&plan, &[], engine.as_ref(), &progress)?;
             let unknown = vec![f64::NAN; plan.cases.len()];
             let left_out = unknown.clone();
@@ -101,7 +102,6 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     };
     let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
     let stepping = stepping.elapsed().as_secs_f64();
-    drop(shown);
 
     let facts = Facts {
         device: engine.device(),
@@ -125,6 +125,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         true => Vec::new(),
         false => audit(args, &run, stepping, &progress)?,
     };
+    drop(shown);
     results.audit = record::audit(plan, &audited);
     writer.write(&results)?;
     if !whole {
@@ -188,7 +189,7 @@ fn audit(
 /// Does `work`, which is stopped when its time is over or the run is.
 fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T {
     let start = Instant::now();
-    let (watched, over) = (Progress::default(), AtomicBool::new(false));
+    let (watched, over) = (progress.fork(), AtomicBool::new(false));
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while !over.load(Ordering::Relaxed) {

@@ -36,6 +36,7 @@ pub fn audit(
     count: usize,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
+    progress.stage(&["audit"]);
     let ok = |i: &u32| outcome.results[*i as usize].status == Status::Ok;
     let counted: Vec<u32> = (0..plan.cases.len() as u32).filter(ok).collect();
     let chosen = ranked(&plan.only(&counted), count, 1);

@@ -23,6 +23,7 @@ const APART: f64 = 10.0;
 /// # Errors
 /// What the engine says.
 pub fn others(run: &Controlled, engine: &dyn Engine, progress: &Progress) -> Result<Vec<Other>, EngineError> {
+    progress.stage(&["branches"]);
     let plan: &Plan = &run.plan;
     let counts = |i: &u32| {
         plan.cases[*i as usize].steps > 0 && run.outcome.results[*i as usize].status != Status::NotRun

@@ -96,12 +96,14 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
             arithmetic,
         });
     }
+    progress.stage(&["trial"]);
     let modes::Choice { mut plan, poorer, left_out, mut notes } =
         modes::choose(plan, &stepped, engine, progress)?;
     let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
     notes.append(&mut chosen.notes);
     (plan.precision, plan.precision_open) = (chosen.precision, false);
     let first = steps::First { poorer, left_out, chosen: &chosen };
+    progress.stage(&["estimate", "run", "refinement"]);
     let portions = engine.portions();
     let mut all = match all.len() > portions.0 {
         false => steps::run(plan, (&all, &stepped), first, engine, progress)?,

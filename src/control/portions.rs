@@ -27,6 +27,7 @@ pub(super) fn run(
         arithmetic: chosen.arithmetic(count),
         plan,
     };
+    let held = progress.hold(&["run in portions"], all.len() as u64);
     let one = |plan: &Plan, portion: &[u32]| {
         let part = plan.part(portion);
         let every: Vec<u32> = (0..portion.len() as u32).collect();
@@ -34,7 +35,9 @@ pub(super) fn run(
         let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
         let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
         let first = First { poorer, left_out, chosen };
-        steps::run(part, (&every, &stepped), first, engine, progress)
+        let ran = steps::run(part, (&every, &stepped), first, engine, progress);
+        held.done(portion.len() as u64);
+        ran
     };
     let portions: Vec<&[u32]> = all.chunks(size).collect();
     for some in portions.chunks(at_once) {

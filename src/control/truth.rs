@@ -18,6 +18,7 @@ pub fn by_reference(
     reference: &Reference,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
+    progress.stage(&["reference"]);
     let count = plan.cases.len();
     let search = plan.run.steady == Steady::Search;
     let stepped: Vec<u32> = (0..count as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
@@ -92,6 +93,7 @@ pub(super) fn truths(
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
     let stations = stations(plan, instances, found, progress)?;
+    progress.task("periodic states", instances.len() as u64);
     // In their order: a run that is stopped has done the first ones.
     let mut near = vec![None; instances.len()];
     let done: Vec<(usize, Option<Finished>)> = stations
@@ -99,7 +101,11 @@ pub(super) fn truths(
         .enumerate()
         .par_bridge()
         .filter_map(|(n, station)| Some((n, station.as_ref()?)))
-        .map(|(n, station)| Ok((n, solve_near(plan, instances[n] as usize, station, reference, progress)?)))
+        .map(|(n, station)| {
+            let near = solve_near(plan, instances[n] as usize, station, reference, progress)?;
+            progress.done(1);
+            Ok((n, near))
+        })
         .collect::<Result<_, EngineError>>()?;
     done.into_iter().for_each(|(n, found)| near[n] = found);
     let none = || instances.iter().zip(&near).filter(|(_, near)| near.is_none()).map(|(i, _)| *i);
@@ -110,7 +116,12 @@ pub(super) fn truths(
     };
     let whole = match left.is_empty() {
         true => Vec::new(),
-        false => reference.run(&plan.only(&left), progress)?.results,
+        false => {
+            let left = plan.only(&left);
+            progress.task("waiting", 0);
+            progress.foresee(left.instance_steps());
+            reference.run(&left, progress)?.results
+        }
     };
     Ok(instances
         .iter()

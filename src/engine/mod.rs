@@ -6,6 +6,7 @@ pub mod gpu;
 mod lanes;
 mod law;
 mod measure;
+mod progress;
 mod reference;
 mod return_map;
 mod saved;
@@ -17,13 +18,13 @@ mod walk;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
+pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use return_map::ReturnMap;
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Station};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
 /// Steps every instance of a plan.
@@ -141,44 +142,4 @@ pub struct Finished {
 impl Finished {
     /// An instance that was not computed.
     pub const NOT_RUN: Self = Self { measured: Measured::NONE, status: Status::NotRun };
-}
-
-/// How far a run is, and whether it should stop: shared with whoever shows it.
-#[derive(Debug, Default)]
-pub struct Progress {
-    steps: AtomicU64,
-    expected: AtomicU64,
-    stop: AtomicBool,
-}
-
-impl Progress {
-    /// Instance-steps done.
-    pub fn steps(&self) -> u64 {
-        self.steps.load(Ordering::Relaxed)
-    }
-
-    /// Instance-steps to be done, as far as known.
-    pub fn expected(&self) -> u64 {
-        self.expected.load(Ordering::Relaxed)
-    }
-
-    /// Counts instance-steps as to be done.
-    pub fn foresee(&self, steps: u64) {
-        self.expected.fetch_add(steps, Ordering::Relaxed);
-    }
-
-    /// Counts instance-steps as done.
-    pub fn add(&self, steps: u64) {
-        self.steps.fetch_add(steps, Ordering::Relaxed);
-    }
-
-    /// Asks the run to end early; what is complete is kept.
-    pub fn stop(&self) {
-        self.stop.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether the run was asked to end.
-    pub fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
 }

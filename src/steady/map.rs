@@ -53,6 +53,11 @@ impl<'a> PeriodMap<'a> {
         all
     }
 
+    /// Counts instances whose search is over.
+    pub fn ended(&self, instances: usize) {
+        self.progress.done(instances as u64);
+    }
+
     /// What the engine had to say.
     pub fn notes(self) -> Vec<String> {
         self.notes.into_inner().unwrap_or_else(PoisonError::into_inner)

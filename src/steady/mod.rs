@@ -55,6 +55,7 @@ pub fn run(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
+    progress.part();
     let stepped = stepped(plan);
     if plan.run.steady == Steady::Wait || stepped.is_empty() {
         return wait::run(plan, &stepped, engine, progress);
@@ -87,6 +88,7 @@ pub fn from_rest(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
+    progress.part();
     found(plan, instances, Begin::Still, engine, progress)
 }
 
@@ -106,6 +108,7 @@ fn found(
 ) -> Result<Settled, EngineError> {
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    progress.task("search", instances.len() as u64);
     let searched = search::all(plan, instances, begin, double, progress)?;
     let (mut found, mut periods) = (searched.found, searched.periods);
     let chosen: Vec<u32> = instances.iter().copied().filter(|i| found[*i as usize].is_some()).collect();
@@ -148,6 +151,7 @@ fn run_on(
         }
     }
     from.stations = Some(Arc::new(stations));
+    progress.task("running on", 0);
     progress.foresee(from.instance_steps());
     let mut outcome = engine.run(&from, progress)?;
     outcome.ends = Vec::new();

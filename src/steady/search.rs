@@ -180,6 +180,7 @@ impl Batch<'_> {
             });
             left = self.together(warmed.collect(), &mut done)?;
         }
+        self.map.ended(left.len());
         done.extend(left.into_iter().map(|(slot, periods, _)| End { slot, periods, found: None }));
         Ok(done)
     }
@@ -212,6 +213,7 @@ impl Batch<'_> {
                 None => true,
                 Some(Verdict::Found(found)) => {
                     done.push(self.end(one, found));
+                    self.map.ended(1);
                     false
                 }
                 Some(Verdict::Lost(_)) => {

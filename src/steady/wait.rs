@@ -23,6 +23,7 @@ pub(super) fn run(
 ) -> Result<Settled, EngineError> {
     let looks = if engine.resumes() { looks(plan, stepped) } else { Vec::new() };
     if looks.is_empty() {
+        progress.task("stepping", 0);
         progress.foresee(plan.instance_steps());
         let mut periods = vec![0; plan.cases.len()];
         stepped.iter().for_each(|i| periods[*i as usize] = plan.run.periods);
@@ -34,11 +35,13 @@ pub(super) fn run(
     let mut stations: Vec<Station> = (0..plan.cases.len() as u32).map(|i| Station::free(plan, i)).collect();
     let mut done = 0;
     let mut left = stepped.to_vec();
-    for until in looks.into_iter().chain([plan.run.periods]) {
+    let count = looks.len() + 1;
+    for (number, until) in (1..).zip(looks.into_iter().chain([plan.run.periods])) {
         let last = until == plan.run.periods;
         now.run.periods = until - done;
         now.run.accuracy = if last { plan.run.accuracy } else { SETTLED * plan.run.accuracy };
         now.stations = Some(Arc::new(std::mem::take(&mut stations)));
+        progress.task(format!("waiting {number}/{count}"), 0);
         progress.foresee(now.instance_steps());
         let mut outcome = engine.run(&now, progress)?;
         let ends = std::mem::take(&mut outcome.ends);

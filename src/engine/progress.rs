@@ -1,0 +1,218 @@
+//! How far a run is, phase by phase, and whether it should stop: shared with whoever shows it.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a run is doing, and how far that is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// Counts phases: another number is another phase.
+    pub number: u64,
+    /// As `run: search`.
+    pub name: String,
+    /// From 0 to 1; none where nobody knows how much there is to do. More work may turn up on the way, so it may fall.
+    pub share: Option<f64>,
+}
+
+/// How far a run is, and whether it should stop.
+#[derive(Debug, Default)]
+pub struct Progress {
+    counts: Arc<Counts>,
+    stop: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Counts {
+    steps: AtomicU64,
+    expected: AtomicU64,
+    /// Pieces of the phase that are done, where it is counted in pieces.
+    done: AtomicU64,
+    /// Whether a phase goes on whatever the work within it says of itself.
+    held: AtomicBool,
+    now: Mutex<Now>,
+}
+
+/// The phase that goes on.
+#[derive(Debug, Default)]
+struct Now {
+    number: u64,
+    /// What the parts of the stage are called in turn, the last name for all further ones.
+    names: &'static [&'static str],
+    part: usize,
+    task: String,
+    /// Steps done and expected when it began.
+    from: (u64, u64),
+    /// Pieces to be done; 0 where steps tell.
+    pieces: u64,
+}
+
+impl Progress {
+    /// Instance-steps done.
+    pub fn steps(&self) -> u64 {
+        self.counts.steps.load(Ordering::Relaxed)
+    }
+
+    /// Instance-steps to be done, as far as known.
+    pub fn expected(&self) -> u64 {
+        self.counts.expected.load(Ordering::Relaxed)
+    }
+
+    /// Counts instance-steps as to be done.
+    pub fn foresee(&self, steps: u64) {
+        self.counts.expected.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    /// Counts instance-steps as done.
+    pub fn add(&self, steps: u64) {
+        self.counts.steps.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    /// Asks the run to end early; what is complete is kept.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the run was asked to end.
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// For work that may be stopped alone: it counts here, too.
+    pub fn fork(&self) -> Self {
+        Self { counts: Arc::clone(&self.counts), stop: AtomicBool::new(false) }
+    }
+
+    /// Begins a stage of the run. Its parts are called by these names in turn, by the last one and a number where
+    /// there are more.
+    pub fn stage(&self, names: &'static [&'static str]) {
+        self.begin(0, |now| (now.names, now.part, now.task) = (names, 0, String::new()));
+    }
+
+    /// Begins the next part of the stage.
+    pub fn part(&self) {
+        self.begin(0, |now| (now.part, now.task) = (now.part + 1, String::new()));
+    }
+
+    /// Begins a task of the part, of so many pieces (see [`Progress::done`]); of 0 where steps tell how far it is.
+    pub fn task(&self, name: impl Into<String>, pieces: u64) {
+        self.begin(pieces, |now| now.task = name.into());
+    }
+
+    /// Counts pieces of the task as done.
+    pub fn done(&self, pieces: u64) {
+        if !self.counts.held.load(Ordering::Relaxed) {
+            self.counts.done.fetch_add(pieces, Ordering::Relaxed);
+        }
+    }
+
+    /// Begins a phase of so many pieces that goes on until what is given back is dropped, for work whose parts run
+    /// side by side: what they say of themselves is passed over.
+    pub fn hold(&self, names: &'static [&'static str], pieces: u64) -> Held<'_> {
+        self.begin(pieces, |now| (now.names, now.part, now.task) = (names, 0, String::new()));
+        self.counts.held.store(true, Ordering::Relaxed);
+        Held(self)
+    }
+
+    fn begin(&self, pieces: u64, change: impl FnOnce(&mut Now)) {
+        if self.counts.held.load(Ordering::Relaxed) {
+            return;
+        }
+        let mut now = self.counts.now.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut now);
+        now.number += 1;
+        (now.from, now.pieces) = ((self.steps(), self.expected()), pieces);
+        self.counts.done.store(0, Ordering::Relaxed);
+    }
+
+    /// What is being done.
+    pub fn phase(&self) -> Phase {
+        let now = self.counts.now.lock().unwrap_or_else(PoisonError::into_inner);
+        let part = now.part.max(1);
+        let mut name = now.names.get(part - 1).or(now.names.last()).copied().unwrap_or("run").to_owned();
+        let again = (part + 1).saturating_sub(now.names.len().max(1));
+        if again > 1 {
+            name += &format!(" {again}");
+        }
+        if !now.task.is_empty() {
+            name += &format!(": {}", now.task);
+        }
+        let (done, all) = match now.pieces {
+            0 => (self.steps() - now.from.0, self.expected().saturating_sub(now.from.1)),
+            pieces => (self.counts.done.load(Ordering::Relaxed), pieces),
+        };
+        let share = (all > 0).then(|| (done as f64 / all as f64).min(1.0));
+        Phase { number: now.number, name, share }
+    }
+}
+
+/// A phase that goes on whatever the work within it says of itself.
+#[derive(Debug)]
+pub struct Held<'a>(&'a Progress);
+
+impl Held<'_> {
+    /// Counts its pieces as done.
+    pub fn done(&self, pieces: u64) {
+        self.0.counts.done.fetch_add(pieces, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.0.counts.held.store(false, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(progress: &Progress) -> (String, Option<f64>) {
+        let phase = progress.phase();
+        (phase.name, phase.share)
+    }
+
+    #[test]
+    fn each_part_and_task_begins_anew_under_its_own_name() {
+        let progress = Progress::default();
+        progress.stage(&["estimate", "run", "refinement"]);
+        progress.part();
+        progress.foresee(10);
+        progress.add(5);
+        assert_eq!(seen(&progress), ("estimate".into(), Some(0.5)));
+        progress.part();
+        assert_eq!(seen(&progress), ("run".into(), None));
+        progress.task("search", 4);
+        progress.done(1);
+        progress.foresee(100);
+        assert_eq!(seen(&progress), ("run: search".into(), Some(0.25)));
+        let before = progress.phase().number;
+        progress.part();
+        assert_eq!(seen(&progress), ("refinement".into(), None));
+        assert!(progress.phase().number > before);
+        progress.part();
+        assert_eq!(seen(&progress).0, "refinement 2");
+    }
+
+    #[test]
+    fn a_held_phase_hears_nothing_of_what_runs_within_it() {
+        let progress = Progress::default();
+        let held = progress.hold(&["run"], 8);
+        progress.part();
+        progress.task("search", 3);
+        progress.done(3);
+        held.done(2);
+        assert_eq!(seen(&progress), ("run".into(), Some(0.25)));
+        drop(held);
+        progress.stage(&["branches"]);
+        assert_eq!(seen(&progress), ("branches".into(), None));
+    }
+
+    #[test]
+    fn a_fork_counts_with_the_whole_and_stops_alone() {
+        let progress = Progress::default();
+        let fork = progress.fork();
+        fork.add(3);
+        fork.stop();
+        assert_eq!((progress.steps(), progress.stopped(), fork.stopped()), (3, false, true));
+    }
+}
