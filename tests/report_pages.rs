@@ -163,7 +163,9 @@ fn failed_and_doubtful_instances_are_marked_and_counted() {
     results.variables[0].data[8] = f64::NAN;
     let report = Report::of(&results);
     let words = report.words("amplitude.svg");
-    for expected in ["failed (3)", "not steady or sensitive (2)", "no value, nothing failed (1)"] {
+    for expected in
+        ["failed (3)", "not steady, sensitive or above the accuracy (2)", "no value, nothing failed (1)"]
+    {
         assert!(words.lines().any(|line| line == expected), "{expected}: {words}");
     }
     let words = report.words("phase.svg");
@@ -185,7 +187,7 @@ fn smallest_median_and_largest_are_those_of_the_data() {
         .map(|v| v * 1e-9)
         .collect();
     let page = Report::of(&results).text("index.html");
-    assert!(page.contains("<td>0.5 nm</td><td>5 nm</td><td>10 nm</td><td>11</td><td>1</td>"), "{page}");
+    assert!(page.contains("<td>500 pm</td><td>5 nm</td><td>10 nm</td><td>11</td><td>1</td>"), "{page}");
 }
 
 #[test]
@@ -308,4 +310,98 @@ fn the_command_says_where_the_report_is_and_what_is_wrong_with_a_file() {
     assert!(!home.path().join("a").exists(), "no folder is left behind");
     let output = run(&["missing.h5"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("missing.h5: no such file"), "{output:?}");
+}
+
+/// Truth: the scale and the estimate put in. What is below their product is nothing, and is not drawn as a result.
+#[test]
+fn what_is_below_its_error_is_drawn_as_nothing() {
+    let mut results = grid();
+    results.status = vec![0; 12];
+    results.variables.retain(|one| one.name != "error_estimate");
+    let (scale, estimate) = (7e-17, 1e-4);
+    let rounding = |i: usize| if i % 2 == 0 { 6e-22 } else { -4e-22 };
+    results.variables.push(variable("dissipation", "J", None, (0..12).map(rounding).collect()));
+    results.variables.push(variable("drive_work", "J", None, vec![scale; 12]));
+    results.variables.push(variable("error_estimate", "1", None, vec![estimate; 12]));
+    results.variables.push(variable("tabor_parameter", "1", None, vec![2.25; 12]));
+    let report = Report::of(&results);
+    report.check();
+    let pictures = report.pictures();
+    for name in ["dissipation.svg", "tabor_parameter.svg", "drive_work.svg"] {
+        assert!(!pictures.contains(&name.to_owned()), "{name}: {pictures:?}");
+    }
+    for page in ["index.html", "report.md"] {
+        let text = report.text(page).replace('\\', "");
+        for line in [
+            "Not drawn: The dissipation: 0 within its error in all 12 instances",
+            "Not drawn: The tabor_parameter: the same in all 12 instances that have a value, 2.25.",
+            "0 within error",
+        ] {
+            assert!(text.contains(line), "{page}, {line}: {text}");
+        }
+    }
+
+    // A third of them is a loss that counts.
+    let place = results.variables.iter().position(|one| one.name == "dissipation").unwrap();
+    results.variables[place].data[8..].copy_from_slice(&[1e-18, 2e-18, 3e-18, 4e-18]);
+    let report = Report::of(&results);
+    report.check();
+    let words = report.words("dissipation.svg");
+    assert!(words.lines().any(|line| line == "0 within error (8)"), "{words}");
+    assert!(!words.contains('−'), "no tick below zero: {words}");
+    assert!(report.text("index.html").contains("<td>0 within error</td>"));
+
+    // Without an estimate the accuracy asked for counts.
+    results.variables.retain(|one| one.name != "error_estimate");
+    let scene = "[run]\naccuracy = 1e-4\n".to_owned();
+    results.attributes.push(("scene_resolved".into(), Attribute::Text(scene)));
+    let words = Report::of(&results).words("dissipation.svg");
+    assert!(words.lines().any(|line| line == "0 within error (8)"), "{words}");
+}
+
+#[test]
+fn panels_share_one_short_label_of_their_axis() {
+    let mut results = cube(&[4]);
+    let gap = &mut results.axes[2];
+    gap.name = "approach_gap".into();
+    gap.long_name = "gap between the tip at rest and the surface".into();
+    let report = Report::of(&results);
+    report.check();
+    let words = report.words("amplitude.svg");
+    assert_eq!(words.lines().filter(|line| *line == "gap (nm)").count(), 1, "{words}");
+    assert!(!words.contains("at rest"), "{words}");
+    assert!(report.text("index.html").contains("gap between the tip at rest and the surface"));
+}
+
+#[test]
+fn the_page_says_that_instances_carry_warnings() {
+    let results = Results { status: vec![0; 12], ..grid() };
+    let page = Report::of(&results).text("index.html");
+    // Bits are set in three of four instances.
+    assert!(page.contains("All 12 instances ended well. 9 of 12 carry a warning"), "{page}");
+}
+
+/// Truth: CommonMark, where a code span ends at as many backticks as it began with.
+#[test]
+fn no_name_of_a_file_leaves_its_place_in_the_markdown() {
+    let home = tempfile::tempdir().unwrap();
+    let file = save(home.path(), &grid());
+    for name in ["a`<script>alert(1)</script>.h5", "``b`.h5", "c\n# Heading.h5", "d\u{202e}5h.h5"] {
+        let nasty = home.path().join(name);
+        fs::copy(&file, &nasty).unwrap();
+        let folder = home.path().join("page");
+        report::write(&nasty, Some(&folder)).unwrap();
+        let text = fs::read_to_string(folder.join("report.md")).unwrap();
+        let line = text.lines().find_map(|line| line.strip_prefix("From ")).unwrap();
+        let fence: String = line.chars().take_while(|c| *c == '`').collect();
+        let inside = &line[fence.len()..];
+        let end = inside
+            .match_indices(&fence)
+            .map(|(at, _)| at)
+            .find(|at| !inside[..*at].ends_with('`') && !inside[at + fence.len()..].starts_with('`'));
+        let inside = &inside[..end.unwrap_or_else(|| panic!("the span has no end: {line}"))];
+        assert!(inside.trim_end().ends_with(".h5"), "{line}");
+        assert!(!text.contains("\n# Heading") && !text.contains('\u{202e}'), "{text}");
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -3,6 +3,7 @@
 mod search;
 mod waveforms;
 
+use crate::compare::Scales;
 use crate::contact::{Contact, Law, Warning};
 use crate::control::{Arithmetic, Audited};
 use crate::engine::{Finished, Outcome};
@@ -114,7 +115,24 @@ fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
         harmonics: None,
         data: plan.cases.iter().map(|case| case.contact.tabor).collect(),
     });
+    variables.extend(drive_work(plan, results));
     variables
+}
+
+/// Variable `drive_work`, the scale of what is lost and of the virial, where one of them was asked for.
+fn drive_work(plan: &Plan, results: &[Finished]) -> Option<Variable> {
+    let scaled = [Observable::Dissipation, Observable::Virial];
+    let of = |(i, one): (usize, &Finished)| match one.measured.phase.is_nan() {
+        true => f64::NAN,
+        false => Scales::of(plan, i, &one.measured).work,
+    };
+    plan.observables.iter().any(|one| scaled.contains(one)).then(|| Variable {
+        name: "drive_work".into(),
+        units: "J".into(),
+        long_name: "work of the drive per period, or the loss if larger: the scale of errors of both".into(),
+        harmonics: None,
+        data: results.par_iter().enumerate().map(of).collect(),
+    })
 }
 
 fn observables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {

@@ -3,8 +3,8 @@
 use super::ReportError;
 use super::axis::{Axis, is_log_spaced, spans_decades};
 use super::canvas::{GREY, LINES, picture};
-use super::frame::{Frame, KEY_ROW, Key, State, Tally, key, key_rows, left_margin, title};
-use super::heatmap::label;
+use super::frame::{DOUBTFUL, Frame, KEY_ROW, Key, NOTHING, State, Tally, key, key_rows, left_margin, title};
+use super::heatmap::short;
 use crate::store::Coordinate;
 
 /// Points of a cloud at most; more would only make ink.
@@ -26,7 +26,7 @@ pub(super) fn curves(
     x: &Coordinate,
     series: &[Series],
 ) -> Result<String, ReportError> {
-    let x_axis = Axis::over(x.values.iter().copied(), &x.units, label(x), is_log_spaced(&x.values), 0.03);
+    let x_axis = Axis::over(x.values.iter().copied(), &x.units, &short(x), is_log_spaced(&x.values), 0.03);
     let y_axis = values_axis(series, units, long_name);
     let mut order: Vec<usize> = (0..x.values.len()).filter(|&i| x.values[i].is_finite()).collect();
     order.sort_by(|&a, &b| x.values[a].total_cmp(&x.values[b]));
@@ -49,9 +49,9 @@ pub(super) fn curves(
             let shade = LINES[number % LINES.len()];
             let mut piece: Vec<(f64, f64)> = Vec::new();
             for &i in &order {
-                let (value, state) = one.values[i];
+                let (value, state) = drawn(one.values[i]);
                 let at = frame.at(x.values[i], value);
-                if state.has_value() && at.0.is_finite() && at.1.is_finite() {
+                if (state.has_value() || state == State::Zero) && at.0.is_finite() && at.1.is_finite() {
                     piece.push(at);
                     continue;
                 }
@@ -63,13 +63,15 @@ pub(super) fn curves(
             }
             draw_piece(&frame, &mut piece, number)?;
             for &i in &order {
-                let (value, state) = one.values[i];
+                let (value, state) = drawn(one.values[i]);
                 let at = frame.at(x.values[i], value);
-                if !(state.has_value() && at.0.is_finite() && at.1.is_finite()) {
+                let shown = state.has_value() || state == State::Zero;
+                if !(shown && at.0.is_finite() && at.1.is_finite()) {
                     continue;
                 }
                 match state {
                     State::Doubtful => canvas.ring(at, 3.5, shade)?,
+                    State::Zero => canvas.dot(at, 2.6, GREY)?,
                     _ if order.len() <= MOST_MARKERS => canvas.dot(at, 2.6, shade)?,
                     _ => {}
                 }
@@ -78,6 +80,11 @@ pub(super) fn curves(
         frame.edges(true, true)?;
         key(canvas, (left, key_top), left + width, &entries)
     })
+}
+
+/// Where a value stands: one that is nothing, at 0.
+fn drawn((value, state): (f64, State)) -> (f64, State) {
+    (if state == State::Zero { 0.0 } else { value }, state)
 }
 
 fn line_key(number: usize) -> Key {
@@ -109,14 +116,20 @@ fn absent(frame: &Frame, x: f64, state: State) -> Result<(), ReportError> {
 fn values_axis(series: &[Series], units: &str, long_name: &str) -> Axis {
     let values = series.iter().flat_map(|one| &one.values);
     let shown = values.filter(|(_, state)| state.has_value()).map(|(value, _)| *value);
-    Axis::over(shown.clone(), units, long_name, spans_decades(shown), 0.06)
+    let log = spans_decades(shown.clone());
+    // What is nothing stands at 0, which has no place on a logarithmic axis.
+    let zero = series.iter().flat_map(|one| &one.values).any(|(_, state)| *state == State::Zero);
+    Axis::over(shown.chain((zero && !log).then_some(0.0)), units, long_name, log, 0.06)
 }
 
 fn state_entries(series: &[Series]) -> Vec<(Key, String)> {
     let tally = Tally::of(series.iter().flat_map(|one| &one.values).map(|(_, state)| *state));
     let mut entries = Vec::new();
     if tally.doubtful > 0 {
-        entries.push((Key::Ring(LINES[0]), format!("not steady or sensitive ({})", tally.doubtful)));
+        entries.push((Key::Ring(LINES[0]), format!("{DOUBTFUL} ({})", tally.doubtful)));
+    }
+    if tally.zero > 0 {
+        entries.push((Key::Dot(GREY), format!("{NOTHING} ({})", tally.zero)));
     }
     if tally.failed > 0 {
         entries.push((Key::Cross(GREY), format!("failed ({})", tally.failed)));
@@ -155,7 +168,7 @@ pub(super) fn scatter(
         for (number, parameter) in parameters.iter().enumerate() {
             let log = is_log_spaced(&parameter.values);
             let values = parameter.values.iter().copied();
-            let x_axis = Axis::over(values, &parameter.units, label(parameter), log, 0.04);
+            let x_axis = Axis::over(values, &parameter.units, &short(parameter), log, 0.04);
             let (row, column) = (number / columns, number % columns);
             let frame = Frame {
                 canvas,
@@ -168,12 +181,14 @@ pub(super) fn scatter(
             };
             frame.grid()?;
             for (&(value, state), &x) in series.values.iter().zip(&parameter.values).step_by(every) {
+                let (value, state) = drawn((value, state));
                 let at = frame.at(x, value);
                 if !at.0.is_finite() {
                     continue;
                 }
                 match state {
                     State::Good if at.1.is_finite() => canvas.dot(at, 2.4, LINES[0])?,
+                    State::Zero if at.1.is_finite() => canvas.dot(at, 2.4, GREY)?,
                     State::Doubtful if at.1.is_finite() => canvas.ring(at, 3.0, LINES[0])?,
                     state => absent(&frame, at.0, state)?,
                 }

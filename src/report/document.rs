@@ -162,21 +162,40 @@ pub(super) fn escape(text: &str) -> String {
             '\'' => escaped.push_str("&#39;"),
             // Other control characters are not allowed in any page.
             c if c.is_control() && !matches!(c, '\n' | '\t' | '\r') => escaped.push('\u{fffd}'),
+            c if turns(c) => escaped.push('\u{fffd}'),
             c => escaped.push(c),
         }
     }
     escaped
 }
 
+/// Letters that turn the direction of what follows: a name could be read as another.
+fn turns(letter: char) -> bool {
+    matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Text as code in Markdown, on one line: between more backticks than it holds in a row.
+pub(super) fn code(text: &str) -> String {
+    let shown = |c: char| match c {
+        c if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') || turns(c) => '\u{fffd}',
+        c => c,
+    };
+    let text: String = text.chars().map(shown).collect();
+    let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    let fence = "`".repeat(longest + 1);
+    // Spaces at both ends are taken off again, and keep backticks at the ends apart from the fence.
+    if longest == 0 { format!("`{text}`") } else { format!("{fence} {text} {fence}") }
+}
+
 /// Text that Markdown takes as it is, on one line.
 pub(super) fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for letter in text.chars() {
-        if letter.is_control() {
+        if letter.is_control() || matches!(letter, '\u{2028}' | '\u{2029}') || turns(letter) {
             plain.push(' ');
             continue;
         }
-        if "\\`*[]<>|#&".contains(letter) {
+        if "\\`*[]<>|#&~$".contains(letter) {
             plain.push('\\');
         }
         plain.push(letter);

@@ -11,13 +11,19 @@ pub(super) const SMALL: f64 = 12.0;
 pub(super) const LABEL: f64 = 13.0;
 pub(super) const TITLE: f64 = 15.0;
 
+/// What keys say of values that are doubtful, and of those that are nothing.
+pub(super) const DOUBTFUL: &str = "not steady, sensitive or above the accuracy";
+pub(super) const NOTHING: &str = "0 within error";
+
 /// What a picture shows for one instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// A value to be trusted.
     Good,
-    /// A value of an instance that is not steady or sensitive.
+    /// A value of an instance that is not steady, sensitive or above the accuracy asked for.
     Doubtful,
+    /// A value that is nothing within its error.
+    Zero,
     /// No value though nothing failed: never in contact.
     Empty,
     /// No value to be had.
@@ -29,10 +35,17 @@ impl State {
     pub fn of(status: u8, value: f64) -> Self {
         match Status::from_code(status) {
             Some(Status::Ok) if value.is_finite() => Self::Good,
-            Some(Status::NotSteady | Status::Sensitive) if value.is_finite() => Self::Doubtful,
-            Some(Status::Ok | Status::NotSteady | Status::Sensitive) => Self::Empty,
+            Some(Status::NotSteady | Status::Sensitive | Status::AccuracyNotMet) if value.is_finite() => {
+                Self::Doubtful
+            }
+            Some(Status::Ok | Status::NotSteady | Status::Sensitive | Status::AccuracyNotMet) => Self::Empty,
             _ => Self::Failed,
         }
+    }
+
+    /// The same for a value with an error of this size.
+    pub fn within(self, value: f64, error: f64) -> Self {
+        if self.has_value() && value.abs() <= error { Self::Zero } else { self }
     }
 
     /// Whether there is a value to show.
@@ -45,6 +58,7 @@ impl State {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally {
     pub doubtful: usize,
+    pub zero: usize,
     pub empty: usize,
     pub failed: usize,
 }
@@ -56,6 +70,7 @@ impl Tally {
             match state {
                 State::Good => {}
                 State::Doubtful => tally.doubtful += 1,
+                State::Zero => tally.zero += 1,
                 State::Empty => tally.empty += 1,
                 State::Failed => tally.failed += 1,
             }
@@ -177,6 +192,18 @@ impl Frame<'_, '_> {
 
     /// The box and its ticks, to be drawn after the data; labels where asked for.
     pub fn edges(&self, x_labels: bool, y_labels: bool) -> Result<(), ReportError> {
+        self.ticks(x_labels, y_labels)?;
+        if x_labels { self.x_label(self.left + self.width / 2.0) } else { Ok(()) }
+    }
+
+    /// The words below the x axis, centred here.
+    pub fn x_label(&self, middle: f64) -> Result<(), ReportError> {
+        let y = self.top + self.height + 36.0;
+        self.canvas.text(&self.x.label, (middle, y), LABEL, Anchor::Middle, INK)
+    }
+
+    /// As [`Frame::edges`] without the words below the x axis.
+    pub fn ticks(&self, x_labels: bool, y_labels: bool) -> Result<(), ReportError> {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
         let canvas = self.canvas;
         let (ticks, small) = self.x.ticks(self.x_count());
@@ -205,10 +232,6 @@ impl Frame<'_, '_> {
         for place in small {
             let y = bottom - place * self.height;
             canvas.line(&[(self.left - 3.0, y), (self.left, y)], GREY, 0.8)?;
-        }
-        if x_labels {
-            let middle = self.left + self.width / 2.0;
-            canvas.text(&self.x.label, (middle, bottom + 36.0), LABEL, Anchor::Middle, INK)?;
         }
         if y_labels {
             let x = self.left - 16.0 - widest(&ticks) - LABEL * 0.6;

@@ -4,11 +4,14 @@ use super::ReportError;
 use super::axis::{Axis, is_log_spaced, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, PALE, WHITE, picture};
 use super::frame::{
-    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, mark, title, upward,
+    DOUBTFUL, Frame, KEY_ROW, Key, LABEL, NOTHING, SMALL, State, Tally, colour, key, key_rows, left_margin,
+    mark, title, upward,
 };
 use crate::store::Coordinate;
 use plotters::style::RGBColor;
 
+/// The colour of a value that is nothing within its error.
+const NONE: RGBColor = RGBColor(176, 176, 176);
 /// Cells along an axis at most; finer grids are averaged.
 const MOST_CELLS: usize = 128;
 
@@ -47,7 +50,7 @@ struct Cells {
 
 impl Cells {
     fn along(coordinate: &Coordinate) -> Self {
-        let name = label(coordinate);
+        let name = short(coordinate);
         let values = &coordinate.values;
         let mut order: Vec<usize> = (0..values.len()).collect();
         order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -56,7 +59,7 @@ impl Cells {
         // Values that occur twice or are not finite have no place of their own; their number has.
         let (axis, places) = if usable {
             let log = is_log_spaced(values);
-            let axis = Axis::over(values.iter().copied(), &coordinate.units, name, log, 0.0);
+            let axis = Axis::over(values.iter().copied(), &coordinate.units, &name, log, 0.0);
             let places: Vec<f64> = order.iter().map(|&i| axis.scaled(values[i])).collect();
             (axis, places)
         } else {
@@ -81,6 +84,21 @@ impl Cells {
         ends.push(last);
         Self { axis: axis.between(first, last), edges: ends, members }
     }
+}
+
+/// What an axis is called beside it: its label, or its name in the file where that is too long.
+pub(super) fn short(coordinate: &Coordinate) -> String {
+    brief(label(coordinate), &coordinate.name)
+}
+
+/// A label that fits an axis, or else the words of this name.
+pub(super) fn brief(label: &str, name: &str) -> String {
+    const ROOM: usize = 28;
+    if label.chars().count() <= ROOM {
+        return label.to_owned();
+    }
+    let words = name.replace('_', " ");
+    ["approach ", "drive "].iter().find_map(|part| words.strip_prefix(part)).unwrap_or(&words).to_owned()
 }
 
 /// What an axis is called.
@@ -133,7 +151,11 @@ impl Heatmap<'_> {
                 self.cells(&frame, panel, &across, &up, &bar)?;
                 overlay(&frame, &panel.lines)?;
                 let lowest = number + columns >= self.panels.len();
-                frame.edges(lowest, column == 0)?;
+                frame.ticks(lowest, column == 0)?;
+                // One label for all columns, below the lowest row.
+                if number + 1 == self.panels.len() {
+                    frame.x_label(left + field.0 / 2.0)?;
+                }
             }
             colour_bar(canvas, &bar, (bar_left, top + captions), field.1 - captions)?;
             key(canvas, (left, key_top), total_width, &entries)
@@ -167,6 +189,7 @@ impl Heatmap<'_> {
                 let shade = match state {
                     State::Failed => None,
                     State::Empty => Some(PALE),
+                    State::Zero => Some(NONE),
                     State::Good | State::Doubtful => Some(colour(bar.place(value))),
                 };
                 // Neighbours of one colour are one rectangle.
@@ -196,6 +219,9 @@ impl Heatmap<'_> {
             let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
             entries.push((sample, name.clone()));
         }
+        if tally.zero > 0 {
+            entries.push((Key::Swatch(NONE), format!("{NOTHING} ({})", tally.zero)));
+        }
         if tally.empty > 0 {
             entries.push((Key::Swatch(PALE), format!("no value, nothing failed ({})", tally.empty)));
         }
@@ -204,7 +230,7 @@ impl Heatmap<'_> {
         }
         if tally.doubtful > 0 {
             let unmarked = if cells > 2500 { ", not marked" } else { "" };
-            let text = format!("not steady or sensitive ({}{unmarked})", tally.doubtful);
+            let text = format!("{DOUBTFUL} ({}{unmarked})", tally.doubtful);
             entries.push((Key::Marked(colour(0.4)), text));
         }
         if self.x.values.len().max(self.y.values.len()) > MOST_CELLS {
@@ -243,11 +269,12 @@ fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> 
 
 /// The mean of a cell's values, and what most of its instances are.
 fn merge<'a>(cell: impl Iterator<Item = &'a (f64, State)>) -> (f64, State) {
-    let (mut sum, mut good, mut doubtful, mut empty, mut failed) = (0.0, 0, 0, 0, 0);
+    let (mut sum, mut good, mut doubtful, mut zero, mut empty, mut failed) = (0.0, 0, 0, 0, 0, 0);
     for (value, state) in cell {
         match state {
             State::Good => good += 1,
             State::Doubtful => doubtful += 1,
+            State::Zero => zero += 1,
             State::Empty => empty += 1,
             State::Failed => failed += 1,
         }
@@ -256,7 +283,9 @@ fn merge<'a>(cell: impl Iterator<Item = &'a (f64, State)>) -> (f64, State) {
         }
     }
     let valued = good + doubtful;
-    let state = if valued == 0 || valued < empty + failed {
+    let state = if zero > valued && zero >= empty + failed {
+        State::Zero
+    } else if valued == 0 || valued < empty + failed {
         if failed >= empty { State::Failed } else { State::Empty }
     } else if doubtful > good {
         State::Doubtful

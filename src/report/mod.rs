@@ -7,6 +7,7 @@ mod canvas;
 mod chart;
 mod curve;
 mod document;
+mod floor;
 mod force_curve;
 mod frame;
 mod heatmap;
@@ -53,10 +54,10 @@ pub fn write(file: &Path, output: Option<&Path>) -> Result<PathBuf, ReportError>
     let folder = output.map_or_else(|| default_folder(file), Path::to_path_buf);
     check_folder(&folder, MARKER)?;
     let results = read(file)?;
-    let pictures = pictures::all(&results)?;
-    let page = ("index.html".to_owned(), page::html(&results, file, &pictures));
-    let text = ("report.md".to_owned(), page::markdown(&results, file, &pictures));
-    let drawn = pictures.into_iter().map(|picture| (picture.file, picture.svg));
+    let drawn = pictures::all(&results)?;
+    let page = ("index.html".to_owned(), page::html(&results, file, &drawn));
+    let text = ("report.md".to_owned(), page::markdown(&results, file, &drawn));
+    let drawn = drawn.pictures.into_iter().map(|picture| (picture.file, picture.svg));
     let files: Vec<(String, String)> = [page, text].into_iter().chain(drawn).collect();
     save(&folder, MARKER, &files)?;
     Ok(folder)

@@ -1,9 +1,9 @@
 //! The page around the pictures: HTML to look at, Markdown to paste.
 
 use super::MARKER;
-use super::document::{self, Table, escape, plain};
-use super::frame::State;
-use super::pictures::{Picture, capital};
+use super::document::{self, Table, code, escape, plain};
+use super::frame::{NOTHING, State};
+use super::pictures::{Drawn, capital, states};
 use super::quantity::{Unit, number};
 use crate::observe::Status;
 use crate::store::{Attribute, Results};
@@ -115,12 +115,14 @@ fn flags(results: &Results) -> Table {
 fn observables(results: &Results) -> Table {
     let mut rows = vec![row(["observable", "name", "smallest", "median", "largest", "values", "without"])];
     for variable in &results.variables {
-        let harmonics = variable.harmonics.unwrap_or(1).max(1);
-        let per_instance = variable.data.chunks(harmonics).zip(&results.status);
-        let mut values: Vec<f64> = per_instance
-            .flat_map(|(values, &status)| values.iter().filter(move |v| State::of(status, **v).has_value()))
-            .copied()
-            .collect();
+        let states = states(results, variable);
+        // What is nothing within its error counts as that.
+        let value = |&(value, state): &(f64, State)| match state {
+            State::Zero => Some(0.0),
+            state => state.has_value().then_some(value),
+        };
+        let mut values: Vec<f64> = states.iter().filter_map(value).collect();
+        let nothing = states.iter().any(|(_, state)| *state == State::Zero);
         values.sort_by(f64::total_cmp);
         let middle = match values.as_slice() {
             [] => f64::NAN,
@@ -129,8 +131,14 @@ fn observables(results: &Results) -> Table {
         };
         let (low, high) =
             (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN));
-        let unit = Unit::fitting(&variable.units, low.abs().max(high.abs()));
-        let show = |value: f64| if value.is_nan() { "–".to_owned() } else { unit.value(value) };
+        // Each in the unit that fits it; zero, which none fits, in that of the largest.
+        let largest = low.abs().max(high.abs());
+        let show = |value: f64| match value {
+            value if value.is_nan() => "–".to_owned(),
+            0.0 if nothing => NOTHING.to_owned(),
+            0.0 => Unit::fitting(&variable.units, largest).value(0.0),
+            value => Unit::fitting(&variable.units, value.abs()).value(value),
+        };
         let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
         rows.push(vec![
             label.clone(),
@@ -203,16 +211,25 @@ fn texts(results: &Results) -> Vec<(String, &str)> {
 /// How many instances the pictures say less about.
 fn remark(results: &Results) -> String {
     let bad = results.status.iter().filter(|code| **code != Status::Ok as u8).count();
-    match (bad, results.status.len()) {
+    let ended = match (bad, results.status.len()) {
         (0, count) => format!("All {count} instances ended well."),
         (bad, count) => format!(
             "{bad} of {count} instances did not end well; pictures mark them, tables leave out those without a value."
+        ),
+    };
+    // Words by bits are warnings.
+    let warned = |i: &usize| results.flags.iter().any(|flags| flags.bits && flags.data.get(*i) != Some(&0));
+    match (0..results.status.len()).filter(warned).count() {
+        0 => ended,
+        warned => format!(
+            "{ended} {warned} of {} carry a warning: see the table of contact laws and warnings.",
+            results.status.len()
         ),
     }
 }
 
 /// `index.html`.
-pub(super) fn html(results: &Results, file: &Path, pictures: &[Picture]) -> String {
+pub(super) fn html(results: &Results, file: &Path, Drawn { pictures, left_out }: &Drawn) -> String {
     let mut page = document::open(&heading(results, file), MARKER);
     // Writing to a String cannot fail.
     let _ = writeln!(
@@ -235,6 +252,9 @@ pub(super) fn html(results: &Results, file: &Path, pictures: &[Picture]) -> Stri
             "<p>A single case has no pictures of its observables; the table above holds them.</p>\n",
         );
     }
+    for line in left_out {
+        let _ = writeln!(page, "<p class=\"caption\">Not drawn: {}</p>", escape(line));
+    }
     for picture in pictures {
         let name = escape(&picture.title);
         page.push_str("<figure>\n");
@@ -254,12 +274,15 @@ pub(super) fn html(results: &Results, file: &Path, pictures: &[Picture]) -> Stri
 }
 
 /// `report.md`.
-pub(super) fn markdown(results: &Results, file: &Path, pictures: &[Picture]) -> String {
+pub(super) fn markdown(results: &Results, file: &Path, Drawn { pictures, left_out }: &Drawn) -> String {
     let mut page = String::new();
     let _ = write!(page, "# {}\n\n", plain(&heading(results, file)));
-    let _ = write!(page, "From `{}`. {}\n\n", file.display(), remark(results));
+    let _ = write!(page, "From {}. {}\n\n", code(&file.display().to_string()), remark(results));
     for table in tables(results) {
         let _ = write!(page, "## {}\n\n{}\n", table.caption, table.markdown());
+    }
+    for line in left_out {
+        let _ = write!(page, "Not drawn: {}\n\n", plain(line));
     }
     for picture in pictures {
         let title = plain(&picture.title);

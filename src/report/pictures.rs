@@ -2,9 +2,10 @@
 
 use super::ReportError;
 use super::curve::{self, Series};
+use super::floor::{SCALES, errors};
 use super::force_curve;
 use super::frame::State;
-use super::heatmap::{Heatmap, Panel, label};
+use super::heatmap::{Heatmap, Panel, brief, label};
 use super::quantity::Unit;
 use super::waveform;
 use crate::store::{Coordinate, ForceCurve, Results, Variable};
@@ -22,11 +23,20 @@ pub(super) struct Picture {
     pub svg: String,
 }
 
-/// All pictures: one for each variable that varies, then waveforms, then force curves.
-pub(super) fn all(results: &Results) -> Result<Vec<Picture>, ReportError> {
-    let mut pictures = Vec::new();
-    for variable in &results.variables {
-        pictures.extend(of_variable(results, variable)?);
+/// What a page shows, and what it does not: a line for each.
+pub(super) struct Drawn {
+    pub pictures: Vec<Picture>,
+    pub left_out: Vec<String>,
+}
+
+/// All pictures: one for each variable that varies by more than its error, then waveforms, then force curves.
+pub(super) fn all(results: &Results) -> Result<Drawn, ReportError> {
+    let (mut pictures, mut undrawn) = (Vec::new(), Vec::new());
+    for variable in results.variables.iter().filter(|one| !SCALES.contains(&one.name.as_str())) {
+        match says_nothing(results, variable) {
+            Some(line) => undrawn.push(line),
+            None => pictures.extend(of_variable(results, variable)?),
+        }
     }
     if let Some(waveforms) = &results.waveforms {
         for (row, instance) in waveforms.instances.iter().enumerate().take(MOST_INSTANCES) {
@@ -48,8 +58,47 @@ pub(super) fn all(results: &Results) -> Result<Vec<Picture>, ReportError> {
         let note = left_out(row, instances.len(), "force curves");
         pictures.push(Picture { file: format!("force_curve_{instance}.svg"), title, note, svg });
     }
-    Ok(pictures)
+    Ok(Drawn { pictures, left_out: undrawn })
 }
+
+/// A variable's values with what became of each.
+pub(super) fn states(results: &Results, variable: &Variable) -> Vec<(f64, State)> {
+    let harmonics = variable.harmonics.unwrap_or(1).max(1);
+    let errors = errors(results, variable);
+    let state = |(number, &value): (usize, &f64)| {
+        let i = number / harmonics;
+        let state = State::of(results.status.get(i).copied().unwrap_or_default(), value);
+        let error = errors.as_ref().and_then(|all| all.get(i)).copied().unwrap_or(f64::NAN);
+        (value, state.within(value, error))
+    };
+    variable.data.iter().enumerate().map(state).collect()
+}
+
+/// Why a variable of several instances needs no picture: it is nothing within its error everywhere, or the same.
+fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
+    if results.status.len() < 2 {
+        return None;
+    }
+    let name = capital(if variable.long_name.is_empty() { &variable.name } else { &variable.long_name });
+    let states = states(results, variable);
+    let zeros = states.iter().filter(|(_, state)| *state == State::Zero).count();
+    let values: Vec<f64> = states.iter().filter(|one| one.1.has_value()).map(|one| one.0).collect();
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
+    match (zeros, values.len()) {
+        (0, 0 | 1) => None,
+        (zeros, 0) => Some(format!("{name}: 0 within its error in all {zeros} instances that have a value.")),
+        (0, count) if high - low <= SAME * low.abs().max(high.abs()) => {
+            let value = Unit::fitting(&variable.units, high.abs()).value(high);
+            Some(format!("{name}: the same in all {count} instances that have a value, {value}."))
+        }
+        _ => None,
+    }
+}
+
+/// Values that differ by less than this share of themselves are the same.
+const SAME: f64 = 1e-9;
 
 fn left_out(row: usize, count: usize, what: &str) -> String {
     if row + 1 == MOST_INSTANCES && count > MOST_INSTANCES {
@@ -86,11 +135,12 @@ fn shown(axis: &Coordinate, value: f64) -> String {
 fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
     let harmonics = variable.harmonics.unwrap_or(1).max(1);
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    let states = states(results, variable);
     // A variable's values, one harmonic at a time, with what became of each instance.
     let of_harmonic = |harmonic: usize| -> Vec<(f64, State)> {
-        let values = variable.data.iter().skip(harmonic).step_by(harmonics);
-        values.zip(&results.status).map(|(&value, &status)| (value, State::of(status, value))).collect()
+        states.iter().skip(harmonic).step_by(harmonics).copied().collect()
     };
+    let axis_name = brief(name, &variable.name);
     let all_series = |most: usize| -> Vec<Series> {
         (0..harmonics.min(most))
             .map(|k| Series { name: format!("harmonic {}", k + 1), values: of_harmonic(k) })
@@ -110,10 +160,8 @@ fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>
                 long_name: "harmonic of the drive frequency".into(),
                 values: (1..=harmonics).map(|k| k as f64).collect(),
             };
-            let values = variable.data.iter().take(harmonics);
-            let status = results.status.first().copied().unwrap_or_default();
-            let values = values.map(|&value| (value, State::of(status, value))).collect();
-            curve::curves(&heading, units, name, &orders, &[Series { name: String::new(), values }])?
+            let values = states.iter().take(harmonics).copied().collect();
+            curve::curves(&heading, units, &axis_name, &orders, &[Series { name: String::new(), values }])?
         }
         (true, parameters) => {
             if harmonics > 1 {
@@ -132,14 +180,14 @@ fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>
                 parameters.iter().map(|&axis| axis.clone()).collect()
             };
             let series = Series { name: String::new(), values: of_harmonic(0) };
-            curve::scatter(&heading, units, name, &own, &series)?
+            curve::scatter(&heading, units, &axis_name, &own, &series)?
         }
         (false, []) => return Ok(None),
         (false, [x]) => {
             if harmonics > 6 {
                 note = format!("The first 6 of {harmonics} harmonics.");
             }
-            curve::curves(&heading, units, name, x, &all_series(6))?
+            curve::curves(&heading, units, &axis_name, x, &all_series(6))?
         }
         (false, [y, x]) => {
             if harmonics > 6 {
@@ -157,7 +205,7 @@ fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>
             Heatmap {
                 title: heading.clone(),
                 units,
-                long_name: name,
+                long_name: &axis_name,
                 x,
                 y,
                 columns,
@@ -171,7 +219,8 @@ fn of_variable(results: &Results, variable: &Variable) -> Result<Option<Picture>
             note = fixed;
             let named: Vec<&str> = slow.iter().take(2).map(|axis| label(axis)).collect();
             let title = format!("{heading}, by {}", named.join(" and "));
-            Heatmap { title, units, long_name: name, x, y, columns, panels, lines: Vec::new() }.draw()?
+            Heatmap { title, units, long_name: &axis_name, x, y, columns, panels, lines: Vec::new() }
+                .draw()?
         }
     };
     Ok(Some(Picture { file: format!("{}.svg", file_name(&variable.name)), title: heading, note, svg }))
