@@ -3,6 +3,7 @@
 # make lint    formatting, clippy, documentation
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
+# make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=
@@ -14,7 +15,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test deps build lint python python-check scipy-check fuzz peers clean
+.PHONY: help demo test deps build lint python python-check scipy-check fuzz fuzz-files peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -59,6 +60,9 @@ scipy-check: deps $(SCIPY)
 
 fuzz: build
 	tests/python/fuzz_scenes.py $(PROGRAM) --mutants $(or $(MUTANTS),10000) --seed $(or $(SEED),1)
+
+fuzz-files: build
+	python3 tests/python/fuzz_files.py $(PROGRAM)
 
 peers: deps
 	benches/precision/run.sh
