@@ -386,7 +386,7 @@ fn the_page_says_that_instances_carry_warnings() {
 fn no_name_of_a_file_leaves_its_place_in_the_markdown() {
     let home = tempfile::tempdir().unwrap();
     let file = save(home.path(), &grid());
-    for name in ["a`<script>alert(1)</script>.h5", "``b`.h5", "c\n# Heading.h5", "d\u{202e}5h.h5"] {
+    for name in ["a`<script>alert(1)<b>.h5", "``b`.h5", "c\n# Heading.h5", "d\u{202e}5h.h5"] {
         let nasty = home.path().join(name);
         fs::copy(&file, &nasty).unwrap();
         let folder = home.path().join("page");
