@@ -121,6 +121,19 @@ fn what_was_changed_after_the_run_is_named() {
         "tip_radius is not what the run wrote",
     );
     changed(|file| file.delete_attr("device").unwrap(), "the attribute device is missing");
+    // What is no name does not get into a message.
+    changed(
+        |file| {
+            file.delete_attr("checksums").unwrap();
+            let text: hdf5::types::VarLenUnicode = "ampli\ntude:0123456789abcdef".parse().unwrap();
+            file.new_attr::<hdf5::types::VarLenUnicode>()
+                .create("checksums")
+                .unwrap()
+                .write_scalar(&text)
+                .unwrap();
+        },
+        "its checksums are spoilt",
+    );
 }
 
 /// What somebody has put into a file beside the results is nobody's damage.

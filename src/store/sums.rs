@@ -27,7 +27,10 @@ pub(super) fn misfit(written: &str, results: &Results) -> Option<String> {
     for entry in written.split(' ') {
         let sum =
             entry.rsplit_once(':').and_then(|(name, sum)| Some((name, u64::from_str_radix(sum, 16).ok()?)));
-        let Some((name, sum)) = sum else { return Some(format!("its {ATTRIBUTE} are spoilt")) };
+        let odd = |c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER;
+        let Some((name, sum)) = sum.filter(|(name, _)| !name.contains(odd)) else {
+            return Some(format!("its {ATTRIBUTE} are spoilt"));
+        };
         let shown =
             name.strip_prefix('@').map_or_else(|| name.to_owned(), |name| format!("the attribute {name}"));
         match now.get(name) {
