@@ -3,7 +3,7 @@
 use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, load};
-use afmsweep::control::{self, Arithmetic, Audited, Controlled, Other};
+use afmsweep::control::{self, Arithmetic, Audited, Controlled, Others};
 use afmsweep::engine::{EngineError, Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
@@ -97,8 +97,8 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         }
     };
     let others = match run.plan.run.both_branches && !progress.stopped() {
-        true => control::others(&run, engine.as_ref(), &progress)?,
-        false => Vec::new(),
+        true => Some(control::others(&run, &scene.sweep.shape(), engine.as_ref(), &progress)?),
+        false => None,
     };
     let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
     let stepping = stepping.elapsed().as_secs_f64();
@@ -118,7 +118,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         results.waveforms = Some(record::waveforms(plan, found, request)?);
     }
     if plan.run.steady == Steady::Search {
-        record::search(&mut results, plan, &outcome.results, (found, periods), &others);
+        record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
     }
     let no_audit = args.no_audit || args.engine.reference();
     let audited = match no_audit || !whole {
@@ -141,7 +141,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         voice.say(format_args!("note: {note}"));
     }
     if plan.run.steady == Steady::Search {
-        searched(&run, &others, voice);
+        searched(&run, others.as_ref(), voice);
     }
     close(&scene, plan, outcome, &results, voice);
     precision(&run, voice);
@@ -206,7 +206,7 @@ fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) 
 }
 
 /// What a search found.
-fn searched(run: &Controlled, others: &[Other], voice: Voice) {
+fn searched(run: &Controlled, others: Option<&Others>, voice: Voice) {
     let stepped = run.plan.cases.iter().filter(|case| case.steps > 0).count();
     let mut spent: Vec<u32> = run
         .found
@@ -225,11 +225,16 @@ fn searched(run: &Controlled, others: &[Other], voice: Voice) {
         instances(stepped),
         stepped - spent.len()
     ));
-    if run.plan.run.both_branches {
-        voice.say(format_args!(
-            "branches: {} with a second periodic state (group other_branch)",
-            instances(others.len())
-        ));
+    if let Some(others) = others {
+        let ways = match others.grid {
+            true => format!(
+                "{} from rest, {} of {} searches from neighbours",
+                others.from_rest, others.followed, others.tried
+            ),
+            false => "searched for from rest; no grid whose neighbours could be followed".into(),
+        };
+        let count = instances(others.states.len());
+        voice.say(format_args!("branches: {count} with a second periodic state (group other_branch): {ways}"));
     }
 }
 

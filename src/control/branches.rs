@@ -1,10 +1,12 @@
-//! The second periodic state of a bistable instance.
+//! The second periodic state of a bistable instance: searched for from the lever at rest, then followed from the
+//! neighbours in the sweep that have one.
 
-use super::{Controlled, steps};
+use super::neighbours::Neighbours;
+use super::{Controlled, second, steps};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::Plan;
-use crate::steady;
+use crate::plan::{Plan, Station};
+use crate::steady::{self, PeriodicState};
 
 /// A periodic state beside the one in the results.
 #[derive(Clone, Copy, Debug)]
@@ -13,30 +15,224 @@ pub struct Other {
     pub finished: Finished,
     /// Modulus of the period map's largest multiplier there.
     pub multiplier: f64,
+    /// Error of its worst observable, on its scale: infinite where it could not be told; NaN where nobody asked.
+    pub estimate: f64,
+    /// Steps per period with which it was measured.
+    pub steps: u32,
+}
+
+/// Second states, and how they were come by.
+#[derive(Clone, Debug, Default)]
+pub struct Others {
+    /// By instance number.
+    pub states: Vec<Other>,
+    /// How many of them the searches from rest found; the rest were followed from neighbours.
+    pub from_rest: usize,
+    /// Searches from neighbours' states, and those that found another state.
+    pub tried: usize,
+    pub followed: usize,
+    /// Whether there were neighbours to follow.
+    pub grid: bool,
+    /// What a user should know of how it went: one line each.
+    pub notes: Vec<String>,
 }
 
 /// In units of the accuracy asked for: what is nearer is the same state.
-const APART: f64 = 10.0;
+pub(super) const APART: f64 = 10.0;
 
-/// Second states of the instances of a finished run, searched for from the lever at rest with the steps of the run.
+/// A second state that was found, and where it is.
+pub(super) struct Second {
+    pub finished: Finished,
+    pub place: Box<PeriodicState>,
+}
+
+/// Second states of the instances of a finished run. First they are searched for from the lever at rest with the steps of
+/// the run. Then every instance without one is searched again from its neighbours' states that continue another branch
+/// than its own result is on: their second states, or their first ones. What is found so is a neighbour to the next,
+/// wave by wave, until no wave has anything left to try.
+///
+/// `shape` are the lengths of the sweep's axes, the last running fastest: neighbours are one apart along one of them.
+/// A list of samples has no neighbours (`shape` empty) and is left at the searches from rest.
 ///
 /// # Errors
 /// What the engine says.
-pub fn others(run: &Controlled, engine: &dyn Engine, progress: &Progress) -> Result<Vec<Other>, EngineError> {
+pub fn others(
+    run: &Controlled,
+    shape: &[usize],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Others, EngineError> {
     progress.stage(&["branches"]);
     let plan: &Plan = &run.plan;
     let counts = |i: &u32| {
         plan.cases[*i as usize].steps > 0 && run.outcome.results[*i as usize].status != Status::NotRun
     };
     let instances: Vec<u32> = (0..plan.cases.len() as u32).filter(counts).collect();
-    let second = steady::from_rest(plan, &instances, engine, progress)?;
-    let other = |i: u32| {
-        let place = second.found[i as usize].as_ref()?;
-        let (ours, finished) = (&run.outcome.results[i as usize], second.outcome.results[i as usize]);
-        let apart = steps::difference(plan, i as usize, ours, &finished) > APART * plan.run.accuracy;
+    let mut settled = steady::from_rest(plan, &instances, engine, progress)?;
+    let mut hunt = Hunt { run, seconds: (0..plan.cases.len()).map(|_| None).collect() };
+    for &i in &instances {
+        let finished = settled.outcome.results[i as usize];
+        hunt.take(i, finished, settled.found[i as usize].take());
+    }
+    let mut all = Others { from_rest: hunt.count(), notes: settled.outcome.notes, ..Others::default() };
+    if let Some(neighbours) = Neighbours::of(shape, plan.cases.len()) {
+        all.grid = true;
+        hunt.follow(&instances, &neighbours, &mut all, engine, progress)?;
+    }
+    let seconds = hunt.seconds;
+    all.states = second::estimated(run, seconds, engine, progress)?;
+    Ok(all)
+}
+
+/// Which of an instance's states.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Which {
+    First,
+    Second,
+}
+
+/// The second states so far.
+struct Hunt<'a> {
+    run: &'a Controlled,
+    seconds: Vec<Option<Second>>,
+}
+
+impl Hunt<'_> {
+    fn count(&self) -> usize {
+        self.seconds.iter().filter(|one| one.is_some()).count()
+    }
+
+    /// Keeps what was found for an instance, if it is another state than the first.
+    fn take(&mut self, i: u32, finished: Finished, place: Option<Box<PeriodicState>>) -> bool {
+        let Some(mut place) = place else { return false };
+        let n = i as usize;
+        let (plan, ours) = (&self.run.plan, &self.run.outcome.results[n]);
+        let apart = steps::difference(plan, n, ours, &finished) > APART * plan.run.accuracy;
         // Where the first run found no steady state at all, any is another.
         let another = apart || !ours.status.is_steady();
-        another.then_some(Other { instance: i, finished, multiplier: place.spectrum.multiplier })
-    };
-    Ok(instances.into_iter().filter_map(other).collect())
+        if another {
+            // Nobody asks for the map's slope there again.
+            place.slope = Box::default();
+            self.seconds[n] = Some(Second { finished, place });
+        }
+        another
+    }
+
+    /// Follows second branches along the grid.
+    fn follow(
+        &mut self,
+        instances: &[u32],
+        neighbours: &Neighbours,
+        all: &mut Others,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let mut may = vec![false; self.seconds.len()];
+        instances.iter().for_each(|i| may[*i as usize] = true);
+        // Of each instance, which states of its neighbours it has been searched from.
+        let mut tried = vec![0u64; self.seconds.len()];
+        let mut look: Vec<u32> = instances.to_vec();
+        while !look.is_empty() && !progress.stopped() {
+            let mut wave = Vec::new();
+            for &i in look.iter().filter(|i| self.seconds[**i as usize].is_none()) {
+                if let Some((bit, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
+                    tried[i as usize] |= bit;
+                    wave.push((i, j, which));
+                }
+            }
+            look = self.wave(&wave, all, engine, progress)?;
+            let next: Vec<u32> = look.iter().flat_map(|i| neighbours.around(*i)).map(|(_, j)| j).collect();
+            // Who found nothing may have other neighbours to try.
+            look = wave.into_iter().map(|(i, ..)| i).chain(next).filter(|i| may[*i as usize]).collect();
+            look.sort_unstable();
+            look.dedup();
+        }
+        Ok(())
+    }
+
+    /// Searches from neighbours' states; gives the instances that now have a second state.
+    fn wave(
+        &mut self,
+        wave: &[(u32, u32, Which)],
+        all: &mut Others,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<Vec<u32>, EngineError> {
+        let plan = &self.run.plan;
+        let numbers: Vec<u32> = wave.iter().map(|(i, ..)| *i).collect();
+        let part = plan.part(&numbers);
+        let place = |(n, (_, j, which)): (usize, &(u32, u32, Which))| {
+            let of = self.state(*j, *which).map(|state| steady::carried((plan, *j, state), &part, n as u32));
+            of.unwrap_or_else(|| Station::free(&part, n as u32))
+        };
+        let places: Vec<Station> = wave.iter().enumerate().map(place).collect();
+        let every: Vec<u32> = (0..wave.len() as u32).collect();
+        let mut settled = steady::from_places(&part, &every, &places, engine, progress)?;
+        let mut found = Vec::new();
+        for (n, &i) in numbers.iter().enumerate() {
+            if self.take(i, settled.outcome.results[n], settled.found[n].take()) {
+                found.push(i);
+            }
+        }
+        all.tried += wave.len();
+        all.followed += found.len();
+        all.notes.append(&mut settled.outcome.notes);
+        all.notes.dedup();
+        Ok(found)
+    }
+
+    /// The first of the neighbours' states from which this instance has not been searched and that may lead to another
+    /// state than its first, and its bit among those tried.
+    fn candidate(&self, i: u32, neighbours: &Neighbours, tried: u64) -> Option<(u64, u32, Which)> {
+        neighbours.around(i).find_map(|(side, j)| {
+            [Which::First, Which::Second].into_iter().find_map(|which| {
+                let bit = 1 << (2 * side + u32::from(which == Which::Second));
+                let open = tried & bit == 0 && self.leads_elsewhere(i, j, which);
+                open.then_some((bit, j, which))
+            })
+        })
+    }
+
+    fn state(&self, j: u32, which: Which) -> Option<&PeriodicState> {
+        match which {
+            Which::First => self.run.found.get(j as usize)?.as_deref(),
+            Which::Second => self.seconds[j as usize].as_ref().map(|second| &*second.place),
+        }
+    }
+
+    fn result(&self, j: u32, which: Which) -> Option<&Finished> {
+        match which {
+            Which::First => Some(&self.run.outcome.results[j as usize]),
+            Which::Second => self.seconds[j as usize].as_ref().map(|second| &second.finished),
+        }
+    }
+
+    /// Whether this state of a neighbour is on another branch than the instance's first: it is pushed where that is
+    /// pulled, or the other way round; or the neighbour's other state is nearer to it.
+    fn leads_elsewhere(&self, i: u32, j: u32, which: Which) -> bool {
+        if self.state(j, which).is_none() {
+            return false;
+        }
+        let Some(theirs) = self.result(j, which) else { return false };
+        let ours = &self.run.outcome.results[i as usize];
+        if !ours.status.is_steady() {
+            return true;
+        }
+        let pulled = |one: &Finished| one.measured.force_mean < 0.0;
+        if pulled(ours) != pulled(theirs) {
+            return true;
+        }
+        let rest = match which {
+            Which::First => Which::Second,
+            Which::Second => Which::First,
+        };
+        self.result(j, rest).is_some_and(|rest| far(ours, theirs) > far(ours, rest))
+    }
+}
+
+/// How far the fundamentals of two motions are apart, m.
+fn far(a: &Finished, b: &Finished) -> f64 {
+    let turn = (a.measured.phase - b.measured.phase).to_radians();
+    let (a, b) = (a.measured.harmonics[0], b.measured.harmonics[0]);
+    (a * a + b * b - 2.0 * a * b * turn.cos()).max(0.0).sqrt()
 }

@@ -4,14 +4,16 @@
 mod audit;
 mod branches;
 mod modes;
+mod neighbours;
 mod portions;
 mod precision;
+mod second;
 mod sensitive;
 mod steps;
 mod truth;
 
 pub use audit::{Audited, audit};
-pub use branches::{Other, others};
+pub use branches::{Other, Others, others};
 pub use truth::by_reference;
 
 use crate::engine::{Engine, EngineError, Outcome, Progress};

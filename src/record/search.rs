@@ -1,12 +1,11 @@
 //! What a search for periodic states adds to the file.
 
-use super::observables;
-use crate::control::Other;
+use super::{error_estimate, observables};
+use crate::control::{Other, Others};
 use crate::engine::Finished;
-use crate::observe::Status;
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
-use crate::store::{Flags, Listed, Results, Variable};
+use crate::store::{Branch, Flags, NO_STATE, Results, Variable};
 
 /// What the codes of the flag `branch` mean.
 pub const BRANCHES: [&str; 3] = ["none", "attractive", "repulsive"];
@@ -29,7 +28,7 @@ pub fn search(
     plan: &Plan,
     finished: &[Finished],
     (found, periods): (&[Option<Box<PeriodicState>>], &[u32]),
-    others: &[Other],
+    others: Option<&Others>,
 ) {
     let multiplier =
         |place: &Option<Box<PeriodicState>>| place.as_ref().map_or(f64::NAN, |one| one.spectrum.multiplier);
@@ -41,26 +40,43 @@ pub fn search(
         harmonics: None,
         data: periods.iter().map(|count| f64::from(*count)).collect(),
     });
-    results.flags.push(Flags {
+    results.flags.push(branch_flags(finished.iter().map(branch).collect()));
+    results.other_branch = others.map(|others| branches(plan, &others.states));
+}
+
+/// Second states over all instances.
+fn branches(plan: &Plan, others: &[Other]) -> Branch {
+    let count = plan.cases.len();
+    let finished: Vec<Finished> = others.iter().map(|other| other.finished).collect();
+    let mut variables = observables(plan, &finished);
+    variables.push(error_estimate(&others.iter().map(|other| other.estimate).collect::<Vec<f64>>()));
+    variables.push(multipliers(others.iter().map(|other| other.multiplier).collect()));
+    for variable in &mut variables {
+        let width = variable.harmonics.unwrap_or(1);
+        let mut all = vec![f64::NAN; count * width];
+        for (row, other) in variable.data.chunks_exact(width).zip(others) {
+            all[other.instance as usize * width..][..width].copy_from_slice(row);
+        }
+        variable.data = all;
+    }
+    let (mut status, mut steps) = (vec![NO_STATE; count], vec![0; count]);
+    let mut codes = vec![0; count];
+    for other in others {
+        let i = other.instance as usize;
+        status[i] = other.finished.status as u8;
+        steps[i] = other.steps;
+        codes[i] = branch(&other.finished);
+    }
+    Branch { variables, status, steps_per_period: steps, flags: vec![branch_flags(codes)] }
+}
+
+fn branch_flags(data: Vec<u8>) -> Flags {
+    Flags {
         name: "branch".into(),
         long_name: "branch of the periodic state, by the sign of its mean force".into(),
         meanings: BRANCHES.iter().map(|word| (*word).to_owned()).collect(),
         bits: false,
-        data: finished.iter().map(branch).collect(),
-    });
-    if !others.is_empty() {
-        let finished: Vec<Finished> = others.iter().map(|other| other.finished).collect();
-        let mut variables = observables(plan, &finished);
-        variables.push(multipliers(others.iter().map(|other| other.multiplier).collect()));
-        variables.push(Variable {
-            name: "branch".into(),
-            units: "1".into(),
-            long_name: "branch of this state, by the codes of branch".into(),
-            harmonics: None,
-            data: finished.iter().map(|one| f64::from(branch(one))).collect(),
-        });
-        let instances = others.iter().map(|other| u64::from(other.instance)).collect();
-        results.other_branch = Some(Listed { instances, variables });
+        data,
     }
 }
 

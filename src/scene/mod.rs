@@ -114,6 +114,16 @@ pub enum Layout {
     List,
 }
 
+impl Sweep {
+    /// Lengths of the axes of a grid; empty for a list.
+    pub fn shape(&self) -> Vec<usize> {
+        match self.layout {
+            Layout::Grid => self.axes.iter().map(|axis| axis.values.len()).collect(),
+            Layout::List => Vec::new(),
+        }
+    }
+}
+
 /// One swept quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {

@@ -1,9 +1,11 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
+mod carried;
 mod map;
 mod search;
 mod wait;
 
+pub use carried::carried;
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
@@ -90,6 +92,21 @@ pub fn from_rest(
 ) -> Result<Settled, EngineError> {
     progress.part();
     found(plan, instances, Begin::Still, engine, progress)
+}
+
+/// States that are found from these places, by instance of the plan, in place of its free oscillation; the results of
+/// instances that are not asked for are not run.
+///
+/// # Errors
+/// What the engine says.
+pub fn from_places(
+    plan: &Plan,
+    instances: &[u32],
+    places: &[Station],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    found(plan, instances, Begin::At(places), engine, progress)
 }
 
 /// The plan's instances that need steps, in the classes' order.

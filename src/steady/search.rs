@@ -45,6 +45,8 @@ pub(super) enum Begin<'a> {
     Still,
     /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
     Near(&'a [Option<Box<PeriodicState>>]),
+    /// At these places, by instance, which are thought to be next to a state.
+    At(&'a [Station]),
 }
 
 impl Begin<'_> {
@@ -54,7 +56,7 @@ impl Begin<'_> {
             Self::Near(near) => {
                 near.get(instance as usize)?.as_deref().filter(|place| !place.slope.is_empty())
             }
-            Self::Still => None,
+            Self::Still | Self::At(_) => None,
         }
     }
 
@@ -63,6 +65,7 @@ impl Begin<'_> {
         match self {
             Self::Near(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
+            Self::At(places) => places[instance as usize],
         }
     }
 }
@@ -161,6 +164,9 @@ impl Batch<'_> {
         for slot in slots {
             match from.known(instance(slot)) {
                 Some(place) => close.push(Box::new(One::beside(plan, slot, instance(slot), place))),
+                None if matches!(from, Begin::At(_)) => {
+                    close.push(Box::new(One::next_to(plan, slot, instance(slot), begin(slot))));
+                }
                 None => left.push((slot, 0, begin(slot))),
             }
         }
@@ -281,6 +287,13 @@ where
         let (remembers, options) = options(plan, instance);
         let (start, slope) = as_its_own::<D>(plan, instance, place);
         let search = Search::beside(vector(&start), slope, place.spectrum, options);
+        Self { slot, periods: 0, start, remembers, search }
+    }
+
+    /// From a place that is thought to be next to a state, of whose slope nothing is known.
+    fn next_to(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
+        let (remembers, options) = options(plan, instance);
+        let search = Search::new(vector(&start), Options { near: true, ..options });
         Self { slot, periods: 0, start, remembers, search }
     }
 

@@ -1,6 +1,6 @@
 //! Refuses results whose parts do not fit together, before anything is laid out.
 
-use super::{RESERVED, Results, StoreError, Variable, Waveforms};
+use super::{Flags, RESERVED, Results, StoreError, Variable, Waveforms};
 use std::collections::HashSet;
 
 /// `Err` names the first misfit.
@@ -28,14 +28,18 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
         check_name(&axis.name, &mut names)?;
     }
     check_variables(&results.variables, count, &mut names)?;
-    for flags in &results.flags {
-        check_name(&flags.name, &mut names)?;
-        let bad = |word: &String| word.is_empty() || word.contains(char::is_whitespace);
-        if flags.data.len() != count || flags.meanings.len() > 8 || flags.meanings.iter().any(bad) {
-            return refuse(format!("{} is no list of {count} codes for up to 8 single words", flags.name));
+    check_flags(&results.flags, count, &mut names)?;
+    if let Some(branch) = &results.other_branch {
+        let mut names: HashSet<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
+        names.extend(RESERVED);
+        check_variables(&branch.variables, count, &mut names)?;
+        check_flags(&branch.flags, count, &mut names)?;
+        let lengths = [branch.status.len(), branch.steps_per_period.len()];
+        if lengths != [count; 2] {
+            return refuse(format!("other_branch has {lengths:?} status codes and steps for {count} instances"));
         }
     }
-    for listed in [&results.audit, &results.other_branch].into_iter().flatten() {
+    for listed in results.audit.iter() {
         check_variables(
             &listed.variables,
             listed.instances.len(),
@@ -82,6 +86,20 @@ fn check_variables<'a>(
         }
         if variable.harmonics.is_some() && *shared.get_or_insert(per_instance) != per_instance {
             return Err(StoreError::inconsistent("two variables have different numbers of harmonics"));
+        }
+    }
+    Ok(())
+}
+
+fn check_flags<'a>(all: &'a [Flags], count: usize, names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
+    for flags in all {
+        check_name(&flags.name, names)?;
+        let bad = |word: &String| word.is_empty() || word.contains(char::is_whitespace);
+        if flags.data.len() != count || flags.meanings.len() > 8 || flags.meanings.iter().any(bad) {
+            return Err(StoreError::inconsistent(format!(
+                "{} is no list of {count} codes for up to 8 single words",
+                flags.name
+            )));
         }
     }
     Ok(())

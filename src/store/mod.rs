@@ -54,8 +54,8 @@ pub struct Results {
     pub force_curves: Vec<ForceCurve>,
     /// Instances redone by the reference integrator.
     pub audit: Option<Listed>,
-    /// Second periodic states beside the first, where some were looked for and found.
-    pub other_branch: Option<Listed>,
+    /// Second periodic states beside the first, where they were looked for.
+    pub other_branch: Option<Branch>,
     /// Scene text, resolved scene, plan, device, times: root attributes in this order.
     pub attributes: Vec<(String, Attribute)>,
 }
@@ -135,7 +135,22 @@ pub struct ForceCurve {
     pub contact_radius: Vec<f64>,
 }
 
-/// A group of variables over some of the instances: `audit`, with values and errors alike, and `other_branch`.
+/// Code of [`Branch::status`] where there is no second state.
+pub const NO_STATE: u8 = u8::MAX;
+
+/// Group `other_branch`: a second state of each instance, over all instances and with the dimensions of the first ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Branch {
+    /// NaN where there is no second state.
+    pub variables: Vec<Variable>,
+    /// One code per instance, see [`crate::observe::Status`], and [`NO_STATE`].
+    pub status: Vec<u8>,
+    /// 0 where there is no second state.
+    pub steps_per_period: Vec<u32>,
+    pub flags: Vec<Flags>,
+}
+
+/// A group of variables over some of the instances: `audit`, with values and errors alike.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Listed {
     /// Instance numbers.

@@ -3,7 +3,7 @@
 use super::labels::{is_scale, read_text};
 use super::source::Source;
 use super::{
-    Attribute, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, StoreError, Variable,
+    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, StoreError, Variable,
     Waveforms,
 };
 use hdf5::types::TypeDescriptor;
@@ -69,12 +69,12 @@ impl Source {
             list,
             variables: self.variables(&root, &others, &shape)?,
             flags: self.flags(&root, &others, &shape)?,
+            other_branch: self.branch(&root, &axis_names, &shape)?,
             status,
             steps_per_period,
             waveforms: self.waveforms(&root)?,
             force_curves: self.force_curves(&root)?,
             audit: self.listed(&root, "audit")?,
-            other_branch: self.listed(&root, "other_branch")?,
             attributes: self.attributes()?,
         })
     }
@@ -238,6 +238,29 @@ impl Source {
             .into_iter()
             .map(|code| word(code).ok_or_else(|| self.damaged(format_args!("{name} {code} has no meaning"))))
             .collect()
+    }
+
+    /// Group `other_branch`, over the dimensions of the root; as files before these had it, a list of some instances
+    /// without a status, it is passed over.
+    fn branch(
+        &self,
+        root: &Group,
+        axes: &[String],
+        shape: &[usize],
+    ) -> Result<Option<Branch>, StoreError> {
+        let Some(group) = self.group(root, "other_branch")? else { return Ok(None) };
+        if !group.link_exists("status") && group.link_exists("instance") {
+            return Ok(None);
+        }
+        let members = self.members(&group)?;
+        let names: Vec<&String> = members.iter().filter(|name| !axes.contains(name)).collect();
+        let count = shape.iter().product();
+        Ok(Some(Branch {
+            variables: self.variables(&group, &names, shape)?,
+            status: self.column(&group, "status", count)?,
+            steps_per_period: self.column(&group, "steps_per_period", count)?,
+            flags: self.flags(&group, &names, shape)?,
+        }))
     }
 
     fn listed(&self, root: &Group, name: &str) -> Result<Option<Listed>, StoreError> {

@@ -3,6 +3,8 @@
 //! The file is made in memory and handed over as bytes: its size is below that of the results it is made
 //! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
 
+mod branches;
+
 use super::check::check;
 use super::history::history;
 use super::labels::{self, Scale, attach};
@@ -36,12 +38,14 @@ pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<
         if !results.force_curves.is_empty() {
             write_force_curves(&file, &results.force_curves)?;
         }
-        for (name, listed) in [("audit", &results.audit), ("other_branch", &results.other_branch)] {
-            let Some(listed) = listed.as_ref().filter(|one| !one.instances.is_empty()) else { continue };
-            let mut layout = Layout::group(&file, name)?;
+        if let Some(listed) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
+            let mut layout = Layout::group(&file, "audit")?;
             let dims = vec![layout.instances(&listed.instances)?];
             layout.variables(&listed.variables, &dims, None)?;
             layout.close()?;
+        }
+        if let Some(branch) = &results.other_branch {
+            branches::write(Layout::group(&file, "other_branch")?, results, branch)?;
         }
         file.flush()?;
         file_image(&file)
@@ -220,6 +224,24 @@ impl Layout {
         Ok(())
     }
 
+    /// The dimensions that all instances stand over, and the names of variables that tell of a list what varies.
+    fn axes(&mut self, results: &Results) -> hdf5::Result<(Vec<usize>, Option<String>)> {
+        let mut dims = Vec::new();
+        if !results.list {
+            for axis in &results.axes {
+                dims.push(self.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?);
+            }
+            return Ok((dims, None));
+        }
+        let numbers: Vec<u64> = (0..results.status.len() as u64).collect();
+        dims.push(self.instances(&numbers)?);
+        for axis in &results.axes {
+            self.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
+        }
+        let names: Vec<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
+        Ok((dims, (!names.is_empty()).then(|| names.join(" "))))
+    }
+
     fn close(self) -> hdf5::Result<()> {
         self.scales.into_iter().try_for_each(Scale::close)
     }
@@ -256,21 +278,7 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
     labels::text(file, sums::ATTRIBUTE, &sums::text(results))?;
     let group = file.group("/")?;
     let mut layout = Layout { file: file.clone(), group, scales: Vec::new() };
-    let mut dims = Vec::new();
-    let mut coordinates = None;
-    if results.list {
-        let numbers: Vec<u64> = (0..results.status.len() as u64).collect();
-        dims.push(layout.instances(&numbers)?);
-        for axis in &results.axes {
-            layout.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
-        }
-        let names: Vec<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
-        coordinates = (!names.is_empty()).then(|| names.join(" "));
-    } else {
-        for axis in &results.axes {
-            dims.push(layout.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?);
-        }
-    }
+    let (dims, coordinates) = layout.axes(results)?;
     let coordinates = coordinates.as_deref();
     layout.variables(&results.variables, &dims, coordinates)?;
     let meanings: Vec<(u8, String)> =

@@ -3,7 +3,9 @@
 // Each test file uses its own part of this.
 #![allow(dead_code)]
 
-use afmsweep::store::{Attribute, Coordinate, Flags, ForceCurve, Listed, Results, Variable, Waveforms};
+use afmsweep::store::{
+    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, NO_STATE, Results, Variable, Waveforms,
+};
 
 pub const SCENE: &str = "title = \"one\"\n";
 
@@ -80,9 +82,20 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
             instances: vec![0, last],
             variables: vec![variable("amplitude", "m", None, ramp(2, 1e-9))],
         }),
-        other_branch: Some(Listed {
-            instances: vec![last],
-            variables: vec![variable("amplitude", "m", None, ramp(1, 1e-9))],
+        other_branch: Some(Branch {
+            variables: vec![
+                variable("amplitude", "m", None, ramp(count, 2e-9)),
+                variable("harmonic_amplitude", "m", Some(3), ramp(3 * count, 2e-12)),
+            ],
+            status: (0..count).map(|i| if i % 2 == 0 { NO_STATE } else { 0 }).collect(),
+            steps_per_period: (0..count).map(|i| 100 + i as u32).collect(),
+            flags: vec![Flags {
+                name: "branch".into(),
+                long_name: "branch".into(),
+                meanings: vec!["none".into(), "attractive".into()],
+                bits: false,
+                data: (0..count).map(|i| (i % 2) as u8).collect(),
+            }],
         }),
         attributes: vec![
             ("scene".into(), Attribute::Text(SCENE.into())),

@@ -6,6 +6,7 @@
 #![allow(dead_code)]
 
 pub mod extrapolation;
+pub mod follow;
 pub mod laws;
 pub mod measure;
 pub mod oscillator;

@@ -1,0 +1,159 @@
+//! How well second states are known: with half of the steps, with a richer lever, and finer where that is too little.
+
+use super::branches::{APART, Other, Second};
+use super::{Controlled, steps};
+use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::observe::Status;
+use crate::plan::{Plan, STEPS_MAX, Station};
+use crate::steady::{self, PeriodicState};
+use std::collections::HashMap;
+
+/// How often a second state is measured again with twice as many steps.
+const DOUBLINGS: usize = 4;
+/// Fewest steps per period of a first look.
+const FEWEST: u32 = 16;
+/// What is left of the difference between two runs in the better one's error, and the share of the accuracy that an
+/// estimate may have before more steps are taken: those of first states (`control/steps.rs`).
+const LEFT: f64 = 0.25;
+const AIM: f64 = 0.6;
+
+/// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
+/// with the next richer lever, both searched for from where it is. What stays above the aim has its steps doubled, as the
+/// first states have. A state that another number of steps or another lever does not have has an infinite estimate.
+///
+/// Nothing is estimated of instances whose first states have no estimate.
+pub(super) fn estimated(
+    run: &Controlled,
+    seconds: Vec<Option<Second>>,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Vec<Other>, EngineError> {
+    let (mut numbers, mut all) = (Vec::new(), Vec::new());
+    for (i, second) in seconds.into_iter().enumerate() {
+        if let Some(second) = second {
+            numbers.push(i as u32);
+            all.push(second);
+        }
+    }
+    let plan = run.plan.part(&numbers);
+    let others = numbers.iter().zip(&all).zip(&plan.cases).map(|((i, second), case)| Other {
+        instance: *i,
+        finished: second.finished,
+        multiplier: second.place.spectrum.multiplier,
+        estimate: f64::NAN,
+        steps: case.steps,
+    });
+    let asked = |n: &u32| !run.estimates[numbers[*n as usize] as usize].is_nan();
+    let known: Vec<u32> = (0..numbers.len() as u32).filter(asked).collect();
+    let mut sight = Sight {
+        of_steps: vec![f64::INFINITY; numbers.len()],
+        of_modes: numbers.iter().map(|i| run.left_out[*i as usize]).collect(),
+        others: others.collect(),
+        places: all.into_iter().map(|second| second.place).collect(),
+        plan,
+    };
+    if known.is_empty() {
+        return Ok(sight.others);
+    }
+    sight.look(&known, engine, progress)?;
+    for &n in &known {
+        let other = &mut sight.others[n as usize];
+        other.estimate = sight.of_steps[n as usize] + sight.of_modes[n as usize];
+        if other.finished.status == Status::Ok && other.estimate > sight.plan.run.accuracy {
+            other.finished.status = Status::AccuracyNotMet;
+        }
+    }
+    Ok(sight.others)
+}
+
+/// Second states and their errors, by their number among those that have one.
+struct Sight {
+    plan: Plan,
+    others: Vec<Other>,
+    places: Vec<Box<PeriodicState>>,
+    of_steps: Vec<f64>,
+    of_modes: Vec<f64>,
+}
+
+impl Sight {
+    fn look(&mut self, known: &[u32], engine: &dyn Engine, progress: &Progress) -> Result<(), EngineError> {
+        let coarse = self.plan.stepped(known, |case| (case.steps / 2).max(FEWEST.min(case.steps)));
+        for (n, found) in self.again(&coarse, known, engine, progress)? {
+            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| LEFT * apart);
+        }
+        let (poor, _) = self.plan.can_be_richer(known.to_vec());
+        let rich = self.plan.enriched(&poor);
+        let mut taken = HashMap::new();
+        for (n, found) in self.again(&rich, &poor, engine, progress)? {
+            self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| LEFT * apart);
+            if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
+                self.put(n, finished, place, &rich);
+                self.plan.take_lever(n as u32, &rich, n as u32, &mut taken);
+            }
+        }
+        for _ in 0..DOUBLINGS {
+            let leads = |n: usize| self.of_steps[n] >= self.of_modes[n];
+            let doubtful = |n: &&u32| {
+                let n = **n as usize;
+                self.estimate(n) > self.aim() && leads(n) && self.plan.cases[n].steps <= STEPS_MAX / 2
+            };
+            let rough: Vec<u32> = known.iter().filter(doubtful).copied().collect();
+            if rough.is_empty() || progress.stopped() {
+                break;
+            }
+            let finer = self.plan.stepped(&rough, |case| 2 * case.steps);
+            for (n, found) in self.again(&finer, &rough, engine, progress)? {
+                let Some((apart, finished, place)) = found else { continue };
+                self.of_steps[n] = LEFT * apart;
+                self.put(n, finished, place, &finer);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the state as that plan has it.
+    fn put(&mut self, n: usize, finished: Finished, place: Box<PeriodicState>, plan: &Plan) {
+        let steps = plan.cases[n].steps;
+        let other = &mut self.others[n];
+        (other.finished, other.multiplier, other.steps) = (finished, place.spectrum.multiplier, steps);
+        (self.places[n], self.plan.cases[n].steps) = (place, steps);
+    }
+
+    fn aim(&self) -> f64 {
+        AIM * self.plan.run.accuracy
+    }
+
+    fn estimate(&self, n: usize) -> f64 {
+        self.of_steps[n] + self.of_modes[n]
+    }
+
+    /// These states as another plan for the same instances has them, and how far they are from what is known; none where
+    /// it has no such state.
+    fn again(
+        &self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<Vec<Again>, EngineError> {
+        let place = |n: usize| steady::carried((&self.plan, n as u32, &self.places[n]), plan, n as u32);
+        let mut places = vec![Station::FREE; self.others.len()];
+        instances.iter().for_each(|n| places[*n as usize] = place(*n as usize));
+        let mut settled = steady::from_places(plan, instances, &places, engine, progress)?;
+        let again = |n: &u32| {
+            let n = *n as usize;
+            let finished = settled.outcome.results[n];
+            let apart = steps::difference(plan, n, &self.others[n].finished, &finished);
+            let place = settled.found[n].take();
+            let same = |place| (apart <= SAME.max(APART * plan.run.accuracy)).then_some((apart, finished, place));
+            (n, place.and_then(same))
+        };
+        Ok(instances.iter().map(again).collect())
+    }
+}
+
+/// A state's number, how far it is from what was known, and what and where it is now.
+type Again = (usize, Option<(f64, Finished, Box<PeriodicState>)>);
+
+/// A state that moves by more than this with its steps is another one, on the scales of the accuracy.
+const SAME: f64 = 0.1;

@@ -1,0 +1,113 @@
+//! A periodic state of one instance as the place where a search for another's begins.
+
+use super::PeriodicState;
+use crate::contact::Law;
+use crate::kernel::MODES_MAX;
+use crate::plan::{CasePlan, Driven, KeptMode, Plan, Station};
+use nalgebra::Complex;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// The tip's motion at a neighbour, as instance `to` would have it: as large and as late behind the drive, but for as
+/// much larger or smaller as the sample is farther or nearer, so that the tip comes as close to it; never larger than
+/// both it and the free motion. Modes are the same if they have the same frequency or else the same number; one that the
+/// neighbour's lever lacks moves freely.
+///
+/// `from` is the plan that has the neighbour's drive and gap, its number there, and its state.
+pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Station {
+    let (plan_there, number, state) = from;
+    let (there, here) = (&plan_there.cases[number as usize], &plan.cases[to as usize]);
+    let (driven_there, driven) = (driven_of(plan_there, there), driven_of(plan, here));
+    // Stations stand half a step after the top of the free swing.
+    let (before, now) = (angle(driven_there, state.steps), angle(driven, here.steps));
+    let late = Complex::from_polar(1.0, now - before);
+    let modes = &state.kept.modes;
+    let count = modes.len().min(MODES_MAX);
+    let whole = |k: usize| {
+        let stretch = driven_there.free.omega / modes[k].omega;
+        swing(driven_there, &modes[k], before) + Complex::new(state.station.u[k] / stretch, state.station.x[k])
+    };
+    let size: f64 = (0..count).map(whole).sum::<Complex<f64>>().norm();
+    let most = size.max(driven.free.tip.norm());
+    let factor = match size > 0.0 {
+        true => ((size + here.gap - there.gap) / size).clamp(0.0, most / size),
+        false => 1.0,
+    };
+    let mut station = Station { touching: state.station.touching && here.contact.law == Law::Jkr, ..Station::FREE };
+    for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
+        let alike = |other: &KeptMode| other.omega == mode.omega;
+        let numbered = |other: &KeptMode| other.index == mode.index;
+        let same = modes[..count].iter().position(alike).or_else(|| modes[..count].iter().position(numbered));
+        let Some(j) = same else { continue };
+        let stretch = driven.free.omega / mode.omega;
+        let beyond = whole(j) * late * factor - swing(driven, mode, now);
+        (station.x[k], station.u[k]) = (beyond.im, beyond.re * stretch);
+    }
+    station
+}
+
+/// Phase of the drive at which an instance's periods are told.
+fn angle(driven: &Driven, steps: u32) -> f64 {
+    FRAC_PI_2 - driven.free.tip.arg() + PI / f64::from(steps)
+}
+
+/// A mode's part of the free motion at that phase: travel as the imaginary part, its rate over the drive's angular
+/// frequency as the real one.
+fn swing(driven: &Driven, mode: &KeptMode, angle: f64) -> Complex<f64> {
+    let Some(index) = mode.index else { return Complex::ZERO };
+    driven.free.modes[index] * Complex::from_polar(1.0, angle) * driven.instrument.modes[index].tip
+}
+
+fn driven_of<'a>(plan: &'a Plan, case: &CasePlan) -> &'a Driven {
+    &plan.drives[case.drive as usize]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::periodic::Spectrum;
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+    use std::sync::Arc;
+
+    fn bistable() -> Plan {
+        let text = include_str!("../../scenes/bistable.toml");
+        let scene = Scene::parse(Path::new("bistable.toml"), text).expect("the scene is whole");
+        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+    }
+
+    fn state(plan: &Plan, steps: u32) -> PeriodicState {
+        let mut station = Station::FREE;
+        (station.x[0], station.u[0]) = (-1e-9, 5e-10);
+        PeriodicState {
+            station,
+            spectrum: Spectrum { multiplier: 0.9, least_change: 0.1 },
+            steps,
+            kept: Arc::clone(&plan.drives[plan.cases[8].drive as usize].kept),
+            slope: Box::default(),
+        }
+    }
+
+    #[test]
+    fn to_itself_a_state_is_carried_as_it_is() {
+        let plan = bistable();
+        let state = state(&plan, plan.cases[8].steps);
+        let station = carried((&plan, 8, &state), &plan, 8);
+        assert!((station.x[0] + 1e-9).abs() < 1e-21 && (station.u[0] - 5e-10).abs() < 1e-21, "{station:?}");
+    }
+
+    /// The gap is a quarter of a nanometre wider, and so is the swing.
+    #[test]
+    fn at_a_wider_gap_the_tip_comes_as_close() {
+        let plan = bistable();
+        let state = state(&plan, plan.cases[9].steps);
+        let station = carried((&plan, 8, &state), &plan, 9);
+        let amplitude = plan.drives[0].free.tip.norm();
+        let size = |station: &Station| {
+            let angle = PI / f64::from(plan.cases[9].steps);
+            (station.x[0] + amplitude * angle.cos()).hypot(station.u[0] - amplitude * angle.sin())
+        };
+        let wider = plan.cases[9].gap - plan.cases[8].gap;
+        assert!((size(&station) - size(&state.station) - wider).abs() < 1e-3 * wider, "{station:?}");
+    }
+}

@@ -1,0 +1,32 @@
+//! Group `other_branch`, with dimensions and coordinates of its own that are the root's.
+
+use super::super::{Branch, NO_STATE, Results};
+use super::{Layout, labels};
+use crate::observe::Status;
+
+/// The word for [`NO_STATE`] in the group's `status`.
+const NO_STATE_MEANING: &str = "no_second_state";
+
+/// Fills the group and closes it.
+pub(super) fn write(mut layout: Layout, results: &Results, branch: &Branch) -> hdf5::Result<()> {
+    let (dims, coordinates) = layout.axes(results)?;
+    let coordinates = coordinates.as_deref();
+    layout.variables(&branch.variables, &dims, coordinates)?;
+    let mut meanings: Vec<(u8, String)> =
+        Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
+    meanings.push((NO_STATE, NO_STATE_MEANING.to_owned()));
+    let long_name = "what became of the second state";
+    let status = layout.flags("status", long_name, &dims, &branch.status, &meanings)?;
+    let steps = layout.variable("steps_per_period", &dims, &branch.steps_per_period)?;
+    Layout::describe(&steps, "1", "time steps per period of the drive, 0 without a second state")?;
+    let mut described = vec![status, steps];
+    for flags in &branch.flags {
+        described.push(layout.words(flags, &dims)?);
+    }
+    for dataset in described {
+        if let Some(names) = coordinates {
+            labels::text(&dataset, "coordinates", names)?;
+        }
+    }
+    layout.close()
+}

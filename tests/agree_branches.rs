@@ -1,0 +1,219 @@
+//! Second states of a sweep have no holes beside found neighbours.
+//! Truth: an independent one-mode integrator (tests/support/follow.rs) whose state is carried from gap to gap, down and
+//! up, as an experiment's is.
+
+mod support;
+
+use afmsweep::control::{self, Controlled, Others};
+use afmsweep::engine::{Cpu, Progress};
+use afmsweep::observe::{Measured, Status};
+use afmsweep::plan::{Plan, Precision};
+use afmsweep::scene::Scene;
+use std::f64::consts::PI;
+use std::path::Path;
+use std::time::Instant;
+use support::follow::{Follower, Motion};
+use support::laws::Law;
+
+/// A lever in air on polystyrene; `LEVER`, `AMPLITUDES` and `GAPS` stand for what differs.
+const SCENE: &str = r#"
+title = "amplitude over distance"
+[instrument.actuator]
+model = "rigid"
+[instrument.cantilever]
+LEVER
+[instrument.tip]
+radius = "10 nm"
+youngs_modulus = "130 GPa"
+poisson_ratio = 0.28
+[sample]
+youngs_modulus = "2.0 GPa"
+poisson_ratio = 0.34
+surface_energy = "66 mJ/m^2"
+[contact]
+law = "dmt"
+decay_length = "0.3 nm"
+[drive]
+on = "tip"
+frequency = "resonance"
+free_amplitude = "20 nm"
+[sweep]
+"drive.free_amplitude" = { values = [AMPLITUDES] }
+"approach.gap" = { GAPS }
+[run]
+steady = "search"
+branches = "both"
+periods = 3000
+[output]
+observables = ["amplitude", "phase", "force_max", "force_mean"]
+"#;
+
+const ONE_MODE: &str =
+    "modes = [{ stiffness = \"26 N/m\", frequency = \"300 kHz\", quality_factor = 450 }]";
+const BEAM: &str = "stiffness = \"26 N/m\"\nfrequency = \"300 kHz\"\nquality_factor = 450";
+
+/// The contact's force in the independent program's words, from the scene's numbers.
+fn law() -> Law {
+    let soft = (1.0 - 0.34f64.powi(2)) / 2.0e9 + (1.0 - 0.28f64.powi(2)) / 130e9;
+    Law::Dmt { k: 4.0 / 3.0 / soft, r: 10e-9, w: 66e-3, d0: 0.3e-9 }
+}
+
+fn scene(lever: &str, amplitudes: &[f64], gaps: &str) -> Scene {
+    let amplitudes: Vec<String> = amplitudes.iter().map(|a| format!("\"{a} nm\"")).collect();
+    let text = SCENE.replace("LEVER", lever).replace("AMPLITUDES", &amplitudes.join(", "));
+    Scene::parse(Path::new("branches.toml"), &text.replace("GAPS", gaps)).unwrap()
+}
+
+fn run(scene: &Scene, threads: usize) -> (Controlled, Others) {
+    let plan = Plan::new(scene, Precision::F64).unwrap();
+    let (engine, progress) = (Cpu { threads: Some(threads), strict: false }, Progress::default());
+    let run = control::run(&plan, &engine, &progress).unwrap();
+    let others = control::others(&run, &scene.sweep.shape(), &engine, &progress).unwrap();
+    (run, others)
+}
+
+/// What the independent integrator finds at these gaps, on the way down and up again.
+fn followed(free: f64, gaps: &[f64]) -> Vec<Vec<Motion>> {
+    let far = gaps.last().unwrap() + 2e-9;
+    let mut one = Follower::free(26.0, 450.0, free, law(), far);
+    let mut found = vec![Vec::new(); gaps.len()];
+    let down = (0..gaps.len()).rev();
+    for n in down.chain(0..gaps.len()) {
+        let Some(motion) = one.go(gaps[n]) else { continue };
+        if found[n].iter().all(|other: &Motion| other.apart(&motion) > APART * free) {
+            found[n].push(motion);
+        }
+    }
+    found
+}
+
+/// Motions that are nearer, in units of the free amplitude, are one.
+const APART: f64 = 0.02;
+
+/// What became of a comparison.
+#[derive(Debug, Default)]
+struct Tally {
+    points: usize,
+    /// Points of which the integrator, carried along, has two motions, and of which the program has two.
+    theirs: usize,
+    ours: usize,
+    /// Motions of the integrator that the program does not have.
+    holes: Vec<String>,
+    /// States of the program that the integrator did not meet on its way, and of these those in which it does not stay
+    /// when put there.
+    beyond: usize,
+    doubtful: Vec<String>,
+    /// Largest difference of the fundamentals, in units of the free amplitude.
+    largest: f64,
+    not_ok: usize,
+}
+
+fn compare(scene: &Scene, run: &Controlled, others: &Others) -> Tally {
+    let (amplitudes, gaps) = (&scene.sweep.axes[0].values, &scene.sweep.axes[1].values);
+    let motion = |measured: &Measured| Motion { amplitude: measured.harmonics[0], phase: measured.phase };
+    let mut tally = Tally::default();
+    for (a, &free) in amplitudes.iter().enumerate() {
+        for (n, theirs) in followed(free, gaps).into_iter().enumerate() {
+            let i = a * gaps.len() + n;
+            let mut ours = Vec::new();
+            let first = &run.outcome.results[i];
+            if first.status.is_steady() {
+                ours.push(motion(&first.measured));
+            }
+            if let Some(other) = others.states.iter().find(|other| other.instance as usize == i) {
+                ours.push(motion(&other.finished.measured));
+                tally.not_ok += usize::from(other.finished.status != Status::Ok);
+            }
+            let what = format!("{:.0} nm, gap {:.2} nm", 1e9 * free, 1e9 * gaps[n]);
+            tally.points += 1;
+            tally.theirs += usize::from(theirs.len() > 1);
+            tally.ours += usize::from(ours.len() > 1);
+            for one in &theirs {
+                let apart = ours.iter().map(|our| our.apart(one)).fold(f64::INFINITY, f64::min) / free;
+                match apart < APART {
+                    true => tally.largest = tally.largest.max(apart),
+                    false => tally.holes.push(format!("{what}: {one:?} of {theirs:?}, {ours:?}")),
+                }
+            }
+            for our in &ours {
+                if theirs.iter().all(|one| one.apart(our) / free > APART) {
+                    tally.beyond += 1;
+                    let mut one = Follower::free(26.0, 450.0, free, law(), gaps[n]);
+                    one.start(our);
+                    let stays = one.settle().is_some_and(|end| end.apart(our) < APART * free);
+                    if !stays {
+                        tally.doubtful.push(format!("{what}: {our:?}, {theirs:?}"));
+                    }
+                }
+            }
+        }
+    }
+    tally
+}
+
+/// The bistable range of a 20 nm swing: both motions at every gap, and nothing that is not there. With searches from
+/// rest alone there were holes.
+#[test]
+fn a_followed_branch_has_no_holes() {
+    let start = Instant::now();
+    let scene = scene(ONE_MODE, &[20.0], "from = \"14 nm\", to = \"21 nm\", points = 29");
+    let (run, others) = run(&scene, 1);
+    let tally = compare(&scene, &run, &others);
+    println!("{tally:#?}\n{} tried, {} followed, {:?}", others.tried, others.followed, start.elapsed());
+    assert!(tally.theirs >= 5, "the integrator has {} bistable points", tally.theirs);
+    assert!(tally.holes.is_empty() && tally.doubtful.is_empty(), "{tally:#?}");
+    assert!(tally.largest < 2e-3, "{}", tally.largest);
+    assert!(others.followed > 0 && others.followed <= others.tried);
+    // As lossless contacts have it: the power of the drive is the lever's own loss.
+    for other in &others.states {
+        let measured = &other.finished.measured;
+        let loss = measured.phase.to_radians().sin() / (measured.harmonics[0] / 20e-9);
+        assert!((loss - 1.0).abs() < 2e-3, "{loss}");
+        assert!((other.multiplier - (-PI / 450.0).exp()).abs() < 1e-3, "{}", other.multiplier);
+        assert!(other.estimate < 1e-3 && other.finished.status == Status::Ok, "{other:?}");
+    }
+}
+
+/// Waves go by instance numbers: threads change no bit.
+#[test]
+fn following_does_not_depend_on_threads() {
+    let scene = scene(ONE_MODE, &[18.0, 20.0], "from = \"16 nm\", to = \"20 nm\", points = 9");
+    let [one, two] = [1, 2].map(|threads| run(&scene, threads).1);
+    assert!(one.followed > 0, "{one:?}");
+    assert_eq!(format!("{one:?}"), format!("{two:?}"));
+}
+
+/// A state is an error of the search if the next steps or another lever do not have it: the estimate holds the second
+/// states to four times as many steps.
+#[test]
+fn estimates_of_second_states_are_not_too_low() {
+    let scene = scene(BEAM, &[20.0], "from = \"16 nm\", to = \"20 nm\", points = 17");
+    let (_, others) = run(&scene, 1);
+    let mut fine = scene.clone();
+    fine.run.accuracy = 1e-5;
+    let (_, truth) = run(&fine, 1);
+    assert!(others.states.len() >= 5, "{}", others.states.len());
+    for other in &others.states {
+        let Some(exact) = truth.states.iter().find(|one| one.instance == other.instance) else { continue };
+        let (ours, theirs) = (&other.finished.measured, &exact.finished.measured);
+        let of_length = (ours.harmonics[0] - theirs.harmonics[0]).abs() / 20e-9;
+        let of_force = (ours.force_max - theirs.force_max).abs() / theirs.force_max.abs().max(-theirs.force_min);
+        let error = of_length.max(of_force);
+        println!("{}: estimate {:.1e}, error {error:.1e}", other.instance, other.estimate);
+        assert!(error < 3.0 * other.estimate.max(1e-5), "{other:?}: {error:e}");
+    }
+}
+
+/// All of a map: 4 free amplitudes by 167 gaps, as a user swept it.
+#[test]
+#[ignore = "minutes: 1,336 points of the independent integrator"]
+fn a_whole_map_has_no_holes() {
+    for lever in [ONE_MODE, BEAM] {
+        let scene = scene(lever, &[5.0, 10.0, 20.0, 40.0], "from = \"0.5 nm\", to = \"42 nm\", points = 167");
+        let (run, others) = run(&scene, 2);
+        let tally = compare(&scene, &run, &others);
+        println!("{lever}\n{tally:#?}");
+        println!("{} from rest, {} of {} from neighbours", others.from_rest, others.followed, others.tried);
+        assert!(tally.holes.is_empty() && tally.doubtful.is_empty(), "{tally:#?}");
+    }
+}
