@@ -234,7 +234,8 @@ fn searched(run: &Controlled, others: Option<&Others>, voice: Voice) {
             false => "searched for from rest; no grid whose neighbours could be followed".into(),
         };
         let count = instances(others.states.len());
-        voice.say(format_args!("branches: {count} with a second periodic state (group other_branch): {ways}"));
+        voice
+            .say(format_args!("branches: {count} with a second periodic state (group other_branch): {ways}"));
     }
 }
 

@@ -145,7 +145,8 @@ impl Sight {
             let finished = settled.outcome.results[n];
             let apart = steps::difference(plan, n, &self.others[n].finished, &finished);
             let place = settled.found[n].take();
-            let same = |place| (apart <= SAME.max(APART * plan.run.accuracy)).then_some((apart, finished, place));
+            let same =
+                |place| (apart <= SAME.max(APART * plan.run.accuracy)).then_some((apart, finished, place));
             (n, place.and_then(same))
         };
         Ok(instances.iter().map(again).collect())

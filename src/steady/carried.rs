@@ -24,7 +24,8 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
     let count = modes.len().min(MODES_MAX);
     let whole = |k: usize| {
         let stretch = driven_there.free.omega / modes[k].omega;
-        swing(driven_there, &modes[k], before) + Complex::new(state.station.u[k] / stretch, state.station.x[k])
+        swing(driven_there, &modes[k], before)
+            + Complex::new(state.station.u[k] / stretch, state.station.x[k])
     };
     let size: f64 = (0..count).map(whole).sum::<Complex<f64>>().norm();
     let most = size.max(driven.free.tip.norm());
@@ -32,7 +33,8 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
         true => ((size + here.gap - there.gap) / size).clamp(0.0, most / size),
         false => 1.0,
     };
-    let mut station = Station { touching: state.station.touching && here.contact.law == Law::Jkr, ..Station::FREE };
+    let mut station =
+        Station { touching: state.station.touching && here.contact.law == Law::Jkr, ..Station::FREE };
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
         let alike = |other: &KeptMode| other.omega == mode.omega;
         let numbered = |other: &KeptMode| other.index == mode.index;

@@ -36,7 +36,9 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
         check_flags(&branch.flags, count, &mut names)?;
         let lengths = [branch.status.len(), branch.steps_per_period.len()];
         if lengths != [count; 2] {
-            return refuse(format!("other_branch has {lengths:?} status codes and steps for {count} instances"));
+            return refuse(format!(
+                "other_branch has {lengths:?} status codes and steps for {count} instances"
+            ));
         }
     }
     for listed in results.audit.iter() {

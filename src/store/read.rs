@@ -242,12 +242,7 @@ impl Source {
 
     /// Group `other_branch`, over the dimensions of the root; as files before these had it, a list of some instances
     /// without a status, it is passed over.
-    fn branch(
-        &self,
-        root: &Group,
-        axes: &[String],
-        shape: &[usize],
-    ) -> Result<Option<Branch>, StoreError> {
+    fn branch(&self, root: &Group, axes: &[String], shape: &[usize]) -> Result<Option<Branch>, StoreError> {
         let Some(group) = self.group(root, "other_branch")? else { return Ok(None) };
         if !group.link_exists("status") && group.link_exists("instance") {
             return Ok(None);

@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 use afmsweep::store::{
-    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, NO_STATE, Results, Variable, Waveforms,
+    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, Results, Variable, Waveforms,
 };
 
 pub const SCENE: &str = "title = \"one\"\n";
@@ -87,7 +87,7 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
                 variable("amplitude", "m", None, ramp(count, 2e-9)),
                 variable("harmonic_amplitude", "m", Some(3), ramp(3 * count, 2e-12)),
             ],
-            status: (0..count).map(|i| if i % 2 == 0 { NO_STATE } else { 0 }).collect(),
+            status: (0..count).map(|i| (i % 3) as u8).collect(),
             steps_per_period: (0..count).map(|i| 100 + i as u32).collect(),
             flags: vec![Flags {
                 name: "branch".into(),

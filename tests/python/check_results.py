@@ -110,9 +110,26 @@ def check_root(data):
         assert data["harmonic_amplitude"].dims == dims + ("harmonic",)
 
 
-def check_group(name, data, instances):
+def check_branch(data, root):
+    """Second states: the dimensions and coordinates of the first, NaN where there is none."""
+    dims = root["status"].dims
+    for name in set(root.coords) - {"harmonic"}:
+        assert data[name].dims == root[name].dims and same(data[name], root[name]), name
+    check_flags(data["status"], MEANINGS + ["no_second_state"])
+    none = data["status"].values == 255
+    assert data["steps_per_period"].dtype == np.uint32
+    for name, variable in data.data_vars.items():
+        assert variable.dims in (dims, dims + ("harmonic",)), (name, variable.dims)
+        if variable.dtype == np.float64 and variable.dims == dims:
+            assert np.isnan(variable.values[none]).all(), name
+
+
+def check_group(name, data, root):
+    instances = root["status"].size
     for key, variable in data.variables.items():
         check_variable(key, variable)
+    if name == "other_branch":
+        return check_branch(data, root)
     assert ((data["instance"] >= 0) & (data["instance"] < instances)).all()
     if name == "waveforms":
         shared = "time" in data.dims
@@ -207,12 +224,11 @@ def check(path):
         with xr.open_dataset(path, engine=engine) as data:
             data.load()
             check_root(data)
-            instances = data["status"].size
             seen.setdefault("", []).append(data)
         for group in groups:
             with xr.open_dataset(path, engine=engine, group=group) as data:
                 data.load()
-                check_group(group, data, instances)
+                check_group(group, data, seen[""][0])
                 seen.setdefault(group, []).append(data)
     for group, (first, second) in seen.items():
         xr.testing.assert_identical(first, second)

@@ -83,7 +83,7 @@ impl Follower {
     pub fn settle(&mut self) -> Option<Motion> {
         let mut last = self.period();
         for _ in 0..LOOKS {
-            (1..LOOK).for_each(|_| drop(self.period()));
+            (1..LOOK).for_each(|_| _ = self.period());
             let now = self.period();
             if now.apart(&last) < SETTLED * self.free {
                 return Some(now);
