@@ -49,7 +49,7 @@ pub(super) fn estimated(
         of_steps: vec![f64::INFINITY; numbers.len()],
         of_modes: numbers.iter().map(|i| run.left_out[*i as usize]).collect(),
         others: others.collect(),
-        places: all.into_iter().map(|second| second.place).collect(),
+        places: all.into_iter().map(|second| *second.place).collect(),
         plan,
     };
     if known.is_empty() {
@@ -70,7 +70,7 @@ pub(super) fn estimated(
 struct Sight {
     plan: Plan,
     others: Vec<Other>,
-    places: Vec<Box<PeriodicState>>,
+    places: Vec<PeriodicState>,
     of_steps: Vec<f64>,
     of_modes: Vec<f64>,
 }
@@ -87,7 +87,7 @@ impl Sight {
         for (n, found) in self.again(&rich, &poor, engine, progress)? {
             self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| LEFT * apart);
             if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
-                self.put(n, finished, place, &rich);
+                self.put(n, finished, *place, &rich);
                 self.plan.take_lever(n as u32, &rich, n as u32, &mut taken);
             }
         }
@@ -105,14 +105,14 @@ impl Sight {
             for (n, found) in self.again(&finer, &rough, engine, progress)? {
                 let Some((apart, finished, place)) = found else { continue };
                 self.of_steps[n] = LEFT * apart;
-                self.put(n, finished, place, &finer);
+                self.put(n, finished, *place, &finer);
             }
         }
         Ok(())
     }
 
     /// Takes the state as that plan has it.
-    fn put(&mut self, n: usize, finished: Finished, place: Box<PeriodicState>, plan: &Plan) {
+    fn put(&mut self, n: usize, finished: Finished, place: PeriodicState, plan: &Plan) {
         let steps = plan.cases[n].steps;
         let other = &mut self.others[n];
         (other.finished, other.multiplier, other.steps) = (finished, place.spectrum.multiplier, steps);
