@@ -1,5 +1,6 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
+mod audit;
 mod backend;
 mod bench;
 mod check;
@@ -128,6 +129,11 @@ fn in_full(error: &anyhow::Error) -> String {
 /// Colours only on a terminal, and never where NO_COLOR is set.
 fn colour() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// `1 instance`, `2 instances`.
+fn instances(count: usize) -> String {
+    format!("{count} instance{}", if count == 1 { "" } else { "s" })
 }
 
 /// Reads a scene; its error keeps its place in the file.

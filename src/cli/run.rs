@@ -1,10 +1,11 @@
 //! `afmsweep run`: the main job.
 
+use super::audit;
 use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
-use super::{Voice, load};
-use afmsweep::control::{self, Arithmetic, Audited, Controlled, Others};
-use afmsweep::engine::{EngineError, Outcome, Progress, Reference};
+use super::{Voice, instances, load};
+use afmsweep::control::{self, Arithmetic, Controlled, Others};
+use afmsweep::engine::{Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
 use afmsweep::record::{self, Facts};
@@ -13,8 +14,7 @@ use afmsweep::steady::{self, Settled};
 use afmsweep::store::{Results, Writer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 #[derive(clap::Args)]
 pub struct RunArgs {
@@ -123,7 +123,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let no_audit = args.no_audit || args.engine.reference();
     let audited = match no_audit || !whole {
         true => Vec::new(),
-        false => audit(args, &run, stepping, &progress)?,
+        false => audit::redo(args.audit, &run, stepping, &progress)?,
     };
     drop(shown);
     results.audit = record::audit(plan, &audited);
@@ -145,7 +145,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     }
     close(&scene, plan, outcome, &results, voice);
     precision(&run, voice);
-    accuracy(plan, outcome, estimates, (&audited, no_audit), voice);
+    audit::accuracy(plan, outcome, estimates, (&audited, no_audit), voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -154,55 +154,6 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         facts.rate
     ));
     Ok(())
-}
-
-/// What an audit takes: a share of the run's time, or so many seconds after a short one; and the time in which one core
-/// redoes an instance at best, s.
-const AUDIT_SHARE: f64 = 0.1;
-const AUDIT_SECONDS: f64 = 0.25;
-const AUDIT_ONE: f64 = 0.05;
-
-/// The audit: as many instances as asked for; else those that are done when its time is over, and where that was none
-/// (a slow machine), one for each core in up to four times as long.
-fn audit(
-    args: &RunArgs,
-    run: &Controlled,
-    stepping: f64,
-    progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
-    let redo = |count: usize, progress: &Progress| {
-        control::audit(&run.plan, &run.outcome, &run.found, count, progress)
-    };
-    if let Some(count) = args.audit {
-        return redo(count as usize, progress);
-    }
-    let limit = Duration::from_secs_f64((AUDIT_SHARE * stepping).max(AUDIT_SECONDS));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let each = (limit.as_secs_f64() / AUDIT_ONE).min(64.0) as usize;
-    let done = within(limit, progress, |watched| redo(cores * each, watched))?;
-    match done.is_empty() && !progress.stopped() {
-        true => within(4 * limit, progress, |watched| redo(cores, watched)),
-        false => Ok(done),
-    }
-}
-
-/// Does `work`, which is stopped when its time is over or the run is.
-fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T {
-    let start = Instant::now();
-    let (watched, over) = (progress.fork(), AtomicBool::new(false));
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !over.load(Ordering::Relaxed) {
-                if start.elapsed() > limit || progress.stopped() {
-                    watched.stop();
-                }
-                std::thread::sleep(Duration::from_millis(5));
-            }
-        });
-        let done = work(&watched);
-        over.store(true, Ordering::Relaxed);
-        done
-    })
 }
 
 /// What a search found.
@@ -250,46 +201,6 @@ fn precision(run: &Controlled, voice: Voice) {
     voice.say(format_args!("precision: {}: {}{rest}", plan.precision.name(), arithmetic.reason));
 }
 
-/// What is known of the errors.
-fn accuracy(
-    plan: &Plan,
-    outcome: &Outcome,
-    estimates: &[f64],
-    (audited, told_not_to): (&[Audited], bool),
-    voice: Voice,
-) {
-    let ok = |i: &usize| outcome.results[*i].status == Status::Ok && estimates[*i].is_finite();
-    let mut known: Vec<f64> = (0..estimates.len()).filter(ok).map(|i| estimates[i]).collect();
-    known.sort_by(f64::total_cmp);
-    if let (Some(middle), Some(last)) = (known.get(known.len() / 2), known.last()) {
-        voice.say(format_args!(
-            "estimated error: median {middle:.1e}, largest {last:.1e} of {}; asked for {:e}",
-            instances(known.len()),
-            plan.run.accuracy
-        ));
-    }
-    let redone: Vec<f64> = audited.iter().filter_map(|one| one.worst).collect();
-    if audited.is_empty() && !told_not_to && !known.is_empty() {
-        voice.say(format_args!(
-            "audit: no instance could be redone in half of the run's time or {} s; --audit 4 redoes four all the same",
-            5.0 * AUDIT_SECONDS
-        ));
-    }
-    if !audited.is_empty() {
-        let largest = redone.iter().copied().fold(0.0, f64::max);
-        let doubtful = audited.len() - redone.len();
-        let rest = if doubtful > 0 {
-            format!("; {doubtful} not steady or else not to be compared")
-        } else {
-            String::new()
-        };
-        voice.say(format_args!(
-            "audit: {} redone by the reference engine, largest error {largest:.1e}{rest}",
-            instances(audited.len())
-        ));
-    }
-}
-
 /// What a user should know of the run: doubtful instances and doubtful contacts.
 fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice: Voice) {
     for status in Status::ALL {
@@ -306,10 +217,6 @@ fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice
     for line in record::warning_lines(scene, plan, outcome, results) {
         voice.say(format_args!("warning: {line}"));
     }
-}
-
-fn instances(count: usize) -> String {
-    format!("{count} instance{}", if count == 1 { "" } else { "s" })
 }
 
 fn advice(status: Status) -> &'static str {
