@@ -56,6 +56,8 @@ pub struct Results {
     pub audit: Option<Listed>,
     /// Second periodic states beside the first, where they were looked for.
     pub other_branch: Option<Branch>,
+    /// Names of variables over the instances, each with a sentence about it (attribute `comment`).
+    pub comments: Vec<(String, String)>,
     /// Scene text, resolved scene, plan, device, times: root attributes in this order.
     pub attributes: Vec<(String, Attribute)>,
 }

@@ -75,6 +75,7 @@ impl Source {
             waveforms: self.waveforms(&root)?,
             force_curves: self.force_curves(&root)?,
             audit: self.listed(&root, "audit")?,
+            comments: comments(&root, &others),
             attributes: self.attributes()?,
         })
     }
@@ -266,4 +267,13 @@ impl Source {
         let variables = self.variables(&group, &names, &[instances.len()])?;
         Ok(Some(Listed { instances, variables }))
     }
+}
+
+/// What the variables of these names have as their comments.
+fn comments(root: &Group, names: &[&String]) -> Vec<(String, String)> {
+    let one = |name: &&String| {
+        let dataset = root.dataset(name).ok()?;
+        Some(((*name).clone(), read_text(&dataset, "comment")?))
+    };
+    names.iter().filter_map(one).collect()
 }

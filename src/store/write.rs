@@ -281,6 +281,10 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
     let (dims, coordinates) = layout.axes(results)?;
     let coordinates = coordinates.as_deref();
     layout.variables(&results.variables, &dims, coordinates)?;
+    for (name, comment) in &results.comments {
+        let dataset = file.dataset(name)?;
+        labels::text(&dataset, "comment", comment)?;
+    }
     let meanings: Vec<(u8, String)> =
         Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
     let status = layout.flags("status", "what became of the instance", &dims, &results.status, &meanings)?;

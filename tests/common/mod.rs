@@ -97,6 +97,7 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
                 data: (0..count).map(|i| (i % 2) as u8).collect(),
             }],
         }),
+        comments: vec![("amplitude".into(), "of the tip".into())],
         attributes: vec![
             ("scene".into(), Attribute::Text(SCENE.into())),
             ("plan".into(), Attribute::Text("{\"modes\": 2}".into())),
