@@ -13,6 +13,7 @@ mod report;
 mod run;
 mod study;
 
+use afmsweep::report::shown;
 use afmsweep::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
 use std::io::IsTerminal;
@@ -110,7 +111,10 @@ pub fn main() -> ExitCode {
                 Some(scene) => say(scene.render(colour())),
                 None => say(format_args!("error: {}", in_full(&error))),
             }
-            ExitCode::FAILURE
+            match error.is::<audit::Missed>() {
+                true => ExitCode::from(audit::MISSED),
+                false => ExitCode::FAILURE,
+            }
         }
     }
 }
@@ -134,6 +138,15 @@ fn colour() -> bool {
 /// `1 instance`, `2 instances`.
 fn instances(count: usize) -> String {
     format!("{count} instance{}", if count == 1 { "" } else { "s" })
+}
+
+/// `sample Young's modulus 1 GPa, ...` of an instance; nothing without a sweep.
+fn values(scene: &Scene, instance: usize) -> String {
+    let axes = scene.sweep.axes.iter().zip(scene.sweep.indices(instance));
+    let words: Vec<String> = axes
+        .map(|(axis, at)| format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)))
+        .collect();
+    words.join(", ")
 }
 
 /// Reads a scene; its error keeps its place in the file.

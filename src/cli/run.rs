@@ -4,7 +4,7 @@ use super::audit;
 use super::backend::EngineArgs;
 use super::progress::{Shown, on_interrupt};
 use super::{Voice, instances, load};
-use afmsweep::control::{self, Arithmetic, Controlled, Others};
+use afmsweep::control::{self, Arithmetic, Controlled, Others, Verdict};
 use afmsweep::engine::{Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
@@ -29,12 +29,17 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
-    /// Instances to redo with the reference engine after the run [default: as many as about a tenth of its time allows, or 0.5 s]
+    /// Instances to redo with the reference engine after the run [default: as many as a tenth of the run's time allows, or
+    /// 0.25 s, and at least one that touches the sample]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     audit: Option<u32>,
     /// Redo none
     #[arg(long)]
     no_audit: bool,
+    /// End with exit code 3 where an estimate or an audit misses the accuracy asked for, or nothing is known of a result
+    /// that is called ok; the file is whole all the same
+    #[arg(long)]
+    strict: bool,
     #[command(flatten)]
     engine: EngineArgs,
 }
@@ -84,7 +89,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     on_interrupt(&progress);
     let shown = Shown::start(Arc::clone(&progress), voice);
     let stepping = Instant::now();
-    let run = match args.no_estimate || args.engine.reference() {
+    let mut run = match args.no_estimate || args.engine.reference() {
         false => control::run(&plan, engine.as_ref(), &progress)?,
         true if args.engine.reference() => control::by_reference(&plan, &Reference::default(), &progress)?,
         true => {
@@ -100,8 +105,19 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         true => Some(control::others(&run, &scene.sweep.shape(), engine.as_ref(), &progress)?),
         false => None,
     };
-    let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
     let stepping = stepping.elapsed().as_secs_f64();
+    // Ctrl-C after the last instance came too late to spoil anything.
+    let whole = run.outcome.results.iter().all(|one| one.status != Status::NotRun);
+    let exact = args.engine.reference();
+    let no_audit = args.no_audit || exact;
+    let audited = match no_audit || !whole {
+        true => Vec::new(),
+        false => audit::redo(args.audit, &run, stepping, &progress)?,
+    };
+    drop(shown);
+    control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
+    let verdict = Verdict::of(&run, &audited, exact);
+    let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
 
     let facts = Facts {
         device: engine.device(),
@@ -110,23 +126,15 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         plan: plan.summary(None).json().to_string(),
         arithmetic: run.arithmetic.clone(),
     };
-    // Ctrl-C after the last instance came too late to spoil anything.
-    let whole = outcome.results.iter().all(|one| one.status != Status::NotRun);
     let mut results = record::results(&scene, plan, outcome, &facts);
-    results.variables.push(record::error_estimate(estimates));
+    record::error_estimate(&mut results, estimates, &control::basis(plan, !args.no_estimate, exact));
     if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
         results.waveforms = Some(record::waveforms(plan, found, request)?);
     }
     if plan.run.steady == Steady::Search {
         record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
     }
-    let no_audit = args.no_audit || args.engine.reference();
-    let audited = match no_audit || !whole {
-        true => Vec::new(),
-        false => audit::redo(args.audit, &run, stepping, &progress)?,
-    };
-    drop(shown);
-    results.audit = record::audit(plan, &audited);
+    record::audit(&mut results, plan, &audited, &verdict);
     writer.write(&results)?;
     if !whole {
         anyhow::bail!(
@@ -145,7 +153,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     }
     close(&scene, plan, outcome, &results, voice);
     precision(&run, voice);
-    audit::accuracy(plan, outcome, estimates, (&audited, no_audit), voice);
+    audit::accuracy(&scene, &run, &verdict, no_audit, voice);
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
@@ -153,7 +161,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         stepping,
         facts.rate
     ));
-    Ok(())
+    audit::strict(args.strict, &verdict, &output)
 }
 
 /// What a search found.

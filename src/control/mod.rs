@@ -7,14 +7,17 @@ mod modes;
 mod neighbours;
 mod portions;
 mod precision;
+mod prescribed;
 mod second;
 mod sensitive;
 mod steps;
 mod truth;
+mod verdict;
 
-pub use audit::{Audited, audit};
+pub use audit::{Audited, audit, audit_of, contacts, mark};
 pub use branches::{Other, Others, others};
-pub use truth::by_reference;
+pub use truth::{Way, beside, by_reference, touches};
+pub use verdict::{Verdict, basis};
 
 use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
@@ -70,7 +73,7 @@ impl Arithmetic {
 /// runs with poorer and richer levers, and each instance takes the one that serves its neighbours in it; the first of its
 /// two runs is with the next poorer one, so that the difference tells of modes as of steps, and what of it the steps
 /// do not explain goes on with a richer one. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
-/// prescribes its steps, nothing is estimated. Instances that had to run with more steps run once more from a start
+/// prescribes its steps, they are kept, and the estimate comes from another run with half of them. Instances that had to run with more steps run once more from a start
 /// moved a little: where that moves the result, it is called sensitive.
 ///
 /// Precision: where the plan leaves it open, the sample runs in f64 and in f32; where that moves it by little, the run

@@ -1,6 +1,6 @@
 //! Steps: by doubling.
 
-use super::{Controlled, precision, sensitive};
+use super::{Controlled, precision, prescribed, sensitive};
 use crate::compare::{Scales, worst};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
@@ -15,7 +15,7 @@ const DOUBLINGS: usize = 4;
 
 /// What is left of the difference between two runs in the finer one's error. Errors fall by 6 to 16 times with
 /// twice the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
-const LEFT: f64 = 0.25;
+pub(super) const LEFT: f64 = 0.25;
 
 /// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 3 to 8 times from
 /// one to the next, not always evenly.
@@ -33,7 +33,7 @@ const STEEPEST: f64 = 16.0;
 const LEVERS: usize = 2;
 
 /// Fewest steps per period.
-const FEWEST: u32 = 16;
+pub(super) const FEWEST: u32 = 16;
 
 /// What is known before the steps are.
 pub(super) struct First<'a> {
@@ -65,10 +65,7 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     if plan.run.steps_per_period.is_some() {
-        let settled = steady::run(&plan, &[], engine, progress)?;
-        let mut estimates = vec![0.0; plan.cases.len()];
-        stepped.iter().for_each(|i| estimates[*i as usize] = f64::NAN);
-        return Ok(Controlled::new(plan, settled, (estimates, left_out), chosen));
+        return prescribed::run(plan, stepped, (left_out, chosen), engine, progress);
     }
     let fine = halved(&plan, all);
     let coarse = match &poorer {
@@ -193,7 +190,7 @@ enum Again {
 }
 
 impl Controlled {
-    fn new(
+    pub(super) fn new(
         plan: Plan,
         Settled { outcome, found, periods }: Settled,
         (estimates, left_out): (Vec<f64>, Vec<f64>),
@@ -276,7 +273,12 @@ fn is_fast(plan: &Plan, i: u32) -> bool {
 }
 
 /// How far two results of each instance are apart.
-fn differences(plan: &Plan, instances: &[u32], coarse: &[Finished], fine: &[Finished]) -> Vec<(u32, f64)> {
+pub(super) fn differences(
+    plan: &Plan,
+    instances: &[u32],
+    coarse: &[Finished],
+    fine: &[Finished],
+) -> Vec<(u32, f64)> {
     let apart = |&i: &u32| (i, difference(plan, i as usize, &coarse[i as usize], &fine[i as usize]));
     instances.par_iter().map(apart).collect()
 }

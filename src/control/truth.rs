@@ -1,8 +1,8 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
 use super::{Arithmetic, Controlled, steps};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, solve_near};
-use crate::observe::{Measured, Status};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
+use crate::observe::{Measured, Status, Wants};
 use crate::plan::{Plan, Precision, Station};
 use crate::scene::{Start, Steady};
 use crate::steady::{self, PeriodicState, Settled};
@@ -84,6 +84,7 @@ fn stations(
 
 /// The reference's results of these instances: their periodic states next to where the stepped engine was; where that
 /// has none, a whole run if it is to `wait`, and else the word that it is not steady. Runs from rest are whole ones.
+/// Contact time is measured, whether the plan wants it or not.
 pub(super) fn truths(
     plan: &Plan,
     wait: bool,
@@ -92,7 +93,31 @@ pub(super) fn truths(
     reference: &Reference,
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
+    let near = near(plan, instances, found, reference, progress)?;
+    let none = || (0..instances.len()).filter(|n| near[*n].is_none());
+    let left: Vec<u32> = match wait || plan.run.start == Start::Rest {
+        true => none().map(|n| instances[n]).collect(),
+        false => Vec::new(),
+    };
+    let lost = match progress.stopped() {
+        true => Finished::NOT_RUN,
+        false => Finished { measured: Measured::NONE, status: Status::NotSteady },
+    };
+    let mut whole = whole(plan, &left, reference, progress)?.into_iter();
+    Ok(near.into_iter().map(|one| one.or_else(|| whole.next()).unwrap_or(lost)).collect())
+}
+
+/// The reference's periodic states of these instances next to where the stepped engine was; none where it finds none or
+/// the beginning counts.
+fn near(
+    plan: &Plan,
+    instances: &[u32],
+    found: &[Option<Box<PeriodicState>>],
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Vec<Option<Finished>>, EngineError> {
     let stations = stations(plan, instances, found, progress)?;
+    let part = with_contact(plan, instances);
     progress.task("periodic states", instances.len() as u64);
     // In their order: a run that is stopped has done the first ones.
     let mut near = vec![None; instances.len()];
@@ -102,30 +127,138 @@ pub(super) fn truths(
         .par_bridge()
         .filter_map(|(n, station)| Some((n, station.as_ref()?)))
         .map(|(n, station)| {
-            let near = solve_near(plan, instances[n] as usize, station, reference, progress)?;
+            let near = solve_near(&part, n, station, reference, progress)?;
             progress.done(1);
             Ok((n, near))
         })
         .collect::<Result<_, EngineError>>()?;
     done.into_iter().for_each(|(n, found)| near[n] = found);
-    let none = || instances.iter().zip(&near).filter(|(_, near)| near.is_none()).map(|(i, _)| *i);
-    let left: Vec<u32> = if wait || plan.run.start == Start::Rest { none().collect() } else { Vec::new() };
-    let lost = match progress.stopped() {
-        true => Finished::NOT_RUN,
-        false => Finished { measured: Measured::NONE, status: Status::NotSteady },
-    };
-    let whole = match left.is_empty() {
-        true => Vec::new(),
+    Ok(near)
+}
+
+/// Whole runs of these instances, in their order.
+fn whole(
+    plan: &Plan,
+    instances: &[u32],
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Vec<Finished>, EngineError> {
+    match instances.is_empty() {
+        true => Ok(Vec::new()),
         false => {
-            let left = plan.only(&left);
+            let left = with_contact(plan, instances);
             progress.task("waiting", 0);
             progress.foresee(left.instance_steps());
-            reference.run(&left, progress)?.results
+            Ok(reference.run(&left, progress)?.results)
+        }
+    }
+}
+
+/// These instances alone, with the contact time measured.
+fn with_contact(plan: &Plan, instances: &[u32]) -> Plan {
+    let part = plan.part(instances);
+    Plan { wants: Wants { contact: true, ..part.wants }, ..part }
+}
+
+/// How the reference came to a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// By the run that the scene describes.
+    Run,
+    /// As its own periodic state next to where the run ended or what its search found.
+    State,
+}
+
+impl Way {
+    /// In a few words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Run => "run as the scene says",
+            Self::State => "periodic state next to the run's",
+        }
+    }
+}
+
+/// What the reference makes of all instances of a run, to be held against it: of a scene that waits the whole run, or,
+/// where that does not settle, the periodic state next to where the run ended; of one that searches the periodic state
+/// next to the one found, or, where there is none, the whole run.
+///
+/// # Errors
+/// What the engines say.
+pub fn beside(
+    run: &Controlled,
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Vec<(Finished, Way)>, EngineError> {
+    let plan = &run.plan;
+    let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
+    let search = plan.run.steady == Steady::Search;
+    let first: Vec<Option<(Finished, Way)>> = match search {
+        true => {
+            let near = near(plan, &all, &run.found, reference, progress)?;
+            near.into_iter().map(|one| one.map(|one| (one, Way::State))).collect()
+        }
+        false => {
+            let whole = whole(plan, &all, reference, progress)?;
+            whole.into_iter().map(|one| Some((one, Way::Run))).collect()
         }
     };
-    Ok(instances
-        .iter()
-        .zip(near)
-        .map(|(i, near)| near.unwrap_or_else(|| whole.get(*i as usize).copied().unwrap_or(lost)))
-        .collect())
+    let settled = |one: &Option<(Finished, Way)>| one.is_some_and(|(one, _)| one.status == Status::Ok);
+    let left: Vec<u32> = all.into_iter().filter(|i| !settled(&first[*i as usize])).collect();
+    let second: Vec<Option<Finished>> = match search {
+        true => whole(plan, &left, reference, progress)?.into_iter().map(Some).collect(),
+        false => near(plan, &left, &run.found, reference, progress)?,
+    };
+    let way = if search { Way::Run } else { Way::State };
+    let mut second = second.into_iter();
+    let last = |first: Option<(Finished, Way)>| {
+        if settled(&first) {
+            return first;
+        }
+        let second = second.next().flatten().map(|one| (one, way));
+        if settled(&second) || first.is_none() { second } else { first }
+    };
+    let not_run = (Finished::NOT_RUN, Way::Run);
+    Ok(first.into_iter().map(last).map(|one| one.unwrap_or(not_run)).collect())
+}
+
+/// Whether the tip touches the sample, where the contact time was measured.
+pub fn touches(one: &Finished) -> bool {
+    one.measured.contact_time > 0.0
+}
+
+/// Share of the tip's flexibility up to which the reference leaves modes out.
+const LEFT_OUT: f64 = 1e-6;
+/// Largest distance to the periodic state that the reference's steps allow, in tolerances of theirs.
+const NEAREST: f64 = 100.0;
+
+/// What the reference itself may be off by, at the most: the modes that it leaves out give way to the contact like a spring
+/// of their flexibility in series with it, and its steps have a tolerance.
+pub fn blind(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
+    let case = &plan.cases[instance];
+    let modes = &plan.drives[case.drive as usize].instrument.modes;
+    let mut shares: Vec<f64> =
+        modes.iter().map(|mode| (mode.tip * mode.force / (mode.omega * mode.omega)).abs()).collect();
+    shares.sort_by(f64::total_cmp);
+    let whole: f64 = shares.iter().sum();
+    let mut left = 0.0;
+    for share in shares {
+        if left + share > LEFT_OUT * whole {
+            break;
+        }
+        left += share;
+    }
+    let error = gives_way(plan, instance, measured, left);
+    if error.is_finite() { error.max(NEAREST * TOLERANCE) } else { f64::NAN }
+}
+
+/// About what it costs to leave out `flexibility` (m/N) of the tip: it is a spring in series with the contact, as stiff as
+/// that is at the deepest indentation measured, or else expected.
+pub(super) fn gives_way(plan: &Plan, instance: usize, measured: &Measured, flexibility: f64) -> f64 {
+    let contact = &plan.cases[instance].contact;
+    let depth = match measured.indentation_max.is_nan() {
+        true => plan.expected_depth(instance),
+        false => measured.indentation_max,
+    };
+    flexibility * contact.stiffness(depth, true).abs()
 }

@@ -31,7 +31,7 @@ impl Plan {
         if !self.precision_open {
             Some("as told")
         } else if self.run.steps_per_period.is_some() {
-            Some("steps are prescribed, so nothing is estimated")
+            Some("steps are prescribed, so f32 has no trial")
         } else if self.run.start == Start::Rest {
             // No two such runs settle on the same motion: a sample says little of the others.
             Some("a run from rest does not forget what it rounds")

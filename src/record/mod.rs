@@ -1,18 +1,20 @@
 //! From a finished run to the plain data of its results file.
 
+mod audit;
 mod search;
 mod waveforms;
 
 use crate::compare::Scales;
 use crate::contact::{Contact, Law, Warning};
-use crate::control::{Arithmetic, Audited};
+use crate::control::Arithmetic;
 use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
 use crate::plan::{Plan, Precision};
 use crate::scene::{Layout, Params, Scene};
-use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Listed, Results, Variable};
+use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
+pub use audit::{audit, error_estimate};
 pub use search::{BRANCHES, search};
 pub use waveforms::waveforms;
 
@@ -62,6 +64,7 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
         force_curves: force_curves(scene, plan),
         audit: None,
         other_branch: None,
+        comments: Vec::new(),
         attributes: vec![
             ("scene".into(), Attribute::Text(scene.source.clone())),
             ("scene_resolved".into(), Attribute::Text(scene.resolved_toml())),
@@ -153,43 +156,6 @@ fn observables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
             }
         })
         .collect()
-}
-
-/// Variable `error_estimate`.
-pub fn error_estimate(estimates: &[f64]) -> Variable {
-    Variable {
-        name: "error_estimate".into(),
-        units: "1".into(),
-        long_name: "estimated error of the worst observable, on the scale of accuracy".into(),
-        harmonics: None,
-        data: estimates.to_vec(),
-    }
-}
-
-/// Group `audit`: the reference's values and the run's errors; none where nothing was redone.
-pub fn audit(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
-    if audited.is_empty() {
-        return None;
-    }
-    let truths: Vec<Finished> = audited.iter().map(|one| one.truth).collect();
-    let mut variables = observables(plan, &truths);
-    for (place, observable) in plan.observables.iter().enumerate() {
-        variables.push(Variable {
-            name: format!("{}_error", observable.name()),
-            units: "1".into(),
-            long_name: format!("error of {}, on the scale of accuracy", observable.long_name()),
-            harmonics: None,
-            data: audited.iter().map(|one| one.errors[place]).collect(),
-        });
-    }
-    variables.push(Variable {
-        name: "reference_status".into(),
-        units: "1".into(),
-        long_name: "status by the reference engine, by the codes of status".into(),
-        harmonics: None,
-        data: truths.iter().map(|truth| f64::from(truth.status as u8)).collect(),
-    });
-    Some(Listed { instances: audited.iter().map(|one| u64::from(one.instance)).collect(), variables })
 }
 
 fn law_code(law: Law) -> u8 {

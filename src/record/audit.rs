@@ -1,0 +1,61 @@
+//! What is known of errors: estimates, audits and what they amount to.
+
+use super::observables;
+use crate::control::{Audited, Verdict};
+use crate::engine::Finished;
+use crate::plan::Plan;
+use crate::store::{Attribute, Listed, Results, Variable};
+
+/// Adds variable `error_estimate`, with what it rests on as its comment.
+pub fn error_estimate(results: &mut Results, estimates: &[f64], basis: &str) {
+    const NAME: &str = "error_estimate";
+    results.variables.push(one(
+        NAME,
+        "estimated error of the worst observable, on the scale of accuracy",
+        estimates.to_vec(),
+    ));
+    results.comments.push((NAME.into(), basis.into()));
+}
+
+/// Adds group `audit`, the reference's values and the run's errors, where instances were redone, and to the root what
+/// audits and estimates amount to.
+pub fn audit(results: &mut Results, plan: &Plan, audited: &[Audited], verdict: &Verdict) {
+    let largest = verdict.worst.map_or(f64::NAN, |worst| worst.error);
+    for (name, value) in [
+        ("audited", verdict.audited as f64),
+        ("audit_compared", verdict.compared as f64),
+        ("audit_touching", verdict.touching as f64),
+        ("audit_worst", largest),
+        ("audit_above", verdict.above as f64),
+    ] {
+        results.attributes.push((name.into(), Attribute::Number(value)));
+    }
+    results.attributes.push(("accuracy_verdict".into(), Attribute::Text(verdict.words())));
+    results.audit = group(plan, audited);
+}
+
+fn group(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
+    if audited.is_empty() {
+        return None;
+    }
+    let truths: Vec<Finished> = audited.iter().map(|one| one.truth).collect();
+    let mut variables = observables(plan, &truths);
+    for (place, observable) in plan.observables.iter().enumerate() {
+        let errors = audited.iter().map(|one| one.errors[place]).collect();
+        let long_name = format!("error of {}, on the scale of accuracy", observable.long_name());
+        variables.push(one(&format!("{}_error", observable.name()), &long_name, errors));
+    }
+    let statuses = truths.iter().map(|truth| f64::from(truth.status as u8)).collect();
+    variables.push(one(
+        "reference_status",
+        "status by the reference engine, by the codes of status",
+        statuses,
+    ));
+    let blind = audited.iter().map(|one| one.blind).collect();
+    variables.push(one("reference_error", "what the reference itself may be off by, at the most", blind));
+    Some(Listed { instances: audited.iter().map(|one| u64::from(one.instance)).collect(), variables })
+}
+
+fn one(name: &str, long_name: &str, data: Vec<f64>) -> Variable {
+    Variable { name: name.into(), units: "1".into(), long_name: long_name.into(), harmonics: None, data }
+}
