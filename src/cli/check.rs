@@ -1,17 +1,20 @@
 //! `afmsweep check`: every engine on a few instances, side by side with the reference.
 
+mod table;
+
 use super::{Voice, load, print, print_json};
-use afmsweep::compare::{Scales, choose, error_of, numbers};
+use afmsweep::compare::{Scales, choose, numbers};
+use afmsweep::control;
 use afmsweep::engine::gpu::Gpu;
-use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference};
+use afmsweep::engine::{Cpu, Engine, Progress, Reference};
 use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::report::shown;
 use afmsweep::scene::Scene;
 use afmsweep::store;
 use anyhow::Context;
-use serde_json::{Value, json};
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use table::{Column, Table};
 
 #[derive(clap::Args)]
 pub struct CheckArgs {
@@ -31,46 +34,32 @@ pub struct CheckArgs {
     json: bool,
 }
 
-/// What one engine, or the file, has for the instances checked.
-struct Column {
-    name: String,
-    status: Vec<Status>,
-    /// [instance][observable]
-    numbers: Vec<Vec<Vec<f64>>>,
-    /// The same by the CPU, rounded after each operation as the shader's text has it; beside a GPU only.
-    strict: Option<Vec<Vec<Vec<f64>>>>,
-}
-
-/// The instances checked, and their truth.
-struct Table {
-    instances: Vec<u32>,
-    truths: Vec<Finished>,
-    scales: Vec<Scales>,
-    columns: Vec<Column>,
-}
-
 pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
-    let file = args.input.extension().is_some_and(|end| end == "h5" || end == "partial");
-    let (scene, stored) = if file { from_file(&args.input)? } else { (load(&args.input)?, None) };
+    let (scene, stored) = match holds_results(&args.input) {
+        true => from_file(&args.input)?,
+        false => (load(&args.input)?, None),
+    };
     let plan = Plan::new(&scene, Precision::F64).with_context(|| format!("{}", args.input.display()))?;
-    let instances = choose(&plan, args.instances as usize, args.seed);
-    if instances.is_empty() {
-        voice.say("nothing to check: no instance is stepped, the free motion is the answer");
-        return Ok(());
+    if let Some(results) = &stored {
+        sound(results, &plan, &args.input)?;
     }
+    let instances = choose(&plan, args.instances as usize, args.seed);
+    let free = plan.classes.iter().all(|class| class.steps == 0);
     voice.say(format_args!(
-        "{}: {} of {} instances",
+        "{}: {} of {} instances{}, run to the accuracy asked for as `run` does",
         args.input.display(),
         instances.len(),
-        plan.cases.len()
+        plan.cases.len(),
+        if free { ", none of which feels the sample: the free motion is the answer" } else { "" }
     ));
-    let part = plan.only(&instances);
-    let truths = pick(&Reference::default().run(&part, &Progress::default())?.results, &instances);
+    let part = plan.part(&instances);
+    let progress = Progress::default();
+    let ours = control::run(&part, &Cpu::default(), &progress)?;
+    let truths = control::beside(&ours, &Reference::default(), &progress)?;
     let mut columns: Vec<Column> =
         stored.map(|results| file_column(&results, &plan, &instances)).into_iter().collect();
-    for precision in [Precision::F64, Precision::F32] {
-        columns.push(column("cpu", &Cpu::default(), &part, precision, &instances)?);
-    }
+    columns.push(of_run("cpu f64".into(), &ours));
+    columns.push(column("cpu", &Cpu::default(), &part, Precision::F32)?);
     match Gpu::new(args.device.as_deref()) {
         Ok(gpu) => {
             voice.say(format_args!("gpu: {}", gpu.report().title()));
@@ -79,32 +68,66 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
                 if precision == Precision::F64 && !gpu.report().double {
                     continue;
                 }
-                let twin = column("cpu", &strict, &part, precision, &instances)?;
-                let ours = column("gpu", &gpu, &part, precision, &instances)?;
+                let twin = column("cpu", &strict, &part, precision)?;
+                let ours = column("gpu", &gpu, &part, precision)?;
                 columns.push(Column { strict: Some(twin.numbers), ..ours });
             }
         }
         Err(error) if args.device.is_some() => return Err(error.into()),
         Err(error) => voice.say(format_args!("gpu: not checked; {error}")),
     }
-    let scales =
-        instances.iter().zip(&truths).map(|(i, truth)| Scales::of(&plan, *i as usize, &truth.measured));
-    let table = Table { scales: scales.collect(), instances, truths, columns };
+    let scales = (0..instances.len()).map(|i| Scales::of(&ours.plan, i, &truths[i].0.measured)).collect();
+    let table = Table { scales, instances, plan: ours.plan, truths, columns };
     if args.json {
-        print_json(&table.json(&plan))?;
+        print_json(&table.json())?;
     } else {
-        print(&table.text(&scene, &plan))?;
+        print(&table.text(&scene))?;
     }
-    let above: Vec<String> = table
+    judge(&table)
+}
+
+/// Whether the check stands: something was compared, and nothing of it is above the accuracy asked for.
+fn judge(table: &Table) -> anyhow::Result<()> {
+    let known = table.known();
+    if known == 0 {
+        anyhow::bail!(
+            "nothing could be compared: the reference calls none of the {} instances ok; check more of them with -i, or give \
+             the scene more [run] periods",
+            table.instances.len()
+        );
+    }
+    // What comes first is what the check is of: the file, or the run.
+    let first = table.columns.iter().filter(|column| ["file", "cpu f64"].contains(&column.name.as_str()));
+    for column in first {
+        if table.counted(column).is_empty() {
+            let who = if column.name == "file" { "the file" } else { "the run" };
+            anyhow::bail!(
+                "nothing could be compared: {who} calls none of the {known} instances ok that the reference calls so; check \
+                 more of them with -i"
+            );
+        }
+    }
+    let accuracy = table.plan.run.accuracy;
+    let above: Vec<&str> = table
         .columns
         .iter()
-        .filter(|column| table.largest(column, &plan) > plan.run.accuracy)
-        .map(|column| column.name.clone())
+        .filter(|column| table.largest(column).is_some_and(|largest| largest > accuracy))
+        .map(|column| column.name.as_str())
         .collect();
     if !above.is_empty() {
-        anyhow::bail!("above the accuracy asked for, {:e}: {}", plan.run.accuracy, above.join(", "));
+        anyhow::bail!("above the accuracy asked for, {accuracy:e}: {}", above.join(", "));
     }
     Ok(())
+}
+
+/// Whether a file is one of results: by how it begins, or, where that is spoilt, by its name.
+fn holds_results(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let begun = std::fs::File::open(path).and_then(|file| file.take(8).read_to_end(&mut start));
+    let named = path.extension().is_some_and(|end| {
+        ["h5", "hdf5", "nc", "partial"].iter().any(|known| end.eq_ignore_ascii_case(known))
+    });
+    (begun.is_ok() && start == b"\x89HDF\r\n\x1a\n") || named
 }
 
 /// The scene that a results file was made from, and the file's content.
@@ -115,29 +138,65 @@ fn from_file(path: &Path) -> anyhow::Result<(Scene, Option<store::Results>)> {
     Ok((scene, Some(results)))
 }
 
-fn pick(results: &[Finished], instances: &[u32]) -> Vec<Finished> {
-    instances.iter().map(|instance| results[*instance as usize]).collect()
+/// Every instance that the file calls ok has a number for every observable.
+fn sound(results: &store::Results, plan: &Plan, path: &Path) -> anyhow::Result<()> {
+    let at = path.display();
+    if results.status.len() != plan.cases.len() {
+        anyhow::bail!(
+            "{at} has {} instances where its scene has {}: it is damaged or was changed; run the scene again",
+            results.status.len(),
+            plan.cases.len()
+        );
+    }
+    for observable in &plan.observables {
+        let (name, width) = (observable.name(), observable.width());
+        let variable = results.variables.iter().find(|variable| variable.name == name);
+        let data =
+            variable.map(|one| one.data.as_slice()).filter(|data| data.len() == width * results.status.len());
+        let Some(data) = data else {
+            anyhow::bail!(
+                "{at} lacks `{name}`, which its scene asks for: it is damaged or was changed; run the scene again"
+            );
+        };
+        let spoilt = |(row, status): (&[f64], &u8)| {
+            // Without a contact there is no indentation.
+            let none = *observable == Observable::IndentationMax && row.iter().all(|value| value.is_nan());
+            *status == Status::Ok as u8 && !none && !row.iter().all(|value| value.is_finite())
+        };
+        let spoilt: Vec<usize> = (data.chunks_exact(width).zip(&results.status).enumerate())
+            .filter(|(_, one)| spoilt(*one))
+            .map(|(n, _)| n)
+            .collect();
+        if let Some(first) = spoilt.first() {
+            anyhow::bail!(
+                "{at}: `{name}` of instance {first} is no number though its status is ok ({} such instances): the file is \
+                 damaged or was changed; run the scene again",
+                spoilt.len()
+            );
+        }
+    }
+    Ok(())
 }
 
 fn all_numbers(plan: &Plan, measured: &Measured) -> Vec<Vec<f64>> {
     plan.observables.iter().map(|observable| numbers(*observable, measured)).collect()
 }
 
-fn column(
-    name: &str,
-    engine: &dyn Engine,
-    plan: &Plan,
-    precision: Precision,
-    instances: &[u32],
-) -> anyhow::Result<Column> {
+/// The same instances by this engine, to the accuracy asked for as far as it can.
+fn column(name: &str, engine: &dyn Engine, plan: &Plan, precision: Precision) -> anyhow::Result<Column> {
     let plan = Plan { precision, ..plan.clone() };
-    let finished = pick(&engine.run(&plan, &Progress::default())?.results, instances);
-    Ok(Column {
-        name: format!("{name} {}", precision.name()),
+    let run = control::run(&plan, engine, &Progress::default())?;
+    Ok(of_run(format!("{name} {}", precision.name()), &run))
+}
+
+fn of_run(name: String, run: &control::Controlled) -> Column {
+    let finished = &run.outcome.results;
+    Column {
+        name,
         status: finished.iter().map(|one| one.status).collect(),
-        numbers: finished.iter().map(|one| all_numbers(&plan, &one.measured)).collect(),
+        numbers: finished.iter().map(|one| all_numbers(&run.plan, &one.measured)).collect(),
         strict: None,
-    })
+    }
 }
 
 fn file_column(results: &store::Results, plan: &Plan, instances: &[u32]) -> Column {
@@ -158,116 +217,4 @@ fn file_column(results: &store::Results, plan: &Plan, instances: &[u32]) -> Colu
         numbers: instances.iter().map(rows).collect(),
         strict: None,
     }
-}
-
-impl Table {
-    /// Error of an observable (by its place in the plan) of the `i`-th instance.
-    fn error(&self, column: &Column, plan: &Plan, i: usize, place: usize) -> f64 {
-        let truth = &self.truths[i].measured;
-        error_of(plan.observables[place], &column.numbers[i][place], truth, &self.scales[i])
-    }
-
-    /// The largest error of an instance.
-    fn worst(&self, column: &Column, plan: &Plan, i: usize) -> f64 {
-        let errors = (0..plan.observables.len()).map(|place| self.error(column, plan, i, place));
-        errors.fold(0.0, |most, error| if error.is_nan() { f64::INFINITY } else { most.max(error) })
-    }
-
-    /// The largest of all errors that count: those of instances which engine and reference call ok.
-    fn largest(&self, column: &Column, plan: &Plan) -> f64 {
-        let counts = |i: &usize| column.status[*i] == Status::Ok && self.truths[*i].status == Status::Ok;
-        let count = self.instances.len();
-        (0..count).filter(counts).map(|i| self.worst(column, plan, i)).fold(0.0, f64::max)
-    }
-
-    fn text(&self, scene: &Scene, plan: &Plan) -> String {
-        let mut text = String::new();
-        let line = |text: &mut String, first: &str, second: &str, rest: Vec<String>| {
-            let rest: String = rest.iter().map(|cell| format!("  {cell:>12}")).collect();
-            *text += &format!("  {first:<18}{second:>14}{rest}\n");
-        };
-        for (i, &instance) in self.instances.iter().enumerate() {
-            let case = &plan.cases[instance as usize];
-            let modes = plan.classes.iter().find(|class| class.instances.contains(&instance));
-            text += &format!(
-                "instance {instance}: {}{}, {} modes, {} steps per period\n",
-                values(scene, instance as usize),
-                case.contact.law.name(),
-                modes.map_or(0, |class| class.modes),
-                case.steps
-            );
-            let names = self.columns.iter().map(|column| column.name.clone()).collect();
-            line(&mut text, "", "reference", names);
-            let status = self.columns.iter().map(|column| column.status[i].meaning().to_owned()).collect();
-            line(&mut text, "status", self.truths[i].status.meaning(), status);
-            for (place, observable) in plan.observables.iter().enumerate() {
-                let value = numbers(*observable, &self.truths[i].measured)[0];
-                let errors =
-                    self.columns.iter().map(|column| format!("{:.1e}", self.error(column, plan, i, place)));
-                line(&mut text, observable.name(), &shown(value, observable.units(), 4), errors.collect());
-            }
-            text.push('\n');
-        }
-        let counted = self.truths.iter().filter(|truth| truth.status == Status::Ok).count();
-        text += &format!(
-            "largest error, of {counted} instances that the reference calls ok, accuracy asked for {:e}:\n",
-            plan.run.accuracy
-        );
-        for column in &self.columns {
-            text +=
-                &format!("  {:<10}{:.1e}{}\n", column.name, self.largest(column, plan), self.twin(column));
-        }
-        text
-    }
-
-    /// How a GPU's numbers are beside the CPU's in the same precision.
-    fn twin(&self, column: &Column) -> String {
-        let Some(strict) = &column.strict else { return String::new() };
-        let bits = |numbers: &[Vec<f64>]| -> Vec<u64> {
-            numbers.iter().flatten().map(|value| value.to_bits()).collect()
-        };
-        let same = column.numbers.iter().zip(strict).filter(|(ours, cpu)| bits(ours) == bits(cpu)).count();
-        format!("   {same} of {} to the bit as the cpu's rounded alike", self.instances.len())
-    }
-
-    fn json(&self, plan: &Plan) -> Value {
-        let column = |column: &Column, i: usize| {
-            let errors = (plan.observables.iter().enumerate()).map(|(place, observable)| {
-                (observable.name().to_owned(), json!(self.error(column, plan, i, place)))
-            });
-            json!({
-                "engine": column.name,
-                "status": column.status[i].meaning(),
-                "errors": Value::Object(errors.collect()),
-            })
-        };
-        let instances: Vec<Value> = (self.instances.iter().enumerate())
-            .map(|(i, instance)| {
-                let truth = &self.truths[i];
-                let values = (plan.observables.iter())
-                    .map(|observable| (observable.name().to_owned(), json!(numbers(*observable, &truth.measured))));
-                json!({
-                    "instance": instance,
-                    "steps_per_period": plan.cases[*instance as usize].steps,
-                    "reference": { "status": truth.status.meaning(), "values": Value::Object(values.collect()) },
-                    "engines": self.columns.iter().map(|one| column(one, i)).collect::<Vec<_>>(),
-                })
-            })
-            .collect();
-        let largest: Vec<Value> = self
-            .columns
-            .iter()
-            .map(|column| json!({ "engine": column.name, "largest_error": self.largest(column, plan) }))
-            .collect();
-        json!({ "accuracy": plan.run.accuracy, "largest": largest, "instances": instances })
-    }
-}
-
-/// `sample Young's modulus 1 GPa, ...; ` of an instance; nothing without a sweep.
-fn values(scene: &Scene, instance: usize) -> String {
-    let axes = scene.sweep.axes.iter().zip(scene.sweep.indices(instance));
-    let words: Vec<String> = axes
-        .map(|(axis, at)| format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)))
-        .collect();
-    if words.is_empty() { String::new() } else { words.join(", ") + "; " }
 }

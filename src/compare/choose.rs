@@ -2,7 +2,7 @@
 
 use crate::plan::Plan;
 
-/// Instance numbers, at most `count` of those that are stepped, in order: for each half of them, from
+/// Instance numbers, at most `count` of those that are stepped (of a plan that steps none, of all), in order: for each half of them, from
 /// opposite ends, the softest and stiffest, stickiest and most remote contacts, and others at random.
 ///
 /// The choice hangs on the plan and `seed` alone.
@@ -14,7 +14,9 @@ pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
 
 /// The same, those at random and the extreme ones by turns: what is left undone at the end is of both.
 pub fn ranked(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
-    let mut stepped: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.clone()).collect();
+    let all = |free: bool| plan.classes.iter().filter(move |class| (class.steps == 0) == free);
+    let some = if all(false).next().is_some() { all(false) } else { all(true) };
+    let mut stepped: Vec<u32> = some.flat_map(|class| class.instances.clone()).collect();
     stepped.sort_unstable();
     if stepped.len() <= count {
         return stepped;
