@@ -101,9 +101,10 @@ fn judge(table: &Table) -> anyhow::Result<()> {
     for column in first {
         if table.counted(column).is_empty() {
             let who = if column.name == "file" { "the file" } else { "the run" };
+            let status = column.status.first().map_or("", |status| status.meaning());
             anyhow::bail!(
-                "nothing could be compared: {who} calls none of the {known} instances ok that the reference calls so; check \
-                 more of them with -i"
+                "nothing could be compared: {who} calls none of the {known} instances ok that the reference calls so (the first is \
+                 {status}); check more of them with -i"
             );
         }
     }
