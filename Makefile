@@ -4,6 +4,7 @@
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
+# make signal-check  60 signals at random moments of a run, and whether what it leaves is true (some minutes)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=
@@ -15,7 +16,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test deps build lint python python-check scipy-check fuzz fuzz-files peers clean
+.PHONY: help demo test deps build lint python python-check scipy-check fuzz fuzz-files signal-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -63,6 +64,9 @@ fuzz: build
 
 fuzz-files: build
 	python3 tests/python/fuzz_files.py $(PROGRAM)
+
+signal-check: build $(PYTHON)
+	.venv/bin/python tests/python/signals.py $(PROGRAM)
 
 peers: deps
 	benches/precision/run.sh

@@ -130,31 +130,54 @@ fn folders_without_permission_are_refused() {
     std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o700)).unwrap();
 }
 
-/// Ctrl-C keeps what is complete under the partial name, and the exit code says that the file is not whole.
+/// A folder that is not there is one all the same; the scene is safe behind a hard link and at the partial name too.
+#[test]
+fn names_that_are_no_files_and_names_of_the_scene_are_refused() {
+    let desk = Desk::new();
+    let small = desk.write("small.toml", SMALL);
+    let path = small.to_str().unwrap();
+    desk.refuses(&["run", path, "-o", "newdir/"], &["newdir/ is a folder", "newdir/results.h5"]);
+    assert!(!desk.path("newdir").exists() && !desk.path("newdir.partial").exists());
+    desk.refuses(&["run", path, "-o", "-"], &["give -o a name"]);
+    std::fs::hard_link(&small, desk.path("hard.toml")).unwrap();
+    desk.refuses(&["run", path, "-o", "hard.toml", "--overwrite"], &["is the scene itself"]);
+    desk.write("a.h5.partial", SMALL);
+    desk.refuses(&["run", "a.h5.partial", "-o", "a.h5", "--overwrite"], &["is the scene itself"]);
+    let said = desk.works(&["run", path, "-o", "typo/a.h5", "--no-audit"]);
+    assert!(said.err.contains("made the folder typo\n"), "{}", said.err);
+    let said = desk.works(&["run", path, "-o", "typo/a.h5", "--no-audit"]);
+    assert!(!said.err.contains("made the folder"), "{}", said.err);
+}
+
+/// Two programs may write into one log: each message is one write, which a socket of datagrams tells.
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_leaves_a_partial_file() {
-    use std::process::{Command, Stdio};
+fn a_message_is_written_in_one_piece() {
+    use std::os::{fd::OwnedFd, unix::net::UnixDatagram};
     let desk = Desk::new();
-    let text = "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"9 nm\", points = 4000 }\n\
-                [contact]\nlaw = \"hertz\"\n[drive]\nfrequency = \"192 kHz\"\nvoltage = \"15 V\"\n\
-                [instrument.cantilever]\nquality_factor = 1e5\n[run]\nperiods = 20000\nsteps_per_period = 512\n";
-    desk.write("long.toml", text);
-    let mut command = desk.command(&["run", "long.toml", "-o", "long.h5"]);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // The partial file stands before the first step; by then Ctrl-C is listened to, a moment later.
-    while !desk.path("long.h5.partial").exists() {
-        std::thread::sleep(std::time::Duration::from_millis(5));
+    let (ours, theirs) = UnixDatagram::pair().unwrap();
+    let mut command = desk.command(&["run", "a\nb.toml", "-o", "-"]);
+    command.stderr(OwnedFd::from(theirs)).status().unwrap();
+    drop(command);
+    let mut packet = [0; 4096];
+    let length = ours.recv(&mut packet).unwrap();
+    let text = String::from_utf8_lossy(&packet[..length]);
+    assert!(text.starts_with("error: ") && text.ends_with('\n'), "{text:?}");
+    ours.set_nonblocking(true).unwrap();
+    assert!(ours.recv(&mut packet).is_err(), "there was more of it");
+}
+
+/// A help text that nobody got is no success.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_written_is_an_error() {
+    let desk = Desk::new();
+    for arguments in [["--help"], ["--version"]] {
+        desk.works(&arguments);
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = desk.command(&arguments).stdout(full).output().unwrap();
+        let said = program::said(output);
+        assert_eq!(said.code, Some(1), "{arguments:?}: {}", said.err);
+        assert!(said.err.contains("cannot write to standard output"), "{}", said.err);
     }
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let said = program::said(child.wait_with_output().unwrap());
-    assert_eq!(said.code, Some(1), "{}", said.err);
-    assert!(said.err.contains("interrupted: ") && said.err.contains("of 4000 instances"), "{}", said.err);
-    assert!(said.err.contains("long.h5.partial"), "{}", said.err);
-    assert!(!desk.path("long.h5").exists());
-    let kept = afmsweep::store::read(&desk.path("long.h5.partial")).unwrap();
-    let not_run = afmsweep::observe::Status::NotRun as u8;
-    assert_eq!(kept.status.len(), 4000);
-    assert!(kept.status.contains(&not_run));
 }

@@ -181,3 +181,30 @@ fn many_datasets_without_data_are_refused_before_memory_is_asked_for() {
     let error = read(&path).unwrap_err();
     assert!(error.to_string().contains("claims more data than the file holds"), "{error}");
 }
+
+/// Small variables have checksums too: any bit of a number that is not the one written is seen.
+#[test]
+fn a_spoilt_number_is_seen_in_variables_of_every_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let large = results(vec![coordinate("a_x", "m", ramp(2000, 1e-9))], false);
+    for results in [scalar(), grid(), large] {
+        write(&path, &results).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let mut tried = 0;
+        for variable in results.variables.iter().chain(&results.audit.iter().next().unwrap().variables) {
+            let number = variable.data.last().unwrap().to_le_bytes();
+            for at in (0..whole.len() - 8).filter(|at| whole[*at..at + 8] == number) {
+                let mut spoilt = whole.clone();
+                spoilt[at + 5] ^= 0x20;
+                std::fs::write(&path, &spoilt).unwrap();
+                let error = read(&path).expect_err(&variable.name);
+                assert!(matches!(error, StoreError::Damaged { .. }), "{}: {error}", variable.name);
+                tried += 1;
+            }
+        }
+        // Large variables are compressed: their numbers do not stand in the file as such.
+        assert!(tried > 0, "{} instances", results.status.len());
+        std::fs::remove_file(&path).unwrap();
+    }
+}

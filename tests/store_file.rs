@@ -83,7 +83,7 @@ fn a_given_history_replaces_the_one_made_here() {
 }
 
 #[test]
-fn large_variables_are_compressed_and_checksummed_and_tiny_ones_are_not() {
+fn large_variables_are_compressed_and_checksummed_and_tiny_ones_lie_in_checksummed_headers() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     let axes = vec![coordinate("a_x", "m", ramp(300, 1e-9)), coordinate("a_y", "m", ramp(400, 1e-9))];
@@ -92,7 +92,7 @@ fn large_variables_are_compressed_and_checksummed_and_tiny_ones_are_not() {
     let amplitude = file.dataset("amplitude").unwrap();
     assert_eq!(amplitude.filters().len(), 3, "{:?}", amplitude.filters());
     assert_eq!(amplitude.chunk(), Some(vec![163, 400]));
-    assert!(file.dataset("a_x").unwrap().filters().is_empty());
+    assert_eq!(file.dataset("a_x").unwrap().layout(), hdf5::dataset::Layout::Compact);
 }
 
 #[test]
@@ -150,15 +150,6 @@ fn a_dropped_writer_keeps_what_was_written_and_nothing_else() {
     drop(writer);
     assert!(!path.exists());
     assert_same(&read(&partial_path(&path)).unwrap(), &grid());
-}
-
-#[test]
-fn a_stale_partial_file_is_taken_over() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.h5");
-    std::fs::write(partial_path(&path), vec![7; 1 << 20]).unwrap();
-    write(&path, &scalar()).unwrap();
-    assert_same(&read(&path).unwrap(), &scalar());
 }
 
 #[test]
@@ -276,6 +267,7 @@ fn what_a_user_adds_to_the_file_is_passed_over() {
         let file = hdf5::File::open_rw(&path).unwrap();
         file.new_dataset::<f64>().shape([5]).create("mine").unwrap();
         file.new_dataset::<i32>().shape([3, 4]).create("also_mine").unwrap();
+        file.new_dataset::<f64>().shape([3, 4, 0]).create("without_columns").unwrap();
         file.create_group("my_group").unwrap();
     }
     assert_same(&read(&path).unwrap(), &grid());

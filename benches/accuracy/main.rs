@@ -54,7 +54,11 @@ fn main() {
                 ("waits_same", "waits to that state"),
                 ("waits_steady", "of"),
             ],
-            rows: if wanted("ensemble") { ensemble::run(&ensemble::USUAL, count, waits, seed) } else { Vec::new() },
+            rows: if wanted("ensemble") {
+                ensemble::run(&ensemble::USUAL, count, waits, seed)
+            } else {
+                Vec::new()
+            },
         },
         Part {
             heading: "The same for all kinds of levers",
@@ -79,7 +83,11 @@ fn main() {
                 ("mean_steps_per_period", "mean steps per period"),
                 ("seconds", "s"),
             ],
-            rows: if wanted("levers") { ensemble::run(&ensemble::LEVERS, count, 0, seed) } else { Vec::new() },
+            rows: if wanted("levers") {
+                ensemble::run(&ensemble::LEVERS, count, 0, seed)
+            } else {
+                Vec::new()
+            },
         },
         Part {
             heading: "What the choice of steps costs",

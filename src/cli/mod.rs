@@ -11,14 +11,18 @@ mod plan;
 mod progress;
 mod report;
 mod run;
+mod signals;
+mod stopped;
 mod study;
 
 use afmsweep::report::shown;
 use afmsweep::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use stopped::Stopped;
 
 /// Ensemble sweeps of atomic force microscope dynamics: piezo rod, cantilever, tip and sample.
 #[derive(Parser)]
@@ -86,12 +90,16 @@ impl Voice {
 /// a run is worth more than its messages.
 fn say(line: impl std::fmt::Display) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{line}");
+    // In one piece: two runs may write into one log.
+    let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
 /// Parses the arguments, runs the command and turns its outcome into an exit code.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(asked) => return not_parsed(&asked),
+    };
     let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
@@ -111,11 +119,26 @@ pub fn main() -> ExitCode {
                 Some(scene) => say(scene.render(colour())),
                 None => say(format_args!("error: {}", in_full(&error))),
             }
-            match error.is::<audit::Missed>() {
-                true => ExitCode::from(audit::MISSED),
-                false => ExitCode::FAILURE,
+            match error.downcast_ref::<Stopped>() {
+                Some(stopped) => ExitCode::from(stopped.code),
+                None if error.is::<audit::Missed>() => ExitCode::from(audit::MISSED),
+                None => ExitCode::FAILURE,
             }
         }
+    }
+}
+
+/// Arguments that are wrong, code 2; or the help or version that was asked for, which is an answer like any other.
+fn not_parsed(asked: &clap::Error) -> ExitCode {
+    use std::io::Write;
+    let printed = asked.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        _ if asked.use_stderr() => ExitCode::from(2),
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            say(format_args!("error: cannot write to standard output: {error}"));
+            ExitCode::FAILURE
+        }
+        _ => ExitCode::SUCCESS,
     }
 }
 
@@ -130,9 +153,16 @@ fn in_full(error: &anyhow::Error) -> String {
     text
 }
 
-/// Colours only on a terminal, and never where NO_COLOR is set.
+/// Whether errors are coloured here.
 fn colour() -> bool {
-    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+    let variable = |name| std::env::var_os(name);
+    coloured(std::io::stderr().is_terminal(), variable("TERM"), variable("NO_COLOR"))
+}
+
+/// Colours only on a terminal that knows them, and never where NO_COLOR is set.
+fn coloured(terminal: bool, kind: Option<OsString>, no_color: Option<OsString>) -> bool {
+    let dumb = kind.is_some_and(|kind| kind == "dumb");
+    terminal && !dumb && no_color.is_none_or(|value| value.is_empty())
 }
 
 /// `1 instance`, `2 instances`.
@@ -167,4 +197,19 @@ fn print(text: &str) -> anyhow::Result<()> {
 /// JSON with an end of line, on standard output.
 fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    /// TERM=dumb is the terminal's word (terminfo), NO_COLOR the user's (no-color.org).
+    #[test]
+    fn colours_are_for_terminals_that_know_them() {
+        let coloured = |terminal, kind: &str, no_color: Option<&str>| {
+            super::coloured(terminal, Some(kind.into()), no_color.map(Into::into))
+        };
+        assert!(coloured(true, "xterm-256color", None) && coloured(true, "xterm", Some("")));
+        assert!(super::coloured(true, None, None));
+        assert!(!coloured(true, "dumb", None) && !coloured(true, "xterm", Some("1")));
+        assert!(!coloured(false, "xterm", None));
+    }
 }

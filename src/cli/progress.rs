@@ -1,9 +1,9 @@
-//! How far a run is: a bar on a terminal, plain lines elsewhere; and Ctrl-C.
+//! How far a run is: a bar on a terminal, plain lines elsewhere.
 
 use super::{Voice, say};
 use afmsweep::engine::{Phase, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -126,21 +126,6 @@ fn time(seconds: f64) -> String {
 
 fn rate(steps: u64, start: Instant) -> String {
     format!("{:.2e} instance-steps/s", steps as f64 / start.elapsed().as_secs_f64().max(1e-9))
-}
-
-/// Ctrl-C ends the run early and keeps what is complete; a second one ends the program.
-pub fn on_interrupt(progress: &Arc<Progress>) {
-    let progress = Arc::clone(progress);
-    let asked = ctrlc::set_handler(move || {
-        if progress.stopped() {
-            std::process::exit(130);
-        }
-        progress.stop();
-        // Standard error may be gone; the run still ends.
-        let _ = writeln!(std::io::stderr(), "stopping; Ctrl-C again ends the program at once");
-    });
-    // Without a handler Ctrl-C ends the program at once, which is what it does everywhere.
-    drop(asked);
 }
 
 #[cfg(test)]

@@ -2,16 +2,18 @@
 
 use super::audit;
 use super::backend::EngineArgs;
-use super::progress::{Shown, on_interrupt};
+use super::progress::Shown;
+use super::signals;
+use super::stopped::{Missing, Phase, Stopped};
 use super::{Voice, instances, load};
-use afmsweep::control::{self, Arithmetic, Controlled, Others, Verdict};
+use afmsweep::control::{self, Controlled, Others, Verdict};
 use afmsweep::engine::{Outcome, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
 use afmsweep::record::{self, Facts};
 use afmsweep::scene::{Scene, Steady};
-use afmsweep::steady::{self, Settled};
-use afmsweep::store::{Results, Writer};
+use afmsweep::store::{self, Results, Writer};
+use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -52,18 +54,18 @@ fn default_output(scene: &Path) -> PathBuf {
     Path::new("results").join(name)
 }
 
-/// Whether two paths lead to one file; a file that is not there is no other's.
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
-}
-
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
+    let progress = Arc::new(Progress::default());
+    signals::listen(&progress, voice);
     let mut scene = load(&args.scene)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
-    if same_file(&args.scene, &output) {
+    if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
         anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
     }
     let mut writer = Writer::create(&output, &scene.source, args.overwrite)?;
+    if let Some(folder) = writer.made_folder() {
+        voice.say(format_args!("made the folder {}", folder.display()));
+    }
     let start = Instant::now();
     let mut plan = args.engine.plan(&mut scene)?;
     let engine = args.engine.engine(&mut plan, voice)?;
@@ -85,35 +87,28 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     for line in scene.warnings().iter().chain(&plan.doubts()) {
         voice.say(format_args!("warning: {line}"));
     }
-    let progress = Arc::new(Progress::default());
-    on_interrupt(&progress);
+    if progress.stopped() {
+        return Err(Stopped::before("planning").into());
+    }
     let shown = Shown::start(Arc::clone(&progress), voice);
     let stepping = Instant::now();
     let mut run = match args.no_estimate || args.engine.reference() {
         false => control::run(&plan, engine.as_ref(), &progress)?,
         true if args.engine.reference() => control::by_reference(&plan, &Reference::default(), &progress)?,
-        true => {
-            progress.stage(&["run"]);
-            let Settled { outcome, found, periods } = steady::run(&plan, &[], engine.as_ref(), &progress)?;
-            let unknown = vec![f64::NAN; plan.cases.len()];
-            let left_out = unknown.clone();
-            let arithmetic = Arithmetic::of(&plan, unchosen);
-            Controlled { plan, outcome, estimates: unknown, left_out, found, periods, arithmetic }
-        }
+        true => control::once(plan, unchosen, engine.as_ref(), &progress)?,
     };
-    let others = match run.plan.run.both_branches && !progress.stopped() {
-        true => Some(control::others(&run, &scene.sweep.shape(), engine.as_ref(), &progress)?),
-        false => None,
-    };
+    let mut missing = Missing::of(&run, &progress);
+    if run.outcome.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
+        return Err(Stopped::before("stepping").into());
+    }
+    let others = missing.phase((Phase::Branches, run.plan.run.both_branches), &progress, || {
+        control::others(&run, &scene.sweep.shape(), engine.as_ref(), &progress).map(Some)
+    })?;
     let stepping = stepping.elapsed().as_secs_f64();
-    // Ctrl-C after the last instance came too late to spoil anything.
-    let whole = run.outcome.results.iter().all(|one| one.status != Status::NotRun);
     let exact = args.engine.reference();
     let no_audit = args.no_audit || exact;
-    let audited = match no_audit || !whole {
-        true => Vec::new(),
-        false => audit::redo(args.audit, &run, stepping, &progress)?,
-    };
+    let audited = missing
+        .phase((Phase::Audit, !no_audit), &progress, || audit::redo(args.audit, &run, stepping, &progress))?;
     drop(shown);
     control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
     let verdict = Verdict::of(&run, &audited, exact);
@@ -128,23 +123,22 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     };
     let mut results = record::results(&scene, plan, outcome, &facts);
     record::error_estimate(&mut results, estimates, &control::basis(plan, !args.no_estimate, exact));
-    if let Some(request) = scene.output.waveforms.as_ref().filter(|_| whole) {
-        results.waveforms = Some(record::waveforms(plan, found, request)?);
-    }
+    let request = scene.output.waveforms.as_ref();
+    results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), &progress, || {
+        request.map(|request| record::waveforms(plan, found, request)).transpose()
+    })?;
     if plan.run.steady == Steady::Search {
         record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
     }
     record::audit(&mut results, plan, &audited, &verdict);
-    writer.write(&results)?;
-    if !whole {
-        anyhow::bail!(
-            "interrupted: {} of {} instances are in {}; run the scene again for a whole file",
-            outcome.results.iter().filter(|one| one.status != Status::NotRun).count(),
-            plan.cases.len(),
-            writer.partial().display()
-        );
+    results.attributes.extend(record::complete(&missing.words()));
+    signals::held(|| writer.write(&results))?;
+    if !missing.nothing() {
+        return Err(Stopped::with(&missing, &outcome.results, writer.partial()).into());
     }
-    writer.finish()?;
+    let partial = writer.partial().to_path_buf();
+    signals::held(|| writer.finish())
+        .with_context(|| format!("the run is whole, but its file stays {}", partial.display()))?;
     for note in &outcome.notes {
         voice.say(format_args!("note: {note}"));
     }
@@ -236,7 +230,7 @@ fn advice(status: Status) -> &'static str {
         Status::Sensitive => "a tiny change of the start moves the result",
         Status::NonFinite => "values ran out of the range of numbers; more steps per period may help",
         Status::OutOfRange => "a contact lasts only a few steps; raise [run] steps_per_period",
-        Status::NotRun => "the run ended before them",
+        Status::NotRun => "the run was stopped before they were done",
         Status::AccuracyNotMet => {
             "their error is estimated, or was found by an audit, above the accuracy asked for (error_estimate, group audit)"
         }

@@ -12,6 +12,7 @@ mod second;
 mod sensitive;
 mod steps;
 mod truth;
+mod unfinished;
 mod verdict;
 
 pub use audit::{Audited, audit, audit_of, contacts, mark};
@@ -22,7 +23,8 @@ pub use verdict::{Verdict, basis};
 use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
-use crate::steady::PeriodicState;
+use crate::scene::Steady;
+use crate::steady::{self, PeriodicState, Settled};
 
 /// A run to the accuracy asked for.
 #[derive(Clone, Debug)]
@@ -79,6 +81,8 @@ impl Arithmetic {
 /// Precision: where the plan leaves it open, the sample runs in f64 and in f32; where that moves it by little, the run
 /// is in f32, and what f32 does not bring to the accuracy goes on in f64.
 ///
+/// Stopped on the way, it gives what is done: every instance that it would have gone on with is called not_run.
+///
 /// # Errors
 /// What the engine says.
 pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
@@ -107,11 +111,15 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
     let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
     notes.append(&mut chosen.notes);
     (plan.precision, plan.precision_open) = (chosen.precision, false);
+    if progress.stopped() {
+        // In the trials, which no instance's result comes from.
+        return Ok(Controlled::not_begun(plan, &chosen));
+    }
     let first = steps::First { poorer, left_out, chosen: &chosen };
     progress.stage(&["estimate", "run", "refinement"]);
     let portions = engine.portions();
     let mut all = match all.len() > portions.0 {
-        false => steps::run(plan, (&all, &stepped), first, engine, progress)?,
+        false => unfinished::marked(plan, (&all, &stepped), first, engine, progress)?,
         true => portions::run(plan, (&all, portions), first, engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
@@ -123,4 +131,26 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         }
     }
     Ok(all)
+}
+
+/// Runs the plan once as it is: nothing is estimated, in the arithmetic that was chosen for this `reason`.
+///
+/// # Errors
+/// What the engine says.
+pub fn once(
+    plan: Plan,
+    reason: &str,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    progress.stage(&["run"]);
+    let Settled { mut outcome, found, periods } = steady::run(&plan, &[], engine, progress)?;
+    if progress.stopped() && plan.run.steady == Steady::Search {
+        // What no search settles is waited for, and was not.
+        let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
+        waits.for_each(|one| one.status = Status::NotRun);
+    }
+    let unknown = vec![f64::NAN; plan.cases.len()];
+    let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
+    Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, arithmetic })
 }

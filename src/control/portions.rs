@@ -1,7 +1,7 @@
 //! Many instances, portion by portion.
 
-use super::steps::{self, First};
-use super::{Arithmetic, Controlled};
+use super::steps::First;
+use super::{Arithmetic, Controlled, unfinished};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
@@ -20,7 +20,7 @@ pub(super) fn run(
     let count = plan.cases.len();
     let mut whole = Controlled {
         outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
-        estimates: vec![0.0; count],
+        estimates: vec![f64::NAN; count],
         left_out: left_out.clone(),
         found: Vec::new(),
         periods: vec![0; count],
@@ -35,7 +35,7 @@ pub(super) fn run(
         let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
         let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
         let first = First { poorer, left_out, chosen };
-        let ran = steps::run(part, (&every, &stepped), first, engine, progress);
+        let ran = unfinished::marked(part, (&every, &stepped), first, engine, progress);
         held.done(portion.len() as u64);
         ran
     };
@@ -87,7 +87,7 @@ impl Controlled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::precision;
+    use crate::control::{precision, steps};
     use crate::engine::Cpu;
     use crate::plan::Precision;
     use crate::scene::Scene;

@@ -36,8 +36,12 @@ pub fn by_reference(
         }
         false => steady::run(plan, &[], reference, progress)?,
     };
-    if search && !progress.stopped() {
-        let truths = truths(plan, true, &stepped, &found, reference, progress)?;
+    if search {
+        // What the CPU engine found is not the reference's word.
+        let truths = match progress.stopped() {
+            true => vec![Finished::NOT_RUN; stepped.len()],
+            false => truths(plan, true, &stepped, &found, reference, progress)?,
+        };
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
     }
     let unknown = vec![f64::NAN; count];

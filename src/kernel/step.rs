@@ -89,7 +89,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     pub fn numbers(&self) -> Vec<L> {
         let Flow { m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u, .. } = &self.flow;
         let lever = [m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u];
-        let mut all: Vec<L> = lever.into_iter().flat_map(|modes| &modes[..self.flow.count]).copied().collect();
+        let mut all: Vec<L> =
+            lever.into_iter().flat_map(|modes| &modes[..self.flow.count]).copied().collect();
         all.extend([self.free.cosine, self.free.sine, self.free.rate, self.gap]);
         all.extend(self.law.numbers());
         all

@@ -110,6 +110,15 @@ impl Measured {
         virial: f64::NAN,
         contacts: f64::NAN,
     };
+
+    /// Whether anything was.
+    pub fn is_any(&self) -> bool {
+        let Self { harmonics, phase, force_max, force_min, force_mean, .. } = self;
+        let Self { indentation_max, contact_time, dissipation, virial, contacts, .. } = self;
+        let forces = [force_max, force_min, force_mean, dissipation, virial];
+        let others = [phase, indentation_max, contact_time, contacts];
+        forces.into_iter().chain(others).chain(harmonics).any(|value| !value.is_nan())
+    }
 }
 
 /// How an observable follows from the measurements.

@@ -14,7 +14,8 @@ pub enum Status {
     NonFinite = 3,
     /// The contact left the range in which the law or the step holds.
     OutOfRange = 4,
-    /// The run ended before this instance was computed.
+    /// The run was stopped before this instance was computed, or before its error was brought down; then its values are
+    /// those of the runs done, and nothing vouches for them.
     NotRun = 5,
     /// The estimated error, or the one that an audit found, stayed above the accuracy asked for.
     AccuracyNotMet = 6,

@@ -59,8 +59,11 @@ pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<
             let tip = shape.dot(&push);
             let square_of = solved.eigenvalues[j];
             // Strain energy decides whose loss an oscillator has.
-            let loss: f64 =
-                modes.iter().zip(shape.iter()).map(|(mode, v)| v * v * square(mode) / mode.quality_factor).sum();
+            let loss: f64 = modes
+                .iter()
+                .zip(shape.iter())
+                .map(|(mode, v)| v * v * square(mode) / mode.quality_factor)
+                .sum();
             let top: f64 = modes
                 .iter()
                 .zip(shape.iter())

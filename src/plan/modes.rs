@@ -210,7 +210,8 @@ impl KeptModes {
             let from = 0.5 * rest[0].omega;
             modes.extend(reduced(&rest, count - exact, from, rate.max(4.0 * from))?);
         }
-        let left = 1.0 - modes.iter().map(|mode| mode.mobility / mode.omega.powi(2)).sum::<f64>() / flexibility;
+        let left =
+            1.0 - modes.iter().map(|mode| mode.mobility / mode.omega.powi(2)).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {exact} modes that move the tip"),
             false => format!(
@@ -243,7 +244,8 @@ impl KeptModes {
     /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.
     pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
         let error = |s: f64| {
-            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
+            let whole =
+                compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
             let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.mobility)), s);
             (ours / whole - 1.0).abs()
         };

@@ -29,7 +29,8 @@ pub(super) fn contact_rate(
     amplitude: f64,
     gap: f64,
 ) -> f64 {
-    let answer = |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
+    let answer =
+        |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
     // Under DMT a tip that never touches feels the slope of the attraction just outside.
     let pull = match contact.law {
         Law::None => return 0.0,

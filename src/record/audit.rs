@@ -6,15 +6,17 @@ use crate::engine::Finished;
 use crate::plan::Plan;
 use crate::store::{Attribute, Listed, Results, Variable};
 
+const ESTIMATE: &str = "error_estimate";
+
 /// Adds variable `error_estimate`, with what it rests on as its comment.
 pub fn error_estimate(results: &mut Results, estimates: &[f64], basis: &str) {
-    const NAME: &str = "error_estimate";
-    results.variables.push(one(
-        NAME,
-        "estimated error of the worst observable, on the scale of accuracy",
-        estimates.to_vec(),
-    ));
-    results.comments.push((NAME.into(), basis.into()));
+    results.variables.push(estimate_of(estimates.to_vec()));
+    results.comments.push((ESTIMATE.into(), basis.into()));
+}
+
+/// The variable of estimated errors.
+pub(super) fn estimate_of(estimates: Vec<f64>) -> Variable {
+    one(ESTIMATE, "estimated error of the worst observable, on the scale of accuracy", estimates)
 }
 
 /// Adds group `audit`, the reference's values and the run's errors, where instances were redone, and to the root what

@@ -158,6 +158,20 @@ fn observables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
         .collect()
 }
 
+/// Whether a run has done all it was asked for: attribute `complete`, and in a file that lacks something
+/// `incomplete_phase`, in which the run was stopped, and `missing`, that and all phases after it.
+pub fn complete(missing: &[&str]) -> Vec<(String, Attribute)> {
+    let number = |value| ("complete".to_owned(), Attribute::Number(value));
+    match missing {
+        [] => vec![number(1.0)],
+        [first, ..] => vec![
+            number(0.0),
+            ("incomplete_phase".into(), Attribute::Text((*first).into())),
+            ("missing".into(), Attribute::Text(missing.join(" "))),
+        ],
+    }
+}
+
 fn law_code(law: Law) -> u8 {
     Law::ALL.iter().position(|one| *one == law).unwrap_or(0) as u8
 }

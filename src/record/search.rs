@@ -1,6 +1,7 @@
 //! What a search for periodic states adds to the file.
 
-use super::{error_estimate, observables};
+use super::audit::estimate_of;
+use super::observables;
 use crate::control::{Other, Others};
 use crate::engine::Finished;
 use crate::plan::Plan;
@@ -30,9 +31,11 @@ pub fn search(
     (found, periods): (&[Option<Box<PeriodicState>>], &[u32]),
     others: Option<&Others>,
 ) {
-    let multiplier =
-        |place: &Option<Box<PeriodicState>>| place.as_ref().map_or(f64::NAN, |one| one.spectrum.multiplier);
-    results.variables.push(multipliers(found.iter().map(multiplier).collect()));
+    // Nothing is found where nothing was searched for, or nothing yet.
+    let multiplier = |i: usize| {
+        found.get(i).and_then(|place| place.as_ref()).map_or(f64::NAN, |one| one.spectrum.multiplier)
+    };
+    results.variables.push(multipliers((0..finished.len()).map(multiplier).collect()));
     results.variables.push(Variable {
         name: "periods_stepped".into(),
         units: "1".into(),
@@ -49,7 +52,7 @@ fn branches(plan: &Plan, others: &[Other]) -> Branch {
     let count = plan.cases.len();
     let finished: Vec<Finished> = others.iter().map(|other| other.finished).collect();
     let mut variables = observables(plan, &finished);
-    variables.push(error_estimate(&others.iter().map(|other| other.estimate).collect::<Vec<f64>>()));
+    variables.push(estimate_of(others.iter().map(|other| other.estimate).collect()));
     variables.push(multipliers(others.iter().map(|other| other.multiplier).collect()));
     for variable in &mut variables {
         let width = variable.harmonics.unwrap_or(1);

@@ -13,6 +13,19 @@ pub enum StoreError {
     Special { path: PathBuf },
     #[error("\"{}\" names no file; give -o a path that ends in a file name", path.display())]
     Nameless { path: PathBuf },
+    #[error("results are a file: give -o a name (\"./-\" for a file that is called -)")]
+    Stream,
+    #[error("{} is a symbolic link to nothing; remove it, or name another file with -o", path.display())]
+    DeadLink { path: PathBuf },
+    #[error("{} is open in another program, which has locked it; close it there and try again", path.display())]
+    InUse { path: PathBuf },
+    #[error("{} is a link to another file, which the run would write over; remove it, or name another file with -o", path.display())]
+    PartialLink { path: PathBuf },
+    #[error(
+        "{} is in the way of this run and was not left by one of this scene ({why}); move it, --overwrite replaces it, -o names another file",
+        path.display()
+    )]
+    PartialTaken { path: PathBuf, why: String },
     #[error("{} holds results of another scene; --overwrite replaces them, -o names another file", path.display())]
     OtherScene { path: PathBuf },
     #[error(

@@ -8,6 +8,8 @@ mod error;
 mod heap;
 mod history;
 mod labels;
+mod lock;
+mod occupant;
 mod place;
 mod read;
 mod source;
@@ -16,6 +18,7 @@ mod write;
 
 pub use error::StoreError;
 pub use history::now;
+pub use occupant::same_file;
 pub use place::{Writer, partial_path};
 pub use read::read;
 

@@ -1,16 +1,22 @@
 //! Where a results file goes: checked and reserved before the run, filled and renamed after it.
 
-use super::{Results, StoreError, read, write};
+use super::occupant::{check_occupant, follow, give_rights, is_at, may_be_taken};
+use super::{Results, StoreError, write};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{Seek, Write};
+use std::io::{ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// What a partial file begins with while it is being written, in place of the first bytes of HDF5: one that is torn is
+/// known as such.
+pub(super) const TORN: [u8; 8] = *b"afmsweep";
 
 /// A reserved place for one results file.
 ///
 /// The file is written to a neighbour with the ending `.partial` and renamed by [`Writer::finish`].
-/// The neighbour is locked while the writer lives; a crashed run leaves it unlocked, and the next run
-/// to the same place takes it over.
+/// The neighbour is locked while the writer lives; a crashed run leaves it unlocked, and the next run of the same scene
+/// to the same place takes it over. What it holds then stays until there is something to write.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
@@ -18,6 +24,10 @@ pub struct Writer {
     scene_text: String,
     overwrite: bool,
     file: File,
+    /// The folder that had to be made.
+    made: Option<PathBuf>,
+    /// Whether the partial file holds something: of an earlier run, or of this one.
+    holds: bool,
     written: bool,
     finished: bool,
 }
@@ -29,30 +39,50 @@ pub fn partial_path(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// True for `folder/` and `folder/.`, whether or not there is such a folder.
+fn names_a_folder(path: &Path) -> bool {
+    let text = path.as_os_str().as_encoded_bytes();
+    let text = text.strip_suffix(b".").unwrap_or(text);
+    text.last().is_some_and(|last| std::path::is_separator(char::from(*last)))
+}
+
 impl Writer {
     /// Reserves `path` for results of the scene `scene_text`; made to be called before a long run.
     ///
-    /// Creates missing parent folders. A file already there may be replaced if it holds results of the
-    /// same scene, or if `overwrite` says so.
+    /// Creates missing parent folders, and follows `path` if it is a symbolic link. A file already there may be
+    /// replaced if it holds results of the same scene, or if `overwrite` says so; so may what stands at the partial
+    /// name, but never through a link.
     pub fn create(path: &Path, scene_text: &str, overwrite: bool) -> Result<Self, StoreError> {
+        if path.as_os_str() == "-" {
+            return Err(StoreError::Stream);
+        }
+        if names_a_folder(path) {
+            return Err(StoreError::Folder { path: path.to_path_buf() });
+        }
         if path.file_name().is_none() || path.as_os_str().is_empty() {
             return Err(match path.is_dir() {
                 true => StoreError::Folder { path: path.to_path_buf() },
                 false => StoreError::Nameless { path: path.to_path_buf() },
             });
         }
-        check_occupant(path, scene_text, overwrite)?;
+        let path = follow(path)?;
+        check_occupant(&path, scene_text, overwrite)?;
+        let mut made = None;
         if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+            made = (!parent.exists()).then(|| parent.to_path_buf());
             fs::create_dir_all(parent).map_err(|e| StoreError::io(parent, "make the folder", e))?;
         }
-        let partial = partial_path(path);
-        let file = reserve(path, &partial)?;
+        let partial = partial_path(&path);
+        let (file, holds) = reserve(&path, &partial, scene_text, overwrite)?;
+        give_rights(&file, &path, true);
         Ok(Self {
-            path: path.to_path_buf(),
+            path,
             partial,
             scene_text: scene_text.to_owned(),
             overwrite,
             file,
+            made,
+            holds,
             written: false,
             finished: false,
         })
@@ -61,22 +91,37 @@ impl Writer {
     /// Writes all of `results` to the partial file, in place of what an earlier call wrote.
     pub fn write(&mut self, results: &Results) -> Result<(), StoreError> {
         let image = write::image(results, &self.scene_text, &self.partial)?;
-        let partial = &self.partial;
-        let failed = |e| StoreError::io(partial, "write", e);
-        // From here on the partial file holds something, if only the part that fitted on the disk.
-        self.written = true;
-        self.file.rewind().map_err(failed)?;
-        self.file.set_len(0).map_err(failed)?;
-        self.file.write_all(&image).map_err(failed)
+        let put = |file: &mut File| {
+            file.rewind()?;
+            file.set_len(0)?;
+            let (first, rest) = image.split_at(TORN.len().min(image.len()));
+            file.write_all(&TORN)?;
+            file.write_all(rest)?;
+            // The first bytes come last, so that they vouch for the rest.
+            file.sync_data()?;
+            file.rewind()?;
+            file.write_all(first)
+        };
+        let put = put(&mut self.file);
+        self.written = put.is_ok();
+        self.holds = self.written;
+        if self.written {
+            return Ok(());
+        }
+        // Half a file is of no use to anybody; an empty one is removed.
+        let _ = self.file.set_len(0);
+        put.map_err(|e| StoreError::io(&self.partial, "write", e))
     }
 
-    /// Makes the partial file the results file, in one step, once it is safely on the disk.
+    /// Makes the partial file the results file, in one step, once it is safely on the disk. It has the owner and the
+    /// permissions of the file that it replaces, as far as the system lets it.
     pub fn finish(mut self) -> Result<(), StoreError> {
         if !self.written {
             return Err(StoreError::inconsistent("the file was finished before anything was written to it"));
         }
         // The place was free before the run; something may have been put there since.
         check_occupant(&self.path, &self.scene_text, self.overwrite)?;
+        give_rights(&self.file, &self.path, false);
         self.file.sync_all().map_err(|e| StoreError::io(&self.partial, "write", e))?;
         fs::rename(&self.partial, &self.path).map_err(|e| StoreError::io(&self.path, "put in place", e))?;
         self.finished = true;
@@ -93,82 +138,74 @@ impl Writer {
     pub fn partial(&self) -> &Path {
         &self.partial
     }
+
+    /// The folder that was made for the file, if one had to be.
+    pub fn made_folder(&self) -> Option<&Path> {
+        self.made.as_deref()
+    }
 }
 
 impl Drop for Writer {
     fn drop(&mut self) {
-        if !self.finished && !self.written {
+        if !self.finished && !self.holds && is_at(&self.file, &self.partial) {
             // An empty file tells nobody anything; if it cannot be removed, the next run takes it over.
             let _ = fs::remove_file(&self.partial);
         }
     }
 }
 
-/// Refuses a place whose occupant may not be replaced.
-fn check_occupant(path: &Path, scene_text: &str, overwrite: bool) -> Result<(), StoreError> {
-    let metadata = match fs::metadata(path) {
-        Ok(metadata) => metadata,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(e) => return Err(StoreError::io(path, "look at", e)),
-    };
-    if metadata.is_dir() {
-        return Err(StoreError::Folder { path: path.to_path_buf() });
-    }
-    if !metadata.is_file() {
-        return Err(StoreError::Special { path: path.to_path_buf() });
-    }
-    if overwrite {
-        return Ok(());
-    }
-    match read::scene_of(path) {
-        Ok(scene) if scene == scene_text => Ok(()),
-        Ok(_) => Err(StoreError::OtherScene { path: path.to_path_buf() }),
-        Err(StoreError::Foreign { why, .. } | StoreError::Damaged { why, .. }) => {
-            Err(StoreError::Occupied { path: path.to_path_buf(), why })
-        }
-        Err(error) => Err(error),
-    }
-}
-
-/// Opens and locks the partial file, empty.
-fn reserve(path: &Path, partial: &Path) -> Result<File, StoreError> {
+/// Opens and locks the partial file, and says whether it holds something.
+fn reserve(
+    path: &Path,
+    partial: &Path,
+    scene_text: &str,
+    overwrite: bool,
+) -> Result<(File, bool), StoreError> {
     let failed = |e| StoreError::io(partial, "create", e);
     let busy = || StoreError::Busy { path: path.to_path_buf(), partial: partial.to_path_buf() };
-    if fs::metadata(partial).is_ok_and(|metadata| !metadata.is_file()) {
-        return Err(StoreError::Special { path: partial.to_path_buf() });
-    }
-    // Another run may rename or remove the file between our opening and locking it. The lock then holds
-    // a file that is no longer the partial one, and the next try opens a new one.
-    for _ in 0..8 {
-        let file =
-            OpenOptions::new().write(true).create(true).truncate(false).open(partial).map_err(failed)?;
+    // Another run may rename, remove or fill the file between our looks at it and locking it, or look at it as we do.
+    // The next try begins anew.
+    for attempt in 0..8 {
+        let before = match fs::symlink_metadata(partial) {
+            Ok(metadata) => Some(metadata),
+            Err(e) if e.kind() == ErrorKind::NotFound => None,
+            Err(e) => return Err(failed(e)),
+        };
+        if let Some(before) = &before {
+            match may_be_taken(partial, before, scene_text, overwrite) {
+                Err(StoreError::InUse { .. }) => return Err(busy()),
+                taken => taken?,
+            }
+        }
+        let mut options = OpenOptions::new();
+        options.write(true).create_new(before.is_none());
+        // Nothing that was a file a moment ago is followed if it is a link now.
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NOFOLLOW);
+        let file = match options.open(partial) {
+            Ok(file) => file,
+            Err(e) if e.kind() == ErrorKind::AlreadyExists && before.is_none() => continue,
+            Err(e) if e.kind() == ErrorKind::NotFound && before.is_some() => continue,
+            Err(e) => return Err(failed(e)),
+        };
         match file.try_lock() {
             Ok(()) => {}
+            Err(TryLockError::WouldBlock) if attempt < 3 => {
+                // Different runs wait differently long.
+                std::thread::sleep(Duration::from_millis(5 + u64::from(std::process::id() % 32)));
+                continue;
+            }
             Err(TryLockError::WouldBlock) => return Err(busy()),
             // Some network disks know no locks; then two runs at once are the user's to avoid.
-            Err(TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {}
             Err(TryLockError::Error(e)) => return Err(failed(e)),
         }
-        if is_at(&file, partial) {
-            file.set_len(0).map_err(failed)?;
-            return Ok(file);
+        let now = file.metadata().map_err(failed)?;
+        let same = before
+            .is_none_or(|before| before.len() == now.len() && before.modified().ok() == now.modified().ok());
+        if same && is_at(&file, partial) {
+            return Ok((file, now.len() > 0));
         }
     }
     Err(busy())
-}
-
-/// True if the open file is the one that `path` names.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    match (file.metadata(), fs::metadata(path)) {
-        (Ok(open), Ok(named)) => (open.dev(), open.ino()) == (named.dev(), named.ino()),
-        _ => false,
-    }
-}
-
-/// Elsewhere an open file is not renamed away by others.
-#[cfg(not(unix))]
-fn is_at(_file: &File, path: &Path) -> bool {
-    path.exists()
 }

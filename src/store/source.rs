@@ -1,7 +1,8 @@
 //! A results file that is open for reading: what it claims is not believed before it is looked at.
 
 use super::labels::read_text;
-use super::{Coordinate, Results, StoreError, heap, partial_path, sums};
+use super::place::TORN;
+use super::{Coordinate, Results, StoreError, heap, lock, partial_path, sums};
 use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, LocationType};
 use std::cell::Cell;
 use std::io::Read;
@@ -46,8 +47,12 @@ impl Source {
         let mut start = Vec::with_capacity(SIGNATURE.len());
         let mut stream = std::fs::File::open(path).map_err(failed)?;
         stream.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut start).map_err(failed)?;
+        if lock::is_locked(&stream) {
+            return Err(StoreError::InUse { path: own() });
+        }
         if start != SIGNATURE {
             return Err(match (start.is_empty(), broken_off) {
+                _ if start == TORN => StoreError::Partial { path: own() },
                 (true, true) => StoreError::Partial { path: own() },
                 (true, false) => StoreError::Foreign { path: own(), why: "it is empty".into() },
                 _ => StoreError::Foreign { path: own(), why: "it is no HDF5 file".into() },

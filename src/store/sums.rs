@@ -4,7 +4,9 @@
 //! root attribute `checksums` has one sum for each thing that [`Results`] holds, as `name:sum`. It speaks of contents,
 //! not of bytes: a file that was repacked, or that somebody has added to, still fits it.
 
-use super::{Attribute, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, Variable, Waveforms};
+use super::{
+    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, Variable, Waveforms,
+};
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -71,25 +73,33 @@ fn all(results: &Results) -> Vec<(String, u64)> {
         "steps_per_period",
         steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps))),
     );
-    for Flags { name, long_name, meanings, bits, data } in flags {
-        let sum = Sum::new().text(long_name).word(u64::from(*bits)).bytes(data);
-        put(name, meanings.iter().fold(sum, |sum, word| sum.text(word)));
-    }
+    flags.iter().for_each(|one| put(&one.name, of_flags(one)));
     if let Some(waveforms) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
         put("waveforms", of_waveforms(waveforms));
     }
     if !results.force_curves.is_empty() {
         put("force_curves", results.force_curves.iter().fold(Sum::new(), with_curve));
     }
-    for (group, listed) in [("audit", &results.audit), ("other_branch", &results.other_branch)] {
-        let Some(Listed { instances, variables }) = listed.as_ref().filter(|one| !one.instances.is_empty())
-        else {
-            continue;
-        };
-        put(&format!("{group}/instance"), instances.iter().fold(Sum::new(), |sum, one| sum.word(*one)));
-        variables.iter().for_each(|one| put(&format!("{group}/{}", one.name), of_variable(one)));
+    if let Some(Listed { instances, variables }) =
+        results.audit.as_ref().filter(|one| !one.instances.is_empty())
+    {
+        put("audit/instance", instances.iter().fold(Sum::new(), |sum, one| sum.word(*one)));
+        variables.iter().for_each(|one| put(&format!("audit/{}", one.name), of_variable(one)));
+    }
+    if let Some(Branch { variables, status, steps_per_period, flags }) = &results.other_branch {
+        let steps = steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps)));
+        put("other_branch/status", Sum::new().bytes(status));
+        put("other_branch/steps_per_period", steps);
+        variables.iter().for_each(|one| put(&format!("other_branch/{}", one.name), of_variable(one)));
+        flags.iter().for_each(|one| put(&format!("other_branch/{}", one.name), of_flags(one)));
     }
     sums
+}
+
+fn of_flags(flags: &Flags) -> Sum {
+    let Flags { long_name, meanings, bits, data, .. } = flags;
+    let sum = Sum::new().text(long_name).word(u64::from(*bits)).bytes(data);
+    meanings.iter().fold(sum, |sum, word| sum.text(word))
 }
 
 fn of_variable(variable: &Variable) -> Sum {

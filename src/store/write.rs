@@ -10,6 +10,7 @@ use super::history::history;
 use super::labels::{self, Scale, attach};
 use super::{Attribute, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms, sums};
 use crate::observe::Status;
+use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
 use hdf5::{Dataset, File, Group, H5Type};
 use std::path::Path;
@@ -17,7 +18,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Elements of a chunk: 512 KiB of f64, below the 1 MiB that readers cache by default.
 const CHUNK: usize = 65_536;
-/// Below this many bytes a chunk's bookkeeping is larger than what compression saves.
+/// Below this many bytes a chunk's bookkeeping is larger than what compression saves: the data lie in the dataset's
+/// header, which has a checksum of its own.
 const TINY: usize = 4096;
 
 /// The bytes of the results file. `path` only serves messages.
@@ -94,7 +96,9 @@ impl Layout {
     fn data<T: H5Type>(&self, name: &str, shape: &[usize], data: &[T]) -> hdf5::Result<Dataset> {
         let mut builder = self.group.new_dataset::<T>().shape(shape.to_vec());
         builder = builder.obj_track_times(false).attr_creation_order(AttrOrder::Indexed);
-        if !shape.is_empty() && size_of_val(data) >= TINY {
+        if size_of_val(data) < TINY {
+            builder = builder.layout(Storage::Compact);
+        } else {
             builder = builder.chunk(chunk(shape)).shuffle();
             if hdf5::filters::deflate_available() {
                 builder = builder.deflate(1);

@@ -7,7 +7,7 @@ use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::flown;
 use crate::periodic::{Found, Options, Search, Verdict};
-use crate::plan::{KeptMode, CasePlan, Driven, Plan, Station};
+use crate::plan::{CasePlan, Driven, KeptMode, Plan, Station};
 use crate::scene::{Run, Start};
 use nalgebra::{DVector, Dyn};
 use std::f64::consts::{PI, TAU};

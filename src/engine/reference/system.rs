@@ -229,11 +229,17 @@ fn oscillators(
     // A fast contact feels what a static force does not: the modes left out then are an oscillator or two, which have their
     // compliance, and its slope, at the rates of the contact's onset.
     let fastest = each.iter().map(|one| one[0]).fold(0.0, f64::max);
-    let gone: Vec<&Mode> =
-        (0..modes.len()).filter(|k| !order.contains(k)).map(|k| &modes[k]).filter(|mode| mode.omega > fastest).collect();
-    let answer = |some: &mut dyn Iterator<Item = &Mode>| compliance(some.map(|m| (m.omega, m.tip * m.force)), ONSET * rate);
+    let gone: Vec<&Mode> = (0..modes.len())
+        .filter(|k| !order.contains(k))
+        .map(|k| &modes[k])
+        .filter(|mode| mode.omega > fastest)
+        .collect();
+    let answer = |some: &mut dyn Iterator<Item = &Mode>| {
+        compliance(some.map(|m| (m.omega, m.tip * m.force)), ONSET * rate)
+    };
     if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
-        && let Some(one) = reduced(&gone, if quick { 2 } else { 1 }, ONSET * rate, if quick { FAR } else { ONSET } * rate)
+        && let Some(one) =
+            reduced(&gone, if quick { 2 } else { 1 }, ONSET * rate, if quick { FAR } else { ONSET } * rate)
     {
         each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.mobility]));
         indices.extend(one.iter().map(|_| None));

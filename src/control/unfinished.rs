@@ -1,0 +1,146 @@
+//! What a stopped run has not brought to its end.
+
+use super::steps::{self, First, halved};
+use super::{Controlled, precision};
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
+use crate::plan::{Plan, Precision};
+use crate::scene::Steady;
+
+/// Share of the accuracy below which an estimate is not looked at again: less than the one at which steps are doubled.
+const CERTAIN: f64 = 0.5;
+
+/// [`steps::run`]; where it was stopped, what it would have gone on with is marked.
+pub(super) fn marked(
+    plan: Plan,
+    (all, stepped): (&[u32], &[u32]),
+    first: First,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let (before, chosen) = (plan.clone(), first.chosen);
+    let mut done = steps::run(plan, (all, stepped), first, engine, progress)?;
+    if progress.stopped() {
+        done.mark_unfinished(&before, stepped, chosen);
+    }
+    Ok(done)
+}
+
+impl Controlled {
+    /// Stopped before anything.
+    pub(super) fn not_begun(plan: Plan, chosen: &precision::Choice) -> Self {
+        let count = plan.cases.len();
+        Self {
+            outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
+            estimates: vec![f64::NAN; count],
+            left_out: vec![f64::NAN; count],
+            found: Vec::new(),
+            periods: vec![0; count],
+            arithmetic: chosen.arithmetic(count),
+            plan,
+        }
+    }
+
+    /// Calls those of `stepped` not run whose results could still have changed, by a run after `before`'s first ones; their values stay. An
+    /// instance is done if its first estimate was below what calls for more steps, or if no further run would have
+    /// made it ok.
+    fn mark_unfinished(&mut self, before: &Plan, stepped: &[u32], chosen: &precision::Choice) {
+        let Self { plan, outcome, estimates, arithmetic, .. } = self;
+        let told = before.run.steps_per_period.is_some();
+        let search = before.run.steady == Steady::Search;
+        let first = halved(before, stepped);
+        let kept = |plan: &Plan, i: usize| plan.drives[plan.cases[i].drive as usize].kept.clone();
+        for i in stepped.iter().map(|i| *i as usize) {
+            let once = plan.cases[i].steps == first.cases[i].steps
+                && kept(plan, i).modes == kept(&first, i).modes
+                && arithmetic.of[i] == chosen.precision;
+            let waited = !search && (arithmetic.of[i] == Precision::F64 || !chosen.mixed);
+            let done = match outcome.results[i].status {
+                Status::Ok => told || once && estimates[i] <= CERTAIN * before.run.accuracy,
+                // Later runs could have settled it: the search's rest is waited for, what f32 leaves goes on in f64.
+                Status::NotSteady => waited,
+                Status::OutOfRange | Status::NonFinite => told,
+                Status::Sensitive | Status::AccuracyNotMet => true,
+                Status::NotRun => false,
+            };
+            if !done {
+                outcome.results[i].status = Status::NotRun;
+            }
+        }
+        for (one, estimate) in outcome.results.iter().zip(estimates) {
+            if one.status == Status::NotRun && !one.measured.is_any() {
+                *estimate = f64::NAN;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control;
+    use crate::engine::Cpu;
+    use crate::scene::Scene;
+    use std::path::Path;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// The CPU engine, which is stopped in the middle of its run of this number.
+    struct Stops<'a> {
+        left: AtomicUsize,
+        progress: &'a Progress,
+    }
+
+    impl Engine for Stops<'_> {
+        fn device(&self) -> String {
+            "stops".into()
+        }
+
+        fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+            let last = self.left.fetch_sub(1, Ordering::Relaxed) == 1;
+            let done = Cpu::default().run(plan, progress)?;
+            if last {
+                self.progress.stop();
+            }
+            Ok(done)
+        }
+    }
+
+    /// Truth: the run that nobody stops. Whatever a stopped one calls ok has its values to the bit, and nothing is
+    /// called by another status than there, but for not run.
+    #[test]
+    fn what_a_stopped_run_calls_done_is_what_the_whole_run_gives() {
+        let text = include_str!("../../scenes/quickstart.toml");
+        let (mut cut, mut kept) = (0, 0);
+        for steady in ["wait", "search"] {
+            let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
+            let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
+            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(251).collect();
+            let mut plan = plan.part(&some);
+            // So many of them have to be refined.
+            plan.run.accuracy = 2e-4;
+            let run = |runs: usize| {
+                let progress = Progress::default();
+                let engine = Stops { left: AtomicUsize::new(runs), progress: &progress };
+                (control::run(&plan, &engine, &progress).expect("it runs"), progress.stopped())
+            };
+            let (whole, _) = run(0);
+            for runs in 1.. {
+                let (part, stopped) = run(runs);
+                if !stopped {
+                    break;
+                }
+                for (i, (one, other)) in part.outcome.results.iter().zip(&whole.outcome.results).enumerate() {
+                    if one.status == Status::NotRun {
+                        cut += 1;
+                        continue;
+                    }
+                    kept += 1;
+                    let (one, other) = (format!("{one:?}"), format!("{other:?}"));
+                    assert_eq!(one, other, "{steady}, stopped after run {runs}: instance {i}");
+                }
+            }
+        }
+        assert!(cut > 0 && kept > 0, "{cut} were cut short and {kept} kept");
+    }
+}
