@@ -94,7 +94,37 @@ const CASES: &[(&str, Expect)] = &[
     ("snap_in_jkr", Within(holds_on)),
     // A contact shorter than a step throws the tip out of all bounds.
     ("too_few_steps", Says(Status::NonFinite)),
+    ("bounces_dmt", Within(touches)),
+    ("bounces_hertz", Within(touches)),
+    ("bounces_jkr", Within(touches)),
+    ("soft_0.03_dmt", Within(touches)),
+    ("soft_0.03_hertz", Within(touches)),
+    ("soft_0.03_jkr", Within(touches)),
+    ("soft_0.05_dmt", Within(touches)),
+    ("soft_0.05_graze", Within(touches)),
+    ("soft_0.05_jkr", Within(touches)),
+    ("soft_0.1_dmt", Within(touches)),
+    ("soft_0.1_hertz", Within(touches)),
+    ("soft_0.1_jkr", Within(touches)),
+    ("soft_0.2_hertz", Within(touches)),
+    ("soft_0.3_dmt", Within(touches)),
+    ("soft_0.3_jkr", Within(touches)),
+    ("soft_0.5_dmt", Within(touches)),
+    ("soft_0.5_hertz", Within(touches)),
+    ("soft_0.5_jkr", Within(touches)),
+    ("soft_1_dmt", Within(touches)),
+    ("soft_1_hertz", Within(touches)),
+    ("soft_1_jkr", Within(touches)),
+    ("tip_mass_dmt", Within(touches)),
+    ("tip_mass_jkr", Within(touches)),
+    ("tip_mass_light", Within(touches)),
+    ("tip_mass_soft", Within(touches)),
+    ("tip_mass_stiff", Within(touches)),
 ];
+
+fn touches(m: &Measured) -> bool {
+    m.contact_time > 0.0
+}
 
 fn taps(m: &Measured) -> bool {
     m.contacts == 1.0 && m.contact_time > 0.0 && m.contact_time < 0.9

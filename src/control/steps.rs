@@ -29,6 +29,9 @@ const AIM: f64 = 0.6;
 /// alone: errors fall by no more with twice the steps.
 const STEEPEST: f64 = 16.0;
 
+/// A finer run of a fast contact that brings the estimate down by less is the last.
+const GAINED: f64 = 1.25;
+
 /// Runs of an instance beyond the doublings, which may all have gone into steps, to try richer levers.
 const LEVERS: usize = 2;
 
@@ -83,7 +86,9 @@ pub(super) fn run(
     let rough = steady::run(&coarse, &[], engine, progress)?;
     let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
-    let mut parts = Parts { of_steps: vec![0.0; plan.cases.len()], both: vec![f64::NAN; plan.cases.len()] };
+    let count = plan.cases.len();
+    let mut parts =
+        Parts { of_steps: vec![0.0; count], both: vec![f64::NAN; count], in_vain: vec![false; count] };
     let lever = |plan: &Plan, i: usize| Arc::clone(&plan.drives[plan.cases[i].drive as usize].kept);
     for (i, apart) in differences(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
         let i = i as usize;
@@ -95,7 +100,10 @@ pub(super) fn run(
     }
     if let Some(bases) = &poorer {
         // And the second one is of oscillators alone.
-        let fast = |i: &u32| is_fast(&plan, *i) && bases[*i as usize] != plan.basis(*i);
+        let fast = |i: &u32| {
+            let ok = settled.outcome.results[*i as usize].status == Status::Ok;
+            ok && is_fast(&plan, *i) && bases[*i as usize] != plan.basis(*i)
+        };
         let fast: Vec<u32> = stepped.iter().copied().filter(fast).collect();
         if !fast.is_empty() && !progress.stopped() {
             let wanted: Vec<(u32, Basis)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
@@ -104,7 +112,8 @@ pub(super) fn run(
             let few = few.only(&fast);
             let poor = steady::run(&few, &settled.found, engine, progress)?;
             for (i, apart) in differences(&fine, &fast, &poor.outcome.results, &settled.outcome.results) {
-                left_out[i as usize] = LEFT_OF_MODES * apart;
+                // A run that is cut short has not told.
+                left_out[i as usize] = if progress.stopped() { f64::INFINITY } else { LEFT_OF_MODES * apart };
             }
         }
     }
@@ -113,8 +122,11 @@ pub(super) fn run(
     let mut now = Controlled::new(fine, settled, (estimates, left_out), chosen);
     let mut doubted = Vec::new();
     for round in 0..DOUBLINGS + LEVERS {
-        let again: Vec<u32> =
-            stepped.iter().copied().filter(|i| now.doubtful(*i as usize, chosen.mixed)).collect();
+        let again: Vec<u32> = stepped
+            .iter()
+            .copied()
+            .filter(|i| !parts.in_vain[*i as usize] && now.doubtful(*i as usize, chosen.mixed))
+            .collect();
         if round == 0 {
             doubted.clone_from(&again);
         }
@@ -169,6 +181,8 @@ struct Parts {
     of_steps: Vec<f64>,
     /// The first difference, of steps and modes, where the second is still to come.
     both: Vec<f64>,
+    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down.
+    in_vain: Vec<bool>,
 }
 
 impl Parts {
@@ -225,6 +239,7 @@ impl Controlled {
         let mut taken = HashMap::new();
         for (i, apart) in differences(&finer, again, &self.outcome.results, &outcome.results) {
             let (n, error) = (i as usize, LEFT * apart);
+            let before = self.estimates[n];
             match what {
                 Again::Finer => {
                     let modes = LEFT * (parts.both[n] - STEEPEST * apart);
@@ -244,6 +259,7 @@ impl Controlled {
                 }
                 Again::Alike => {}
             }
+            parts.in_vain[n] = is_fast(&finer, i) && self.estimates[n] > before / GAINED;
             self.outcome.results[n] = outcome.results[n];
             self.plan.cases[n].steps = finer.cases[n].steps;
             self.plan.take_lever(i, &finer, i, &mut taken);

@@ -14,6 +14,11 @@ use crate::scene::{InstrumentParams, Lever, LeverMode, QualityFactor, TipMass, T
 /// First root of 1 + cos(x) cosh(x), the clamped-free beam.
 const LAMBDA_1: f64 = 1.875_104_068_711_961;
 
+/// Most of the mass that moves in a calibrated lever's first mode that its tip may have.
+const TIP_SHARE: f64 = 0.999;
+/// Each leaves a tenth of the miss and less.
+const HEAVINESS_ROUNDS: usize = 12;
+
 /// The lever in coordinates `y` of unit stiffness: energy `y.y/2`; with the base at `s` its
 /// kinetic energy is `y'.mass.y'/2 + s' base.y' + rigid_mass s'^2/2`.
 #[derive(Clone, Debug)]
@@ -64,12 +69,12 @@ impl LeverPart {
             Lever::Calibrated { stiffness, frequency } => {
                 check_positive("the lever's stiffness", *stiffness)?;
                 check_positive("the lever's frequency", *frequency)?;
-                // The uniform beam whose first mode, normalised to 1 at the tip, has this stiffness
-                // and frequency; every such mode of a uniform beam weighs a quarter of it.
-                let omega = std::f64::consts::TAU * frequency;
-                let mass = 4.0 * stiffness / (omega * omega);
-                let bending = 4.0 * stiffness / LAMBDA_1.powi(4);
-                let beam = Beam { stiffness: bending, mass, tip_mass: 0.0, arm: 0.0, elements, order };
+                let tip_mass = match p.tip.mass {
+                    TipMass::Given(mass) => check_not_negative("the tip's mass", mass).map(|()| mass)?,
+                    // The preset's: a calibrated lever has its own.
+                    TipMass::Pyramid { .. } => 0.0,
+                };
+                let beam = calibrated(*stiffness, *frequency, tip_mass, (elements, order))?;
                 beam.part(inverse_q(&p.cantilever.quality_factor)?)
             }
             Lever::Modes(modes) => Self::from_modes(modes),
@@ -156,6 +161,46 @@ impl LeverPart {
         }
         Ok(self)
     }
+}
+
+/// The uniform beam with a tip of `tip_mass` (kg) at its end whose first mode, normalised to 1 at the tip, has this
+/// stiffness (N/m) and frequency (Hz): what a calibration gives is of the lever as it is. Higher modes follow.
+fn calibrated(
+    stiffness: f64,
+    frequency: f64,
+    tip_mass: f64,
+    (elements, order): (usize, usize),
+) -> Result<Beam, InstrumentError> {
+    let omega = std::f64::consts::TAU * frequency;
+    let moving = stiffness / (omega * omega);
+    if tip_mass == 0.0 {
+        // Every such mode of a uniform beam weighs a quarter of it.
+        let bending = 4.0 * stiffness / LAMBDA_1.powi(4);
+        return Ok(Beam { stiffness: bending, mass: 4.0 * moving, tip_mass, arm: 0.0, elements, order });
+    }
+    let share = tip_mass / moving;
+    if share.is_nan() || share > TIP_SHARE {
+        return Err(InstrumentError::BadValue {
+            what: "the tip's mass",
+            value: tip_mass,
+            expected: "less than 0.999 of what moves in the lever's first mode, stiffness/(2 pi frequency)^2",
+        });
+    }
+    // Of the first mode, in beams of bending stiffness and mass 1: its stiffness, and its mass without the tip's. That
+    // mass hardly depends on the tip's, so the tip's in beam masses is soon found.
+    let first = |heaviness: f64| -> Result<(f64, f64), InstrumentError> {
+        let unit = UnitBeam::new(elements, order, heaviness, 0.0)
+            .ok_or(InstrumentError::OutOfRange { what: "tip's mass in lever masses", value: heaviness })?;
+        let modes = Eigen::of(&unit.mass)?;
+        let tip = modes.vectors.column(0).dot(&unit.tip);
+        Ok((tip.powi(-2), tip.powi(-2) * modes.mu[0] - heaviness))
+    };
+    let mut heaviness = 0.25 * share / (1.0 - share);
+    for _ in 0..HEAVINESS_ROUNDS {
+        heaviness = first(heaviness)?.1 * share / (1.0 - share);
+    }
+    let bending = stiffness / first(heaviness)?.0;
+    Ok(Beam { stiffness: bending, mass: tip_mass / heaviness, tip_mass, arm: 0.0, elements, order })
 }
 
 /// A uniform beam with a tip: `stiffness` is E I / l_b^3, `tip_mass` in kg, `arm` in beam lengths.

@@ -64,7 +64,7 @@ pub enum Lever {
     /// A uniform rectangular beam (Table 1, second column).
     Dimensions { youngs_modulus: f64, density: f64, length: f64, width: f64, thickness: f64 },
     /// The first mode's stiffness (N/m) and frequency (Hz) as measured, tip included;
-    /// higher modes follow from uniform-beam theory and no tip mass is added.
+    /// higher modes follow from uniform-beam theory, with the tip's mass where that is given.
     Calibrated { stiffness: f64, frequency: f64 },
     /// Modes with tip participation 1; no tip mass is added.
     Modes(Vec<LeverMode>),

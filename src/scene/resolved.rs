@@ -53,7 +53,8 @@ impl Scene {
             // What a calibrated or listed lever already contains must not be said again.
             let contained = (!sized
                 && section == "instrument.tip"
-                && ["half_length", "mass", "width", "height", "density"].contains(&key))
+                && (["half_length", "width", "height", "density"].contains(&key)
+                    || (listed && key == "mass")))
                 || (listed && path == "instrument.cantilever.quality_factor");
             if let Some(address) = Address::find(&path).filter(|_| !contained)
                 && let Some(value) = address.get(&self.base)

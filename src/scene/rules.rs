@@ -22,13 +22,8 @@ const LEVER_SIZES: [&str; 5] = [
 const CALIBRATION: [&str; 2] = ["instrument.cantilever.stiffness", "instrument.cantilever.frequency"];
 const LEVER_QUALITY: &str = "instrument.cantilever.quality_factor";
 const PYRAMID: [&str; 3] = ["instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
-const TIP_INERTIA: [&str; 5] = [
-    "instrument.tip.half_length",
-    "instrument.tip.mass",
-    "instrument.tip.width",
-    "instrument.tip.height",
-    "instrument.tip.density",
-];
+const TIP_SHAPE: [&str; 4] =
+    ["instrument.tip.half_length", "instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
 const LEVELS: [&str; 4] = ["drive.voltage", "drive.free_amplitude", "drive.force", "drive.base_amplitude"];
 
 /// Checks the draft with its sweep, and completes its base case with the first values of axes
@@ -111,12 +106,18 @@ fn one_lever(draft: &Draft) -> Checked<()> {
             "with listed modes, each mode's own quality_factor",
         ));
     }
-    if let (Some(lever), Some(tip)) = (calibration.or(modes), draft.first_of(&TIP_INERTIA)) {
+    let shape = draft.first_of(&TIP_SHAPE);
+    let told = match (calibration, modes) {
+        (Some(lever), _) => shape.map(|tip| (lever, tip)),
+        (None, Some(lever)) => shape.or(draft.first_of(&["instrument.tip.mass"])).map(|tip| (lever, tip)),
+        (None, None) => None,
+    };
+    if let Some((lever, tip)) = told {
         return Err(clash(
             lever,
             tip,
             "the tip's inertia is given twice",
-            "a calibrated lever's values hold for the lever as it is, tip included: no tip mass is added to them",
+            "a calibrated lever's values hold for the lever as it is, tip included; with stiffness and frequency, instrument.tip.mass says how much of it is the tip's",
         ));
     }
     Ok(())
