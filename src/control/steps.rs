@@ -17,9 +17,9 @@ const DOUBLINGS: usize = 4;
 /// twice the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
 pub(super) const LEFT: f64 = 0.25;
 
-/// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 3 to 8 times from
+/// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 2 to 8 times from
 /// one to the next, not always evenly.
-const LEFT_OF_MODES: f64 = 0.4;
+const LEFT_OF_MODES: f64 = 0.5;
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate
 /// sees (undamped modes of small share, rounding).

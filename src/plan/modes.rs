@@ -55,7 +55,7 @@ const WRONG: f64 = 0.5;
 /// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their
 /// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (results/basis).
 const EACH: f64 = 1.3;
-const BESIDE: f64 = 3.0;
+const BESIDE: f64 = 4.0;
 const GROWS: f64 = 0.12;
 
 /// Modes that are faster than the contact by more are not kept as they are.
@@ -63,6 +63,13 @@ const FASTEST: f64 = 64.0;
 
 /// A mode is kept as it is where of its motion this share or more is left after a period of the drive.
 const RINGS: f64 = 1e-3;
+/// The same for modes of the lever that are faster than the contact, up to so many times, and how many oscillators stand
+/// for all others at least.
+const RINGS_LONG: f64 = 0.05;
+const RUNG: f64 = 6.0;
+const REDUCED: usize = 4;
+/// A mode is the lever's if it moves the tip by more than this share of what its slowest does.
+const LEVERS: f64 = 0.05;
 
 impl Basis {
     /// To look up levers that were made before.
@@ -86,6 +93,36 @@ impl Basis {
         let more = COUNTS.into_iter().find(|other| *other > count)?;
         Some(Self::Contact { rate, count: more })
     }
+}
+
+/// What is left of a mode's motion after a period of the drive at `omega` (rad/s).
+fn left(mode: &Mode, omega: f64) -> f64 {
+    (-PI * mode.omega / (omega * mode.quality_factor)).exp()
+}
+
+/// The tip's mobility by the slowest of the modes that move it as a lever's do.
+fn largest_weight(instrument: &Instrument) -> f64 {
+    let weight = |mode: &Mode| (mode.tip * mode.force).abs();
+    let largest = instrument.modes.iter().map(weight).fold(0.0, f64::max);
+    instrument.modes.iter().map(weight).find(|one| *one > LEVERS * largest).unwrap_or(0.0)
+}
+
+/// Those of the modes `moved` that are kept as they are among `count` oscillators: the ones slower than the contact that
+/// ring on to the next one, and, as far as there is room, faster ones of the lever that ring for long, since a contact
+/// meets their phase again.
+fn ringing(instrument: &Instrument, omega: f64, rate: f64, moved: &[usize], count: usize) -> Vec<usize> {
+    let mode = |k: &usize| &instrument.modes[*k];
+    let most = count.min(moved.len()).saturating_sub(2).max(1);
+    let slower = |k: &&usize| mode(k).omega <= rate && left(mode(k), omega) >= RINGS;
+    let first = moved.iter().take_while(slower).count().clamp(1, most.min(count.div_ceil(2)));
+    let least = LEVERS * largest_weight(instrument);
+    let long = |k: &&usize| {
+        let mode = mode(k);
+        mode.omega <= RUNG * rate && left(mode, omega) >= RINGS_LONG && (mode.tip * mode.force).abs() > least
+    };
+    let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(first);
+    let more = moved[first..].iter().filter(long).take(room);
+    moved[..first].iter().chain(more).copied().collect()
 }
 
 /// The reduced instrument, largest share of the flexibility first.
@@ -183,16 +220,11 @@ impl KeptModes {
         // All of a list of modes; of a beam's finite elements the fastest are too fast to be stepped.
         let fastest = moved.iter().map(|k| instrument.modes[*k].omega).fold(0.0, f64::max);
         let all = moved.len() <= count && fastest <= FASTEST * rate;
-        let rings = |k: &usize| {
-            let mode = &instrument.modes[*k];
-            mode.omega <= rate && (-PI * mode.omega / (omega * mode.quality_factor)).exp() >= RINGS
-        };
-        let most = count.min(moved.len()).saturating_sub(2).max(1);
         let exact = match all {
-            true => moved.len(),
-            false => moved.iter().take_while(|k| rings(k)).count().clamp(1, most.min(count.div_ceil(2))),
+            true => moved.clone(),
+            false => ringing(instrument, omega, rate, &moved, count),
         };
-        let mut modes: Vec<KeptMode> = moved[..exact]
+        let mut modes: Vec<KeptMode> = exact
             .iter()
             .map(|&k| {
                 let mode = &instrument.modes[k];
@@ -206,18 +238,20 @@ impl KeptModes {
             })
             .collect();
         if !all {
-            let rest: Vec<&Mode> = moved[exact..].iter().map(|k| &instrument.modes[*k]).collect();
-            let from = 0.5 * rest[0].omega;
-            modes.extend(reduced(&rest, count - exact, from, rate.max(4.0 * from))?);
+            let rest: Vec<&Mode> =
+                moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();
+            let from = 0.5 * rest.first()?.omega;
+            modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
         let left =
             1.0 - modes.iter().map(|mode| mode.mobility / mode.omega.powi(2)).sum::<f64>() / flexibility;
         let reason = match all {
-            true => format!("all {exact} modes that move the tip"),
+            true => format!("all {} modes that move the tip", exact.len()),
             false => format!(
-                "{exact} mode{} and {} oscillators for contacts of {:.4} MHz",
-                if exact == 1 { "" } else { "s" },
-                count - exact,
+                "{} mode{} and {} oscillators for contacts of {:.4} MHz",
+                exact.len(),
+                if exact.len() == 1 { "" } else { "s" },
+                count - exact.len(),
                 rate / std::f64::consts::TAU / 1e6
             ),
         };
@@ -226,13 +260,15 @@ impl KeptModes {
     }
 
     /// How many oscillators an accuracy takes where contacts have the rate `rate` (rad/s): the rule to begin with.
-    pub fn oscillators(instrument: &Instrument, rate: f64, accuracy: f64) -> usize {
-        let weight = |mode: &Mode| (mode.tip * mode.force).abs();
-        let largest = instrument.modes.iter().map(weight).fold(0.0, f64::max);
-        let first = instrument.modes.iter().find(|mode| weight(mode) > 0.05 * largest).map_or(0.0, weight);
+    pub fn oscillators(instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> usize {
         // A rod's modes hardly move.
-        let slower = instrument.modes.iter().filter(|mode| mode.omega <= rate && weight(mode) > 0.05 * first);
-        ((BESIDE + EACH * slower.count() as f64) * (1e-3 / accuracy).powf(GROWS)).ceil() as usize
+        let least = LEVERS * largest_weight(instrument);
+        let lever = || instrument.modes.iter().filter(|mode| (mode.tip * mode.force).abs() > least);
+        let slower = lever().filter(|mode| mode.omega <= rate).count();
+        let ring =
+            lever().filter(|mode| mode.omega <= RUNG * rate && left(mode, omega) >= RINGS_LONG).count();
+        let rule = (BESIDE + EACH * slower as f64) * (1e-3 / accuracy).powf(GROWS);
+        (rule.ceil() as usize).max(ring + REDUCED)
     }
 
     /// Whether the tip feels the instrument by these oscillators as by all modes where contacts have the rate `rate`

@@ -82,7 +82,7 @@ impl Driven {
         if rung == 0 || serves(&self.kept) || serves(&shares(RICHEST * accuracy)) {
             return None;
         }
-        let count = KeptModes::oscillators(instrument, rate, accuracy);
+        let count = KeptModes::oscillators(instrument, self.free.omega, rate, accuracy);
         self.for_contacts(rung, |kept| kept.modes.len() >= count)
     }
 
