@@ -106,7 +106,7 @@ impl Followed {
     }
 
     /// Puts it where a state of the program is; if it stays there, follows it both ways. Gives whether it stays.
-    fn from_state(&mut self, n: usize, state: &Motion) -> bool {
+    fn goes_on_from(&mut self, n: usize, state: &Motion) -> bool {
         let mut one = Follower::free(26.0, 450.0, self.free, law(), self.gaps[n]);
         one.start(state);
         let stays = one.settle().is_some_and(|end| end.apart(state) < APART * self.free);
@@ -160,7 +160,7 @@ fn compare(scene: &Scene, run: &Controlled, others: &Others) -> Tally {
         tally.met += followed.found.iter().filter(|found| found.len() > 1).count();
         for (n, states) in ours.iter().enumerate() {
             for state in states {
-                if !followed.knows(n, state) && !followed.from_state(n, state) {
+                if !followed.knows(n, state) && !followed.goes_on_from(n, state) {
                     tally.doubtful.push(format!("{}: {state:?}, {:?}", what(n), followed.found[n]));
                 }
             }

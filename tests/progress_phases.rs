@@ -39,7 +39,7 @@ fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
             seen
         });
         let run = control::run(&plan, &engine, &progress).unwrap();
-        control::others(&run, &engine, &progress).unwrap();
+        control::others(&run, &[plan.cases.len()], &engine, &progress).unwrap();
         control::audit(&run.plan, &run.outcome, &run.found, 2, &progress).unwrap();
         over.store(true, Ordering::Relaxed);
         seen = watcher.join().unwrap();

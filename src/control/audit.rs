@@ -20,7 +20,7 @@ pub struct Audited {
     pub errors: Vec<f64>,
     /// The largest of them; none where either the run or the reference does not call the instance ok.
     pub worst: Option<f64>,
-    /// What the reference itself may be off by, see [`truth::blind`].
+    /// What the reference itself may be off by, by the modes that it leaves out and by its steps.
     pub blind: f64,
 }
 

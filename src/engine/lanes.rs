@@ -1,8 +1,8 @@
 //! Which lanes the CPU engine steps with, by precision and by what the processor can do.
 
+use crate::kernel::Lane;
 #[cfg(target_arch = "aarch64")]
 use crate::kernel::Pack;
-use crate::kernel::Lane;
 #[cfg(target_arch = "x86_64")]
 use crate::kernel::{Pair, Ymm32, Ymm64, Zmm32, Zmm64};
 use crate::plan::Precision;

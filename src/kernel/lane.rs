@@ -153,11 +153,6 @@ strict_scalar!(f64);
 #[repr(align(64))]
 pub struct Pack<T, const N: usize, const FUSED: bool>([T; N]);
 
-/// Eight f64, each operation rounded.
-pub type Pack64 = Pack<f64, 8, false>;
-/// Sixteen f32, each operation rounded.
-pub type Pack32 = Pack<f32, 16, false>;
-
 macro_rules! pack {
     ($float:ty, $bits:ty, $width:literal) => {
         impl<const FUSED: bool> Pack<$float, $width, FUSED> {

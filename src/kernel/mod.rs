@@ -29,7 +29,7 @@ mod tests;
 mod x86;
 
 pub use flow::{Flow, FlowMode, flown, increments};
-pub use lane::{Lane, Pack, Pack32, Pack64};
+pub use lane::{Lane, Pack};
 pub use ledger::Ledger;
 pub use pair::Pair;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
