@@ -319,7 +319,7 @@ fn what_is_below_its_error_is_drawn_as_nothing() {
     results.status = vec![0; 12];
     results.variables.retain(|one| one.name != "error_estimate");
     let (scale, estimate) = (7e-17, 1e-4);
-    let rounding = |i: usize| if i % 2 == 0 { 6e-22 } else { -4e-22 };
+    let rounding = |i: usize| if i.is_multiple_of(2) { 6e-22 } else { -4e-22 };
     results.variables.push(variable("dissipation", "J", None, (0..12).map(rounding).collect()));
     results.variables.push(variable("drive_work", "J", None, vec![scale; 12]));
     results.variables.push(variable("error_estimate", "1", None, vec![estimate; 12]));
