@@ -3,7 +3,9 @@
 mod checks;
 mod support;
 
-use afmsweep::engine::{Model, Reference, solve};
+use afmsweep::compare::{Scales, worst};
+use afmsweep::control;
+use afmsweep::engine::{Cpu, Model, Progress, Reference, solve, solve_near};
 use afmsweep::observe::Status;
 use afmsweep::scene::{LawChoice, Lever, LeverMode, Scene, Start};
 use checks::{Twin, one_mode, sample};
@@ -65,5 +67,31 @@ fn two_modes_from_rest() {
             (scene.run.periods, scene.run.measure) = (60, 10);
         });
         agree(&format!("two modes from rest, {law:?}"), &scene, Model::Whole, 1e-9);
+    }
+}
+
+/// Truth: the reference with all modes one by one, as it is with finer steps. Audits have two oscillators in place of the
+/// modes far faster than the contact.
+#[test]
+fn modes_far_faster_than_the_contact_are_two_oscillators() {
+    for name in ["soft_0.05_graze", "soft_0.5_hertz", "soft_1_dmt", "tip_mass_light"] {
+        let scene =
+            Scene::load(&Path::new("tests/hard").join(format!("{name}.toml"))).expect("the scene is good");
+        let plan = checks::plan(&scene, None);
+        let progress = Progress::default();
+        let run = control::run(&plan, &Cpu::default(), &progress).expect("the plan can be run");
+        let station = run.found[0].as_ref().expect("it has a periodic state").station;
+        let state = |tolerance| {
+            let start = Instant::now();
+            let found = solve_near(&run.plan, 0, &station, &options(tolerance, Model::Whole), &progress);
+            (
+                found.expect("it can be looked for").expect("it is found").measured,
+                start.elapsed().as_secs_f64(),
+            )
+        };
+        let ((quick, few), (whole, all)) = (state(1e-10), state(1e-12));
+        let error = worst(&plan.observables, &quick, &whole, &Scales::of(&plan, 0, &whole));
+        println!("{name}: {error:.1e}, {few:.2} s in place of {all:.2} s");
+        assert!(error <= 4e-6, "{name}: off by {error:e}");
     }
 }

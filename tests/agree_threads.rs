@@ -179,7 +179,9 @@ fn f32_is_as_accurate_as_asked() {
     let mut compared = 0;
     for law in LAWS {
         for start in STARTS {
-            let scene = sweep(law, start, 300);
+            // The levers of slow contacts: of fast ones a run's own trial of precision says how f32 serves them.
+            let mut scene = sweep(law, start, 300);
+            scene.run.modes = Some(4);
             let plans =
                 [Precision::F32, Precision::F64].map(|precision| checks::plan_in(&scene, None, precision));
             let [rough, fine] = [run(&plans[0], 2), run(&plans[1], 2)];

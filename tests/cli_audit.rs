@@ -267,15 +267,15 @@ fn an_accuracy_finer_than_the_references_own_is_told() {
     let lever = "modes = [{ stiffness = \"5 N/m\", frequency = \"75 kHz\", quality_factor = 20 }]";
     let text = SCENE
         .replace(lever, "stiffness = \"0.05 N/m\"\nfrequency = \"75 kHz\"\nquality_factor = 20")
-        .replace("measure = 4", "measure = 4\naccuracy = 1e-5");
+        .replace("measure = 4", "measure = 4\naccuracy = 1e-7");
     for (name, text, told) in [
         ("beam", text.clone(), true),
-        ("mode", SCENE.replace("measure = 4", "measure = 4\naccuracy = 1e-5"), false),
+        ("mode", SCENE.replace("measure = 4", "measure = 4\naccuracy = 1e-7"), false),
     ] {
         let scene = desk.write(&format!("{name}.toml"), &text);
         let said = desk.works(&["run", scene.to_str().unwrap(), "--audit", "3", "--no-estimate"]).err;
         assert_eq!(
-            said.contains("the reference itself may be off by more than 1e-5"),
+            said.contains("the reference itself may be off by more than 1e-7"),
             told,
             "{name}: {said}"
         );

@@ -18,12 +18,12 @@ fn laws() -> [&'static LawShader; 4] {
     ]
 }
 
-/// Every law, every number of modes, every set of observables, both starts, both parts of a run, both
+/// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
 /// precisions.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
     for law in laws() {
-        for modes in 1..=MODES_MAX {
+        for modes in (1..=5).chain([8, MODES_MAX]) {
             for groups in 0..8 {
                 for harmonics in [1, HARMONICS] {
                     let wants = Wants {

@@ -105,7 +105,7 @@ pub(super) fn run(
             ok && is_fast(&plan, *i) && bases[*i as usize] != plan.basis(*i)
         };
         let fast: Vec<u32> = stepped.iter().copied().filter(fast).collect();
-        if !fast.is_empty() && !progress.stopped() {
+        if !fast.is_empty() {
             let wanted: Vec<(u32, Basis)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
             let mut few = fine.levers(&wanted);
             few.cases.iter_mut().zip(&fine.cases).for_each(|(few, case)| few.steps = case.steps);

@@ -26,7 +26,8 @@ impl Plan {
     /// Plans every instance. Each distinct instrument is reduced once.
     pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
         let (mut drives, mut drive_of) = reduce(scene)?;
-        if scene.run.modes.is_none() {
+        // Prescribed steps are for the modes that they can step.
+        if scene.run.modes.is_none() && scene.run.steps_per_period.is_none() {
             fast_contacts(scene, &mut drives, &mut drive_of);
         }
         let cases: Vec<CasePlan> = (0..scene.len())

@@ -4,11 +4,12 @@
 //! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
 
 mod branches;
+mod curves;
 
 use super::check::check;
 use super::history::history;
 use super::labels::{self, Scale, attach};
-use super::{Attribute, Flags, ForceCurve, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms, sums};
+use super::{Attribute, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms, sums};
 use crate::observe::Status;
 use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
@@ -38,7 +39,7 @@ pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<
             write_waveforms(&file, waveforms)?;
         }
         if !results.force_curves.is_empty() {
-            write_force_curves(&file, &results.force_curves)?;
+            curves::write(&file, &results.force_curves)?;
         }
         if let Some(listed) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
             let mut layout = Layout::group(&file, "audit")?;
@@ -332,75 +333,4 @@ fn write_waveforms(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
         }
     }
     layout.close()
-}
-
-fn write_force_curves(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
-    let mut layout = Layout::group(file, "force_curves")?;
-    let length = curves.iter().map(|curve| curve.force.len()).max().unwrap_or(0).max(1);
-    let curve = layout.dimension("curve", curves.len())?;
-    let point = layout.dimension("point", length)?;
-    let numbers: Vec<i64> =
-        curves.iter().map(|curve| i64::try_from(curve.instance).unwrap_or(i64::MAX)).collect();
-    let dataset = layout.variable("instance", &[curve], &numbers)?;
-    Layout::describe(&dataset, "1", "instance number, counted from 0")?;
-    for (name, long_name, known, words) in [
-        (
-            "law",
-            "contact law",
-            ["none", "hertz", "dmt", "jkr"].as_slice(),
-            curves.iter().map(|curve| curve.law.as_str()).collect::<Vec<_>>(),
-        ),
-        (
-            "branch",
-            "direction of travel",
-            ["approach", "retract"].as_slice(),
-            curves.iter().map(|curve| curve.branch.as_str()).collect(),
-        ),
-    ] {
-        let (codes, meanings) = encode(known, &words)?;
-        layout.flags(name, long_name, &[curve], &codes, &meanings)?;
-    }
-    let counts: Vec<u32> = curves.iter().map(|curve| curve.force.len() as u32).collect();
-    let dataset = layout.variable("points", &[curve], &counts)?;
-    Layout::describe(&dataset, "1", "points of the curve; NaN beyond")?;
-    type Column = fn(&ForceCurve) -> &[f64];
-    let columns: [(&str, &str, &str, Column); 3] = [
-        ("indentation", "m", "indentation, negative for a gap", |c| &c.indentation),
-        ("force", "N", "force on the tip, positive away from the sample", |c| &c.force),
-        ("contact_radius", "m", "radius of the contact", |c| &c.contact_radius),
-    ];
-    for (name, units, long_name, column) in columns {
-        let mut data = vec![f64::NAN; curves.len() * length];
-        for (row, curve) in data.chunks_mut(length).zip(curves) {
-            for (slot, value) in row.iter_mut().zip(column(curve)) {
-                *slot = *value;
-            }
-        }
-        layout.quantity(name, units, long_name, &[curve, point], &data)?;
-    }
-    layout.close()
-}
-
-/// A code for each word, and what each code means.
-type CodedWords = (Vec<u8>, Vec<(u8, String)>);
-
-/// Codes for words: known words keep their place whatever else occurs.
-fn encode(known: &[&str], words: &[&str]) -> hdf5::Result<CodedWords> {
-    let mut meanings: Vec<(u8, String)> = Vec::new();
-    let mut codes = Vec::with_capacity(words.len());
-    for (number, word) in known.iter().enumerate() {
-        meanings.push((number as u8, (*word).to_owned()));
-    }
-    for word in words {
-        let code = match meanings.iter().find(|(_, meaning)| meaning == word) {
-            Some((code, _)) => *code,
-            None => {
-                let code = u8::try_from(meanings.len()).map_err(|_| "more than 256 different laws")?;
-                meanings.push((code, (*word).to_owned()));
-                code
-            }
-        };
-        codes.push(code);
-    }
-    Ok((codes, meanings))
 }

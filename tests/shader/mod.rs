@@ -13,14 +13,25 @@ use std::path::Path;
 
 pub const LAWS: [&str; 4] = ["none", "hertz", "dmt", "jkr"];
 
-/// A lever of `modes` modes over soft to stiff samples, from far away to pressed in.
+/// A lever of `modes` modes over soft to stiff samples, from far away to pressed in. Of more than 8 they are a list, close
+/// enough together to be stepped with few steps.
 pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> Scene {
+    let lever = match modes {
+        0..=8 => "stiffness = \"10 N/m\"\nfrequency = \"75 kHz\"\nquality_factor = 30".to_owned(),
+        _ => {
+            let mode = |k: usize| {
+                let (stiffness, frequency) = (10 * (1 + k * k), 75.0 * (1.0 + 0.7 * k as f64));
+                format!(
+                    "{{ stiffness = \"{stiffness} N/m\", frequency = \"{frequency} kHz\", quality_factor = 30 }}"
+                )
+            };
+            format!("modes = [{}]", (0..modes).map(mode).collect::<Vec<_>>().join(", "))
+        }
+    };
     let text = format!(
         r#"
 [instrument.cantilever]
-stiffness = "10 N/m"
-frequency = "75 kHz"
-quality_factor = 30
+{lever}
 [instrument.actuator]
 model = "rigid"
 [sample]
