@@ -296,7 +296,7 @@ fn agree_pictures_have_axes_and_units() {
         ("figure_4_scaled.svg", &["time (µs)", "(d) force (nN)", "Hertz", "DMT", "JKR"]),
         (
             "coupling_map.svg",
-            &["drive frequency (kHz)", "mass of the rod in beam masses", "1 %; more below the line"],
+            &["drive frequency (kHz)", "rod mass in beam masses", "1 %; more below the line"],
         ),
         (
             "ensemble_force.svg",

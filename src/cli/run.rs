@@ -63,9 +63,6 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
     }
     let mut writer = Writer::create(&output, &scene.source, args.overwrite)?;
-    if let Some(folder) = writer.made_folder() {
-        voice.say(format_args!("made the folder {}", folder.display()));
-    }
     let start = Instant::now();
     let mut plan = args.engine.plan(&mut scene)?;
     let engine = args.engine.engine(&mut plan, voice)?;
@@ -74,6 +71,10 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let summary = plan.summary(None);
     if voice.verbose {
         voice.say(summary.to_string().trim_end());
+    }
+    // Told of a folder that somebody named, who may have misspelt it.
+    if let Some(folder) = writer.made_folder().filter(|_| args.output.is_some()) {
+        voice.say(format_args!("made the folder {}", folder.display()));
     }
     voice.say(format_args!(
         "{}: {}, {:.2e} instance-steps on {}, {}",

@@ -65,6 +65,10 @@ fn all(results: &Results) -> Vec<(String, u64)> {
     for Coordinate { name, units, long_name, values } in axes {
         put(name, Sum::new().text(units).text(long_name).numbers(values));
     }
+    let there = |name: &String| variables.iter().any(|variable| variable.name == *name);
+    for (name, comment) in results.comments.iter().filter(|(name, _)| there(name)) {
+        put(&format!("{name}/comment"), Sum::new().text(comment));
+    }
     let names = axes.iter().fold(Sum::new().word(u64::from(*list)), |sum, axis| sum.text(&axis.name));
     put("axes", names);
     variables.iter().for_each(|variable| put(&variable.name, of_variable(variable)));

@@ -286,7 +286,7 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
     let (dims, coordinates) = layout.axes(results)?;
     let coordinates = coordinates.as_deref();
     layout.variables(&results.variables, &dims, coordinates)?;
-    for (name, comment) in &results.comments {
+    for (name, comment) in results.comments.iter().filter(|(name, _)| file.link_exists(name)) {
         let dataset = file.dataset(name)?;
         labels::text(&dataset, "comment", comment)?;
     }

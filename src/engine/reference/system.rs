@@ -15,6 +15,8 @@ const LEFT_OUT: f64 = 1e-6;
 const ONSET: f64 = 4.0;
 /// Modes that are faster by so much follow the contact as springs do, but for their inertia.
 const FAR: f64 = 16.0;
+/// And no mode counts as far faster that is not so many times faster than the lever's first.
+const SLOWEST: f64 = 200.0;
 /// Transients smaller than this part of the scale of length are over.
 const OVER: f64 = 1e-17;
 
@@ -218,7 +220,8 @@ fn oscillators(
     }
     let rate = driven.contact_rate(&case.contact, case.gap);
     if quick {
-        order.retain(|&k| modes[k].omega <= FAR * rate || planned(k));
+        let far = (FAR * rate).max(SLOWEST * TAU * driven.instrument.lever_frequency);
+        order.retain(|&k| modes[k].omega <= far || planned(k));
     }
     let each = order.iter().map(|&k| {
         let mode = &modes[k];

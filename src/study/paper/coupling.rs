@@ -176,7 +176,7 @@ impl Apart {
         let y = Coordinate {
             name: "rod_mass".into(),
             units: "1".into(),
-            long_name: "mass of the rod in beam masses".into(),
+            long_name: "rod mass in beam masses".into(),
             values: map.masses.iter().map(|mass| mass / map.lever).collect(),
         };
         let cell = |mass: usize, i: usize| {
