@@ -38,7 +38,7 @@ gap = "21 nm"
 steady = "search"
 periods = 100
 measure = 4
-accuracy = 1e-6
+accuracy = 1e-3
 {modes}
 [output]
 observables = ["amplitude", "force_max"]

@@ -53,7 +53,7 @@ const BEYOND: f64 = 4.0;
 const WRONG: f64 = 0.5;
 
 /// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their
-/// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (results/basis).
+/// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (`cargo bench --bench accuracy -- --part basis`).
 const EACH: f64 = 1.3;
 const BESIDE: f64 = 4.0;
 const GROWS: f64 = 0.12;
