@@ -3,9 +3,9 @@
 //! The tip feels the lever through one function only: its travel per tip force, C(s) = sum c_k b_k/(omega_k^2 + s^2)
 //! over all modes, s the rate of what happens (of a contact, the inverse of its duration). It is a Stieltjes function
 //! of s^2, and a rational Krylov subspace with real shifts gives the oscillators that meet its value and its slope at
-//! the shifts (Galerkin projection, a multipoint Pade approximant: Grimme 1997, chapter 3; Antoulas 2005, section
-//! 11.3). They are passive: all frequencies and weights are positive. The lowest modes, which ring on between contacts,
-//! are kept as they are; what they leave of the compliance is what is reduced.
+//! the shifts (Galerkin projection, a multipoint Pade approximant: Grimme, thesis, Univ. of Illinois 1997; Antoulas,
+//! Approximation of Large-Scale Dynamical Systems, 2005). They are passive: all frequencies and weights are positive.
+//! The lowest modes, which ring on between contacts, are kept as they are; what they leave is what is reduced.
 
 use super::modes::KeptMode;
 use crate::instrument::Mode;

@@ -66,7 +66,7 @@ const RINGS: f64 = 1e-3;
 /// The same for modes of the lever that are faster than the contact, up to so many times, and how many oscillators stand
 /// for all others at least.
 const RINGS_LONG: f64 = 0.05;
-const RUNG: f64 = 6.0;
+const FASTER: f64 = 6.0;
 const REDUCED: usize = 4;
 /// A mode is the lever's if it moves the tip by more than this share of what its slowest does.
 const LEVERS: f64 = 0.05;
@@ -118,7 +118,9 @@ fn ringing(instrument: &Instrument, omega: f64, rate: f64, moved: &[usize], coun
     let least = LEVERS * largest_weight(instrument);
     let long = |k: &&usize| {
         let mode = mode(k);
-        mode.omega <= RUNG * rate && left(mode, omega) >= RINGS_LONG && (mode.tip * mode.force).abs() > least
+        mode.omega <= FASTER * rate
+            && left(mode, omega) >= RINGS_LONG
+            && (mode.tip * mode.force).abs() > least
     };
     let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(first);
     let more = moved[first..].iter().filter(long).take(room);
@@ -266,7 +268,7 @@ impl KeptModes {
         let lever = || instrument.modes.iter().filter(|mode| (mode.tip * mode.force).abs() > least);
         let slower = lever().filter(|mode| mode.omega <= rate).count();
         let ring =
-            lever().filter(|mode| mode.omega <= RUNG * rate && left(mode, omega) >= RINGS_LONG).count();
+            lever().filter(|mode| mode.omega <= FASTER * rate && left(mode, omega) >= RINGS_LONG).count();
         let rule = (BESIDE + EACH * slower as f64) * (1e-3 / accuracy).powf(GROWS);
         (rule.ceil() as usize).max(ring + REDUCED)
     }
