@@ -66,6 +66,11 @@ fn number(results: &Results, name: &str) -> Option<f64> {
     })
 }
 
+/// As printed, where no number is like itself as well.
+fn alike(a: &impl std::fmt::Debug, b: &impl std::fmt::Debug) -> bool {
+    format!("{a:?}") == format!("{b:?}")
+}
+
 #[test]
 fn a_signal_at_any_moment_leaves_what_is_true() {
     let desk = Desk::new();
@@ -89,8 +94,9 @@ fn a_signal_at_any_moment_leaves_what_is_true() {
         if said.code == Some(0) {
             assert!(!partial_path(&path).exists());
             let again = read(&path).unwrap();
-            assert_eq!((number(&again, "complete"), &again.variables), (Some(1.0), &whole.variables));
-            assert_eq!(again.other_branch, whole.other_branch);
+            assert_eq!(number(&again, "complete"), Some(1.0));
+            assert!(alike(&again.variables, &whole.variables), "the observables differ");
+            assert!(alike(&again.other_branch, &whole.other_branch), "the second branches differ");
             ended += 1;
             continue;
         }
@@ -109,7 +115,7 @@ fn a_signal_at_any_moment_leaves_what_is_true() {
         assert!(missing.contains(&"audit"), "{missing:?}: it comes last");
         assert_eq!(kept.waveforms.is_none(), missing.contains(&"waveforms"), "{missing:?}");
         if !missing.contains(&"branches") {
-            assert_eq!(kept.other_branch, whole.other_branch);
+            assert!(alike(&kept.other_branch, &whole.other_branch), "the second branches differ");
         }
         let done = kept.status.iter().filter(|code| **code != Status::NotRun as u8).count();
         assert_eq!(done == kept.status.len(), missing[0] != "stepping" && missing[0] != "refinement");

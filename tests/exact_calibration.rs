@@ -1,13 +1,11 @@
 //! Calibrated levers against closed forms.
 
-use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, Mode};
-use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, TipMass};
-use std::f64::consts::{PI, TAU};
+mod continuum;
 
-fn close(found: f64, exact: f64, tolerance: f64, what: &str) {
-    let error = ((found - exact) / exact).abs();
-    assert!(error <= tolerance, "{what}: {found:e} is not {exact:e}, off by {error:.1e} (relative)");
-}
+use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument};
+use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, TipMass};
+use continuum::{clamped_free, close, hertz};
+use std::f64::consts::{PI, TAU};
 
 fn rigid(lever: Lever, tip: f64) -> InstrumentParams {
     let mut p = InstrumentParams::default();
@@ -15,21 +13,6 @@ fn rigid(lever: Lever, tip: f64) -> InstrumentParams {
     p.cantilever.lever = lever;
     p.tip.mass = TipMass::Given(tip);
     p
-}
-
-fn hertz(mode: &Mode) -> f64 {
-    mode.omega / TAU
-}
-
-/// A root of 1 + cos x cosh x.
-fn clamped_free(k: usize) -> f64 {
-    let mut x = (k as f64 + 0.5) * PI;
-    for _ in 0..50 {
-        let f = x.cos() + 1.0 / x.cosh();
-        let slope = -x.sin() - x.tanh() / x.cosh();
-        x -= f / slope;
-    }
-    x
 }
 
 /// Truth: the calibration itself, and the beam with a point mass at its end: in b = k l,

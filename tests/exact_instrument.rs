@@ -2,20 +2,15 @@
 
 mod continuum;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError, Mode, summary};
+use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError, summary};
 use afmsweep::scene::{
     ActuatorModel, DriveLevel, DriveOn, InstrumentParams, Lever, LeverMode, QualityFactor, TipMass,
 };
-use continuum::Continuum;
+use continuum::{Continuum, clamped_free, close, hertz};
 
 const VOLTS: f64 = 15.0;
-
-fn close(found: f64, exact: f64, tolerance: f64, what: &str) {
-    let error = ((found - exact) / exact).abs();
-    assert!(error <= tolerance, "{what}: {found:e} is not {exact:e}, off by {error:.1e} (relative)");
-}
 
 fn with(model: ActuatorModel) -> InstrumentParams {
     let mut p = InstrumentParams::default();
@@ -34,26 +29,11 @@ fn reduce(p: &InstrumentParams, on: DriveOn) -> Instrument {
     Instrument::reduce(p, on, DEFAULT_TOLERANCE).expect("a sound instrument")
 }
 
-fn hertz(mode: &Mode) -> f64 {
-    mode.omega / TAU
-}
-
 fn beam(p: &mut InstrumentParams) -> (&mut f64, &mut f64, &mut f64) {
     match &mut p.cantilever.lever {
         Lever::Dimensions { youngs_modulus, length, thickness, .. } => (youngs_modulus, length, thickness),
         _ => panic!("a lever with dimensions"),
     }
-}
-
-/// Roots of 1 + cos x cosh x.
-fn clamped_free(k: usize) -> f64 {
-    let mut x = (k as f64 + 0.5) * PI;
-    for _ in 0..50 {
-        let f = x.cos() + 1.0 / x.cosh();
-        let slope = -x.sin() - x.tanh() / x.cosh();
-        x -= f / slope;
-    }
-    x
 }
 
 #[test]

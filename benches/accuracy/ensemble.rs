@@ -3,7 +3,7 @@
 
 use crate::random::{Ranges, Wide, quantile, scene};
 use afmsweep::compare::{self, Scales, worst};
-use afmsweep::control::{self, Controlled};
+use afmsweep::control::{self, Audited, Controlled};
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -12,18 +12,33 @@ use std::time::Instant;
 
 const LAWS: [&str; 3] = ["hertz", "dmt", "jkr"];
 const ACCURACIES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
 /// An ensemble: where its instances come from, and how they are run.
 pub struct Ensemble {
     pub from: Ranges,
     /// Lines of `[run]`.
     pub run: &'static str,
+    pub truth: Truth,
+}
+
+/// What the runs are held against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truth {
+    /// The same instances for each accuracy: the reference's states next to those of the run for the finest.
+    Finest,
+    /// Other instances for each accuracy: the reference's states next to the run's own.
+    Own,
 }
 
 /// One lever in air, waited for long enough for the largest quality factor.
-pub const USUAL: Ensemble = Ensemble { from: Ranges::USUAL, run: "periods = 400\nmeasure = 4" };
+pub const USUAL: Ensemble =
+    Ensemble { from: Ranges::USUAL, run: "periods = 400\nmeasure = 4", truth: Truth::Finest };
 /// All kinds of levers, searched for.
-pub const LEVERS: Ensemble =
-    Ensemble { from: Ranges::LEVERS, run: "periods = 600\nmeasure = 4\nsteady = \"search\"" };
+pub const LEVERS: Ensemble = Ensemble {
+    from: Ranges::LEVERS,
+    run: "periods = 200\nmeasure = 4\nsteady = \"search\"",
+    truth: Truth::Own,
+};
 
 /// Of the reference where it waits: three digits below the finest accuracy asked for.
 const TOLERANCE: f64 = 1e-9;
@@ -97,26 +112,83 @@ pub fn run(ensemble: &Ensemble, count: usize, waits: usize, seed: u64) -> Vec<Va
     );
     let mut rows = Vec::new();
     for law in LAWS {
-        let wide = |accuracy| Wide { law, count, seed, accuracy, from: ensemble.from, run: ensemble.run };
-        let finest = wide(ACCURACIES[2]);
-        let truths = truths(&finest);
-        let (steady, same) = waited(&finest, waits, &truths);
-        println!(
-            "    {law}: {same} of {steady} waits of the reference end in the states taken for the truth"
-        );
-        for accuracy in ACCURACIES {
-            rows.push(row(&wide(accuracy), &truths, [steady, same]));
+        let wide =
+            |accuracy, seed| Wide { law, count, seed, accuracy, from: ensemble.from, run: ensemble.run };
+        match ensemble.truth {
+            Truth::Finest => {
+                let finest = wide(ACCURACIES[2], seed);
+                let truths = truths(&finest);
+                let (steady, same) = waited(&finest, waits, &truths);
+                println!(
+                    "    {law}: {same} of {steady} waits of the reference end in the states taken for the truth"
+                );
+                rows.extend(ACCURACIES.map(|accuracy| {
+                    let wide = wide(accuracy, seed);
+                    let (run, seconds) = carried_out(&wide);
+                    let mut row = row(&wide, &run, &truths, seconds);
+                    (row["waits_steady"], row["waits_same"]) = (json!(steady), json!(same));
+                    row
+                }));
+            }
+            Truth::Own => rows.extend((seed..).zip(ACCURACIES).map(|(seed, accuracy)| {
+                let wide = wide(accuracy, seed);
+                let (run, seconds) = carried_out(&wide);
+                let truths = own_truths(&run);
+                let mut row = row(&wide, &run, &truths, seconds);
+                let [asked, states] = unsteady(&run, waits);
+                (row["unsteady_asked"], row["unsteady_with_a_state"]) = (json!(asked), json!(states));
+                row
+            })),
         }
     }
     rows
 }
 
-fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> Value {
-    let Wide { law, count, accuracy, .. } = *wide;
+/// The run as the command line makes it, and its seconds.
+fn carried_out(wide: &Wide) -> (Controlled, f64) {
     let plan = Plan { precision_open: true, ..plan(wide) };
     let start = Instant::now();
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
-    let seconds = start.elapsed().as_secs_f64();
+    (run, start.elapsed().as_secs_f64())
+}
+
+/// The reference's states next to those of a run, of every instance that it calls ok.
+fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
+    let (count, start) = (run.plan.cases.len(), Instant::now());
+    let audited = control::audit(&run.plan, &run.outcome, &run.found, count, &Progress::default())
+        .expect("the plan can be run");
+    let mut truths = vec![None; count];
+    for one in audited {
+        let i = one.instance as usize;
+        match one.truth.status {
+            Status::Ok => truths[i] = Some(one.truth),
+            other => {
+                println!("    instance {i} ({}): no truth, {}", parameters(&run.plan, i), other.meaning())
+            }
+        }
+    }
+    println!("    truths in {:.0} s", start.elapsed().as_secs_f64());
+    truths
+}
+
+/// How many of the first instances that are not steady the reference was asked about, and next to the ends of how many
+/// it finds a stable periodic state all the same.
+fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
+    let status = |i: &u32| run.outcome.results[*i as usize].status;
+    let all = (0..run.plan.cases.len() as u32).filter(|i| status(i) == Status::NotSteady);
+    let first: Vec<u32> = all.take(count).collect();
+    let audited = control::audit_of(&run.plan, &run.outcome, &run.found, &first, &Progress::default())
+        .expect("the plan can be run");
+    let with: Vec<&Audited> = audited.iter().filter(|one| one.truth.status == Status::Ok).collect();
+    for one in &with {
+        let i = one.instance as usize;
+        println!("    instance {i} ({}): not steady, the reference finds a state", parameters(&run.plan, i));
+    }
+    [audited.len(), with.len()]
+}
+
+fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64) -> Value {
+    let (Wide { law, count, accuracy, .. }, plan) = (*wide, &run.plan);
     let (mut errors, mut low, mut steps, mut others) = (Vec::new(), 0, 0.0, 0);
     for (i, truth) in truths.iter().enumerate() {
         let ours = &run.outcome.results[i];
@@ -176,8 +248,6 @@ fn row(wide: &Wide, truths: &[Option<Finished>], [steady, same]: [usize; 2]) -> 
         "sensitive": with(Status::Sensitive),
         "another_state": others,
         "no_truth": with(Status::Ok) - errors.len(),
-        "waits_steady": steady,
-        "waits_same": same,
         "median": median,
         "p95": p95,
         "largest": largest,

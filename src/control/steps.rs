@@ -23,7 +23,7 @@ const LEFT_OF_MODES: f64 = 0.5;
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate
 /// sees (undamped modes of small share, rounding).
-const AIM: f64 = 0.6;
+pub(super) const AIM: f64 = 0.6;
 
 /// What leaving modes out costs is what of a first difference is more than so many times the second, which is of steps
 /// alone: errors fall by no more with twice the steps.

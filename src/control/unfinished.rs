@@ -8,7 +8,7 @@ use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
 /// Share of the accuracy below which an estimate is not looked at again: less than the one at which steps are doubled.
-const CERTAIN: f64 = 0.5;
+const CERTAIN: f64 = 5.0 / 6.0 * steps::AIM;
 
 /// [`steps::run`]; where it was stopped, what it would have gone on with is marked.
 pub(super) fn marked(

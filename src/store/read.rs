@@ -6,8 +6,8 @@ use super::{
     Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, StoreError, Variable,
     Waveforms,
 };
+use hdf5::Group;
 use hdf5::types::TypeDescriptor;
-use hdf5::{Group, IndexType, IterationOrder};
 use std::path::Path;
 
 /// Reads all of a results file.
@@ -134,13 +134,8 @@ impl Source {
     }
 
     fn attributes(&self) -> Result<Vec<(String, Attribute)>, StoreError> {
-        let names = self
-            .file
-            .attr_names_by(IndexType::CreationOrder, IterationOrder::Increasing)
-            .or_else(|_| self.file.attr_names())
-            .map_err(|e| self.damaged(e))?;
         let mut attributes = Vec::new();
-        for name in names {
+        for name in self.attribute_names()? {
             // netCDF libraries keep their own notes under names that begin so.
             if OWN_ATTRIBUTES.contains(&name.as_str()) || name.starts_with("_N") {
                 continue;

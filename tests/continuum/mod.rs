@@ -10,9 +10,30 @@
 // Each test file that shares this uses its own part.
 #![allow(dead_code)]
 
+use afmsweep::instrument::Mode;
 use afmsweep::scene::{InstrumentParams, Lever, TipMass};
-
 use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::{PI, TAU};
+
+pub fn close(found: f64, exact: f64, tolerance: f64, what: &str) {
+    let error = ((found - exact) / exact).abs();
+    assert!(error <= tolerance, "{what}: {found:e} is not {exact:e}, off by {error:.1e} (relative)");
+}
+
+pub fn hertz(mode: &Mode) -> f64 {
+    mode.omega / TAU
+}
+
+/// A root of 1 + cos x cosh x.
+pub fn clamped_free(k: usize) -> f64 {
+    let mut x = (k as f64 + 0.5) * PI;
+    for _ in 0..50 {
+        let f = x.cos() + 1.0 / x.cosh();
+        let slope = -x.sin() - x.tanh() / x.cosh();
+        x -= f / slope;
+    }
+    x
+}
 
 /// Numbers of one geometry.
 pub struct Continuum {

@@ -105,8 +105,9 @@ pub fn solve_near(
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
 
-/// The station's modes as unknowns at the period's very start, half a step earlier, and which of all unknowns they
-/// are.
+/// The station as unknowns at the period's very start, half a step earlier, and which of all unknowns are the station's
+/// own modes. What its other oscillators move the tip by, the reference's other modes share as they would bend under a
+/// static force: without it a tip that is held in contact would begin beside the sample.
 fn unknowns(
     system: &System,
     case: &CasePlan,
@@ -117,17 +118,37 @@ fn unknowns(
     let half = PI / (driven.free.omega * f64::from(case.steps));
     let mut state = DVector::zeros(2 * modes);
     let mut slow = Vec::new();
+    let mut others: Vec<usize> = Vec::new();
+    let mut rest: Vec<usize> = (0..driven.kept.modes.len()).collect();
+    let at_start = |k: usize, omega: f64, damping: f64| {
+        let [x, u] = flown(-omega * half, damping, [station.x[k], station.u[k]]);
+        [x, u * omega / driven.free.omega]
+    };
     for (place, index) in system.indices.iter().enumerate() {
         let (omega, damping) = system.oscillator(place);
         // Oscillators that are no mode are the same where their frequencies are.
         let same = |mode: &KeptMode| {
             mode.index == *index && (index.is_some() || (mode.omega - omega).abs() < 1e-9 * omega)
         };
-        let Some(k) = driven.kept.modes.iter().position(same) else { continue };
-        let [x, u] = flown(-omega * half, damping, [station.x[k], station.u[k]]);
-        state[place] = x;
-        state[modes + place] = u * omega / driven.free.omega;
+        let Some(k) = driven.kept.modes.iter().position(same) else {
+            others.push(place);
+            continue;
+        };
+        [state[place], state[modes + place]] = at_start(k, omega, damping);
+        rest.retain(|other| *other != k);
         slow.extend([place, modes + place]);
+    }
+    let rest: Vec<[f64; 2]> = rest
+        .into_iter()
+        .map(|k| at_start(k, driven.kept.modes[k].omega, driven.kept.modes[k].damping))
+        .collect();
+    let whole: f64 = others.iter().map(|place| system.flexibility_of(*place)).sum();
+    if whole > 0.0 {
+        for place in others {
+            let share = system.flexibility_of(place) / whole;
+            state[place] = share * rest.iter().map(|one| one[0]).sum::<f64>();
+            state[modes + place] = share * rest.iter().map(|one| one[1]).sum::<f64>();
+        }
     }
     (state, slow)
 }

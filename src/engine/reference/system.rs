@@ -112,9 +112,14 @@ impl System {
         self.stiffness[k].sqrt().max(1.0)
     }
 
-    /// Static travel of the tip per force by all oscillators, m/N.
+    /// Static travel of the tip per force by oscillator `k`, m/N.
+    pub fn flexibility_of(&self, k: usize) -> f64 {
+        self.push[k] / self.stiffness[k]
+    }
+
+    /// The same by all oscillators.
     pub fn flexibility(&self) -> f64 {
-        self.push.iter().zip(&self.stiffness).map(|(push, stiffness)| push / stiffness).sum()
+        (0..self.modes()).map(|k| self.flexibility_of(k)).sum()
     }
 
     /// Counts the angle from period `number` on and lets go of transients that are over.
