@@ -26,6 +26,8 @@ const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
 /// With steps of this tolerance or coarser ones, modes far faster than the contact are not resolved one by one.
 const QUICK: f64 = 1e-11;
+/// A state with a multiplier from here on is left for good: one that nothing ever visits. Undamped modes have 1.
+const UNSTABLE: f64 = 1.0 + 1e-3;
 /// Periods in which the modes that the stepped engine does not keep begin to move, before a search and before a second
 /// one; most evaluations of the map, and periods measured at the end.
 const WARM: [u32; 2] = [4, 12];
@@ -37,7 +39,7 @@ const WIDE: usize = 6;
 const DAMPED: f64 = 1e-5;
 
 /// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
-/// there is none to be found. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
+/// there is none to be found, or only one that a small push leaves for good. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
 /// whether waiting would end there.
 ///
 /// # Errors
@@ -76,8 +78,7 @@ pub fn solve_near(
         last_step: None,
         most: MOST,
         near: true,
-        // Of undamped modes that the stepped engine does not keep the multipliers are 1.
-        stable: false,
+        below: UNSTABLE,
     };
     let mut found = None;
     for (round, periods) in WARM.into_iter().enumerate() {
