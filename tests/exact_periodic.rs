@@ -11,7 +11,7 @@ const OPTIONS: Options = Options {
     last_step: Some(1e-6),
     most: 500,
     near: false,
-    below: 1.0,
+    stable: true,
 };
 
 /// The end of a search, and its evaluations.

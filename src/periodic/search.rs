@@ -30,9 +30,8 @@ pub struct Options {
     pub most: u32,
     /// Whether the start is thought to be next to the fixed point.
     pub near: bool,
-    /// Only a fixed point whose largest multiplier is below this is of use: 1 where it has to be stable, infinity where that
-    /// does not matter.
-    pub below: f64,
+    /// Whether only a stable fixed point is of use.
+    pub stable: bool,
 }
 
 /// A fixed point.
@@ -250,10 +249,6 @@ where
         }
     }
 
-    fn asks_for_stability(&self) -> bool {
-        self.options.below < f64::INFINITY
-    }
-
     /// Step of central differences.
     fn last_step(&self) -> f64 {
         self.options.last_step.unwrap_or(self.options.step)
@@ -301,17 +296,17 @@ where
         let Some(mut step) = step else { return stuck };
         if !far && step.norm() <= near {
             let central = self.options.last_step.is_some();
-            if !central && self.known.is_none() && self.asks_for_stability() && self.taken != Taken::Whole {
+            if !central && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
                 return Stage::Slope { whole: true };
             }
             self.state += step;
             // Where nobody asks for stability the slope will do as it is.
-            let enough = self.options.near && (!self.asks_for_stability() || self.taken == Taken::Whole);
+            let enough = self.options.near && (!self.options.stable || self.taken == Taken::Whole);
             let at = match self.known {
                 None if enough || !central => Some(Spectrum::of(&self.slope)),
                 known => known,
             };
-            let sure = |at: &Spectrum| !self.asks_for_stability() || at.multiplier < CLEARLY;
+            let sure = |at: &Spectrum| !self.options.stable || at.multiplier < CLEARLY;
             return at.filter(sure).map_or(Stage::Last, |at| self.found(at));
         }
         if !far && self.time < NEWTON {
@@ -382,7 +377,7 @@ where
 
     fn found(&self, spectrum: Spectrum) -> Stage<D> {
         let multiplier = spectrum.multiplier;
-        if multiplier.is_nan() || (self.asks_for_stability() && multiplier >= self.options.below) {
+        if multiplier.is_nan() || (self.options.stable && multiplier >= 1.0) {
             return Stage::Done(Verdict::Lost(Lost::Unstable));
         }
         Stage::Done(Verdict::Found(Box::new(Found {

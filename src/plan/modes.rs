@@ -45,12 +45,12 @@ pub enum Basis {
 /// Numbers of oscillators that are chosen by the rate of a contact.
 pub(super) const COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
 
-/// The compliance of modes chosen by share has to be right up to so many times the contact's own rate: onset and end of
+/// The compliance of modes chosen by share is looked at up to so many times the contact's own rate: onset and end of
 /// a contact are faster than its middle.
 const BEYOND: f64 = 4.0;
 
-/// Share of the accuracy asked for by which the compliance may be wrong there.
-const WRONG: f64 = 0.5;
+/// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate, and more beyond it.
+const WRONG: f64 = 0.75;
 
 /// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their
 /// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (`cargo bench --bench accuracy -- --part basis`).
@@ -107,24 +107,24 @@ fn largest_weight(instrument: &Instrument) -> f64 {
     instrument.modes.iter().map(weight).find(|one| *one > LEVERS * largest).unwrap_or(0.0)
 }
 
-/// Those of the modes `moved` that are kept as they are among `count` oscillators: the ones slower than the contact that
-/// ring on to the next one, and, as far as there is room, faster ones of the lever that ring for long, since a contact
-/// meets their phase again.
+/// Those of the modes `moved` that are kept as they are among `count` oscillators: the lever's that are slower than the
+/// contact and ring on to the next one, and, as far as there is room, faster ones that ring for long, since a contact
+/// meets their phase again. Of a rod's modes, which hardly move the tip, there may be many: they are left to the reduction.
 fn ringing(instrument: &Instrument, omega: f64, rate: f64, moved: &[usize], count: usize) -> Vec<usize> {
-    let mode = |k: &usize| &instrument.modes[*k];
+    let mode = |k: usize| &instrument.modes[k];
     let most = count.min(moved.len()).saturating_sub(2).max(1);
-    let slower = |k: &&usize| mode(k).omega <= rate && left(mode(k), omega) >= RINGS;
-    let first = moved.iter().take_while(slower).count().clamp(1, most.min(count.div_ceil(2)));
     let least = LEVERS * largest_weight(instrument);
-    let long = |k: &&usize| {
-        let mode = mode(k);
-        mode.omega <= FASTER * rate
-            && left(mode, omega) >= RINGS_LONG
-            && (mode.tip * mode.force).abs() > least
-    };
-    let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(first);
-    let more = moved[first..].iter().filter(long).take(room);
-    moved[..first].iter().chain(more).copied().collect()
+    let levers = || moved.iter().copied().filter(|k| (mode(*k).tip * mode(*k).force).abs() > least);
+    let slower = |k: &usize| mode(*k).omega <= rate && left(mode(*k), omega) >= RINGS;
+    let mut kept: Vec<usize> = levers().filter(slower).take(most.min(count.div_ceil(2))).collect();
+    if kept.is_empty() {
+        kept.extend(moved.first());
+    }
+    let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(kept.len());
+    let long = |k: &usize| mode(*k).omega <= FASTER * rate && left(mode(*k), omega) >= RINGS_LONG;
+    let more: Vec<usize> = levers().filter(|k| long(k) && !kept.contains(k)).take(room).collect();
+    kept.extend(more);
+    kept
 }
 
 /// The reduced instrument, largest share of the flexibility first.
@@ -242,7 +242,10 @@ impl KeptModes {
         if !all {
             let rest: Vec<&Mode> =
                 moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();
-            let from = 0.5 * rest.first()?.omega;
+            // From where the lever answers on: what a rod adds below that is little.
+            let least = LEVERS * largest_weight(instrument);
+            let levers = rest.iter().find(|mode| weight(mode).abs() > least).or(rest.first())?;
+            let from = 0.5 * levers.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
         let left =
@@ -280,14 +283,16 @@ impl KeptModes {
     }
 
     /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.
+    /// Beyond the contact's own rate it counts less, by the square of the rate: so the force of a smooth contact falls.
     pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
-        let error = |s: f64| {
+        let error = |times: f64| {
+            let s = times * rate;
             let whole =
                 compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
             let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.mobility)), s);
-            (ours / whole - 1.0).abs()
+            (ours / whole - 1.0).abs() / times.max(1.0).powi(2)
         };
-        [0.5, 1.0, 2.0, BEYOND].into_iter().map(|times| error(times * rate)).fold(0.0, f64::max)
+        [0.5, 1.0, 2.0, BEYOND].into_iter().map(error).fold(0.0, f64::max)
     }
 
     /// The residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the

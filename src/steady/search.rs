@@ -322,7 +322,7 @@ fn options(plan: &Plan, instance: u32) -> (bool, Options) {
         last_step,
         most: MOST,
         near: false,
-        below: 1.0,
+        stable: true,
     };
     (remembers, options)
 }

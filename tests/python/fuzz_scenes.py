@@ -77,13 +77,13 @@ def change_word(draw, text, _all):
 
 
 def drop_line(draw, text, _all):
-    lines = text.splitlines(keepends=True)
+    lines = text.splitlines(keepends=True) or [""]
     del lines[draw.randrange(len(lines))]
     return "".join(lines)
 
 
 def double_line(draw, text, _all):
-    lines = text.splitlines(keepends=True)
+    lines = text.splitlines(keepends=True) or [""]
     lines.insert(draw.randrange(len(lines)), draw.choice(lines))
     return "".join(lines)
 

@@ -5,7 +5,7 @@ use super::walk::Walk;
 use super::{Reference, integrate};
 use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
-use crate::kernel::flown;
+use crate::kernel::{flown, increments};
 use crate::periodic::{Found, Options, Search, Verdict};
 use crate::plan::{CasePlan, Driven, KeptMode, Plan, Station};
 use crate::scene::{Run, Start};
@@ -26,8 +26,12 @@ const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
 /// With steps of this tolerance or coarser ones, modes far faster than the contact are not resolved one by one.
 const QUICK: f64 = 1e-11;
-/// A state with a multiplier from here on is left for good: one that nothing ever visits. Undamped modes have 1.
-const UNSTABLE: f64 = 1.0 + 1e-3;
+/// Where every second period is nearly alike, each that much farther from the state between them on the other side than
+/// the one before, the motion takes two periods, and that state is left for good by whatever comes near.
+const ALTERNATES: f64 = 0.95;
+/// A mode whose periodic motion is more times what the force does to it in a period is next to a harmonic of the drive,
+/// and is left to settle by itself.
+const RESONANT: f64 = 100.0;
 /// Periods in which the modes that the stepped engine does not keep begin to move, before a search and before a second
 /// one; most evaluations of the map, and periods measured at the end.
 const WARM: [u32; 2] = [4, 12];
@@ -39,7 +43,7 @@ const WIDE: usize = 6;
 const DAMPED: f64 = 1e-5;
 
 /// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
-/// there is none to be found, or only one that a small push leaves for good. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
+/// there is none to be found, or one that motion of two periods goes around. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
 /// whether waiting would end there.
 ///
 /// # Errors
@@ -78,15 +82,17 @@ pub fn solve_near(
         last_step: None,
         most: MOST,
         near: true,
-        below: UNSTABLE,
+        // Of undamped modes that the stepped engine does not keep the multipliers are 1.
+        stable: false,
     };
-    let mut found = None;
+    let (mut found, mut passed) = (None, Vec::new());
     for (round, periods) in WARM.into_iter().enumerate() {
         for _ in 0..periods {
             let here = map.slow_part(&map.after);
             if progress.stopped() || map.go_on(&here).is_none() {
                 return Ok(None);
             }
+            passed.push(map.after.clone());
         }
         let warm = map.after.clone();
         found = map.search(options, progress);
@@ -98,7 +104,9 @@ pub fn solve_near(
         map.after = warm;
         map.widen();
     }
-    let Some(found) = found else { return Ok(None) };
+    let Some(found) = found.filter(|found| !map.alternates(&passed, &found.state, 10.0 * aim * scale)) else {
+        return Ok(None);
+    };
     map.begin(&map.with_slow(&map.after, &found.state));
     // The first period's predecessor is not known, the second one's is not looked at.
     let run = Run { periods: MEASURED + 2, measure: MEASURED, start: Start::Steady, ..plan.run.clone() };
@@ -228,8 +236,43 @@ impl Map {
     /// From these kept modes, the others going on from the last period.
     fn go_on(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
         self.before = self.with_slow(&self.after, slow);
-        self.after = self.period(&self.before.clone())?;
-        Some(self.slow_part(&self.after))
+        let end = self.period(&self.before.clone())?;
+        self.after = self.settled(&self.before, &end);
+        Some(self.slow_part(&end))
+    }
+
+    /// The end of a period, with the modes that are no unknowns where they would be if every period did to them what
+    /// this one did: the contact force hardly feels them, so this is where they settle.
+    fn settled(&self, start: &DVector<f64>, end: &DVector<f64>) -> DVector<f64> {
+        let system = &self.walk.system;
+        let (modes, mut settled) = (system.modes(), end.clone());
+        for place in (0..modes).filter(|place| !self.slow.contains(place)) {
+            let (omega, damping) = system.oscillator(place);
+            let ratio = omega / system.omega;
+            let state = |all: &DVector<f64>| [all[place], all[modes + place] / ratio];
+            let angle = TAU * ratio;
+            let [free_x, free_u] = flown(angle, damping, state(start));
+            let [x, u] = state(end);
+            let pushed = [x - free_x, u - free_u];
+            // What a period changes by itself is to make up for the push.
+            let [m00, m01, m10, m11] = increments(angle, damping);
+            let determinant = m00 * m11 - m01 * m10;
+            if determinant.abs().sqrt() * RESONANT < 1.0 {
+                continue;
+            }
+            settled[place] = (m01 * pushed[1] - m11 * pushed[0]) / determinant;
+            settled[modes + place] = (m10 * pushed[0] - m00 * pushed[1]) / determinant * ratio;
+        }
+        settled
+    }
+
+    /// Whether the last of the periods that went by lie on either side of this state, farther from it than `least` (m) and
+    /// no nearer from one to the next.
+    fn alternates(&self, passed: &[DVector<f64>], state: &DVector<f64>, least: f64) -> bool {
+        let [.., before, last] = passed else { return false };
+        let [before, last] = [before, last].map(|one| self.slow_part(one) - state);
+        let (far, farther) = (before.norm(), last.norm());
+        farther > least && farther > ALTERNATES * far && before.dot(&last) < -ALTERNATES * far * farther
     }
 
     /// From these kept modes, the others as they began in the last period: for differences.
