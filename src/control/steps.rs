@@ -2,6 +2,7 @@
 
 use super::{Controlled, precision, prescribed, sensitive};
 use crate::compare::{Scales, worst};
+use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Basis, Plan, Precision, STEPS_MAX};
@@ -18,8 +19,10 @@ const DOUBLINGS: usize = 4;
 pub(super) const LEFT: f64 = 0.25;
 
 /// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 2 to 8 times from
-/// one to the next, not always evenly.
+/// one to the next, not always evenly. The jumps of JKR's contacts move all modes: theirs fall by less, and a small
+/// difference may stand between two larger ones.
 const LEFT_OF_MODES: f64 = 0.5;
+const LEFT_OF_MODES_JKR: f64 = 1.5;
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate
 /// sees (undamped modes of small share, rounding).
@@ -29,7 +32,7 @@ pub(super) const AIM: f64 = 0.6;
 /// alone: errors fall by no more with twice the steps.
 const STEEPEST: f64 = 16.0;
 
-/// A finer run of a fast contact that brings the estimate down by less is the last.
+/// A finer run of a fast contact, from the second on, that brings the estimate down by less is the last.
 const GAINED: f64 = 1.25;
 
 /// Runs of an instance beyond the doublings, which may all have gone into steps, to try richer levers.
@@ -87,8 +90,12 @@ pub(super) fn run(
     let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
     let count = plan.cases.len();
-    let mut parts =
-        Parts { of_steps: vec![0.0; count], both: vec![f64::NAN; count], in_vain: vec![false; count] };
+    let mut parts = Parts {
+        of_steps: vec![0.0; count],
+        both: vec![f64::NAN; count],
+        in_vain: vec![false; count],
+        finer: vec![false; count],
+    };
     let lever = |plan: &Plan, i: usize| Arc::clone(&plan.drives[plan.cases[i].drive as usize].kept);
     for (i, apart) in differences(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
         let i = i as usize;
@@ -113,7 +120,8 @@ pub(super) fn run(
             let poor = steady::run(&few, &settled.found, engine, progress)?;
             for (i, apart) in differences(&fine, &fast, &poor.outcome.results, &settled.outcome.results) {
                 // A run that is cut short has not told.
-                left_out[i as usize] = if progress.stopped() { f64::INFINITY } else { LEFT_OF_MODES * apart };
+                left_out[i as usize] =
+                    if progress.stopped() { f64::INFINITY } else { left_of_modes(&fine, i) * apart };
             }
         }
     }
@@ -181,8 +189,10 @@ struct Parts {
     of_steps: Vec<f64>,
     /// The first difference, of steps and modes, where the second is still to come.
     both: Vec<f64>,
-    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down.
+    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down; the first one's
+    /// is held against a difference that may have been small by chance, and does not count.
     in_vain: Vec<bool>,
+    finer: Vec<bool>,
 }
 
 impl Parts {
@@ -248,7 +258,7 @@ impl Controlled {
                     self.estimates[n] = self.left_out[n] + error;
                 }
                 Again::Richer => {
-                    let left = if is_fast(&finer, i) { LEFT_OF_MODES } else { LEFT };
+                    let left = if is_fast(&finer, i) { left_of_modes(&finer, i) } else { LEFT };
                     self.left_out[n] = left * apart;
                     self.estimates[n] = self.left_out[n] + parts.of_steps[n];
                 }
@@ -259,7 +269,9 @@ impl Controlled {
                 }
                 Again::Alike => {}
             }
-            parts.in_vain[n] = is_fast(&finer, i) && self.estimates[n] > before / GAINED;
+            let fast = is_fast(&finer, i);
+            parts.in_vain[n] = fast && parts.finer[n] && self.estimates[n] > before / GAINED;
+            parts.finer[n] |= fast;
             self.outcome.results[n] = outcome.results[n];
             self.plan.cases[n].steps = finer.cases[n].steps;
             self.plan.take_lever(i, &finer, i, &mut taken);
@@ -280,6 +292,14 @@ impl Controlled {
         let helps = rounded || matches!(status, Status::Ok | Status::OutOfRange | Status::NonFinite);
         let room = self.plan.cases[i].steps <= STEPS_MAX / 2;
         helps && room && (status != Status::Ok || self.estimates[i] > AIM * self.plan.run.accuracy)
+    }
+}
+
+/// What is left of the difference between two numbers of oscillators for the instance's contacts.
+fn left_of_modes(plan: &Plan, i: u32) -> f64 {
+    match plan.cases[i as usize].contact.law {
+        Law::Jkr => LEFT_OF_MODES_JKR,
+        _ => LEFT_OF_MODES,
     }
 }
 
