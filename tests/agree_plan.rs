@@ -5,9 +5,11 @@ mod checks;
 mod support;
 
 use afmsweep::observe::Status;
+use afmsweep::plan::KeptModes;
 use afmsweep::scene::{DriveFrequency, LawChoice, Scene};
 use checks::{Errors, calibrated, one_mode, sample, show, worst};
 use rayon::prelude::*;
+use std::path::Path;
 
 /// Knuth's linear congruence: the same cases everywhere.
 struct Random(u64);
@@ -116,6 +118,27 @@ fn the_plans_steps_give_the_accuracy_asked_for() {
         let (which, error) = worst(&row.errors);
         assert!(error <= 1e-3, "{}, {} steps: {which} off by {error:e}", row.name, row.steps);
     }
+}
+
+/// Truth: audits of the whole sweep, which modes by share have always met (`afmsweep run scenes/quickstart.toml --audit 64`).
+/// Levers made for fast contacts would cost it ten times the steps.
+#[test]
+fn contacts_that_are_not_fast_pay_nothing_for_those_that_are() {
+    let text = include_str!("../scenes/quickstart.toml");
+    let scene = Scene::parse(Path::new("quickstart.toml"), text).expect("the scene is whole");
+    let plan = checks::plan(&scene, None);
+    assert_eq!(plan.drives.len(), 1, "every contact has the lever of the instrument");
+    let most = plan.cases.iter().map(|case| case.steps).max();
+    assert!(most <= Some(256), "{most:?} steps");
+    // Of a lever made for a contact the modes kept as they are move the tip as the lever's do: the rod's would fill
+    // their places.
+    let driven = &plan.drives[0];
+    let rate = 8.0 * driven.free.omega;
+    let kept =
+        KeptModes::for_contact(&driven.instrument, driven.free.omega, rate, 8).expect("it can be made");
+    let exact = || kept.modes.iter().filter(|mode| mode.index.is_some());
+    let first = exact().map(|mode| mode.mobility).fold(f64::NAN, f64::max);
+    assert!(exact().count() > 2 && exact().all(|mode| mode.mobility > 0.03 * first), "{:?}", kept.modes);
 }
 
 /// What the rule's constants in `plan/steps.rs` were set by.

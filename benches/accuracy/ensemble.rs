@@ -89,8 +89,8 @@ fn plan(wide: &Wide) -> Plan {
     Plan::new(&scene(wide), Precision::F64).expect("the scene can be planned")
 }
 
-/// The table, and its rows.
-pub fn run(ensemble: &Ensemble, count: usize, waits: usize, seed: u64) -> Vec<Value> {
+/// The table, and its rows: of one law, or of all.
+pub fn run(ensemble: &Ensemble, law: &str, count: usize, waits: usize, seed: u64) -> Vec<Value> {
     println!("{count} random instances for each law, seed {seed}");
     println!(
         "{:<6}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",

@@ -107,14 +107,21 @@ fn largest_weight(instrument: &Instrument) -> f64 {
     instrument.modes.iter().map(weight).find(|one| *one > LEVERS * largest).unwrap_or(0.0)
 }
 
+/// What a mode moves the tip by once it has gathered what contact after contact leaves in it: its mobility over the share
+/// that it loses in a period of the drive at `omega` (rad/s).
+fn gathered(mode: &Mode, omega: f64) -> f64 {
+    (mode.tip * mode.force).abs() / (1.0 - left(mode, omega))
+}
+
 /// Those of the modes `moved` that are kept as they are among `count` oscillators: the lever's that are slower than the
 /// contact and ring on to the next one, and, as far as there is room, faster ones that ring for long, since a contact
-/// meets their phase again. Of a rod's modes, which hardly move the tip, there may be many: they are left to the reduction.
+/// meets their phase again. Of a rod's modes, which hardly move the tip, there may be many: they are left to the reduction,
+/// unless next to nothing damps them.
 fn ringing(instrument: &Instrument, omega: f64, rate: f64, moved: &[usize], count: usize) -> Vec<usize> {
     let mode = |k: usize| &instrument.modes[k];
     let most = count.min(moved.len()).saturating_sub(2).max(1);
     let least = LEVERS * largest_weight(instrument);
-    let levers = || moved.iter().copied().filter(|k| (mode(*k).tip * mode(*k).force).abs() > least);
+    let levers = || moved.iter().copied().filter(|k| gathered(mode(*k), omega) > least);
     let slower = |k: &usize| mode(*k).omega <= rate && left(mode(*k), omega) >= RINGS;
     let mut kept: Vec<usize> = levers().filter(slower).take(most.min(count.div_ceil(2))).collect();
     if kept.is_empty() {
@@ -277,9 +284,20 @@ impl KeptModes {
     }
 
     /// Whether the tip feels the instrument by these oscillators as by all modes where contacts have the rate `rate`
-    /// (rad/s), well enough for `accuracy`.
-    pub fn serves(&self, instrument: &Instrument, rate: f64, accuracy: f64) -> bool {
-        self.wrong(instrument, rate) <= WRONG * accuracy
+    /// (rad/s) under a drive of angular frequency `omega`, well enough for `accuracy`. A rod's mode that hardly anything
+    /// damps and that the contact meets again and again is no matter of compliance: it has to be among them.
+    pub fn serves(&self, instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> bool {
+        let least = LEVERS * largest_weight(instrument);
+        let kept = |k: usize| self.modes.iter().any(|mode| mode.index == Some(k));
+        let lingers = |mode: &Mode| {
+            mode.omega <= rate && (mode.tip * mode.force).abs() <= least && gathered(mode, omega) > least
+        };
+        // A rod's slower modes than the lever's first are no spring at the rates of a contact.
+        let first =
+            instrument.modes.iter().position(|mode| (mode.tip * mode.force).abs() > least).unwrap_or(0);
+        let missing =
+            instrument.modes.iter().enumerate().skip(first).any(|(k, mode)| lingers(mode) && !kept(k));
+        !missing && self.wrong(instrument, rate) <= WRONG * accuracy
     }
 
     /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.

@@ -78,7 +78,7 @@ impl Driven {
         shares: impl FnOnce(f64) -> KeptModes,
     ) -> Option<Arc<KeptModes>> {
         let (instrument, rate) = (&self.instrument, self.rate(rung));
-        let serves = |kept: &KeptModes| kept.serves(instrument, rate, accuracy);
+        let serves = |kept: &KeptModes| kept.serves(instrument, self.free.omega, rate, accuracy);
         if rung == 0 || serves(&self.kept) || serves(&shares(RICHEST * accuracy)) {
             return None;
         }

@@ -242,12 +242,15 @@ impl Map {
     }
 
     /// The end of a period, with the modes that are no unknowns where they would be if every period did to them what
-    /// this one did: the contact force hardly feels them, so this is where they settle.
+    /// this one did: the contact force hardly feels them, so this is where they settle. Undamped ones never do.
     fn settled(&self, start: &DVector<f64>, end: &DVector<f64>) -> DVector<f64> {
         let system = &self.walk.system;
         let (modes, mut settled) = (system.modes(), end.clone());
         for place in (0..modes).filter(|place| !self.slow.contains(place)) {
             let (omega, damping) = system.oscillator(place);
+            if damping <= DAMPED {
+                continue;
+            }
             let ratio = omega / system.omega;
             let state = |all: &DVector<f64>| [all[place], all[modes + place] / ratio];
             let angle = TAU * ratio;
