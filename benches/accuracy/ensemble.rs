@@ -111,7 +111,7 @@ pub fn run(ensemble: &Ensemble, law: &str, count: usize, waits: usize, seed: u64
         "seconds"
     );
     let mut rows = Vec::new();
-    for law in LAWS {
+    for law in LAWS.into_iter().filter(|one| law.is_empty() || *one == law) {
         let wide =
             |accuracy, seed| Wide { law, count, seed, accuracy, from: ensemble.from, run: ensemble.run };
         match ensemble.truth {
@@ -210,7 +210,7 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
         };
         let (mut truth, mut error) = (*truth, apart(truth));
         if error > accuracy
-            && let Some(own) = beside(&run, i as u32)
+            && let Some(own) = beside(run, i as u32)
             && apart(&own) < error
         {
             // Of several states it has another one than the run to the finest accuracy.
