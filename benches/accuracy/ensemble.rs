@@ -172,7 +172,7 @@ fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
     for i in without {
         let truth = &waited.results[i as usize];
         println!(
-            "    instance {i} ({}): no stable state next to the run's, waiting: {}",
+            "    instance {i} ({}): no state next to the run's, waiting: {}",
             parameters(&run.plan, i as usize),
             truth.status.meaning()
         );
@@ -182,7 +182,7 @@ fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
 }
 
 /// How many of the first instances that are not steady the reference was asked about, and next to the ends of how many
-/// it finds a stable periodic state all the same.
+/// it finds a periodic state all the same.
 fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
     let status = |i: &u32| run.outcome.results[*i as usize].status;
     let all = (0..run.plan.cases.len() as u32).filter(|i| status(i) == Status::NotSteady);

@@ -65,7 +65,7 @@ fn main() {
         },
         Part {
             heading: "The same for all kinds of levers",
-            text: "Random instances as above, each with a lever of its own: 0.03 to 100 N/m, 10 kHz to 1 MHz, quality factors 1.5 to 1,000, samples of 1 MPa to 200 GPa, tips of 2 to 200 nm, free amplitudes of 1 to 200 nm, gaps of 0.2 to 1.05 of them; other instances for each accuracy; periodic states searched for, 200 periods waited where none is found. Truth: the reference's own stable periodic state next to the run's, or, where there is none, its own run of 200 periods; motion that never meets the sample needs no steps and is not compared. Of the instances that are not steady the reference was asked about some: whether there is a stable periodic state next to where the run ends.",
+            text: "Random instances as above, each with a lever of its own: 0.03 to 100 N/m, 10 kHz to 1 MHz, quality factors 1.5 to 1,000, samples of 1 MPa to 200 GPa, tips of 2 to 200 nm, free amplitudes of 1 to 200 nm, gaps of 0.2 to 1.05 of them; other instances for each accuracy; periodic states searched for, 200 periods waited where none is found. Truth: the reference's own periodic state next to the run's, or, where there is none, its own run of 200 periods; motion that never meets the sample needs no steps and is not compared. Of the instances that are not steady the reference was asked about some: whether there is a periodic state next to where the run ends.",
             columns: &[
                 ("law", "law"),
                 ("accuracy", "asked"),

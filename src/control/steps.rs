@@ -189,9 +189,10 @@ struct Parts {
     of_steps: Vec<f64>,
     /// The first difference, of steps and modes, where the second is still to come.
     both: Vec<f64>,
-    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down; the first one's
-    /// is held against a difference that may have been small by chance, and does not count.
+    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down.
     in_vain: Vec<bool>,
+    /// Whether a fast contact had a finer run before: the first one is held against a difference that may have been
+    /// small by chance, and does not count as in vain.
     finer: Vec<bool>,
 }
 

@@ -49,7 +49,8 @@ pub(super) const COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
 /// a contact are faster than its middle.
 const BEYOND: f64 = 4.0;
 
-/// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate, and more beyond it.
+/// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate; beyond that rate the bound
+/// is wider, see [`KeptModes::wrong`].
 const WRONG: f64 = 0.75;
 
 /// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their

@@ -26,8 +26,8 @@ const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
 /// With steps of this tolerance or coarser ones, modes far faster than the contact are not resolved one by one.
 const QUICK: f64 = 1e-11;
-/// Where every second period is nearly alike, each that much farther from the state between them on the other side than
-/// the one before, the motion takes two periods, and that state is left for good by whatever comes near.
+/// Motion that takes two periods is on one side of a periodic state at the start of one period and on the other side at
+/// the start of the next. It counts as that where the distance shrinks to no less than this share from one to the next.
 const ALTERNATES: f64 = 0.95;
 /// A mode whose periodic motion is more times what the force does to it in a period is next to a harmonic of the drive,
 /// and is left to settle by itself.
@@ -43,8 +43,8 @@ const WIDE: usize = 6;
 const DAMPED: f64 = 1e-5;
 
 /// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
-/// there is none to be found, or one that motion of two periods goes around. Many times cheaper than [`super::solve`], which waits for it: but it is silent on
-/// whether waiting would end there.
+/// there is none to be found, or only one that the motion passes by on either side in turn, since it takes two periods.
+/// Many times cheaper than [`super::solve`], which waits for it: but it is silent on whether waiting would end there.
 ///
 /// # Errors
 /// An instance that the plan does not have, a tolerance out of range, a tip that no mode moves.
