@@ -89,8 +89,25 @@ fn plan(wide: &Wide) -> Plan {
     Plan::new(&scene(wide), Precision::F64).expect("the scene can be planned")
 }
 
-/// The table, and its rows: of one law, or of all.
-pub fn run(ensemble: &Ensemble, law: &str, count: usize, waits: usize, seed: u64) -> Vec<Value> {
+/// Of which law and for which accuracy rows are wanted; none stands for all.
+#[derive(Clone, Debug, Default)]
+pub struct Only {
+    pub law: Option<String>,
+    pub accuracy: Option<f64>,
+}
+
+impl Only {
+    fn laws(&self) -> impl Iterator<Item = &'static str> + '_ {
+        LAWS.into_iter().filter(|law| self.law.as_deref().is_none_or(|only| only == *law))
+    }
+
+    fn wants(&self, accuracy: f64) -> bool {
+        self.accuracy.is_none_or(|only| only == accuracy)
+    }
+}
+
+/// The table, and its rows.
+pub fn run(ensemble: &Ensemble, only: &Only, count: usize, waits: usize, seed: u64) -> Vec<Value> {
     println!("{count} random instances for each law, seed {seed}");
     println!(
         "{:<6}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
@@ -111,7 +128,7 @@ pub fn run(ensemble: &Ensemble, law: &str, count: usize, waits: usize, seed: u64
         "seconds"
     );
     let mut rows = Vec::new();
-    for law in LAWS.into_iter().filter(|one| law.is_empty() || *one == law) {
+    for law in only.laws() {
         let wide =
             |accuracy, seed| Wide { law, count, seed, accuracy, from: ensemble.from, run: ensemble.run };
         match ensemble.truth {
@@ -122,7 +139,7 @@ pub fn run(ensemble: &Ensemble, law: &str, count: usize, waits: usize, seed: u64
                 println!(
                     "    {law}: {same} of {steady} waits of the reference end in the states taken for the truth"
                 );
-                rows.extend(ACCURACIES.map(|accuracy| {
+                rows.extend(ACCURACIES.into_iter().filter(|one| only.wants(*one)).map(|accuracy| {
                     let wide = wide(accuracy, seed);
                     let (run, seconds) = carried_out(&wide);
                     let mut row = row(&wide, &run, &truths, seconds);
@@ -130,15 +147,17 @@ pub fn run(ensemble: &Ensemble, law: &str, count: usize, waits: usize, seed: u64
                     row
                 }));
             }
-            Truth::Own => rows.extend((seed..).zip(ACCURACIES).map(|(seed, accuracy)| {
-                let wide = wide(accuracy, seed);
-                let (run, seconds) = carried_out(&wide);
-                let truths = own_truths(&run);
-                let mut row = row(&wide, &run, &truths, seconds);
-                let [asked, states] = unsteady(&run, waits);
-                (row["unsteady_asked"], row["unsteady_with_a_state"]) = (json!(asked), json!(states));
-                row
-            })),
+            Truth::Own => rows.extend((seed..).zip(ACCURACIES).filter(|one| only.wants(one.1)).map(
+                |(seed, accuracy)| {
+                    let wide = wide(accuracy, seed);
+                    let (run, seconds) = carried_out(&wide);
+                    let truths = own_truths(&run);
+                    let mut row = row(&wide, &run, &truths, seconds);
+                    let [asked, states] = unsteady(&run, waits);
+                    (row["unsteady_asked"], row["unsteady_with_a_state"]) = (json!(asked), json!(states));
+                    row
+                },
+            )),
         }
     }
     rows

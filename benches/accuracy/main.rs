@@ -1,7 +1,7 @@
 //! Whether the accuracy asked for is met, and at what cost: random ensembles, the choice of steps, the choice of
 //! modes, each against the reference engine.
 //!
-//! `cargo bench --bench accuracy -- [--part ensemble|levers|steps|modes|basis] [--law LAW] [--instances N] [--waits N] [--seed S] [-o FOLDER]`; the
+//! `cargo bench --bench accuracy -- [--part ensemble|levers|steps|modes|basis] [--law LAW] [--accuracy A] [--instances N] [--waits N] [--seed S] [-o FOLDER]`; the
 //! answer is tables, and a page in FOLDER.
 
 mod basis;
@@ -18,7 +18,7 @@ use page::Part;
 
 fn main() {
     let (mut count, mut waits, mut seed, mut output) = (100, 20, 1, None);
-    let (mut part, mut law) = (String::new(), String::new());
+    let (mut part, mut only) = (String::new(), ensemble::Only::default());
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value"));
@@ -27,7 +27,8 @@ fn main() {
             "--waits" => waits = value().parse().expect("a number of instances, for each law"),
             "--seed" => seed = value().parse().expect("a seed"),
             "--part" => part = value(),
-            "--law" => law = value(),
+            "--law" => only.law = Some(value()),
+            "--accuracy" => only.accuracy = Some(value().parse().expect("1e-2, 1e-3 or 1e-4")),
             "-o" => output = Some(value()),
             "--bench" => {}
             other => panic!("unknown argument {other}"),
@@ -58,7 +59,7 @@ fn main() {
                 ("waits_steady", "of"),
             ],
             rows: if wanted("ensemble") {
-                ensemble::run(&ensemble::USUAL, &law, count, waits, seed)
+                ensemble::run(&ensemble::USUAL, &only, count, waits, seed)
             } else {
                 Vec::new()
             },
@@ -89,7 +90,7 @@ fn main() {
                 ("seconds", "s"),
             ],
             rows: if wanted("levers") {
-                ensemble::run(&ensemble::LEVERS, &law, count, waits, seed)
+                ensemble::run(&ensemble::LEVERS, &only, count, waits, seed)
             } else {
                 Vec::new()
             },

@@ -79,7 +79,8 @@ impl Arithmetic {
 /// moved a little: where that moves the result, it is called sensitive.
 ///
 /// Precision: where the plan leaves it open, the sample runs in f64 and in f32; where that moves it by little, the run
-/// is in f32, and what f32 does not bring to the accuracy goes on in f64.
+/// is in f32, and what f32 does not bring to the accuracy goes on in f64. Where f32 is prescribed, a sample tells what
+/// rounding costs, and the estimates count it.
 ///
 /// Stopped on the way, it gives what is done: every instance that it would have gone on with is called not_run.
 ///
@@ -123,6 +124,9 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         true => portions::run(plan, (&all, portions), first, engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
+    if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {
+        precision::add_rounding(&mut all, &stepped, engine, progress)?;
+    }
     for &i in &stepped {
         let i = i as usize;
         let doubtful = all.estimates[i] > all.plan.run.accuracy;

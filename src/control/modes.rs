@@ -1,9 +1,10 @@
 //! Modes: by a sample of instances with poorer and richer levers.
 
 use super::steps::difference;
+use crate::compare::Scales;
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Finished, Progress};
-use crate::observe::Status;
+use crate::observe::{Measured, Observable, Status};
 use crate::plan::{Basis, Plan, Precision, RICHEST};
 use crate::steady;
 use rayon::prelude::*;
@@ -161,13 +162,26 @@ pub(super) fn choose(
     Ok(Choice { plan: plan.levers(&wanted), poorer, left_out, notes })
 }
 
+/// What the flexibility that no oscillator carries costs an instance's virial, on its scale: the mean force bends the lever
+/// by it, and works on that. 0 where the virial is not asked for.
+pub(super) fn unbent(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
+    let kept = &plan.drives[plan.cases[instance as usize].drive as usize].kept;
+    if !plan.observables.contains(&Observable::Virial) {
+        return 0.0;
+    }
+    let bent = kept.residual_share.abs() * kept.flexibility * measured.force_mean;
+    let cost = (measured.force_mean * bent).abs()
+        / Scales::of(plan, instance as usize, measured).work.max(measured.virial.abs());
+    if cost.is_finite() { cost } else { 0.0 }
+}
+
 /// A sample of `stepped`, from the softest to the stiffest contact of each law.
 pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     spread(plan, &by_stiffness(plan, stepped))
 }
 
 /// Evenly spread over instances in their order.
-fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
+pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
     let every = order.len().div_ceil(SAMPLE);
     // The stiffest of each law too: nothing stands behind it.
     let stiffest: Vec<u32> = laws(plan, order).filter_map(|(_, members)| members.last().copied()).collect();
@@ -222,12 +236,12 @@ fn stiffness(plan: &Plan, instance: u32) -> f64 {
     felt * flexibility
 }
 
-fn law_of(plan: &Plan, instance: u32) -> Law {
+pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
     plan.cases[instance as usize].contact.law
 }
 
 /// By law, then stiffness.
-fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
+pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     let mut keyed: Vec<(usize, f64, u32)> = stepped
         .par_iter()
         .map(|&i| {

@@ -1,8 +1,8 @@
 //! Precision: by a sample of instances in both.
 
 use super::steps::{difference, halved};
-use super::{Arithmetic, modes};
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use super::{Arithmetic, Controlled, modes};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady;
@@ -97,6 +97,46 @@ pub(super) fn choose(
     };
     let notes = double.outcome.notes.into_iter().chain(single.outcome.notes).collect();
     Ok(Choice { precision, mixed: precision == Precision::F32, rounding, reason, notes })
+}
+
+/// Adds to the estimates of a run that was told to be in f32 what rounding costs: a sample runs once more in f64, with the
+/// same levers and steps. An instance that is not in it takes the larger difference of its neighbours there.
+pub(super) fn add_rounding(
+    run: &mut Controlled,
+    stepped: &[u32],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(), EngineError> {
+    let order = modes::by_stiffness(&run.plan, stepped);
+    let sample = modes::spread(&run.plan, &order);
+    let cpu = Cpu::default();
+    let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = Plan { precision: Precision::F64, ..run.plan.part(&sample) };
+    let known = |i: &u32| run.found.get(*i as usize).cloned().flatten();
+    let found: Vec<_> = sample.iter().map(known).collect();
+    let settled = steady::run(&double, &found, engine, progress)?;
+    run.outcome.notes.extend(settled.outcome.notes);
+    if progress.stopped() {
+        return Ok(());
+    }
+    let single = |i: u32| &run.outcome.results[i as usize];
+    let moved: Vec<f64> = sample
+        .iter()
+        .zip(&settled.outcome.results)
+        .map(|(i, double)| apart(&run.plan, *i, single(*i), double))
+        .collect();
+    let finite = || moved.iter().copied().filter(|one| one.is_finite());
+    run.arithmetic.rounding = finite().fold(0.0, f64::max);
+    let mut next = 0;
+    for i in order {
+        let here = sample.get(next) == Some(&i);
+        let of_law = |n: &usize| modes::law_of(&run.plan, sample[*n]) == modes::law_of(&run.plan, i);
+        let near = [next.checked_sub(1), (next < sample.len()).then_some(next)].into_iter().flatten();
+        let near = near.filter(of_law).map(|n| moved[n]).filter(|one| one.is_finite());
+        run.estimates[i as usize] += if here { moved[next] } else { near.fold(0.0, f64::max) };
+        next += usize::from(here);
+    }
+    Ok(())
 }
 
 /// How far rounding moves a result. What f32 does not call steady goes on in f64 and costs time alone.

@@ -1,6 +1,6 @@
 //! Steps: by doubling.
 
-use super::{Controlled, precision, prescribed, sensitive};
+use super::{Controlled, modes, precision, prescribed, sensitive};
 use crate::compare::{Scales, worst};
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Finished, Progress};
@@ -18,11 +18,11 @@ const DOUBLINGS: usize = 4;
 /// twice the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
 pub(super) const LEFT: f64 = 0.25;
 
-/// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 2 to 8 times from
-/// one to the next, not always evenly. The jumps of JKR's contacts move all modes: theirs fall by less, and a small
-/// difference may stand between two larger ones.
-const LEFT_OF_MODES: f64 = 0.5;
-const LEFT_OF_MODES_JKR: f64 = 1.5;
+/// The same of the difference between two levers, by law and, in its second place, for fast contacts: from one number of
+/// oscillators to the next an error falls by 2 to 8 times, not always evenly. The jumps of JKR's contacts move all modes:
+/// theirs fall by less, and a small difference may stand between two larger ones.
+const LEFT_OF_MODES: [f64; 2] = [LEFT, 0.5];
+const LEFT_OF_MODES_JKR: [f64; 2] = [0.75, 1.5];
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate
 /// sees (undamped modes of small share, rounding).
@@ -99,11 +99,13 @@ pub(super) fn run(
     let lever = |plan: &Plan, i: usize| Arc::clone(&plan.drives[plan.cases[i].drive as usize].kept);
     for (i, apart) in differences(&fine, stepped, &rough.outcome.results, &settled.outcome.results) {
         let i = i as usize;
-        parts.of_steps[i] = LEFT * apart;
         let known = rough.outcome.results[i].status == Status::Ok;
-        if known && lever(&coarse, i).modes != lever(&fine, i).modes {
+        let both = known && lever(&coarse, i).modes != lever(&fine, i).modes;
+        parts.of_steps[i] = apart * if both { left_of_modes(&fine, i as u32) } else { LEFT };
+        if both {
             parts.both[i] = apart;
         }
+        left_out[i] += modes::unbent(&fine, i as u32, &settled.outcome.results[i].measured);
     }
     if let Some(bases) = &poorer {
         // And the second one is of oscillators alone.
@@ -253,14 +255,14 @@ impl Controlled {
             let before = self.estimates[n];
             match what {
                 Again::Finer => {
-                    let modes = LEFT * (parts.both[n] - STEEPEST * apart);
-                    self.left_out[n] = self.left_out[n].max(modes);
+                    let of_modes = left_of_modes(&finer, i) * (parts.both[n] - STEEPEST * apart);
+                    self.left_out[n] = self.left_out[n].max(of_modes);
                     (parts.of_steps[n], parts.both[n]) = (error, f64::NAN);
                     self.estimates[n] = self.left_out[n] + error;
                 }
                 Again::Richer => {
-                    let left = if is_fast(&finer, i) { left_of_modes(&finer, i) } else { LEFT };
-                    self.left_out[n] = left * apart;
+                    let measured = &outcome.results[n].measured;
+                    self.left_out[n] = left_of_modes(&finer, i) * apart + modes::unbent(&finer, i, measured);
                     self.estimates[n] = self.left_out[n] + parts.of_steps[n];
                 }
                 // The same steps in another precision teach nothing of the steps: that is still to come.
@@ -296,12 +298,13 @@ impl Controlled {
     }
 }
 
-/// What is left of the difference between two numbers of oscillators for the instance's contacts.
+/// What is left of the difference between two levers for the instance's contacts.
 fn left_of_modes(plan: &Plan, i: u32) -> f64 {
-    match plan.cases[i as usize].contact.law {
+    let left = match plan.cases[i as usize].contact.law {
         Law::Jkr => LEFT_OF_MODES_JKR,
         _ => LEFT_OF_MODES,
-    }
+    };
+    left[usize::from(is_fast(plan, i))]
 }
 
 /// Whether the instance's oscillators are chosen by the rate of its contact.

@@ -6,6 +6,7 @@ mod modes;
 mod precision;
 mod rate;
 mod refusal;
+mod ringing;
 mod steps;
 mod summary;
 mod variants;

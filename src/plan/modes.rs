@@ -13,9 +13,9 @@
 //! reduction of what the tip feels of it (`compliance.rs`).
 
 use super::compliance::{compliance, reduced};
+use super::ringing::{FASTER, Levers, REDUCED, RINGS_LONG, left, ringing, weight};
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
-use std::f64::consts::PI;
 
 /// One oscillator of the reduced instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,16 +62,6 @@ const GROWS: f64 = 0.12;
 /// Modes that are faster than the contact by more are not kept as they are.
 const FASTEST: f64 = 64.0;
 
-/// A mode is kept as it is where of its motion this share or more is left after a period of the drive.
-const RINGS: f64 = 1e-3;
-/// The same for modes of the lever that are faster than the contact, up to so many times, and how many oscillators stand
-/// for all others at least.
-const RINGS_LONG: f64 = 0.05;
-const FASTER: f64 = 6.0;
-const REDUCED: usize = 4;
-/// A mode is the lever's if it moves the tip by more than this share of what its slowest does.
-const LEVERS: f64 = 0.05;
-
 impl Basis {
     /// To look up levers that were made before.
     pub fn key(&self) -> [u64; 2] {
@@ -94,45 +84,6 @@ impl Basis {
         let more = COUNTS.into_iter().find(|other| *other > count)?;
         Some(Self::Contact { rate, count: more })
     }
-}
-
-/// What is left of a mode's motion after a period of the drive at `omega` (rad/s).
-fn left(mode: &Mode, omega: f64) -> f64 {
-    (-PI * mode.omega / (omega * mode.quality_factor)).exp()
-}
-
-/// The tip's mobility by the slowest of the modes that move it as a lever's do.
-fn largest_weight(instrument: &Instrument) -> f64 {
-    let weight = |mode: &Mode| (mode.tip * mode.force).abs();
-    let largest = instrument.modes.iter().map(weight).fold(0.0, f64::max);
-    instrument.modes.iter().map(weight).find(|one| *one > LEVERS * largest).unwrap_or(0.0)
-}
-
-/// What a mode moves the tip by once it has gathered what contact after contact leaves in it: its mobility over the share
-/// that it loses in a period of the drive at `omega` (rad/s).
-fn gathered(mode: &Mode, omega: f64) -> f64 {
-    (mode.tip * mode.force).abs() / (1.0 - left(mode, omega))
-}
-
-/// Those of the modes `moved` that are kept as they are among `count` oscillators: the lever's that are slower than the
-/// contact and ring on to the next one, and, as far as there is room, faster ones that ring for long, since a contact
-/// meets their phase again. Of a rod's modes, which hardly move the tip, there may be many: they are left to the reduction,
-/// unless next to nothing damps them.
-fn ringing(instrument: &Instrument, omega: f64, rate: f64, moved: &[usize], count: usize) -> Vec<usize> {
-    let mode = |k: usize| &instrument.modes[k];
-    let most = count.min(moved.len()).saturating_sub(2).max(1);
-    let least = LEVERS * largest_weight(instrument);
-    let levers = || moved.iter().copied().filter(|k| gathered(mode(*k), omega) > least);
-    let slower = |k: &usize| mode(*k).omega <= rate && left(mode(*k), omega) >= RINGS;
-    let mut kept: Vec<usize> = levers().filter(slower).take(most.min(count.div_ceil(2))).collect();
-    if kept.is_empty() {
-        kept.extend(moved.first());
-    }
-    let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(kept.len());
-    let long = |k: &usize| mode(*k).omega <= FASTER * rate && left(mode(*k), omega) >= RINGS_LONG;
-    let more: Vec<usize> = levers().filter(|k| long(k) && !kept.contains(k)).take(room).collect();
-    kept.extend(more);
-    kept
 }
 
 /// The reduced instrument, largest share of the flexibility first.
@@ -168,7 +119,7 @@ impl KeptModes {
     ) -> Self {
         let share = |k: usize| {
             let mode = &instrument.modes[k];
-            mode.tip * mode.force / (mode.omega * mode.omega)
+            weight(mode) / (mode.omega * mode.omega)
         };
         let flexibility: f64 = (0..instrument.modes.len()).map(share).sum();
         let mut order: Vec<usize> = (0..instrument.modes.len()).collect();
@@ -200,7 +151,7 @@ impl KeptModes {
                 index: Some(k),
                 omega: mode.omega,
                 damping: 0.5 / mode.quality_factor,
-                mobility: mode.tip * mode.force,
+                mobility: weight(mode),
                 top: mode.top / mode.tip,
             });
         }
@@ -218,7 +169,6 @@ impl KeptModes {
     /// the modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of
     /// the others. None where there are too few modes to reduce, or a mode that answers against the force.
     pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
-        let weight = |mode: &Mode| mode.tip * mode.force;
         let share = |mode: &Mode| weight(mode) / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and everything above; slower modes of a rod, each a share of 1e-4 or less, are no
@@ -251,9 +201,8 @@ impl KeptModes {
             let rest: Vec<&Mode> =
                 moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();
             // From where the lever answers on: what a rod adds below that is little.
-            let least = LEVERS * largest_weight(instrument);
-            let levers = rest.iter().find(|mode| weight(mode).abs() > least).or(rest.first())?;
-            let from = 0.5 * levers.omega;
+            let levers = Levers::of(instrument, omega);
+            let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
         let left =
@@ -274,9 +223,8 @@ impl KeptModes {
 
     /// How many oscillators an accuracy takes where contacts have the rate `rate` (rad/s): the rule to begin with.
     pub fn oscillators(instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> usize {
-        // A rod's modes hardly move.
-        let least = LEVERS * largest_weight(instrument);
-        let lever = || instrument.modes.iter().filter(|mode| (mode.tip * mode.force).abs() > least);
+        let levers = Levers::of(instrument, omega);
+        let lever = || instrument.modes.iter().filter(|mode| levers.own(mode));
         let slower = lever().filter(|mode| mode.omega <= rate).count();
         let ring =
             lever().filter(|mode| mode.omega <= FASTER * rate && left(mode, omega) >= RINGS_LONG).count();
@@ -288,14 +236,11 @@ impl KeptModes {
     /// (rad/s) under a drive of angular frequency `omega`, well enough for `accuracy`. A rod's mode that hardly anything
     /// damps and that the contact meets again and again is no matter of compliance: it has to be among them.
     pub fn serves(&self, instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> bool {
-        let least = LEVERS * largest_weight(instrument);
+        let levers = Levers::of(instrument, omega);
         let kept = |k: usize| self.modes.iter().any(|mode| mode.index == Some(k));
-        let lingers = |mode: &Mode| {
-            mode.omega <= rate && (mode.tip * mode.force).abs() <= least && gathered(mode, omega) > least
-        };
+        let lingers = |mode: &Mode| mode.omega <= rate && !levers.own(mode) && levers.gathers(mode);
         // A rod's slower modes than the lever's first are no spring at the rates of a contact.
-        let first =
-            instrument.modes.iter().position(|mode| (mode.tip * mode.force).abs() > least).unwrap_or(0);
+        let first = instrument.modes.iter().position(|mode| levers.own(mode)).unwrap_or(0);
         let missing =
             instrument.modes.iter().enumerate().skip(first).any(|(k, mode)| lingers(mode) && !kept(k));
         !missing && self.wrong(instrument, rate) <= WRONG * accuracy
@@ -303,11 +248,11 @@ impl KeptModes {
 
     /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.
     /// Beyond the contact's own rate it counts less, by the square of the rate: so the force of a smooth contact falls.
+    /// That of JKR's jumps falls less, but nothing was gained by weighing it so (450 random levers at 1e-3).
     pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
         let error = |times: f64| {
             let s = times * rate;
-            let whole =
-                compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.tip * mode.force)), s);
+            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, weight(mode))), s);
             let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.mobility)), s);
             (ours / whole - 1.0).abs() / times.max(1.0).powi(2)
         };
@@ -323,7 +268,7 @@ impl KeptModes {
         let (mut largest, mut omega) = (0.0, f64::NAN);
         for mode in &instrument.modes {
             if mode.omega > kept {
-                let flexibility = mode.tip * mode.force / mode.omega.powi(2);
+                let flexibility = weight(mode) / mode.omega.powi(2);
                 spring += flexibility;
                 if flexibility > largest {
                     (largest, omega) = (flexibility, mode.omega);

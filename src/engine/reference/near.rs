@@ -147,16 +147,16 @@ fn unknowns(
         rest.retain(|other| *other != k);
         slow.extend([place, modes + place]);
     }
-    let rest: Vec<[f64; 2]> = rest
+    let [rest_x, rest_u] = rest
         .into_iter()
         .map(|k| at_start(k, driven.kept.modes[k].omega, driven.kept.modes[k].damping))
-        .collect();
+        .fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
     let whole: f64 = others.iter().map(|place| system.flexibility_of(*place)).sum();
     if whole > 0.0 {
         for place in others {
             let share = system.flexibility_of(place) / whole;
-            state[place] = share * rest.iter().map(|one| one[0]).sum::<f64>();
-            state[modes + place] = share * rest.iter().map(|one| one[1]).sum::<f64>();
+            state[place] = share * rest_x;
+            state[modes + place] = share * rest_u;
         }
     }
     (state, slow)
@@ -253,12 +253,13 @@ impl Map {
             }
             let ratio = omega / system.omega;
             let state = |all: &DVector<f64>| [all[place], all[modes + place] / ratio];
-            let angle = TAU * ratio;
-            let [free_x, free_u] = flown(angle, damping, state(start));
-            let [x, u] = state(end);
-            let pushed = [x - free_x, u - free_u];
+            let [m00, m01, m10, m11] = increments(TAU * ratio, damping);
+            let ([x, u], [begun_x, begun_u]) = (state(end), state(start));
             // What a period changes by itself is to make up for the push.
-            let [m00, m01, m10, m11] = increments(angle, damping);
+            let pushed = [
+                x - begun_x - (m00 * begun_x + m01 * begun_u),
+                u - begun_u - (m10 * begun_x + m11 * begun_u),
+            ];
             let determinant = m00 * m11 - m01 * m10;
             if determinant.abs().sqrt() * RESONANT < 1.0 {
                 continue;

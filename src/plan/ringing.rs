@@ -1,0 +1,79 @@
+//! Modes that ring on from one contact to the next, and which of an instrument's modes are its lever's.
+
+use crate::instrument::{Instrument, Mode};
+use std::f64::consts::PI;
+
+/// A mode is kept as it is where of its motion this share or more is left after a period of the drive.
+const RINGS: f64 = 1e-3;
+/// The same for modes of the lever that are faster than the contact, up to so many times, and how many oscillators stand
+/// for all others at least.
+pub(super) const RINGS_LONG: f64 = 0.05;
+pub(super) const FASTER: f64 = 6.0;
+pub(super) const REDUCED: usize = 4;
+/// A mode is the lever's if it moves the tip by more than this share of what its slowest does.
+const LEVERS: f64 = 0.05;
+
+/// What is left of a mode's motion after a period of the drive at `omega` (rad/s).
+pub(super) fn left(mode: &Mode, omega: f64) -> f64 {
+    (-PI * mode.omega / (omega * mode.quality_factor)).exp()
+}
+
+/// Mobility of the tip through a mode, c_k b_k, 1/kg.
+pub(super) fn weight(mode: &Mode) -> f64 {
+    mode.tip * mode.force
+}
+
+/// Which modes are the lever's, told from a rod's, which hardly move the tip.
+pub(super) struct Levers {
+    /// Least mobility of one, 1/kg.
+    least: f64,
+    /// Angular frequency of the drive, rad/s.
+    omega: f64,
+}
+
+impl Levers {
+    /// By the slowest of the modes that move the tip as a lever's do; `omega` is of the drive.
+    pub fn of(instrument: &Instrument, omega: f64) -> Self {
+        let weights = || instrument.modes.iter().map(|mode| weight(mode).abs());
+        let largest = weights().fold(0.0, f64::max);
+        let slowest = weights().find(|one| *one > LEVERS * largest).unwrap_or(0.0);
+        Self { least: LEVERS * slowest, omega }
+    }
+
+    pub fn own(&self, mode: &Mode) -> bool {
+        weight(mode).abs() > self.least
+    }
+
+    /// Whether a mode moves the tip as much as one of the lever once it has gathered what contact after contact leaves in
+    /// it: its mobility over the share that it loses in a period of the drive.
+    pub fn gathers(&self, mode: &Mode) -> bool {
+        weight(mode).abs() / (1.0 - left(mode, self.omega)) > self.least
+    }
+}
+
+/// Those of the modes `moved` that are kept as they are among `count` oscillators: the lever's that are slower than the
+/// contact and ring on to the next one, and, as far as there is room, faster ones that ring for long, since a contact
+/// meets their phase again. Of a rod's modes, which hardly move the tip, there may be many: they are left to the reduction,
+/// unless next to nothing damps them.
+pub(super) fn ringing(
+    instrument: &Instrument,
+    omega: f64,
+    rate: f64,
+    moved: &[usize],
+    count: usize,
+) -> Vec<usize> {
+    let mode = |k: usize| &instrument.modes[k];
+    let most = count.min(moved.len()).saturating_sub(2).max(1);
+    let levers = Levers::of(instrument, omega);
+    let levers = || moved.iter().copied().filter(|k| levers.gathers(mode(*k)));
+    let slower = |k: &usize| mode(*k).omega <= rate && left(mode(*k), omega) >= RINGS;
+    let mut kept: Vec<usize> = levers().filter(slower).take(most.min(count.div_ceil(2))).collect();
+    if kept.is_empty() {
+        kept.extend(moved.first());
+    }
+    let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(kept.len());
+    let long = |k: &usize| mode(*k).omega <= FASTER * rate && left(mode(*k), omega) >= RINGS_LONG;
+    let more: Vec<usize> = levers().filter(|k| long(k) && !kept.contains(k)).take(room).collect();
+    kept.extend(more);
+    kept
+}
