@@ -85,7 +85,8 @@ fn what_is_told_is_obeyed() {
     for precision in [Precision::F32, Precision::F64] {
         let ours = run(&plan(&text, precision, false));
         assert_eq!(ours.arithmetic.name(), precision.name());
-        assert!(ours.arithmetic.rounding.is_nan());
+        // What f32 costs is known from a sample; of f64 nobody asks.
+        assert_eq!(ours.arithmetic.rounding.is_nan(), precision == Precision::F64);
     }
     // Nothing to choose by: the default stays.
     for change in ["steps_per_period = 128", "start = \"rest\"", "steady = \"search\""] {

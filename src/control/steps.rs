@@ -18,11 +18,13 @@ const DOUBLINGS: usize = 4;
 /// twice the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
 pub(super) const LEFT: f64 = 0.25;
 
-/// The same of the difference between two levers where JKR's jumps move all modes, and between two numbers of oscillators
-/// for a fast contact: an error falls by 2 to 8 times from one to the next, not always evenly, and a small difference may
-/// stand between two larger ones. Of random levers (`cargo bench --bench accuracy -- --part levers`).
+/// The same of the difference between two numbers of oscillators for a fast contact: an error falls by 2 to 8 times from
+/// one to the next, not always evenly.
+const LEFT_OF_FAST: f64 = 0.5;
+/// The same, and of two levers for slow contacts, where JKR's jumps move all modes: errors fall by less, and a small
+/// difference may stand between two larger ones. Of random levers (`cargo bench --bench accuracy -- --part levers`).
+const LEFT_OF_FAST_JUMPS: f64 = 1.5;
 const LEFT_OF_JUMPS: f64 = 0.75;
-const LEFT_OF_FAST: f64 = 1.5;
 
 /// Share of the accuracy that an estimate may have before more steps are taken: the rest is left to what no estimate
 /// sees (undamped modes of small share, rounding).
@@ -300,10 +302,11 @@ impl Controlled {
 
 /// What is left of the difference between two levers for the instance's contacts.
 fn left_of_modes(plan: &Plan, i: u32) -> f64 {
-    match plan.cases[i as usize].contact.law {
-        _ if is_fast(plan, i) => LEFT_OF_FAST,
-        Law::Jkr => LEFT_OF_JUMPS,
-        _ => LEFT,
+    match (plan.cases[i as usize].contact.law, is_fast(plan, i)) {
+        (Law::Jkr, true) => LEFT_OF_FAST_JUMPS,
+        (_, true) => LEFT_OF_FAST,
+        (Law::Jkr, false) => LEFT_OF_JUMPS,
+        (_, false) => LEFT,
     }
 }
 

@@ -3,7 +3,6 @@
 use super::Model;
 use super::dop853::Rates;
 use super::force::Force;
-use crate::contact::Law;
 use crate::engine::start;
 use crate::instrument::Mode;
 use crate::plan::{CasePlan, Driven, compliance, reduced};
@@ -14,11 +13,10 @@ use std::f64::consts::TAU;
 const LEFT_OUT: f64 = 1e-6;
 /// Onset and end of a contact are so many times faster than its middle.
 const ONSET: f64 = 4.0;
-/// Modes that are faster by so much follow the contact as springs do, but for their inertia.
-const FAR: f64 = 16.0;
-/// The same where contacts begin and end with a jump of the force, as JKR's do: against 16 the largest force of a lever of
-/// 0.37 N/m on 2.2 GPa is 4e-4 wrong, against 32 4e-5, against 64 6e-6.
-const FAR_OF_JUMPS: f64 = 64.0;
+/// Modes that are faster by so much follow the contact as springs do, but for their inertia. Where a force has a corner or a
+/// jump they ring all the same: with 16 the largest force of a lever of 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32
+/// 4e-5, with 64 6e-6; under DMT and Hertz 16 leaves up to 2e-4.
+const FAR: f64 = 64.0;
 /// And no mode counts as far faster that is not so many times faster than the lever's first.
 const SLOWEST: f64 = 200.0;
 /// Transients smaller than this part of the scale of length are over.
@@ -228,10 +226,8 @@ fn oscillators(
         order.pop();
     }
     let rate = driven.contact_rate(&case.contact, case.gap);
-    let jumps = case.contact.law == Law::Jkr;
-    let far = if jumps { FAR_OF_JUMPS } else { FAR };
     if quick {
-        let far = (far * rate).max(SLOWEST * TAU * driven.instrument.lever_frequency);
+        let far = (FAR * rate).max(SLOWEST * TAU * driven.instrument.lever_frequency);
         order.retain(|&k| modes[k].omega <= far || planned(k));
     }
     let each = order.iter().map(|&k| {
@@ -253,7 +249,7 @@ fn oscillators(
     };
     if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
         && let Some(one) =
-            reduced(&gone, if quick { 2 } else { 1 }, ONSET * rate, if quick { far } else { ONSET } * rate)
+            reduced(&gone, if quick { 2 } else { 1 }, ONSET * rate, if quick { FAR } else { ONSET } * rate)
     {
         each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.mobility]));
         indices.extend(one.iter().map(|_| None));
