@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// Error per step of the reference, which has more digits than any case asks for.
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-8;
 
 /// An estimate is too low where the error is so many times it and more than a tenth of the accuracy asked for.
 const TOO_LOW: f64 = 3.0;

@@ -141,7 +141,7 @@ impl Reference {
         if case.steps == 0 {
             return Ok((finish_free(driven, plan.wants), Work::default()));
         }
-        let system = System::new(case, driven, plan.run.start, self.model, false);
+        let system = System::new(case, driven, plan.run.start, self.model, None);
         if system.modes() == 0 {
             return Err(EngineError::NoModes);
         }

@@ -1,6 +1,6 @@
 //! The periodic state next to a given one, as a fixed point of the reference's own period map.
 
-use super::system::System;
+use super::system::{System, far};
 use super::walk::Walk;
 use super::{Reference, integrate};
 use crate::contact::Law;
@@ -24,8 +24,6 @@ const LEAST_LOSS: f64 = 1e-5;
 /// Differences, in units of the free amplitude, for the slope: as the steps allow, and for jumping contacts.
 const SMOOTH: f64 = 1e-5;
 const ROUGH: f64 = 3e-5;
-/// With steps of this tolerance or coarser ones, modes far faster than the contact are not resolved one by one.
-const QUICK: f64 = 1e-11;
 /// Motion that takes two periods is on one side of a periodic state at the start of one period and on the other side at
 /// the start of the next. It counts as that where the distance shrinks to no less than this share from one to the next.
 const ALTERNATES: f64 = 0.95;
@@ -56,7 +54,7 @@ pub fn solve_near(
     progress: &Progress,
 ) -> Result<Option<Finished>, EngineError> {
     let (case, driven) = options.checked(plan, instance)?;
-    let mut system = System::new(case, driven, Start::Steady, options.model, options.tolerance >= QUICK);
+    let mut system = System::new(case, driven, Start::Steady, options.model, far(options.tolerance));
     if system.modes() == 0 {
         return Err(EngineError::NoModes);
     }

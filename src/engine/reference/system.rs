@@ -13,10 +13,10 @@ use std::f64::consts::TAU;
 const LEFT_OUT: f64 = 1e-6;
 /// Onset and end of a contact are so many times faster than its middle.
 const ONSET: f64 = 4.0;
-/// Modes that are faster by so much follow the contact as springs do, but for their inertia. Where a force has a corner or a
-/// jump they ring all the same: with 16 the largest force of a lever of 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32
-/// 4e-5, with 64 6e-6; under DMT and Hertz 16 leaves up to 2e-4.
-const FAR: f64 = 64.0;
+/// By the tolerance of the steps, from which on: modes that are faster than the contact by so much follow it as springs do,
+/// but for their inertia. Where a force has a corner or a jump they ring all the same: with 16 the largest force of a lever of
+/// 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32 4e-5, with 64 6e-6; under DMT and Hertz 16 leaves up to 2e-4.
+const FAR: [(f64, f64); 3] = [(5e-8, 16.0), (5e-9, 32.0), (5e-12, 64.0)];
 /// And no mode counts as far faster that is not so many times faster than the lever's first.
 const SLOWEST: f64 = 200.0;
 /// Transients smaller than this part of the scale of length are over.
@@ -52,12 +52,17 @@ pub(super) struct System {
     pub fastest_transient: f64,
 }
 
+/// By how much a mode has to be faster than the contact not to be resolved, where steps of this tolerance do without.
+pub fn far(tolerance: f64) -> Option<f64> {
+    FAR.into_iter().find(|(from, _)| tolerance >= *from).map(|(_, far)| far)
+}
+
 impl System {
-    /// `quick`: modes that are far faster than the contact are not resolved one by one, which leaves the tip's compliance
-    /// at the contact's rates as it is to some 1e-7.
-    pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model, quick: bool) -> Self {
+    /// `far`: modes that are faster than the contact by more are not resolved one by one, which leaves the tip's compliance
+    /// at the contact's rates as it is to some 1e-7; see [`far`].
+    pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model, far: Option<f64>) -> Self {
         let omega = driven.free.omega;
-        let (indices, modes, left_out) = oscillators(case, driven, model, quick);
+        let (indices, modes, left_out) = oscillators(case, driven, model, far);
         let mut system = Self {
             stiffness: modes.iter().map(|mode| (mode[0] / omega).powi(2)).collect(),
             loss: modes.iter().map(|mode| mode[1] / omega).collect(),
@@ -202,7 +207,7 @@ fn oscillators(
     case: &CasePlan,
     driven: &Driven,
     model: Model,
-    quick: bool,
+    far: Option<f64>,
 ) -> (Vec<Option<usize>>, Vec<[f64; 3]>, f64) {
     if model == Model::Kept {
         let kept = &driven.kept;
@@ -226,8 +231,8 @@ fn oscillators(
         order.pop();
     }
     let rate = driven.contact_rate(&case.contact, case.gap);
-    if quick {
-        let far = (FAR * rate).max(SLOWEST * TAU * driven.instrument.lever_frequency);
+    if let Some(far) = far {
+        let far = (far * rate).max(SLOWEST * TAU * driven.instrument.lever_frequency);
         order.retain(|&k| modes[k].omega <= far || planned(k));
     }
     let each = order.iter().map(|&k| {
@@ -249,7 +254,7 @@ fn oscillators(
     };
     if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
         && let Some(one) =
-            reduced(&gone, if quick { 2 } else { 1 }, ONSET * rate, if quick { FAR } else { ONSET } * rate)
+            reduced(&gone, if far.is_some() { 2 } else { 1 }, ONSET * rate, far.unwrap_or(ONSET) * rate)
     {
         each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.mobility]));
         indices.extend(one.iter().map(|_| None));
