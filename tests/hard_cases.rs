@@ -15,7 +15,8 @@ use afmsweep::scene::{Scene, Steady};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Error per step of the reference, which has more digits than any case asks for.
+/// Error per step of the reference, which has more digits than any case asks for: that of an audit for 1e-3. With 1e-11 the
+/// same cases pass, in more than twice the time.
 const TOLERANCE: f64 = 1e-8;
 
 /// An estimate is too low where the error is so many times it and more than a tenth of the accuracy asked for.

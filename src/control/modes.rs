@@ -1,7 +1,7 @@
 //! Modes: by a sample of instances with poorer and richer levers.
 
 use super::steps::difference;
-use crate::compare::Scales;
+use crate::compare::{Scales, error};
 use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::{Measured, Observable, Status};
@@ -169,9 +169,9 @@ pub(super) fn unbent(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     if !plan.observables.contains(&Observable::Virial) {
         return 0.0;
     }
-    let bent = kept.residual_share.abs() * kept.flexibility * measured.force_mean;
-    let cost = (measured.force_mean * bent).abs()
-        / Scales::of(plan, instance as usize, measured).work.max(measured.virial.abs());
+    let work = kept.residual_share * kept.flexibility * measured.force_mean.powi(2);
+    let off = Measured { virial: measured.virial + work, ..*measured };
+    let cost = error(Observable::Virial, &off, measured, &Scales::of(plan, instance as usize, measured));
     if cost.is_finite() { cost } else { 0.0 }
 }
 

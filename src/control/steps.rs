@@ -107,8 +107,10 @@ pub(super) fn run(
         if both {
             parts.both[i] = apart;
         }
-        left_out[i] += modes::unbent(&fine, i as u32, &settled.outcome.results[i].measured);
     }
+    let unbent = |i: &u32| modes::unbent(&fine, *i, &settled.outcome.results[*i as usize].measured);
+    let unbent: Vec<f64> = stepped.par_iter().map(unbent).collect();
+    stepped.iter().zip(unbent).for_each(|(i, cost)| left_out[*i as usize] += cost);
     if let Some(bases) = &poorer {
         // And the second one is of oscillators alone.
         let fast = |i: &u32| {

@@ -247,7 +247,7 @@ pub fn blind(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
     let case = &plan.cases[instance];
     let modes = &plan.drives[case.drive as usize].instrument.modes;
     let mut shares: Vec<f64> =
-        modes.iter().map(|mode| (mode.tip * mode.force / (mode.omega * mode.omega)).abs()).collect();
+        modes.iter().map(|mode| (mode.mobility() / (mode.omega * mode.omega)).abs()).collect();
     shares.sort_by(f64::total_cmp);
     let whole: f64 = shares.iter().sum();
     let mut left = 0.0;

@@ -65,6 +65,13 @@ pub struct Mode {
     pub top: f64,
 }
 
+impl Mode {
+    /// Acceleration of the tip per tip force through this mode, c_k b_k, 1/kg.
+    pub fn mobility(&self) -> f64 {
+        self.tip * self.force
+    }
+}
+
 /// The instrument as its modes, in rising frequency: all of the finite-element model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instrument {
@@ -105,7 +112,7 @@ pub struct FreeMotion {
 impl Instrument {
     /// Static travel of the tip per force on it, sum of c_k b_k / omega_k^2 over all modes, m/N.
     pub fn flexibility(&self) -> f64 {
-        self.modes.iter().map(|m| m.tip * m.force / (m.omega * m.omega)).sum()
+        self.modes.iter().map(|m| m.mobility() / (m.omega * m.omega)).sum()
     }
 
     /// Each mode's c_k^2/omega_k^2 over the sum of all.

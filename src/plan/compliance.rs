@@ -21,12 +21,11 @@ pub fn compliance(oscillators: impl Iterator<Item = (f64, f64)>, s: f64) -> f64 
 /// answers against the force, as it may where the rod does not feel the lever.
 pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<KeptMode>> {
     let count = count.min(modes.len());
-    let weight = |mode: &Mode| mode.tip * mode.force;
-    if count == 0 || modes.iter().any(|mode| weight(mode) < 0.0) {
+    if count == 0 || modes.iter().any(|mode| mode.mobility() < 0.0) {
         return None;
     }
     let square = |mode: &Mode| mode.omega * mode.omega;
-    let push = DVector::from_iterator(modes.len(), modes.iter().map(|mode| weight(mode).sqrt()));
+    let push = DVector::from_iterator(modes.len(), modes.iter().map(|mode| mode.mobility().sqrt()));
     let mut basis: Vec<DVector<f64>> = Vec::with_capacity(count);
     for n in 0..count {
         let place = if count == 1 { 0.5 } else { n as f64 / (count - 1) as f64 };

@@ -13,7 +13,7 @@
 //! reduction of what the tip feels of it (`compliance.rs`).
 
 use super::compliance::{compliance, reduced};
-use super::ringing::{FASTER, Levers, REDUCED, RINGS_LONG, left, ringing, weight};
+use super::ringing::{FASTER, Levers, REDUCED, RINGS_LONG, left, ringing};
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
 
@@ -50,8 +50,8 @@ pub(super) const COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
 const BEYOND: f64 = 4.0;
 
 /// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate; beyond that rate the bound
-/// is wider, see [`KeptModes::wrong`]. Below an accuracy of 1e-3 the share falls with its square root: with the whole one the largest force of
-/// one in a hundred of 450 random levers on Hertzian samples asked for 1e-4 was up to 3e-4 off.
+/// is wider, see [`KeptModes::wrong`]. Below the accuracy `COARSE` the share falls with the accuracy's square root: without
+/// that one in a hundred of 450 random levers on Hertzian samples, asked for 1e-4, had a largest force that was 1e-4 to 3e-4 off.
 const WRONG: f64 = 0.75;
 const COARSE: f64 = 1e-3;
 
@@ -121,7 +121,7 @@ impl KeptModes {
     ) -> Self {
         let share = |k: usize| {
             let mode = &instrument.modes[k];
-            weight(mode) / (mode.omega * mode.omega)
+            mode.mobility() / (mode.omega * mode.omega)
         };
         let flexibility: f64 = (0..instrument.modes.len()).map(share).sum();
         let mut order: Vec<usize> = (0..instrument.modes.len()).collect();
@@ -153,7 +153,7 @@ impl KeptModes {
                 index: Some(k),
                 omega: mode.omega,
                 damping: 0.5 / mode.quality_factor,
-                mobility: weight(mode),
+                mobility: mode.mobility(),
                 top: mode.top / mode.tip,
             });
         }
@@ -171,14 +171,14 @@ impl KeptModes {
     /// the modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of
     /// the others. None where there are too few modes to reduce, or a mode that answers against the force.
     pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
-        let share = |mode: &Mode| weight(mode) / (mode.omega * mode.omega);
+        let share = |mode: &Mode| mode.mobility() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and everything above; slower modes of a rod, each a share of 1e-4 or less, are no
         // spring at the rates of a contact and stay out.
         let first = (0..instrument.modes.len())
             .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
         let moved: Vec<usize> =
-            (first..instrument.modes.len()).filter(|k| weight(&instrument.modes[*k]) != 0.0).collect();
+            (first..instrument.modes.len()).filter(|k| instrument.modes[*k].mobility() != 0.0).collect();
         // All of a list of modes; of a beam's finite elements the fastest are too fast to be stepped.
         let fastest = moved.iter().map(|k| instrument.modes[*k].omega).fold(0.0, f64::max);
         let all = moved.len() <= count && fastest <= FASTEST * rate;
@@ -194,7 +194,7 @@ impl KeptModes {
                     index: Some(k),
                     omega: mode.omega,
                     damping: 0.5 / mode.quality_factor,
-                    mobility: weight(mode),
+                    mobility: mode.mobility(),
                     top: mode.top / mode.tip,
                 }
             })
@@ -254,7 +254,7 @@ impl KeptModes {
     pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
         let error = |times: f64| {
             let s = times * rate;
-            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, weight(mode))), s);
+            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.mobility())), s);
             let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.mobility)), s);
             (ours / whole - 1.0).abs() / times.max(1.0).powi(2)
         };
@@ -270,7 +270,7 @@ impl KeptModes {
         let (mut largest, mut omega) = (0.0, f64::NAN);
         for mode in &instrument.modes {
             if mode.omega > kept {
-                let flexibility = weight(mode) / mode.omega.powi(2);
+                let flexibility = mode.mobility() / mode.omega.powi(2);
                 spring += flexibility;
                 if flexibility > largest {
                     (largest, omega) = (flexibility, mode.omega);

@@ -2,7 +2,6 @@
 
 use super::compliance::compliance;
 use super::modes::COUNTS;
-use super::ringing::weight;
 use super::{Basis, Driven, KeptModes};
 use crate::contact::{Contact, Law};
 use crate::instrument::Instrument;
@@ -30,7 +29,7 @@ pub(super) fn contact_rate(
     amplitude: f64,
     gap: f64,
 ) -> f64 {
-    let answer = |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, weight(mode))), s);
+    let answer = |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.mobility())), s);
     // Under DMT a tip that never touches feels the slope of the attraction just outside.
     let pull = match contact.law {
         Law::None => return 0.0,

@@ -18,11 +18,6 @@ pub(super) fn left(mode: &Mode, omega: f64) -> f64 {
     (-PI * mode.omega / (omega * mode.quality_factor)).exp()
 }
 
-/// Mobility of the tip through a mode, c_k b_k, 1/kg.
-pub(super) fn weight(mode: &Mode) -> f64 {
-    mode.tip * mode.force
-}
-
 /// Which modes are the lever's, told from a rod's, which hardly move the tip.
 pub(super) struct Levers {
     /// Least mobility of one, 1/kg.
@@ -34,20 +29,20 @@ pub(super) struct Levers {
 impl Levers {
     /// By the slowest of the modes that move the tip as a lever's do; `omega` is of the drive.
     pub fn of(instrument: &Instrument, omega: f64) -> Self {
-        let weights = || instrument.modes.iter().map(|mode| weight(mode).abs());
+        let weights = || instrument.modes.iter().map(|mode| mode.mobility().abs());
         let largest = weights().fold(0.0, f64::max);
         let slowest = weights().find(|one| *one > LEVERS * largest).unwrap_or(0.0);
         Self { least: LEVERS * slowest, omega }
     }
 
     pub fn own(&self, mode: &Mode) -> bool {
-        weight(mode).abs() > self.least
+        mode.mobility().abs() > self.least
     }
 
     /// Whether a mode moves the tip as much as one of the lever once it has gathered what contact after contact leaves in
     /// it: its mobility over the share that it loses in a period of the drive.
     pub fn gathers(&self, mode: &Mode) -> bool {
-        weight(mode).abs() / (1.0 - left(mode, self.omega)) > self.least
+        mode.mobility().abs() / (1.0 - left(mode, self.omega)) > self.least
     }
 }
 

@@ -13,9 +13,10 @@ use std::f64::consts::TAU;
 const LEFT_OUT: f64 = 1e-6;
 /// Onset and end of a contact are so many times faster than its middle.
 const ONSET: f64 = 4.0;
-/// By the tolerance of the steps, from which on: modes that are faster than the contact by so much follow it as springs do,
-/// but for their inertia. Where a force has a corner or a jump they ring all the same: with 16 the largest force of a lever of
-/// 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32 4e-5, with 64 6e-6; under DMT and Hertz 16 leaves up to 2e-4.
+/// By the tolerance of the steps: modes that are faster than the contact by so much are not resolved one by one. They follow
+/// the contact as springs do, but for their inertia. Where a force has a corner or a jump they ring all the same: with 16 the
+/// largest force of a lever of 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32 4e-5, with 64 6e-6; under DMT and Hertz
+/// 16 leaves up to 2e-4.
 const FAR: [(f64, f64); 3] = [(5e-8, 16.0), (5e-9, 32.0), (5e-12, 64.0)];
 /// And no mode counts as far faster that is not so many times faster than the lever's first.
 const SLOWEST: f64 = 200.0;
@@ -237,7 +238,7 @@ fn oscillators(
     }
     let each = order.iter().map(|&k| {
         let mode = &modes[k];
-        [mode.omega, mode.omega / mode.quality_factor, mode.tip * mode.force]
+        [mode.omega, mode.omega / mode.quality_factor, mode.mobility()]
     });
     let mut each: Vec<[f64; 3]> = each.collect();
     let mut indices: Vec<Option<usize>> = order.iter().copied().map(Some).collect();
@@ -250,7 +251,7 @@ fn oscillators(
         .filter(|mode| mode.omega > fastest)
         .collect();
     let answer = |some: &mut dyn Iterator<Item = &Mode>| {
-        compliance(some.map(|m| (m.omega, m.tip * m.force)), ONSET * rate)
+        compliance(some.map(|m| (m.omega, m.mobility())), ONSET * rate)
     };
     if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
         && let Some(one) =
