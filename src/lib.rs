@@ -54,7 +54,6 @@ pub mod contact;
 pub mod control;
 pub mod engine;
 pub mod instrument;
-pub mod kernel;
 pub mod observe;
 pub mod periodic;
 pub mod plan;
@@ -66,3 +65,6 @@ pub mod store;
 pub mod study;
 mod suggest;
 pub mod units;
+
+/// What runs per step and instance: a crate of its own, since it takes longest to compile.
+pub use afmsweep_kernel as kernel;

@@ -5,6 +5,7 @@
 
 mod shader;
 
+use afmsweep::contact::Law;
 use afmsweep::kernel::contact::{Approach, Dmt, Hertz, Interaction, Jkr, Kick};
 use afmsweep::kernel::{Lane, ShaderSpec, WORKGROUP};
 use afmsweep::observe::Wants;
@@ -45,7 +46,7 @@ fn approach(i: usize) -> (Approach<f64>, f64) {
     (approach, f64::from(u8::from(i.is_multiple_of(2))))
 }
 
-/// Constants by instance, [`Interaction::numbers`].
+/// Constants by instance, in the order of the shader's fields.
 fn constants(i: usize, law: &str) -> Vec<f64> {
     let stiffness = 10f64.powf(-4.0 + 4.0 * spread(i, 11));
     let adhesion = stiffness * spread(i, 13);
@@ -89,11 +90,7 @@ fn size(i: usize, law: &str) -> f64 {
 }
 
 fn spec(law: &str) -> ShaderSpec {
-    let law = match law {
-        "hertz" => <Hertz<f64> as Interaction<f64>>::SHADER,
-        "dmt" => <Dmt<f64> as Interaction<f64>>::SHADER,
-        _ => <Jkr<f64> as Interaction<f64>>::SHADER,
-    };
+    let law = Law::ALL.into_iter().find(|one| one.name() == law).expect("a law").shader();
     let wants = Wants::FUNDAMENTAL;
     ShaderSpec { law, modes: 1, wants, measured: false, decay: false, double: false }
 }

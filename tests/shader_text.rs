@@ -1,28 +1,19 @@
 //! The composed shader of every combination: naga's validation, the project's own lint, and the layout of
 //! its bindings and tables against what the engine packs.
 
+use afmsweep::contact::Law;
 use afmsweep::engine::gpu::Job;
-use afmsweep::kernel::contact::{Dmt, Hertz, Interaction, Jkr, LawShader, Nothing};
 use afmsweep::kernel::{Binding, MODES_MAX, ShaderSpec, WORKGROUP};
 use afmsweep::observe::{HARMONICS, Wants};
 use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
 
-fn laws() -> [&'static LawShader; 4] {
-    [
-        <Nothing as Interaction<f64>>::SHADER,
-        <Hertz<f64> as Interaction<f64>>::SHADER,
-        <Dmt<f64> as Interaction<f64>>::SHADER,
-        <Jkr<f64> as Interaction<f64>>::SHADER,
-    ]
-}
-
 /// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
 /// precisions.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
-    for law in laws() {
+    for law in Law::ALL.map(Law::shader) {
         for modes in (1..=5).chain([8, MODES_MAX]) {
             for groups in 0..8 {
                 for harmonics in [1, HARMONICS] {

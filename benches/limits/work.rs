@@ -1,8 +1,6 @@
 //! Floating-point operations of one instance-step, counted in the parsed shader: the CPU kernel is its twin.
 
-use afmsweep::contact::Law;
 use afmsweep::kernel::ShaderSpec;
-use afmsweep::kernel::contact::{Dmt, Hertz, Interaction, Jkr, Nothing};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Start;
 use naga::{Block, Expression, Function, MathFunction, Module, Statement};
@@ -14,12 +12,7 @@ use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 pub fn operations(plan: &Plan, measured: f64) -> [f64; 2] {
     let class = &plan.classes[0];
     let spec = ShaderSpec {
-        law: match class.law {
-            Law::None => <Nothing as Interaction<f64>>::SHADER,
-            Law::Hertz => <Hertz<f64> as Interaction<f64>>::SHADER,
-            Law::Dmt => <Dmt<f64> as Interaction<f64>>::SHADER,
-            Law::Jkr => <Jkr<f64> as Interaction<f64>>::SHADER,
-        },
+        law: class.law.shader(),
         modes: class.modes,
         wants: plan.wants,
         measured: true,

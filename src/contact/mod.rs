@@ -22,6 +22,7 @@ mod jkr;
 mod tabor;
 mod warning;
 
+pub use crate::kernel::Law;
 pub use curve::{Branch, Curve, Curves};
 pub use dmt::Dmt;
 pub use hertz::Hertz;
@@ -31,41 +32,6 @@ pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
 use crate::scene::{Adhesion, LawChoice, Params};
 use std::f64::consts::PI;
-
-/// The law one instance uses (after `auto` has been decided).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Law {
-    None,
-    Hertz,
-    Dmt,
-    Jkr,
-}
-
-impl Law {
-    pub const ALL: [Law; 4] = [Law::None, Law::Hertz, Law::Dmt, Law::Jkr];
-
-    /// The word the scene file and the results file use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Law::None => "none",
-            Law::Hertz => "hertz",
-            Law::Dmt => "dmt",
-            Law::Jkr => "jkr",
-        }
-    }
-
-    /// True where the force depends on the past: two answers for one indentation.
-    pub fn has_memory(self) -> bool {
-        matches!(self, Law::Jkr)
-    }
-}
-
-impl std::fmt::Display for Law {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// What every law answers. Only a law with memory looks at `in_contact`.
 ///

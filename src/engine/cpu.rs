@@ -1,15 +1,13 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
-use super::lanes::{self, Family, Rounding, Stepping};
+use super::batch::Batch;
 use super::measure::{finish, finish_free};
+use super::member::{Levers, Member, begin, member, step_length};
 use super::saved::Saved;
-use super::start;
-use super::track::{Member, member, step_length};
-use super::walk::{Packs, Walk};
-use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map};
+use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station};
 use crate::instrument::Place;
-use crate::kernel::{Decay, LENGTH, Lane, Wave};
-use crate::plan::{Class, Driven, Plan, Station};
+use crate::kernel::{Decay, LENGTH, MODES_MAX, Real, Rounding, Stepper, Wave, instructions};
+use crate::plan::{Class, Driven, Plan, Precision, Station};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -34,7 +32,7 @@ pub fn processor() -> String {
         Some(line.split_once(':')?.1.trim().to_owned())
     });
     let name = name.unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH));
-    match lanes::instructions() {
+    match instructions() {
         Some(instructions) => format!("{name} ({instructions})"),
         None => name,
     }
@@ -91,6 +89,16 @@ pub(super) enum Resume<'a> {
     Stations(&'a [Station], &'a [u32]),
 }
 
+impl Resume<'_> {
+    /// Periods done.
+    fn done(&self) -> u32 {
+        match self {
+            Self::Saved(_, done) => *done,
+            Self::Stations(..) => 0,
+        }
+    }
+}
+
 /// Runs a class from its start, or from where it was left. Results in the order of the class' instances.
 pub(super) fn resume(
     plan: &Plan,
@@ -99,7 +107,25 @@ pub(super) fn resume(
     rounding: Rounding,
     progress: &Progress,
 ) -> Result<Vec<Ended>, EngineError> {
-    lanes::with(plan.precision, rounding, ClassRun { plan, class, from, progress })
+    if class.steps == 0 {
+        return Ok(free_class(plan, class));
+    }
+    match plan.precision {
+        Precision::F32 => Ok(instances::<f32>(plan, class, from, &stepper(rounding, class)?, progress)),
+        Precision::F64 => Ok(instances::<f64>(plan, class, from, &stepper(rounding, class)?, progress)),
+    }
+}
+
+/// What steps a class.
+///
+/// # Errors
+/// No modes, or more than the kernel can step.
+pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Stepper<E>, EngineError> {
+    let modes = class.modes;
+    E::stepper(rounding, class.law, modes).ok_or(match modes {
+        0 => EngineError::NoModes,
+        _ => EngineError::TooManyModes { modes, most: MODES_MAX },
+    })
 }
 
 /// Results of instances that never reach the sample.
@@ -107,42 +133,34 @@ pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Ended> {
     class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants).into()).collect()
 }
 
-struct ClassRun<'a> {
-    plan: &'a Plan,
-    class: &'a Class,
-    from: Option<Resume<'a>>,
-    progress: &'a Progress,
-}
-
-impl Stepping for ClassRun<'_> {
-    type Output = Result<Vec<Ended>, EngineError>;
-
-    fn with<F: Family>(self) -> Self::Output {
-        let Self { plan, class, from, progress } = self;
-        if class.steps == 0 {
-            return Ok(free_class(plan, class));
-        }
-        let packs = Packs::of::<F>(class.law, class.modes)?;
-        Ok(instances(plan, class, from, &packs, progress))
-    }
-}
-
-fn instances<E: Lane<Element = E>>(
+fn instances<E: Real>(
     plan: &Plan,
     class: &Class,
     from: Option<Resume>,
-    packs: &Packs<E>,
+    stepper: &Stepper<E>,
     progress: &Progress,
 ) -> Vec<Ended> {
     let waves = start::waves::<E>(class.steps, plan.wants.harmonics);
     let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
+    let levers = Levers::of(&members, stepper.modes);
+    let done = from.map_or(0, |from| from.done());
+    let batch = |first: usize, some: &[Member]| {
+        let saved = |i: usize| match from {
+            None => begin(some[i], plan.run.start),
+            Some(Resume::Saved(saved, _)) => saved[first + i],
+            Some(Resume::Stations(stations, instances)) => {
+                let instance = instances[first + i];
+                station::saved(plan, instance, &stations[instance as usize])
+            }
+        };
+        Batch::new(stepper, some, &levers, plan.run.start, saved, done)
+    };
     if plan.run.start == Start::Steady {
         return members
-            .par_chunks(packs.width)
+            .par_chunks(stepper.width)
             .enumerate()
-            .flat_map_iter(|(number, pack)| {
-                let track = packs.make(plan, pack, from, number * packs.width);
-                steady(plan, pack, track, &waves, progress)
+            .flat_map_iter(|(number, some)| {
+                steady(plan, some, batch(number * stepper.width, some), done, &waves, progress)
             })
             .collect();
     }
@@ -159,63 +177,62 @@ fn instances<E: Lane<Element = E>>(
     groups
         .par_iter()
         .flat_map_iter(|(first, group)| {
-            let all = group.chunks(packs.width).enumerate();
-            let tracks = all.map(|(n, pack)| packs.make(plan, pack, from, first + n * packs.width)).collect();
-            from_rest(plan, group, packs.width, tracks, &waves, progress)
+            let all = group.chunks(stepper.width).enumerate();
+            let batches = all.map(|(n, some)| batch(first + n * stepper.width, some)).collect();
+            from_rest(plan, group, batches, done, &waves, progress)
         })
         .collect()
 }
 
-fn steady<E>(
+fn steady<E: Real>(
     plan: &Plan,
-    pack: &[Member],
-    mut track: Box<dyn Walk<E>>,
+    members: &[Member],
+    mut batch: Batch<E>,
+    mut done: u32,
     waves: &[Vec<Wave<E>>],
     progress: &Progress,
 ) -> Vec<Ended> {
     let steps = waves[0].len();
     // In blocks, so that a long run tells how far it is and can be stopped.
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = track.done();
     while done < plan.run.periods {
         if progress.stopped() {
-            return vec![Ended::NOT_RUN; pack.len()];
+            return vec![Ended::NOT_RUN; members.len()];
         }
         let periods = block.min(plan.run.periods - done);
-        track.advance(&plan.run, periods, waves, None, plan.wants);
-        progress.add(pack.len() as u64 * u64::from(periods) * steps as u64);
+        batch.advance(&plan.run, periods, waves, None, plan.wants);
+        progress.add(members.len() as u64 * u64::from(periods) * steps as u64);
         done += periods;
     }
-    finish_pack(plan, pack, track.as_ref())
+    finish_batch(plan, members, &batch)
 }
 
-fn finish_pack<E>(plan: &Plan, pack: &[Member], track: &dyn Walk<E>) -> Vec<Ended> {
+fn finish_batch<E: Real>(plan: &Plan, members: &[Member], batch: &Batch<E>) -> Vec<Ended> {
     let tell = plan.stations.is_some();
-    pack.iter()
-        .zip(track.sums(&plan.run, pack[0].0.steps))
+    members
+        .iter()
+        .zip(batch.sums(&plan.run, members[0].0.steps))
         .enumerate()
         .map(|(lane, ((case, driven), sums))| Ended {
             finished: finish(&sums, case, driven, &plan.run, plan.wants),
-            end: tell.then(|| Box::new(track.station(lane))),
+            end: tell.then(|| Box::new(batch.station(lane))),
         })
         .collect()
 }
 
 /// All instances of a group go through a block of periods before the next block is tabulated.
-fn from_rest<E: Lane<Element = E>>(
+fn from_rest<E: Real>(
     plan: &Plan,
     group: &[Member],
-    width: usize,
-    mut tracks: Vec<Box<dyn Walk<E>>>,
+    mut batches: Vec<Batch<E>>,
+    mut done: u32,
     waves: &[Vec<Wave<E>>],
     progress: &Progress,
 ) -> Vec<Ended> {
     let run = &plan.run;
     let driven = group[0].1;
     let steps = waves[0].len();
-    let packs: Vec<&[Member]> = group.chunks(width).collect();
     let block = (BLOCK / steps).max(1) as u32;
-    let mut done = tracks[0].done();
     while done < run.periods {
         if progress.stopped() {
             return vec![Ended::NOT_RUN; group.len()];
@@ -223,22 +240,18 @@ fn from_rest<E: Lane<Element = E>>(
         let periods = block.min(run.periods - done);
         let first = u64::from(done) * steps as u64;
         let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
-        tracks.par_iter_mut().for_each(|track| {
-            track.advance(run, periods, waves, Some(&decay), plan.wants);
-            progress.add(track.members() as u64 * u64::from(periods) * steps as u64);
+        batches.par_iter_mut().for_each(|batch| {
+            batch.advance(run, periods, waves, Some(&decay), plan.wants);
+            progress.add(batch.members() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;
     }
-    tracks.iter().zip(packs).flat_map(|(track, pack)| finish_pack(plan, pack, track.as_ref())).collect()
+    let members = group.chunks(batches[0].members());
+    batches.iter().zip(members).flat_map(|(batch, members)| finish_batch(plan, members, batch)).collect()
 }
 
 /// The decaying free motion of the modes that are not stepped, at the middle of each step.
-pub(super) fn decays<L: Lane>(
-    driven: &Driven,
-    steps: u32,
-    first: u64,
-    count: usize,
-) -> Vec<Decay<L::Element>> {
+pub(super) fn decays<E: Real>(driven: &Driven, steps: u32, first: u64, count: usize) -> Vec<Decay<E>> {
     let step = step_length(driven, steps);
     let mut skip = vec![false; driven.instrument.modes.len()];
     for mode in &driven.kept.modes {
@@ -251,9 +264,9 @@ pub(super) fn decays<L: Lane>(
     let rows = driven.free.transient_table(&driven.instrument, Place::Tip, &skip, begin, step, count + 2);
     rows.windows(3)
         .map(|row| Decay {
-            travel: L::element(row[1][0] / LENGTH),
-            speed: L::element(row[1][1] * step / LENGTH),
-            acceleration: L::element(0.5 * (row[2][1] - row[0][1]) * step / LENGTH),
+            travel: E::element(row[1][0] / LENGTH),
+            speed: E::element(row[1][1] * step / LENGTH),
+            acceleration: E::element(0.5 * (row[2][1] - row[0][1]) * step / LENGTH),
         })
         .collect()
 }

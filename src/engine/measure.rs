@@ -1,8 +1,8 @@
 //! From the sums over periods to measurements in SI units, and whether they can be trusted.
 
 use super::Finished;
+use super::member::force_scale;
 use super::start;
-use super::track::force_scale;
 use crate::contact::{Contact, Law};
 use crate::kernel::{LENGTH, Ledger};
 use crate::observe::{Measured, Status, Wants};

@@ -1,11 +1,14 @@
 //! What steps a plan: engines behind one small trait.
 
+mod batch;
 mod cpu;
 mod estimate;
 pub mod gpu;
-mod lanes;
+#[cfg(test)]
+mod instructions_agree;
 mod law;
 mod measure;
+mod member;
 mod progress;
 mod reference;
 mod return_map;
@@ -13,8 +16,6 @@ mod saved;
 mod start;
 mod station;
 mod trace;
-mod track;
-mod walk;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;

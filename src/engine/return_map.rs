@@ -1,12 +1,10 @@
 //! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
 //! place, again and again.
 
-use super::lanes::{self, Family, Rounding, Stepping};
-use super::law::KernelLaw;
-use super::track::{Member, case, member};
-use super::walk::{Shape, shaped};
+use super::cpu::stepper;
+use super::member::{Levers, Member, member, motion};
 use super::{EngineError, Progress, start};
-use crate::kernel::{Case, LENGTH, Lane, State, WRITTEN_OUT, Wave, unmeasured_period};
+use crate::kernel::{LENGTH, Rounding, Stepper, Wave};
 use crate::plan::{Class, Plan, Station};
 use crate::scene::Start;
 use rayon::ThreadPool;
@@ -25,26 +23,8 @@ pub trait ReturnMap: Send + Sync {
     fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>>;
 }
 
-/// Instances of one class: their constants, and how they are stepped.
-trait Table: Send + Sync {
-    /// Instances stepped side by side.
-    fn width(&self) -> usize;
-    /// Steps per period.
-    fn steps(&self) -> u32;
-    /// Takes a pack on, and puts its ends into the starts' places.
-    fn after(&self, pack: &Pack, out: &mut [Option<Station>]);
-}
-
-/// Up to [`Table::width`] starts that go on together.
-struct Pack<'a> {
-    /// Their places among the starts, and their instances' rows.
-    places: &'a [(usize, u32)],
-    starts: &'a [(u32, Station)],
-    periods: u32,
-}
-
 pub(super) struct Map {
-    tables: Vec<Box<dyn Table>>,
+    tables: Vec<Table>,
     /// By instance, its table and its row there.
     places: Vec<(u32, u32)>,
     pool: Option<ThreadPool>,
@@ -64,38 +44,14 @@ impl Map {
             for (row, instance) in class.instances.iter().enumerate() {
                 places[*instance as usize] = (number as u32, row as u32);
             }
-            let make = || lanes::with_double(rounding, Tabulate { plan: &part, class });
+            let stepper = stepper(rounding, class)?;
+            let make = || Table::new(&part, class, stepper);
             tables.push(match &pool {
-                None => make()?,
-                Some(pool) => pool.install(make)?,
+                None => make(),
+                Some(pool) => pool.install(make),
             });
         }
         Ok(Self { tables, places, pool })
-    }
-}
-
-struct Tabulate<'a> {
-    plan: &'a Plan,
-    class: &'a Class,
-}
-
-impl Stepping for Tabulate<'_> {
-    type Output = Result<Box<dyn Table>, EngineError>;
-
-    fn with<F: Family>(self) -> Self::Output {
-        shaped::<F, _>(self.class.law, self.class.modes, self)
-    }
-}
-
-impl<E> Shape<E> for Tabulate<'_> {
-    type Output = Box<dyn Table>;
-
-    fn with<L, I, const M: usize>(self) -> Box<dyn Table>
-    where
-        L: Lane<Element = E> + 'static,
-        I: KernelLaw<L> + Send + Sync + 'static,
-    {
-        table::<L, I, M>(self.plan, self.class)
     }
 }
 
@@ -116,159 +72,110 @@ impl ReturnMap for Map {
                 let (table, row) = self.places[*instance as usize];
                 (table as usize == number).then_some((n, row))
             }));
-            for places in own.chunks(table.width()) {
+            let mut rows = table.buffers();
+            for places in own.chunks(table.stepper.width) {
                 if progress.stopped() {
                     return out;
                 }
-                table.after(&Pack { places, starts, periods }, &mut out);
-                progress.add(places.len() as u64 * u64::from(periods) * u64::from(table.steps()));
+                table.after(places, starts, periods, &mut rows, &mut out);
+                progress.add(places.len() as u64 * u64::from(periods) * table.waves.len() as u64);
             }
         }
         out
     }
 }
 
-/// Constants of a class: those that all its instances share, and a row of the others for each.
-struct Rows<L: Lane, I, const M: usize> {
+/// Instances of one class: the constants that all of them share, and a row of the others for each.
+struct Table {
+    stepper: Stepper<f64>,
+    waves: Vec<Wave<f64>>,
     /// In their order; none where the next number of a row stands.
-    shared: Vec<Option<L::Element>>,
-    rows: Vec<L::Element>,
+    shared: Vec<Option<f64>>,
+    rows: Vec<f64>,
     /// Numbers in a row.
     length: usize,
-    modes: usize,
-    waves: Vec<Wave<L::Element>>,
-    law: std::marker::PhantomData<I>,
 }
 
-/// The table of a class.
-fn table<L: Lane + 'static, I: KernelLaw<L> + Send + Sync + 'static, const M: usize>(
-    plan: &Plan,
-    class: &Class,
-) -> Box<dyn Table> {
-    let packs: Vec<(Vec<L::Element>, usize)> =
-        class.instances.par_chunks(L::WIDTH).map(|pack| rows::<L, I, M>(plan, pack)).collect();
-    let all = packs.first().map_or(0, |(_, length)| *length);
-    let rows = || packs.iter().flat_map(|(rows, _)| rows.chunks_exact(all));
-    let mut shared: Vec<Option<L::Element>> =
-        rows().next().map_or_else(Vec::new, |row| row.iter().copied().map(Some).collect());
-    let bits = |element: L::Element| -> u64 { element.into().to_bits() };
-    for row in rows() {
-        for (place, own) in shared.iter_mut().zip(row) {
-            *place = place.filter(|element| bits(*element) == bits(*own));
-        }
-    }
-    let own = rows().flat_map(|row| row.iter().zip(&shared).filter(|(_, shared)| shared.is_none()));
-    Box::new(Rows::<L, I, M> {
-        rows: own.map(|(element, _)| *element).collect(),
-        length: shared.iter().filter(|shared| shared.is_none()).count(),
-        shared,
-        modes: class.modes,
-        waves: start::waves::<L>(class.steps, 1).into_iter().flatten().collect(),
-        law: std::marker::PhantomData,
-    })
+/// Rows of a number for each instance side by side, as the kernel takes them.
+struct Buffers {
+    /// Those that are shared are filled in.
+    constants: Vec<f64>,
+    state: Vec<f64>,
 }
 
-/// Rows of a pack, and their length.
-fn rows<L: Lane, I: KernelLaw<L>, const M: usize>(plan: &Plan, pack: &[u32]) -> (Vec<L::Element>, usize) {
-    let mut members: Vec<Member> = pack.iter().map(|instance| member(plan, *instance)).collect();
-    members.resize(L::WIDTH, members[pack.len() - 1]);
-    let numbers = case::<L, I, M>(&members, Start::Steady).numbers();
-    let all = (0..pack.len()).flat_map(|lane| numbers.iter().map(move |field| L::element(field.lane(lane))));
-    (all.collect(), numbers.len())
-}
-
-/// Most lanes side by side.
-const WIDEST: usize = 32;
-
-impl<L: Lane, I: KernelLaw<L> + Send + Sync, const M: usize> Table for Rows<L, I, M> {
-    fn width(&self) -> usize {
-        L::WIDTH
-    }
-
-    fn steps(&self) -> u32 {
-        self.waves.len() as u32
-    }
-
-    fn after(&self, pack: &Pack, out: &mut [Option<Station>]) {
-        L::run(
-            #[inline(always)]
-            || self.stepped(pack, out),
-        );
-    }
-}
-
-impl<L: Lane, I: KernelLaw<L>, const M: usize> Rows<L, I, M> {
-    #[inline(always)]
-    fn stepped(&self, pack: &Pack, out: &mut [Option<Station>]) {
-        let Pack { places, starts, periods } = *pack;
-        let modes = if M <= WRITTEN_OUT { M } else { self.modes.min(M) };
-        let mut buffer = [L::element(0.0); WIDEST];
-        // The last one fills the lanes left over.
-        let last = places[places.len() - 1];
-        let mut begin: [(&Station, &[L::Element]); WIDEST] = [(&starts[last.0].1, self.row(last.1)); WIDEST];
-        for (place, (n, row)) in begin.iter_mut().zip(places) {
-            *place = (&starts[*n].1, self.row(*row));
-        }
-        let begin = &begin[..L::WIDTH];
-        let mut state =
-            State::<L, M> { x: [L::splat(0.0); M], u: [L::splat(0.0); M], touching: L::splat(0.0) };
-        for k in 0..modes {
-            for (place, (station, _)) in buffer.iter_mut().zip(begin) {
-                *place = L::element(station.x[k] / LENGTH);
-            }
-            state.x[k] = L::load(&buffer);
-            for (place, (station, _)) in buffer.iter_mut().zip(begin) {
-                *place = L::element(station.u[k] / LENGTH);
-            }
-            state.u[k] = L::load(&buffer);
-        }
-        for (place, (station, _)) in buffer.iter_mut().zip(begin) {
-            *place = L::element(f64::from(u8::from(station.touching)));
-        }
-        state.touching = L::load(&buffer);
-        let (mut shared, mut own) = (self.shared.iter(), 0..self.length);
-        let case: Case<L, I, M> = Case::from_numbers(
-            self.modes,
-            #[inline(always)]
-            || {
-                if let Some(Some(element)) = shared.next() {
-                    return L::broadcast(*element);
-                }
-                let field = own.next().unwrap_or(0);
-                for (place, (_, row)) in buffer.iter_mut().zip(begin) {
-                    *place = row[field];
-                }
-                L::load(&buffer)
-            },
-        );
-        for _ in 0..periods {
-            unmeasured_period(&case, &mut state, &self.waves);
-        }
-        for ((n, _), (station, _)) in places.iter().zip(begin) {
-            out[*n] = Some(**station);
-        }
-        let mut put = |field: L, put: fn(&mut Station, usize, f64), k: usize| {
-            field.store(&mut buffer);
-            for ((n, _), value) in places.iter().zip(&buffer) {
-                if let Some(end) = &mut out[*n] {
-                    put(end, k, (*value).into());
-                }
-            }
+impl Table {
+    fn new(plan: &Plan, class: &Class, stepper: Stepper<f64>) -> Self {
+        let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
+        let levers = Levers::of(&members, stepper.modes);
+        let all = |one: Member| -> Vec<f64> { motion(one, levers.get(one), Start::Steady).collect() };
+        let first = members.first().map_or_else(Vec::new, |one| all(*one));
+        let differs = |mut differs: Vec<bool>, one: &Member| {
+            let own = all(*one);
+            let numbers = own.iter().zip(&first).map(|(own, first)| own.to_bits() != first.to_bits());
+            differs.iter_mut().zip(numbers).for_each(|(place, differs)| *place |= differs);
+            differs
         };
-        for k in 0..modes {
-            put(state.x[k], |end, k, value| end.x[k] = value * LENGTH, k);
-            put(state.u[k], |end, k, value| end.u[k] = value * LENGTH, k);
-        }
-        put(state.touching, |end, _, value| end.touching = value > 0.0, 0);
-        for (n, _) in places {
-            let Some(end) = &mut out[*n] else { continue };
-            // Beyond f32 counts as none, as in a run.
-            let numbers = |all: &[f64]| all.iter().all(|value| ((value / LENGTH) as f32).is_finite());
-            end.finite &= numbers(&end.x[..modes]) && numbers(&end.u[..modes]);
+        let none = || vec![false; first.len()];
+        let either = |a: Vec<bool>, b: Vec<bool>| a.iter().zip(&b).map(|(a, b)| a | b).collect();
+        let own = members.par_iter().fold(none, differs).reduce(none, either);
+        let row =
+            |one: &Member| all(*one).into_iter().zip(&own).filter(|(_, own)| **own).map(|(number, _)| number);
+        Self {
+            rows: members.par_iter().flat_map_iter(row).collect(),
+            length: own.iter().filter(|own| **own).count(),
+            shared: first.iter().zip(&own).map(|(number, own)| (!own).then_some(*number)).collect(),
+            waves: start::waves(class.steps, 1).into_iter().flatten().collect(),
+            stepper,
         }
     }
 
-    fn row(&self, row: u32) -> &[L::Element] {
-        &self.rows[row as usize * self.length..][..self.length]
+    fn buffers(&self) -> Buffers {
+        let width = self.stepper.width;
+        let shared = self.shared.iter().map(|number| number.unwrap_or(0.0));
+        Buffers {
+            constants: shared.flat_map(|number| std::iter::repeat_n(number, width)).collect(),
+            state: vec![0.0; (2 * self.stepper.modes + 1) * width],
+        }
+    }
+
+    /// Takes up to as many starts as are stepped side by side on, `places` among them and their instances' rows here,
+    /// and puts their ends into the starts' places.
+    fn after(
+        &self,
+        places: &[(usize, u32)],
+        starts: &[(u32, Station)],
+        periods: u32,
+        rows: &mut Buffers,
+        out: &mut [Option<Station>],
+    ) {
+        let (width, modes) = (self.stepper.width, self.stepper.modes);
+        for lane in 0..width {
+            // The last one fills the places left over.
+            let (start, row) = places[lane.min(places.len() - 1)];
+            let station = &starts[start].1;
+            let own = &self.rows[row as usize * self.length..][..self.length];
+            let places = rows.constants.chunks_exact_mut(width).zip(&self.shared);
+            let places = places.filter(|(_, shared)| shared.is_none()).map(|(row, _)| row);
+            places.zip(own).for_each(|(row, number)| row[lane] = *number);
+            let numbers = station.x[..modes].iter().chain(&station.u[..modes]).map(|number| number / LENGTH);
+            let numbers = numbers.chain([f64::from(u8::from(station.touching))]);
+            rows.state.chunks_exact_mut(width).zip(numbers).for_each(|(row, number)| row[lane] = number);
+        }
+        let mut done = 0;
+        while done < periods {
+            done += self.stepper.coast(&rows.constants, &mut rows.state, &self.waves, periods - done);
+        }
+        for (lane, (start, _)) in places.iter().enumerate() {
+            let mut end = starts[*start].1;
+            let mut numbers = rows.state.chunks_exact(width).map(|row| row[lane]);
+            for place in end.x[..modes].iter_mut().chain(&mut end.u[..modes]) {
+                let number = numbers.next().unwrap_or(f64::NAN);
+                // Beyond f32 counts as none, as in a run.
+                end.finite &= (number as f32).is_finite();
+                *place = number * LENGTH;
+            }
+            end.touching = numbers.next().is_some_and(|touching| touching > 0.0);
+            out[*start] = Some(end);
+        }
     }
 }

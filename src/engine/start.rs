@@ -1,6 +1,6 @@
 //! Where a run starts: the drive's phase at its first step and the free motion from there.
 
-use crate::kernel::{Lane, Wave};
+use crate::kernel::{Real, Wave};
 use crate::plan::Driven;
 use crate::scene::Start;
 use nalgebra::Complex;
@@ -29,7 +29,7 @@ pub(super) fn phasor(cosine: f64, sine: f64, n: usize, phase: f64) -> Complex<f6
 }
 
 /// Cosines and sines at the middle of each step of a period, for harmonics 1 to `harmonics`.
-pub(super) fn waves<L: Lane>(steps: u32, harmonics: usize) -> Vec<Vec<Wave<L::Element>>> {
+pub(super) fn waves<E: Real>(steps: u32, harmonics: usize) -> Vec<Vec<Wave<E>>> {
     let period = 2 * u64::from(steps);
     (1..=harmonics.max(1) as u64)
         .map(|n| {
@@ -37,7 +37,7 @@ pub(super) fn waves<L: Lane>(steps: u32, harmonics: usize) -> Vec<Vec<Wave<L::El
                 .map(|step| {
                     // Reduced in whole numbers, so that the angle is exact for any harmonic.
                     let angle = TAU * ((n * (2 * step + 1)) % period) as f64 / period as f64;
-                    Wave { cosine: L::element(angle.cos()), sine: L::element(angle.sin()) }
+                    Wave { cosine: E::element(angle.cos()), sine: E::element(angle.sin()) }
                 })
                 .collect()
         })

@@ -1,8 +1,8 @@
 //! Between a plan's stations and the kernel's units.
 
+use super::member::member;
 use super::saved::Saved;
 use super::start;
-use super::track::member;
 use crate::kernel::{LENGTH, Ledger};
 use crate::plan::{Plan, Station};
 use std::f64::consts::PI;

@@ -2,16 +2,12 @@
 
 use super::EngineError;
 use super::cpu::decays;
-use super::lanes::{self, Family, Rounding, Stepping};
-use super::law::KernelLaw;
-use super::saved::Saved;
+use super::member::{begin, constants, force_scale, lever, step_length};
 use super::start;
 use super::station;
-use super::track::{case, force_scale, state, step_length};
-use crate::contact::Law;
-use crate::kernel::contact::{Dmt, Hertz, Jkr, Nothing};
-use crate::kernel::{LENGTH, Lane, MODES_MAX, each_step};
-use crate::plan::{CasePlan, Driven, Plan, Precision, Station};
+use crate::kernel::{LENGTH, MODES_MAX, Rounding, tracer};
+use crate::plan::{Plan, Station};
+use crate::scene::Start;
 
 /// The steps of an instance from `first` on, at the middle of each step. SI units, f64.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,77 +62,39 @@ pub fn trace(
         }
         _ => {}
     }
-    let from = from.map(|place| station::saved(plan, instance as u32, place));
-    let tracing = Tracing { plan, instance: &case, driven, from, periods, keep };
-    Ok(lanes::with(Precision::F64, Rounding::new(false).least(), tracing))
-}
-
-/// An instance to be stepped, how long, and how many of its last periods are kept.
-struct Tracing<'a> {
-    plan: &'a Plan,
-    instance: &'a CasePlan,
-    driven: &'a Driven,
-    from: Option<Saved>,
-    periods: u32,
-    keep: u32,
-}
-
-impl Stepping for Tracing<'_> {
-    type Output = Trace;
-
-    fn with<F: Family>(self) -> Trace {
-        match self.instance.contact.law {
-            Law::None => self.steps::<F::Narrow, Nothing>(),
-            Law::Hertz => self.steps::<F::Narrow, Hertz<F::Narrow>>(),
-            Law::Dmt => self.steps::<F::Narrow, Dmt<F::Narrow>>(),
-            Law::Jkr => self.steps::<F::Narrow, Jkr<F::Narrow>>(),
-        }
-    }
-}
-
-impl Tracing<'_> {
-    /// Every lane holds the same instance.
-    fn steps<L: Lane, I: KernelLaw<L>>(&self) -> Trace {
-        let Self { plan, instance, driven, from, periods, keep } = *self;
-        let start = plan.run.start;
-        let count = u64::from(instance.steps);
-        let members = vec![(instance, driven); L::WIDTH];
-        let case = case::<L, I, MODES_MAX>(&members, start);
-        let mut state = state(&case, &members, start);
-        let waves = start::waves::<L>(instance.steps, 1);
-        let force = force_scale(driven, instance.steps);
-        let mut skipped = 0;
-        if let Some(saved) = from {
-            state.x = saved.x.map(L::splat);
-            state.u = saved.u.map(L::splat);
-            state.touching = L::splat(saved.touching);
-            skipped = u64::from(periods.saturating_sub(keep));
-        }
-        let first = count * u64::from(periods.saturating_sub(keep));
-        let mut samples = Vec::with_capacity((count * u64::from(keep.min(periods))) as usize);
-        for period in skipped..u64::from(periods) {
-            let rest = start == crate::scene::Start::Rest;
-            let rows = rest.then(|| decays::<L>(driven, instance.steps, period * count, count as usize));
-            let kept = period * count >= first;
-            each_step(&case, &mut state, &waves[0], rows.as_deref(), false, |_, before, sample| {
-                if !kept {
-                    return;
-                }
-                let top = driven.kept.modes.iter().zip(&before.x).map(|(mode, x)| mode.top * x.lane(0));
-                samples.push(TraceSample {
-                    travel: (sample.steady.lane(0) + sample.beyond.lane(0)) * LENGTH,
-                    beyond: sample.beyond.lane(0) * LENGTH,
-                    indentation: sample.indentation.lane(0) * LENGTH,
-                    force: sample.kick.impulse.lane(0) / force,
-                    moment: -sample.kick.shift.lane(0) / force,
-                    top: top.sum::<f64>() * LENGTH,
-                    touching: sample.kick.touching.lane(0) > 0.0,
-                });
+    let (member, start) = ((&case, driven), plan.run.start);
+    let modes = driven.kept.modes.len();
+    let saved =
+        from.map_or_else(|| begin(member, start), |place| station::saved(plan, instance as u32, place));
+    let constants: Vec<f64> = constants(member, &lever(member, modes), start).collect();
+    let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);
+    let mut state: Vec<f64> = state.copied().collect();
+    let waves = start::waves::<f64>(case.steps, 1);
+    let force = force_scale(driven, case.steps);
+    let count = u64::from(case.steps);
+    let unkept = u64::from(periods.saturating_sub(keep));
+    let step_through = tracer(Rounding::new(false), case.contact.law);
+    let mut samples = Vec::with_capacity((count * u64::from(keep.min(periods))) as usize);
+    for period in if from.is_some() { unkept } else { 0 }..u64::from(periods) {
+        let rows = (start == Start::Rest).then(|| decays(driven, case.steps, period * count, count as usize));
+        step_through(modes, &constants, &mut state, &waves[0], rows.as_deref(), &mut |sample| {
+            if period < unkept {
+                return;
+            }
+            let top = driven.kept.modes.iter().zip(&sample.x).map(|(mode, x)| mode.top * x);
+            samples.push(TraceSample {
+                travel: (sample.steady + sample.beyond) * LENGTH,
+                beyond: sample.beyond * LENGTH,
+                indentation: sample.indentation * LENGTH,
+                force: sample.impulse / force,
+                moment: -sample.shift / force,
+                top: top.sum::<f64>() * LENGTH,
+                touching: sample.touching,
             });
-        }
-        let step = step_length(driven, instance.steps);
-        Trace { first, step, phase: start::phase(driven, start), samples }
+        });
     }
+    let step = step_length(driven, case.steps);
+    Ok(Trace { first: count * unkept, step, phase: start::phase(driven, start), samples })
 }
 
 impl Trace {

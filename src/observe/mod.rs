@@ -15,6 +15,7 @@ mod phase;
 mod status;
 mod virial;
 
+pub use crate::kernel::{HARMONICS, Wants};
 pub use status::Status;
 
 /// A quantity a scene can ask for (`[output] observables`).
@@ -33,42 +34,9 @@ pub enum Observable {
     HarmonicAmplitude,
 }
 
-/// Harmonics stored by [`Observable::HarmonicAmplitude`]: 1 to this.
-pub const HARMONICS: usize = 10;
-
-/// Which sums and extremes an engine must keep; what nobody asked for is not computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wants {
-    /// Fourier sums of the tip's travel for harmonics 1 to this.
-    pub harmonics: usize,
-    /// Extremes of the indentation, from which those of the force follow.
-    pub extremes: bool,
-    /// Contact time, number of contacts.
-    pub contact: bool,
-    /// Impulse, work and virial.
-    pub energy: bool,
-}
-
-impl Wants {
-    /// The least: by the fundamental a run's steadiness is judged.
-    pub const FUNDAMENTAL: Self = Self { harmonics: 1, extremes: false, contact: false, energy: false };
-    const HARMONIC: Self = Self { harmonics: HARMONICS, ..Self::FUNDAMENTAL };
-    const CONTACT: Self = Self { contact: true, ..Self::FUNDAMENTAL };
-    const ENERGY: Self = Self { energy: true, ..Self::FUNDAMENTAL };
-    const EXTREMES: Self = Self { extremes: true, ..Self::CONTACT };
-
-    /// What all of these observables need.
-    pub fn of(observables: &[Observable]) -> Self {
-        observables.iter().fold(Self::FUNDAMENTAL, |sum, observable| {
-            let one = observable.entry().wants;
-            Self {
-                harmonics: sum.harmonics.max(one.harmonics),
-                extremes: sum.extremes | one.extremes,
-                contact: sum.contact | one.contact,
-                energy: sum.energy | one.energy,
-            }
-        })
-    }
+/// What all of these observables need an engine to sum.
+pub fn wants(observables: &[Observable]) -> Wants {
+    observables.iter().fold(Wants::FUNDAMENTAL, |all, observable| all.or(observable.entry().wants))
 }
 
 /// One instance's measurements, SI units, over the measured periods. What was not wanted is NaN.

@@ -3,7 +3,7 @@
 use super::{CasePlan, Class, Driven, KeptModes, Plan, Precision, steps};
 use crate::contact::{Contact, Law};
 use crate::instrument::{Instrument, InstrumentError};
-use crate::observe::Wants;
+use crate::observe::{Wants, wants};
 use crate::scene::{DriveFrequency, Params, Run, Scene, Start, Steady};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -45,8 +45,8 @@ impl Plan {
             observables: scene.output.observables.clone(),
             // The branch of a state is told by its mean force.
             wants: Wants {
-                energy: Wants::of(&scene.output.observables).energy || scene.run.steady == Steady::Search,
-                ..Wants::of(&scene.output.observables)
+                energy: wants(&scene.output.observables).energy || scene.run.steady == Steady::Search,
+                ..wants(&scene.output.observables)
             },
             run: scene.run.clone(),
             precision,

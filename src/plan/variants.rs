@@ -2,7 +2,7 @@
 
 use super::build::{classify, shares};
 use super::{Basis, CasePlan, Driven, KeptModes, Plan, steps};
-use crate::observe::Wants;
+use crate::observe::wants;
 use crate::scene::Run;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ impl Plan {
     pub fn trial(&self, instances: &[u32], periods: u32, measure: u32) -> Self {
         let observables = Vec::new();
         Self {
-            wants: Wants::of(&observables),
+            wants: wants(&observables),
             observables,
             run: Run { periods, measure, ..self.run.clone() },
             precision_open: false,

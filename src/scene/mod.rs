@@ -22,7 +22,7 @@ use crate::observe::Observable;
 use std::path::{Path, PathBuf};
 
 /// Most modes an instance can be stepped with (`[run] modes`).
-pub const STEPPED_MODES: usize = 24;
+pub const STEPPED_MODES: usize = crate::kernel::MODES_MAX;
 
 /// A scene as read, checked and ready to plan.
 #[derive(Clone, Debug)]

@@ -11,11 +11,11 @@ pub use adapter::{AdapterReport, adapters};
 pub use chunk::Job;
 
 use super::cpu::{self, Resume};
-use super::lanes::Rounding;
 use super::measure::{Sums, finish};
+use super::member::member;
 use super::saved::Saved;
-use super::track::member;
 use super::{Ended, Engine, EngineError, Outcome, Progress, station};
+use crate::kernel::Rounding;
 use crate::plan::{Class, Plan, Precision};
 use chunk::{Checkpoint, Chunk};
 use pace::Pace;

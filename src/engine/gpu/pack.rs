@@ -1,13 +1,9 @@
 //! A chunk of a class as the shader's tables, and what comes back as saved instances.
 
-use crate::contact::Law;
-use crate::engine::law::KernelLaw;
+use crate::engine::member::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::saved::Saved;
 use crate::engine::start;
-use crate::engine::track::{Member, case, first_indentation, force_scale, member, state};
-use crate::kernel::contact::{Dmt, Hertz, Interaction, Jkr, LawShader, Nothing};
-use crate::kernel::{Ledger, MODES_MAX, ShaderSpec};
-use crate::observe::HARMONICS;
+use crate::kernel::{HARMONICS, Ledger, MODES_MAX, ShaderSpec};
 use crate::plan::{Class, Plan, Precision};
 use rayon::prelude::*;
 
@@ -67,7 +63,7 @@ pub(super) struct Tables {
 /// What the shader of a class is made for; the measured part's.
 pub(super) fn spec(plan: &Plan, class: &Class) -> ShaderSpec {
     ShaderSpec {
-        law: shader(class.law),
+        law: class.law.shader(),
         modes: class.modes,
         wants: plan.wants,
         measured: true,
@@ -76,26 +72,8 @@ pub(super) fn spec(plan: &Plan, class: &Class) -> ShaderSpec {
     }
 }
 
-fn shader(law: Law) -> &'static LawShader {
-    match law {
-        Law::None => <Nothing as Interaction<f64>>::SHADER,
-        Law::Hertz => <Hertz<f64> as Interaction<f64>>::SHADER,
-        Law::Dmt => <Dmt<f64> as Interaction<f64>>::SHADER,
-        Law::Jkr => <Jkr<f64> as Interaction<f64>>::SHADER,
-    }
-}
-
 /// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
 pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
-    match class.law {
-        Law::None => fill::<Nothing>(plan, class, instances, saved),
-        Law::Hertz => fill::<Hertz<f64>>(plan, class, instances, saved),
-        Law::Dmt => fill::<Dmt<f64>>(plan, class, instances, saved),
-        Law::Jkr => fill::<Jkr<f64>>(plan, class, instances, saved),
-    }
-}
-
-fn fill<I: KernelLaw<f64>>(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
     let spec = spec(plan, class);
     let members: Vec<Member> = instances.iter().map(|instance| member(plan, *instance)).collect();
     let mut drives: Vec<u32> = Vec::new();
@@ -111,19 +89,13 @@ fn fill<I: KernelLaw<f64>>(plan: &Plan, class: &Class, instances: &[u32], saved:
             drives.len() as u32 - 1
         })
         .collect();
-    let rows: Vec<Vec<f64>> = first_of.iter().map(|one| drive_row::<I>(plan, &spec, *one)).collect();
+    let rows: Vec<Vec<f64>> = first_of.iter().map(|one| drive_row(plan, &spec, *one)).collect();
     let columns: Vec<(Vec<f64>, Vec<f64>)> = members
         .par_iter()
         .enumerate()
         .map(|(i, one)| {
-            let law = I::build(&[(one.0.contact, force_scale(one.1, one.0.steps))]);
-            let mut constants = vec![one.0.gap / crate::kernel::LENGTH];
-            constants.extend(law.numbers());
-            let place = match saved {
-                Some(saved) => saved[i],
-                None => begin::<I>(plan, *one),
-            };
-            (constants, write(&spec, &place))
+            let place = saved.map_or_else(|| begin(*one, plan.run.start), |saved| saved[i]);
+            (gap_and_law(*one).collect(), write(&spec, &place))
         })
         .collect();
     let count = instances.len();
@@ -159,42 +131,12 @@ fn waves(plan: &Plan, steps: u32) -> Vec<f64> {
 }
 
 /// In the order of [`ShaderSpec::drive_fields`].
-fn drive_row<I: KernelLaw<f64>>(plan: &Plan, spec: &ShaderSpec, member: Member) -> Vec<f64> {
-    let case = case::<f64, I, MODES_MAX>(&[member], plan.run.start);
-    let flow = &case.flow;
-    let modes = [
-        flow.m00,
-        flow.m01,
-        flow.m11,
-        flow.rate,
-        flow.pull,
-        flow.drag,
-        flow.land_x,
-        flow.land_u,
-        flow.shift_x,
-        flow.shift_u,
-        flow.work_x,
-        flow.work_u,
-    ];
-    let mut row: Vec<f64> = modes.iter().flat_map(|values| values[..spec.modes].to_vec()).collect();
-    row.extend([flow.kick_paid, case.free.cosine, case.free.sine, case.free.rate]);
+fn drive_row(plan: &Plan, spec: &ShaderSpec, member: Member) -> Vec<f64> {
+    let lever = lever(member, spec.modes);
+    let mut row = lever.motion;
+    row.extend(lever.energy);
+    row.extend(free(member, plan.run.start));
     row
-}
-
-/// At the start of a run.
-fn begin<I: KernelLaw<f64>>(plan: &Plan, member: Member) -> Saved {
-    let start = plan.run.start;
-    let case = case::<f64, I, MODES_MAX>(&[member], start);
-    let state = state(&case, &[member], start);
-    Saved {
-        x: state.x,
-        u: state.u,
-        touching: state.touching,
-        last: [first_indentation(&member, start); 2],
-        touched: state.touching,
-        ledger: Ledger::new(),
-        finite: true,
-    }
 }
 
 /// Sums that the tally of a part of a period leaves in the state.

@@ -7,7 +7,7 @@
 
 use super::constants;
 use super::contact::LawShader;
-use crate::observe::Wants;
+use crate::Wants;
 use std::fmt::Write;
 
 /// Threads of a workgroup.
@@ -37,16 +37,16 @@ pub enum Binding {
     Write,
 }
 
-const SWEEP: &str = include_str!("../../shaders/sweep.wgsl");
-const STEP: &str = include_str!("../../shaders/step.wgsl");
-const MEMORY: &str = include_str!("../../shaders/memory.wgsl");
-const PATH: &str = include_str!("../../shaders/contact/path.wgsl");
-const TALLY: &str = include_str!("../../shaders/observe/tally.wgsl");
-const FOURIER: &str = include_str!("../../shaders/observe/fourier.wgsl");
-const EXTREMES: &str = include_str!("../../shaders/observe/extremes.wgsl");
-const CONTACT: &str = include_str!("../../shaders/observe/contact.wgsl");
-const ENERGY: &str = include_str!("../../shaders/observe/energy.wgsl");
-const LEDGER: &str = include_str!("../../shaders/observe/ledger.wgsl");
+const SWEEP: &str = include_str!("../../../shaders/sweep.wgsl");
+const STEP: &str = include_str!("../../../shaders/step.wgsl");
+const MEMORY: &str = include_str!("../../../shaders/memory.wgsl");
+const PATH: &str = include_str!("../../../shaders/contact/path.wgsl");
+const TALLY: &str = include_str!("../../../shaders/observe/tally.wgsl");
+const FOURIER: &str = include_str!("../../../shaders/observe/fourier.wgsl");
+const EXTREMES: &str = include_str!("../../../shaders/observe/extremes.wgsl");
+const CONTACT: &str = include_str!("../../../shaders/observe/contact.wgsl");
+const ENERGY: &str = include_str!("../../../shaders/observe/energy.wgsl");
+const LEDGER: &str = include_str!("../../../shaders/observe/ledger.wgsl");
 
 impl ShaderSpec {
     /// Bytes of a number.

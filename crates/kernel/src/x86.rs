@@ -5,7 +5,7 @@
 //! [`Pack`](super::Pack) with FUSED, to the bit.
 //!
 //! Safety: these lanes are known in the crate only, and only made where the processor has been asked for the
-//! instructions (`engine/lanes.rs`).
+//! instructions (`lanes.rs`).
 
 use super::Lane;
 use std::arch::x86_64::*;

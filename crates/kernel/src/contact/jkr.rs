@@ -4,7 +4,7 @@
 //! e = y - 1 and t = D + 3 it reads t = e^2 (e^2 + 4e + 6): no cancellation at the fold e = 0.
 
 use super::{Approach, Interaction, Kick, Lane, LawShader};
-use crate::kernel::constants::{
+use crate::constants::{
     EIGHTH, FIVE, FOUR, HALF, JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5,
     JKR_ROOT_A, JKR_ROOT_B, JKR_ROOT_SIX, JKR_STEEPEST, JKR_TINY, JKR_TOUCH, JKR_TOUCH_ROOT, JKR_WORK_0,
     JKR_WORK_1, JKR_WORK_2, JKR_WORK_3, JKR_WORK_4, JKR_WORK_5, JKR_WORK_6, JKR_WORK_7, JKR_WORK_8, LEAST,
@@ -148,16 +148,12 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
     const SHADER: &'static LawShader = &LawShader {
         name: "jkr",
         texts: &[
-            include_str!("../../../shaders/contact/jkr_curve.wgsl"),
-            include_str!("../../../shaders/contact/jkr.wgsl"),
+            include_str!("../../../../shaders/contact/jkr_curve.wgsl"),
+            include_str!("../../../../shaders/contact/jkr.wgsl"),
         ],
         fields: &["unit_force", "inverse_unit"],
         shifts: true,
     };
-
-    fn numbers(&self) -> Vec<L> {
-        vec![self.unit_force, self.inverse_unit]
-    }
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
@@ -239,11 +235,6 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
             contact: L::select(acting, share, zero),
             touching: L::select(L::both(acting, L::not(lets_go)), one, zero),
         }
-    }
-
-    #[inline(always)]
-    fn touching_at(&self, indentation: L) -> L {
-        L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
     }
 }
 

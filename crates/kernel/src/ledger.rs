@@ -1,8 +1,8 @@
 //! Sums over the measured periods of a run, and how the fundamental moves from period to period.
 
 use super::constants::{FAR, TWO, ZERO};
-use super::{Lane, Tally};
-use crate::observe::{HARMONICS, Wants};
+use super::tally::Tally;
+use super::{HARMONICS, Lane, Wants};
 
 /// Closed once a period, in the kernel's own precision, so that a shader can keep it where it runs.
 #[derive(Clone, Copy, Debug)]
@@ -53,34 +53,8 @@ impl<L: Lane> Ledger<L> {
         }
     }
 
-    /// Several instances' side by side.
-    pub fn from_lanes<'a>(ledger: impl Fn(usize) -> &'a Ledger<f64>) -> Self {
-        let numbers: Vec<Vec<f64>> = (0..L::WIDTH).map(|i| ledger(i).numbers().copied().collect()).collect();
-        let mut all = Self::new();
-        let places = all.places().enumerate();
-        places.for_each(|(n, place)| *place = L::from_lanes(|i| numbers[i][n]));
-        all
-    }
-
-    /// Each instance's own, in f64.
-    pub fn lanes(&self) -> Vec<Ledger<f64>> {
-        let mut all = vec![Ledger::<f64>::new(); L::WIDTH];
-        let mut lanes: Vec<_> = all.iter_mut().map(Ledger::places).collect();
-        let mut buffer = vec![L::element(ZERO); L::WIDTH];
-        for number in self.numbers() {
-            number.store(&mut buffer);
-            for (places, value) in lanes.iter_mut().zip(&buffer) {
-                if let Some(place) = places.next() {
-                    *place = (*value).into();
-                }
-            }
-        }
-        drop(lanes);
-        all
-    }
-
     /// All numbers, one after the other.
-    fn numbers(&self) -> impl Iterator<Item = &L> {
+    pub fn numbers(&self) -> impl Iterator<Item = &L> {
         let Self { last_cosine, last_sine, changes, largest, cosine, sine, .. } = self;
         let Self { deepest, highest, held, time, begun, ended, apart, impulse, work, virial, .. } = self;
         let single = [last_cosine, last_sine, largest, deepest, highest, held, time, begun, ended, apart];
@@ -88,7 +62,7 @@ impl<L: Lane> Ledger<L> {
     }
 
     /// Their places, in the same order.
-    fn places(&mut self) -> impl Iterator<Item = &mut L> {
+    pub fn places(&mut self) -> impl Iterator<Item = &mut L> {
         let Self { last_cosine, last_sine, changes, largest, cosine, sine, .. } = self;
         let Self { deepest, highest, held, time, begun, ended, apart, impulse, work, virial, .. } = self;
         let single = [last_cosine, last_sine, largest, deepest, highest, held, time, begun, ended, apart];
@@ -97,7 +71,7 @@ impl<L: Lane> Ledger<L> {
 
     /// Takes in one period of `steps` steps; `wants` is none where it is not measured.
     #[inline(always)]
-    pub fn close(&mut self, tally: &Tally<L>, steps: usize, wants: Option<Wants>) {
+    pub(crate) fn close(&mut self, tally: &Tally<L>, steps: usize, wants: Option<Wants>) {
         let cosine = tally.cosine[0] - self.last_cosine;
         let sine = tally.sine[0] - self.last_sine;
         let change = L::splat(TWO) / L::splat(steps as f64) * cosine.mul_add(cosine, sine * sine).sqrt();

@@ -2,8 +2,13 @@
 
 use super::constants::{HALF, TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
-use super::{Flow, Lane, Tally, WRITTEN_OUT};
-use crate::observe::Wants;
+use super::flow::Flow;
+use super::tally::Tally;
+use super::{Lane, WRITTEN_OUT, Wants};
+
+/// The least number that is infinite once it is rounded to f32: 2^128 - 2^103. Beyond f32 counts as no number, so that
+/// both precisions and a shader agree on it.
+const BEYOND: f64 = 3.402_823_567_797_336_6e38;
 
 /// Cosine and sine of the drive's phase at a sample.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +20,7 @@ pub struct Wave<E> {
 /// The free tip's travel at the samples of a period, kernel units: `cosine`, `sine` its
 /// amplitudes, `rate` the drive's phase per step.
 #[derive(Clone, Copy, Debug)]
-pub struct Free<L> {
+pub(crate) struct Free<L> {
     pub cosine: L,
     pub sine: L,
     pub rate: L,
@@ -31,7 +36,7 @@ pub struct Decay<E> {
 
 /// What one instance is: lever, free motion, gap and law.
 #[derive(Clone, Copy, Debug)]
-pub struct Case<L, I, const M: usize> {
+pub(crate) struct Case<L, I, const M: usize> {
     pub flow: Flow<L, M>,
     pub free: Free<L>,
     pub gap: L,
@@ -40,7 +45,7 @@ pub struct Case<L, I, const M: usize> {
 
 /// Where one instance is: deviation of each mode at a sample before its kick, and the memory.
 #[derive(Clone, Copy, Debug)]
-pub struct State<L, const M: usize> {
+pub(crate) struct State<L, const M: usize> {
     pub x: [L; M],
     pub u: [L; M],
     /// 1 in contact, else 0.
@@ -49,7 +54,7 @@ pub struct State<L, const M: usize> {
 
 /// What a step saw.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample<L> {
+pub(crate) struct Sample<L> {
     /// Steady free travel of the tip.
     pub steady: L,
     /// Travel beyond it, corrected to fourth order.
@@ -84,34 +89,66 @@ macro_rules! each_mode {
     };
 }
 
-impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
-    /// The constants that the motion depends on; those that only make work of it are left out.
-    pub fn numbers(&self) -> Vec<L> {
-        let Flow { m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u, .. } = &self.flow;
-        let lever = [m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u];
-        let mut all: Vec<L> =
-            lever.into_iter().flat_map(|modes| &modes[..self.flow.count]).copied().collect();
-        all.extend([self.free.cosine, self.free.sine, self.free.rate, self.gap]);
-        all.extend(self.law.numbers());
-        all
+impl<L: Lane, const M: usize> State<L, M> {
+    /// From rows of a number for each lane: x of each of `modes` modes, u of each, contact.
+    #[inline(always)]
+    pub fn load(modes: usize, rows: &[L::Element]) -> Self {
+        let zero = L::splat(ZERO);
+        let mut rows = rows.chunks_exact(L::WIDTH);
+        let mut next = || rows.next().map_or(zero, L::load);
+        let count = if M <= WRITTEN_OUT { M } else { modes.min(M) };
+        let mut state = Self { x: [zero; M], u: [zero; M], touching: zero };
+        state.x[..count].iter_mut().for_each(|value| *value = next());
+        state.u[..count].iter_mut().for_each(|value| *value = next());
+        state.touching = next();
+        state
     }
 
-    /// The other way, one number after the other, those of `modes` modes first; no work can be made of it.
+    /// The other way.
     #[inline(always)]
-    pub fn from_numbers(modes: usize, mut next: impl FnMut() -> L) -> Self {
+    pub fn store(&self, modes: usize, rows: &mut [L::Element]) {
+        let count = if M <= WRITTEN_OUT { M } else { modes.min(M) };
+        let numbers = self.x[..count].iter().chain(&self.u[..count]).chain([&self.touching]);
+        numbers.zip(rows.chunks_exact_mut(L::WIDTH)).for_each(|(number, row)| number.store(row));
+    }
+
+    /// Whether some number is beyond what f32 holds, or none.
+    #[inline(always)]
+    pub fn beyond(&self) -> bool {
+        let beyond = L::splat(BEYOND);
+        self.x.iter().zip(&self.u).fold(false, |some, (x, u)| {
+            some | L::any(L::not(L::both(x.abs().less(beyond), u.abs().less(beyond))))
+        })
+    }
+}
+
+impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
+    /// From rows of a number for each lane: what the motion depends on of the lever's `modes`, the free motion's cosine,
+    /// sine and rate, the gap, the law's constants, and last what makes work of it, without which there is none.
+    #[inline(always)]
+    pub fn load(modes: usize, constants: &[L::Element]) -> Self {
         let zero = L::splat(ZERO);
-        let none = [zero; M];
+        let mut rows = constants.chunks_exact(L::WIDTH);
+        let mut next = || rows.next().map_or(zero, L::load);
         // All of few: the loops are then written out.
         let count = if M <= WRITTEN_OUT { M } else { modes.min(M) };
         let mut each = || {
-            let mut values = none;
+            let mut values = [zero; M];
             values[..count].iter_mut().for_each(|value| *value = next());
             values
         };
         let [m00, m01, m11, rate] = [each(), each(), each(), each()];
         let [pull, drag, land_x, land_u] = [each(), each(), each(), each()];
         let [shift_x, shift_u] = [each(), each()];
-        let (work_x, work_u, kick_paid) = (none, none, zero);
+        let free = Free { cosine: next(), sine: next(), rate: next() };
+        let (gap, law) = (next(), I::from_numbers(&mut next));
+        let mut each = || {
+            let mut values = [zero; M];
+            values[..count].iter_mut().for_each(|value| *value = next());
+            values
+        };
+        let (work_x, work_u) = (each(), each());
+        let kick_paid = next();
         let flow = Flow {
             count,
             m00,
@@ -128,12 +165,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             shift_u,
             kick_paid,
         };
-        Self {
-            flow,
-            free: Free { cosine: next(), sine: next(), rate: next() },
-            gap: next(),
-            law: I::from_numbers(next),
-        }
+        Self { flow, free, gap, law }
     }
 
     /// Kick at the sample, then exact flow to the next one. What makes work and virial is zero in the
@@ -222,7 +254,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
 /// `waves` for the steps, `decay` for the same steps where the run started from rest.
 ///
 /// The steps are compiled for the lane's instructions; `see` ought to be inlined into them.
-pub fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
+pub(crate) fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
     waves: &[Wave<L::Element>],
@@ -251,7 +283,7 @@ pub fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
 /// One drive period from steady free motion of which nothing is summed; `waves` of the fundamental.
 ///
 /// A loop of its own: without the sums, more of the step stays in registers.
-pub fn unmeasured_period<L: Lane, I: Interaction<L>, const M: usize>(
+pub(crate) fn unmeasured_period<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
     waves: &[Wave<L::Element>],
@@ -271,7 +303,7 @@ pub fn unmeasured_period<L: Lane, I: Interaction<L>, const M: usize>(
 }
 
 /// One drive period into `tally`, which holds the sums; `waves[n]` is of harmonic n + 1.
-pub fn period<L: Lane, I: Interaction<L>, const M: usize>(
+pub(crate) fn period<L: Lane, I: Interaction<L>, const M: usize>(
     case: &Case<L, I, M>,
     state: &mut State<L, M>,
     waves: &[Vec<Wave<L::Element>>],

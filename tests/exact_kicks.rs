@@ -1,8 +1,8 @@
 //! Every law's mean along a piece of path against the static law integrated numerically.
 
-use super::{Approach, Dmt, Hertz, Interaction, Jkr, Kick};
-use crate::contact::{self, StaticLaw};
-use crate::kernel::{LENGTH, Lane};
+use afmsweep::contact::{self, StaticLaw};
+use afmsweep::kernel::contact::{Approach, Dmt, Hertz, Interaction, Jkr, Kick};
+use afmsweep::kernel::{LENGTH, Lane};
 use std::f64::consts::PI;
 
 const MODULUS: f64 = 2e9;

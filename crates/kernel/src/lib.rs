@@ -14,35 +14,43 @@
 //!
 //! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
 
+//! This is a crate of its own because it takes longest to compile and changes least: [`Stepper`] is all that the CPU
+//! engine calls of it, and the one place where lanes, laws and numbers of modes meet.
+
 mod constants;
 pub mod contact;
 mod flow;
 mod lane;
+mod lanes;
+mod law;
 mod ledger;
 mod pair;
 mod shader;
 mod step;
+// No unit test calls it: the tests' build would take as long as the crate's own.
+mod stepper;
+mod sums;
 mod tally;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use flow::{Flow, FlowMode, flown, increments};
+pub use flow::{FlowMode, Lever, flown, increments};
 pub use lane::{Lane, Pack};
+pub use lanes::{Rounding, instructions};
+pub use law::Law;
 pub use ledger::Ledger;
-pub use pair::Pair;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
-pub use step::{Case, Decay, Free, Sample, State, Wave, each_step, period, unmeasured_period};
-pub use tally::Tally;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use x86::{Ymm32, Ymm64, Zmm32, Zmm64};
+pub use step::{Decay, Wave};
+pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
+pub use sums::{HARMONICS, Wants};
 
 /// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
 pub const LENGTH: f64 = 1e-9;
 
 /// Most modes one instance may carry.
-pub const MODES_MAX: usize = crate::scene::STEPPED_MODES;
+pub const MODES_MAX: usize = 24;
 
 /// Most modes for which a kernel of its own is written out; for more there is one with a loop.
 pub const WRITTEN_OUT: usize = 8;

@@ -2,7 +2,7 @@
 //! memory; JKR follows the bent one.
 
 use super::{Approach, Lane};
-use crate::kernel::constants::{HALF, ONE, QUARTER, TWELFTH, TWENTY_FOURTH, ZERO};
+use crate::constants::{HALF, ONE, QUARTER, TWELFTH, TWENTY_FOURTH, ZERO};
 
 /// The mean force with the commutator of kick and flow, of second order (ARCHITECTURE.md).
 #[inline(always)]

@@ -1,8 +1,5 @@
 //! Exact flow of the damped modes over one step, and what a kick does to each.
 
-use super::{Lane, WRITTEN_OUT};
-use std::rc::Rc;
-
 /// One mode as the plan gives it: angular frequency (rad/s), damping ratio 1/(2Q), and its share
 /// of the tip's response to an impulse, c_k b_k / sum(c b).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +12,7 @@ pub struct FlowMode {
 /// Coefficients of M modes for one step length. A mode's state is its part of the tip's travel, x,
 /// and u = (dx/dt)/omega, both in kernel units of length.
 #[derive(Clone, Copy, Debug)]
-pub struct Flow<L, const M: usize> {
+pub(crate) struct Flow<L, const M: usize> {
     /// Modes that are gone through: all M where they are few, else as many as any instance has.
     pub count: usize,
     /// Step matrix minus one: x += m00 x + m01 u, u += -m01 x + m11 u. Increments, because a step
@@ -41,59 +38,54 @@ pub struct Flow<L, const M: usize> {
     pub kick_paid: L,
 }
 
-impl<L: Lane, const M: usize> Flow<L, M> {
-    /// Coefficients for each instance's modes, at most M, and step in seconds. Modes that are not
-    /// there are modes that no impulse moves.
-    ///
-    /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
-    /// term that the path average asks for, in the form that makes an undamped mode's answer to a
-    /// steady force exact however stiff it is. Its x-part is the average's damping term
-    /// (ARCHITECTURE.md); with g = omega/Q it leaves the travel too large by (g h)^2/24, which the
-    /// factor's last term takes back.
-    ///
-    /// Work: with f the force at the sample, f'' its second derivative and v a mode's true speed,
-    /// an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
-    /// v + h^2 (g f/24 + f'/8). Over a period f f' sums to nothing and f'' v to f v'' with
-    /// v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the speed is
-    /// h^2/24 (g omega^2 x + (g^2 - omega^2) v), in which f itself cancels. Without it the loss is
-    /// of second order and shows a law without loss as one that feeds the lever.
-    pub fn new(instances: &[(&[FlowMode], f64)]) -> Self {
-        let most = instances.iter().map(|(modes, _)| modes.len()).max().unwrap_or(0);
-        let count = if M <= WRITTEN_OUT { M } else { most.min(M) };
-        // Neighbours mostly have one lever.
-        let mut rows: Vec<Rc<Vec<Row>>> = Vec::with_capacity(instances.len());
-        for (n, (modes, step)) in instances.iter().enumerate() {
-            let known = rows.last().filter(|_| instances[n - 1] == instances[n]);
-            rows.push(known.map_or_else(|| Rc::new(Row::all(modes, *step, count)), Rc::clone));
-        }
-        let alike = rows.iter().all(|row| Rc::ptr_eq(row, &rows[0]));
-        let gather = |value: fn(&Row) -> f64| -> [L; M] {
-            std::array::from_fn(|k| match alike {
-                _ if k >= count => L::splat(0.0),
-                true => L::splat(value(&rows[0][k])),
-                false => L::from_lanes(|i| value(&rows[i][k])),
-            })
-        };
-        let paid = |rows: &[Row]| rows.iter().map(Row::kick_paid).sum();
-        Self {
-            count,
-            m00: gather(|row| row.step[0]),
-            m01: gather(|row| row.step[1]),
-            m11: gather(|row| row.step[3]),
-            rate: gather(|row| row.angle),
-            pull: gather(|row| -row.angle * row.angle),
-            drag: gather(|row| -2.0 * row.damping * row.angle * row.angle),
-            work_x: gather(Row::work_x),
-            work_u: gather(Row::work_u),
-            land_x: gather(|row| row.land()[0]),
-            land_u: gather(|row| row.land()[1]),
-            shift_x: gather(|row| row.share * (1.0 + row.step[0])),
-            shift_u: gather(|row| row.share * row.step[2]),
-            kick_paid: match alike {
-                true => L::splat(paid(&rows[0])),
-                false => L::from_lanes(|i| paid(&rows[i])),
-            },
-        }
+/// A lever's constants for one step length, in f64 and without lanes: made once for all instances that share both.
+///
+/// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
+/// term that the path average asks for, in the form that makes an undamped mode's answer to a
+/// steady force exact however stiff it is. Its x-part is the average's damping term
+/// (ARCHITECTURE.md); with g = omega/Q it leaves the travel too large by (g h)^2/24, which the
+/// factor's last term takes back.
+///
+/// Work: with f the force at the sample, f'' its second derivative and v a mode's true speed,
+/// an impulse is f + h^2 f''/24 and the speed midway through it (Euler-Maclaurin)
+/// v + h^2 (g f/24 + f'/8). Over a period f f' sums to nothing and f'' v to f v'' with
+/// v'' = f' - g v' - omega^2 v, v' = f - g v - omega^2 x: what is left too much in the speed is
+/// h^2/24 (g omega^2 x + (g^2 - omega^2) v), in which f itself cancels. Without it the loss is
+/// of second order and shows a law without loss as one that feeds the lever.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lever {
+    /// Modes, those filled up included.
+    pub modes: usize,
+    /// What the motion depends on: m00, m01, m11, rate, pull, drag, land_x, land_u, shift_x, shift_u of each mode, field
+    /// after field.
+    pub motion: Vec<f64>,
+    /// What makes work of it: work_x, work_u of each mode, and kick_paid.
+    pub energy: Vec<f64>,
+}
+
+/// Fields of [`Lever::motion`] that each mode has.
+pub(crate) const MOTION: usize = 10;
+
+impl Lever {
+    /// Of modes and a step in seconds, filled up to `count` with modes that no impulse moves.
+    pub fn new(modes: &[FlowMode], step: f64, count: usize) -> Self {
+        let rows = Row::all(modes, step, count);
+        let fields: [fn(&Row) -> f64; MOTION] = [
+            |row| row.step[0],
+            |row| row.step[1],
+            |row| row.step[3],
+            |row| row.angle,
+            |row| -row.angle * row.angle,
+            |row| -2.0 * row.damping * row.angle * row.angle,
+            |row| row.land()[0],
+            |row| row.land()[1],
+            |row| row.share * (1.0 + row.step[0]),
+            |row| row.share * row.step[2],
+        ];
+        let motion = fields.iter().flat_map(|field| rows.iter().map(field)).collect();
+        let paid = rows.iter().map(Row::kick_paid).sum();
+        let energy = rows.iter().map(Row::work_x).chain(rows.iter().map(Row::work_u)).chain([paid]).collect();
+        Self { modes: rows.len(), motion, energy }
     }
 }
 
@@ -107,7 +99,6 @@ struct Row {
 }
 
 impl Row {
-    /// Those of a lever, filled up to `count` with modes that no impulse moves.
     fn all(modes: &[FlowMode], step: f64, count: usize) -> Vec<Self> {
         let still = FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0 };
         let mut rows: Vec<Self> = modes.iter().map(|mode| Self::new(mode, step)).collect();
@@ -258,11 +249,12 @@ mod tests {
         for damping in [1e-5, 0.003, 0.1, 0.7] {
             for angle in [0.01, 0.1, 0.5, 0.9] {
                 let mode = FlowMode { omega: angle, damping, share: 1.0 };
-                let flow = Flow::<f64, 1>::new(&[(&[mode][..], 1.0)]);
+                let lever = Lever::new(&[mode], 1.0, 1);
                 // The state before a kick that kick and step lead back to: -m s = (1 + m) kick.
                 let kx = Row::new(&mode, 1.0).kick_x();
-                let (m00, m01, m10, m11) = (flow.m00[0], flow.m01[0], -flow.m01[0], flow.m11[0]);
-                let (rx, ru) = (flow.land_x[0], flow.land_u[0]);
+                let [m00, m01, m11, rate, _, _, rx, ru, ..] = lever.motion[..] else { panic!() };
+                let [work_x, work_u, kick_paid] = lever.energy[..] else { panic!() };
+                let m10 = -m01;
                 let scale = m01 * m10 - m00 * m11;
                 let (x, u) = ((m11 * rx - m01 * ru) / scale, (m00 * ru - m10 * rx) / scale);
                 // Of unit impulse per step: travel 1/angle^2. Midway through the kick, and with the
@@ -270,7 +262,7 @@ mod tests {
                 let held = (x + 0.5 * kx + 1.0 / 24.0) * angle * angle;
                 let bound = 0.1 * damping * damping * angle.powi(4) + 1e-12;
                 assert!((held - 1.0).abs() < bound, "{damping}, {angle}: off by {:e}", held - 1.0);
-                let speed = flow.kick_paid + flow.rate[0] * u - flow.work_x[0] * x - flow.work_u[0] * u;
+                let speed = kick_paid + rate * u - work_x * x - work_u * u;
                 assert!(speed.abs() < 1e-11, "{damping}, {angle}: {speed:e}");
             }
         }

@@ -1,11 +1,11 @@
 //! Lanes against each other: what one instance does alone it does in any register, to the bit.
 
 use super::contact::{Dmt, Hertz, Interaction, Jkr};
-use super::{
-    Case, Flow, FlowMode, Free, Lane, Ledger, Pack, Pair, State, Tally, Wave, period, unmeasured_period,
-};
-use super::{Ymm32, Ymm64, Zmm32, Zmm64};
-use crate::observe::{HARMONICS, Wants};
+use super::pair::Pair;
+use super::step::{Case, State, period, unmeasured_period};
+use super::tally::Tally;
+use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
+use super::{FlowMode, HARMONICS, Lane, Ledger, Lever, Pack, Wants, Wave};
 use std::f64::consts::TAU;
 
 const STEPS: usize = 96;
@@ -108,10 +108,10 @@ fn any_sees_each_lane() {
 }
 
 /// 32 instances, soft to stiff, from far away to pressed in; the bits of all that is summed.
-fn stepped<L: Lane, I: Interaction<L>>(law: impl Fn(&dyn Fn(usize) -> f64) -> I) -> Vec<u64> {
+fn stepped<L: Lane, I: Interaction<L>>(law: &[&dyn Fn(f64) -> f64]) -> Vec<u64> {
     let modes = [(TAU, 0.05, 0.2), (6.27 * TAU, 0.02, 0.8)];
     let modes = modes.map(|(omega, damping, share)| FlowMode { omega, damping, share });
-    let flows = vec![(&modes[..], 1.0 / STEPS as f64); L::WIDTH];
+    let lever = Lever::new(&modes, 1.0 / STEPS as f64, 2);
     let waves: Vec<Vec<Wave<L::Element>>> = (1..=HARMONICS)
         .map(|n| {
             let angle = |step: usize| n as f64 * (step as f64 + 0.5) * TAU / STEPS as f64;
@@ -122,15 +122,21 @@ fn stepped<L: Lane, I: Interaction<L>>(law: impl Fn(&dyn Fn(usize) -> f64) -> I)
     let mut out = Vec::new();
     for first in (0..32).step_by(L::WIDTH) {
         let zero = L::splat(0.0);
-        let case: Case<L, I, 2> = Case {
-            flow: Flow::new(&flows),
-            free: Free { cosine: L::splat(20.0), sine: L::splat(3.0), rate: L::splat(TAU / STEPS as f64) },
-            gap: L::from_lanes(|i| -2.0 + 0.8 * (first + i) as f64),
-            law: law(&|i| 1e-4 * 1.2f64.powi(((first + i) * 7 % 32) as i32)),
+        let of = |i: usize| {
+            let scale = 1e-4 * 1.2f64.powi(((first + i) * 7 % 32) as i32);
+            let free = [20.0, 3.0, TAU / STEPS as f64];
+            let gap = -2.0 + 0.8 * (first + i) as f64;
+            let law = law.iter().map(|number| number(scale));
+            let motion = lever.motion.iter().copied().chain(free).chain([gap]).chain(law);
+            motion.chain(lever.energy.iter().copied()).collect::<Vec<f64>>()
         };
+        let columns: Vec<Vec<f64>> = (0..L::WIDTH).map(of).collect();
+        let row = |n: usize| columns.iter().map(move |column| L::element(column[n]));
+        let rows: Vec<L::Element> = (0..columns[0].len()).flat_map(row).collect();
+        let case: Case<L, I, 2> = Case::load(2, &rows);
         let mut state = State { x: [zero; 2], u: [zero; 2], touching: zero };
         let mut alone = state;
-        let mut tally = Tally::start(L::splat(-30.0), zero);
+        let mut tally = Tally::resume([L::splat(-30.0); 2], zero);
         let mut ledger = Ledger::new();
         for _ in 0..12 {
             period(&case, &mut state, &waves, None, ALL, &mut tally);
@@ -144,27 +150,18 @@ fn stepped<L: Lane, I: Interaction<L>>(law: impl Fn(&dyn Fn(usize) -> f64) -> I)
             assert!((0..L::WIDTH).all(same), "without sums it ends elsewhere");
         }
         for i in 0..L::WIDTH {
-            let one = &ledger.lanes()[i];
-            let sums = one.cosine.iter().chain(&one.sine).chain(&one.changes).copied();
-            let rest = [one.deepest, one.highest, one.held, one.time, one.begun, one.ended, one.apart];
-            let state = [state.x[0], state.u[0], state.x[1], state.u[1]].map(|value| value.lane(i));
-            let all = sums.chain(rest).chain([one.impulse, one.work, one.virial]).chain(state);
-            out.extend(all.map(f64::to_bits));
+            let state = [&state.x[0], &state.u[0], &state.x[1], &state.u[1]];
+            out.extend(ledger.numbers().chain(state).map(|value| value.lane(i).to_bits()));
         }
     }
     out
 }
 
 fn laws<L: Lane>() -> [Vec<u64>; 3] {
-    let hertz = |scale: &dyn Fn(usize) -> f64| Hertz { stiffness: L::from_lanes(scale) };
     [
-        stepped::<L, _>(hertz),
-        stepped::<L, _>(|scale| Dmt {
-            hertz: hertz(scale),
-            adhesion: L::from_lanes(|i| 2.0 * scale(i)),
-            inverse_decay: L::splat(5.0),
-        }),
-        stepped::<L, _>(|scale| Jkr { unit_force: L::from_lanes(scale), inverse_unit: L::splat(3.0) }),
+        stepped::<L, Hertz<L>>(&[&|scale| scale]),
+        stepped::<L, Dmt<L>>(&[&|scale| scale, &|scale| 2.0 * scale, &|_| 5.0]),
+        stepped::<L, Jkr<L>>(&[&|scale| scale, &|_| 3.0]),
     ]
 }
 

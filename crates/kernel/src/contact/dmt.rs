@@ -4,8 +4,8 @@
 
 use super::hertz::{Hertz, Mean};
 use super::path::{Path, corrected};
-use super::{Approach, Interaction, Kick, Lane, LawShader, hertz};
-use crate::kernel::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
+use super::{Approach, Interaction, Kick, Lane, LawShader, hertz, touching_at};
+use crate::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
 
 /// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
 #[derive(Clone, Copy, Debug)]
@@ -81,14 +81,10 @@ impl<L: Lane> Tail<L> {
 impl<L: Lane> Interaction<L> for Dmt<L> {
     const SHADER: &'static LawShader = &LawShader {
         name: "dmt",
-        texts: &[hertz::TEXT, include_str!("../../../shaders/contact/dmt.wgsl")],
+        texts: &[hertz::TEXT, include_str!("../../../../shaders/contact/dmt.wgsl")],
         fields: &["stiffness", "adhesion", "inverse_decay"],
         shifts: true,
     };
-
-    fn numbers(&self) -> Vec<L> {
-        vec![self.hertz.stiffness, self.adhesion, self.inverse_decay]
-    }
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
@@ -123,11 +119,6 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
             impulse = L::select(bends, met, impulse);
             shift = L::select(bends, -(self.adhesion * bend.lean * bend.moment), zero);
         }
-        Kick { impulse, shift, contact: hertz.share, touching: self.touching_at(path.end) }
-    }
-
-    #[inline(always)]
-    fn touching_at(&self, indentation: L) -> L {
-        self.hertz.touching_at(indentation)
+        Kick { impulse, shift, contact: hertz.share, touching: touching_at(path.end) }
     }
 }

@@ -1,9 +1,9 @@
 //! The same bits from every set of instructions that fuses, by whole runs.
 
-use super::*;
-use crate::engine::{Finished, Progress, cpu};
+use super::{Finished, Progress, cpu};
+use crate::kernel::Rounding;
 use crate::observe::Observable;
-use crate::plan::Plan;
+use crate::plan::{Plan, Precision};
 use crate::scene::Scene;
 use std::path::Path;
 
@@ -65,10 +65,10 @@ steps_per_period = {}
             for precision in [Precision::F32, Precision::F64] {
                 let plan = Plan::new(&scene, precision).unwrap();
                 let what = format!("{law}, {modes} modes, {}", precision.name());
-                let (fused, strict) = (run(&plan, best), run(&plan, Rounding::Strict));
+                let (fused, strict) = (run(&plan, best), run(&plan, Rounding::STRICT));
                 assert!(fused == run(&plan, best.least()), "{what}");
                 // Where nothing can be fused there is one rounding only.
-                assert_eq!(fused == strict, best == Rounding::Strict, "{what}");
+                assert_eq!(fused == strict, best == Rounding::STRICT, "{what}");
             }
         }
     }

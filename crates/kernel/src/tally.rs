@@ -1,9 +1,8 @@
 //! Sums and extremes over the steps of a period, from which the observables follow.
 
-use super::Lane;
 use super::constants::{EIGHT, FAR, ONE, ZERO};
 use super::step::{Sample, Wave};
-use crate::observe::{HARMONICS, Wants};
+use super::{HARMONICS, Lane, Wants};
 
 /// The body for each harmonic above the first, written out: an index that is only known when it runs would
 /// keep every sum in memory.
@@ -18,7 +17,7 @@ macro_rules! each_harmonic {
 
 /// Over one period, kernel units.
 #[derive(Clone, Copy, Debug)]
-pub struct Tally<L> {
+pub(crate) struct Tally<L> {
     /// Sums of the travel beyond the steady free one times cosine and sine, by harmonic.
     pub cosine: [L; HARMONICS],
     pub sine: [L; HARMONICS],
@@ -41,11 +40,6 @@ pub struct Tally<L> {
 }
 
 impl<L: Lane> Tally<L> {
-    /// Before the first period: as if the tip had rested at that indentation.
-    pub fn start(indentation: L, touching: L) -> Self {
-        Self::resume([indentation; 2], touching)
-    }
-
     /// Between two periods, from the indentation at the last two samples and contact at the last one.
     pub fn resume(last: [L; 2], touching: L) -> Self {
         let mut tally = Self {
@@ -66,6 +60,12 @@ impl<L: Lane> Tally<L> {
         };
         tally.next_period();
         tally
+    }
+
+    /// Indentation at the last two samples, and contact at the last one.
+    #[inline(always)]
+    pub fn carried(&self) -> [L; 3] {
+        [self.last[0], self.last[1], self.touched]
     }
 
     /// Empties the sums for the next period; what links samples across its start is kept.

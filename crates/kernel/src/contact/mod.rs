@@ -4,15 +4,13 @@ mod dmt;
 mod hertz;
 mod jkr;
 mod path;
-#[cfg(test)]
-mod tests;
 
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 
 use super::Lane;
-use super::constants::ZERO;
+use super::constants::{ONE, ZERO};
 
 /// The tip at one sample: indentation, its rate of change over the step before the kick, and its
 /// acceleration by everything but the contact force. Kernel units.
@@ -53,7 +51,7 @@ pub struct LawShader {
     pub name: &'static str,
     /// Its files, in order.
     pub texts: &'static [&'static str],
-    /// Its constants, in the order of [`Interaction::numbers`].
+    /// Its constants, in the order of [`Interaction::from_numbers`].
     pub fields: &'static [&'static str],
     /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
     pub shifts: bool,
@@ -64,15 +62,17 @@ pub trait Interaction<L: Lane>: Copy {
     /// The same law in the shader.
     const SHADER: &'static LawShader;
 
-    /// Its constants, in the order of the shader's fields.
-    fn numbers(&self) -> Vec<L>;
-    /// The other way, one number after the other.
+    /// Of its constants, one number after the other, in the order of the shader's fields.
     fn from_numbers(next: impl FnMut() -> L) -> Self;
 
     /// The kick of one step. `touching` is what the last kick returned.
     fn kick(&self, approach: Approach<L>, touching: L) -> Kick<L>;
-    /// Whether an indentation at rest counts as contact, for the start of a run.
-    fn touching_at(&self, indentation: L) -> L;
+}
+
+/// 1 where the indentation is contact for a law without memory, else 0.
+#[inline(always)]
+fn touching_at<L: Lane>(indentation: L) -> L {
+    L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
 }
 
 impl<L: Lane> Kick<L> {
@@ -91,14 +91,10 @@ pub struct Nothing;
 impl<L: Lane> Interaction<L> for Nothing {
     const SHADER: &'static LawShader = &LawShader {
         name: "nothing",
-        texts: &[include_str!("../../../shaders/contact/nothing.wgsl")],
+        texts: &[include_str!("../../../../shaders/contact/nothing.wgsl")],
         fields: &[],
         shifts: false,
     };
-
-    fn numbers(&self) -> Vec<L> {
-        Vec::new()
-    }
 
     fn from_numbers(_: impl FnMut() -> L) -> Self {
         Self
@@ -107,10 +103,5 @@ impl<L: Lane> Interaction<L> for Nothing {
     #[inline(always)]
     fn kick(&self, _: Approach<L>, _: L) -> Kick<L> {
         Kick::none()
-    }
-
-    #[inline(always)]
-    fn touching_at(&self, _: L) -> L {
-        L::splat(ZERO)
     }
 }

@@ -1,10 +1,10 @@
 //! Hertz (1882): f = K sqrt(R) d^1.5 in contact; equation (14) of Ha, Fung & Chen 2005.
 
 use super::path::{Path, corrected};
-use super::{Approach, Interaction, Kick, Lane, LawShader};
-use crate::kernel::constants::{HERTZ_ENERGY, LEAST, ONE, ZERO};
+use super::{Approach, Interaction, Kick, Lane, LawShader, touching_at};
+use crate::constants::{HERTZ_ENERGY, LEAST, ZERO};
 
-pub(super) const TEXT: &str = include_str!("../../../shaders/contact/hertz.wgsl");
+pub(super) const TEXT: &str = include_str!("../../../../shaders/contact/hertz.wgsl");
 
 /// `stiffness` is K sqrt(R) in kernel units: impulse per step of a unit indentation.
 #[derive(Clone, Copy, Debug)]
@@ -48,10 +48,6 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
     const SHADER: &'static LawShader =
         &LawShader { name: "hertz", texts: &[TEXT], fields: &["stiffness"], shifts: false };
 
-    fn numbers(&self) -> Vec<L> {
-        vec![self.stiffness]
-    }
-
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
         Self { stiffness: next() }
@@ -68,12 +64,7 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
             impulse: corrected(mean.force, mean.slope),
             shift: L::splat(ZERO),
             contact: mean.share,
-            touching: self.touching_at(path.end),
+            touching: touching_at(path.end),
         }
-    }
-
-    #[inline(always)]
-    fn touching_at(&self, indentation: L) -> L {
-        L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
     }
 }

@@ -1,0 +1,125 @@
+//! Which lanes the CPU engine steps with, by precision and by what the processor can do.
+
+use super::Lane;
+#[cfg(target_arch = "aarch64")]
+use super::Pack;
+#[cfg(target_arch = "x86_64")]
+use super::pair::Pair;
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
+
+/// Instructions that the kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Instructions {
+    /// What each 64-bit ARM has.
+    #[cfg(target_arch = "aarch64")]
+    Neon,
+    /// AVX2 and FMA of x86-64.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// And AVX-512 F, DQ and VL.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+/// How the CPU may compute. Only [`Rounding::new`] makes one, so that no processor is given what it does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rounding(pub(crate) Fused);
+
+/// Sums of products round once, with these instructions at most; or every operation rounds, as in the shader's text.
+pub(crate) type Fused = Option<Instructions>;
+
+impl Rounding {
+    /// Every operation rounds.
+    pub const STRICT: Self = Self(None);
+
+    /// The best that this processor has; where it fuses nothing, every operation rounds.
+    pub fn new(strict: bool) -> Self {
+        Self(if strict { None } else { fused() })
+    }
+
+    /// The same bits by fewer lanes, for one instance alone.
+    pub fn least(self) -> Self {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Some(Instructions::Avx512) => Self(Some(Instructions::Avx2)),
+            other => Self(other),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn fused() -> Fused {
+    let wide = is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl");
+    let narrow = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+    narrow.then_some(if wide { Instructions::Avx512 } else { Instructions::Avx2 })
+}
+
+#[cfg(target_arch = "aarch64")]
+fn fused() -> Fused {
+    Some(Instructions::Neon)
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn fused() -> Fused {
+    None
+}
+
+/// The instructions that [`Rounding::new`] finds, as they are known; none where nothing fuses.
+pub fn instructions() -> Option<&'static str> {
+    fused().map(|instructions| match instructions {
+        #[cfg(target_arch = "aarch64")]
+        Instructions::Neon => "NEON",
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2 => "AVX2",
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx512 => "AVX-512",
+    })
+}
+
+/// Lanes of one precision, `E`, and one set of instructions.
+pub(crate) trait Family<E> {
+    /// For laws and levers that keep the processor busy by themselves.
+    type Narrow: Lane<Element = E>;
+    /// For those that often wait for their own results: two at a time.
+    type Wide: Lane<Element = E>;
+}
+
+impl<E, A: Lane<Element = E>, B: Lane<Element = E>> Family<E> for (A, B) {
+    type Narrow = A;
+    type Wide = B;
+}
+
+/// Something to be done with one family of lanes or another.
+pub(crate) trait WithLanes<E> {
+    type Output;
+    fn with<F: Family<E>>(self) -> Self::Output;
+}
+
+/// Does it with the lanes of f32.
+pub(crate) fn with_single<S: WithLanes<f32>>(rounding: Rounding, what: S) -> S::Output {
+    match rounding.0 {
+        #[cfg(target_arch = "x86_64")]
+        Some(Instructions::Avx512) => what.with::<(Zmm32, Pair<Zmm32>)>(),
+        #[cfg(target_arch = "x86_64")]
+        Some(Instructions::Avx2) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
+        #[cfg(target_arch = "aarch64")]
+        Some(Instructions::Neon) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
+        None => what.with::<(f32, f32)>(),
+    }
+}
+
+/// Does it with the lanes of f64.
+pub(crate) fn with_double<S: WithLanes<f64>>(rounding: Rounding, what: S) -> S::Output {
+    match rounding.0 {
+        #[cfg(target_arch = "x86_64")]
+        Some(Instructions::Avx512) => what.with::<(Zmm64, Pair<Zmm64>)>(),
+        #[cfg(target_arch = "x86_64")]
+        Some(Instructions::Avx2) => what.with::<(Pair<Ymm64>, Pair<Ymm64>)>(),
+        #[cfg(target_arch = "aarch64")]
+        Some(Instructions::Neon) => what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>(),
+        None => what.with::<(f64, f64)>(),
+    }
+}

@@ -1,0 +1,285 @@
+//! Steps for one law, number of modes and set of instructions, behind functions that know neither: the one place where
+//! the kernel is compiled for all of them.
+//!
+//! Numbers come and go in rows, one number for each instance side by side; what is done once for an instance is done
+//! outside, by code that is compiled once.
+
+use super::contact::{Dmt, Hertz, Interaction, Jkr, Nothing};
+use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
+use super::ledger::Ledger;
+use super::step::{Case, Decay, State, Wave, each_step, period, unmeasured_period};
+use super::tally::Tally;
+use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants};
+
+/// Steps [`Stepper::width`] instances of one law and number of modes side by side.
+///
+/// `constants` are the rows of [`super::Lever::motion`], of the free motion's cosine, sine and rate, of the gap, of the
+/// law's constants in the order of [`super::contact::LawShader::fields`], and last of [`super::Lever::energy`];
+/// `state` those of x of each mode, of u of each, and of contact (1 or 0).
+#[derive(Clone, Copy, Debug)]
+pub struct Stepper<E> {
+    /// Instances side by side.
+    pub width: usize,
+    /// Modes that each instance's lever must have, those filled up included.
+    pub modes: usize,
+    coast: Coast<E>,
+    measure: Measure<E>,
+}
+
+type Coast<E> = fn(usize, &[E], &mut [E], &[Wave<E>], u32) -> u32;
+type Measure<E> = fn(usize, &[E], &mut [E], &mut [E], &Span<E>) -> u32;
+
+/// Periods that are measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Span<'a, E> {
+    /// Cosines and sines at the steps of a period, by harmonic.
+    pub waves: &'a [Vec<Wave<E>>],
+    /// What decays of the free motion at the steps of these periods, after a start from rest.
+    pub decay: Option<&'a [Decay<E>]>,
+    /// Sums that are kept.
+    pub wants: Wants,
+    /// Whether the ledger takes them in; else it only sees how the fundamental changes.
+    pub measured: bool,
+    pub periods: u32,
+}
+
+impl<E> Stepper<E> {
+    /// Steps through up to so many periods of which nothing is summed, from steady free motion. How many were done: it
+    /// stops after one that leaves a state beyond f32's range.
+    pub fn coast(&self, constants: &[E], state: &mut [E], waves: &[Wave<E>], periods: u32) -> u32 {
+        (self.coast)(self.modes, constants, state, waves, periods)
+    }
+
+    /// The same with sums: `sums` are rows of the indentation at the last two samples, of contact at the last one, and of
+    /// [`Ledger::numbers`].
+    pub fn measure(&self, constants: &[E], state: &mut [E], sums: &mut [E], span: &Span<E>) -> u32 {
+        (self.measure)(self.modes, constants, state, sums, span)
+    }
+}
+
+/// Numbers that instances can be stepped in: f32 and f64.
+pub trait Real: Lane<Element = Self> {
+    /// The stepper for a law and a number of modes; none for no mode, or for more than [`MODES_MAX`].
+    fn stepper(rounding: Rounding, law: Law, modes: usize) -> Option<Stepper<Self>>;
+}
+
+impl Real for f32 {
+    fn stepper(rounding: Rounding, law: Law, modes: usize) -> Option<Stepper<Self>> {
+        with_single(rounding, NewStepper { law, modes })
+    }
+}
+
+impl Real for f64 {
+    fn stepper(rounding: Rounding, law: Law, modes: usize) -> Option<Stepper<Self>> {
+        with_double(rounding, NewStepper { law, modes })
+    }
+}
+
+struct NewStepper {
+    law: Law,
+    modes: usize,
+}
+
+impl<E: Copy> WithLanes<E> for NewStepper {
+    type Output = Option<Stepper<E>>;
+
+    fn with<F: Family<E>>(self) -> Option<Stepper<E>> {
+        let modes = self.modes;
+        // Compiled for a few numbers of modes; up to 8 the ones between are filled up with modes at rest, beyond there is
+        // one kernel with a loop.
+        macro_rules! law {
+            (Nothing, $lane:ty) => { Nothing };
+            ($law:ident, $lane:ty) => { $law<$lane> };
+        }
+        macro_rules! modes {
+            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
+                match modes {
+                    0 => None,
+                    $(..=$two => Some(new::<F::Wide, law!($law, F::Wide), $two>(modes)),)*
+                    $(..=$one => Some(new::<F::Narrow, law!($law, F::Narrow), $one>(modes)),)*
+                    _ => None,
+                }
+            };
+        }
+        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
+        // quotients that wait for each other; the others have more to gain from leaving the law out.
+        match self.law {
+            Law::None => modes!(Nothing: wide, narrow 8 24),
+            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8 24),
+            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8 24),
+            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8 24),
+        }
+    }
+}
+
+fn new<L: Lane, I: Interaction<L>, const M: usize>(modes: usize) -> Stepper<L::Element> {
+    Stepper {
+        width: L::WIDTH,
+        modes: if M <= WRITTEN_OUT { M } else { modes },
+        coast: coast::<L, I, M>,
+        measure: measure::<L, I, M>,
+    }
+}
+
+fn coast<L: Lane, I: Interaction<L>, const M: usize>(
+    modes: usize,
+    constants: &[L::Element],
+    rows: &mut [L::Element],
+    waves: &[Wave<L::Element>],
+    periods: u32,
+) -> u32 {
+    let (case, mut state) = L::run(
+        #[inline(always)]
+        || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
+    );
+    let mut done = 0;
+    while done < periods {
+        unmeasured_period(&case, &mut state, waves);
+        done += 1;
+        if beyond(&state) {
+            break;
+        }
+    }
+    store(&state, modes, rows);
+    done
+}
+
+fn measure<L: Lane, I: Interaction<L>, const M: usize>(
+    modes: usize,
+    constants: &[L::Element],
+    rows: &mut [L::Element],
+    sums: &mut [L::Element],
+    span: &Span<L::Element>,
+) -> u32 {
+    let (case, mut state) = L::run(
+        #[inline(always)]
+        || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
+    );
+    let (mut tally, mut ledger) = load_sums::<L>(sums);
+    let steps = span.waves[0].len();
+    let mut done = 0;
+    while done < span.periods {
+        let decay = span.decay.map(|rows| &rows[done as usize * steps..][..steps]);
+        period(&case, &mut state, span.waves, decay, span.wants, &mut tally);
+        close(&mut ledger, &mut tally, steps, span.measured.then_some(span.wants));
+        done += 1;
+        if beyond(&state) {
+            break;
+        }
+    }
+    store(&state, modes, rows);
+    store_sums(&tally, &ledger, sums);
+    done
+}
+
+fn beyond<L: Lane, const M: usize>(state: &State<L, M>) -> bool {
+    L::run(
+        #[inline(always)]
+        || state.beyond(),
+    )
+}
+
+fn store<L: Lane, const M: usize>(state: &State<L, M>, modes: usize, rows: &mut [L::Element]) {
+    L::run(
+        #[inline(always)]
+        || state.store(modes, rows),
+    );
+}
+
+fn load_sums<L: Lane>(sums: &[L::Element]) -> (Tally<L>, Ledger<L>) {
+    let mut rows = sums.chunks_exact(L::WIDTH).map(L::load);
+    let mut next = || rows.next().unwrap_or(L::splat(0.0));
+    let (last, touched) = ([next(), next()], next());
+    let mut ledger = Ledger::new();
+    ledger.places().for_each(|place| *place = next());
+    (Tally::resume(last, touched), ledger)
+}
+
+fn store_sums<L: Lane>(tally: &Tally<L>, ledger: &Ledger<L>, sums: &mut [L::Element]) {
+    let carried = tally.carried();
+    let numbers = carried.iter().chain(ledger.numbers());
+    numbers.zip(sums.chunks_exact_mut(L::WIDTH)).for_each(|(number, row)| number.store(row));
+}
+
+/// Takes the period into the ledger.
+fn close<L: Lane>(ledger: &mut Ledger<L>, tally: &mut Tally<L>, steps: usize, measured: Option<Wants>) {
+    L::run(
+        #[inline(always)]
+        || {
+            ledger.close(tally, steps, measured);
+            tally.next_period();
+        },
+    );
+}
+
+/// What a step of one instance saw, kernel units.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced {
+    /// The modes' parts of the travel before the kick.
+    pub x: [f64; MODES_MAX],
+    /// Steady free travel of the tip, and travel beyond it.
+    pub steady: f64,
+    pub beyond: f64,
+    pub indentation: f64,
+    pub impulse: f64,
+    pub shift: f64,
+    pub touching: bool,
+}
+
+/// Steps one instance of so many modes through a period in f64 and shows each step; rows as [`Stepper`] has them, one
+/// number wide.
+pub type Tracer = fn(usize, &[f64], &mut [f64], &[Wave<f64>], Option<&[Decay<f64>]>, &mut dyn FnMut(&Traced));
+
+/// The tracer of a law.
+pub fn tracer(rounding: Rounding, law: Law) -> Tracer {
+    with_double(rounding.least(), NewTracer(law))
+}
+
+struct NewTracer(Law);
+
+impl WithLanes<f64> for NewTracer {
+    type Output = Tracer;
+
+    fn with<F: Family<f64>>(self) -> Tracer {
+        match self.0 {
+            Law::None => trace::<F::Narrow, Nothing>,
+            Law::Hertz => trace::<F::Narrow, Hertz<F::Narrow>>,
+            Law::Dmt => trace::<F::Narrow, Dmt<F::Narrow>>,
+            Law::Jkr => trace::<F::Narrow, Jkr<F::Narrow>>,
+        }
+    }
+}
+
+/// Every lane holds the same instance.
+fn trace<L: Lane<Element = f64>, I: Interaction<L>>(
+    modes: usize,
+    constants: &[f64],
+    rows: &mut [f64],
+    waves: &[Wave<f64>],
+    decay: Option<&[Decay<f64>]>,
+    see: &mut dyn FnMut(&Traced),
+) {
+    let spread = |row: &[f64]| -> Vec<f64> {
+        row.iter().flat_map(|number| std::iter::repeat_n(*number, L::WIDTH)).collect()
+    };
+    let (case, mut state) = L::run(
+        #[inline(always)]
+        || {
+            let case = Case::<L, I, MODES_MAX>::load(modes, &spread(constants));
+            (case, State::load(modes, &spread(rows)))
+        },
+    );
+    each_step(&case, &mut state, waves, decay, false, |_, before, sample| {
+        see(&Traced {
+            x: before.x.map(|x| x.lane(0)),
+            steady: sample.steady.lane(0),
+            beyond: sample.beyond.lane(0),
+            indentation: sample.indentation.lane(0),
+            impulse: sample.kick.impulse.lane(0),
+            shift: sample.kick.shift.lane(0),
+            touching: sample.kick.touching.lane(0) > 0.0,
+        });
+    });
+    let numbers = state.x[..modes].iter().chain(&state.u[..modes]).chain([&state.touching]);
+    numbers.zip(rows).for_each(|(number, place)| *place = number.lane(0));
+}
