@@ -9,9 +9,9 @@
 //! [`scene`] (what the user wrote) to [`instrument`] (modes and free motion) and [`contact`] (laws), to
 //! [`plan`] (what the scene needs), to [`engine`] (steps it, with [`kernel`]) under [`control`] (of errors), to
 //! [`record`] and [`store`]
-//! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`compare`] says how
-//! far results are from each other, [`mod@bench`] measures the engines, [`study`] answers a question by many
-//! scenes and one page.
+//! (the results file), to [`report`] (pictures from that file). Imports go the same way. [`Sweep`] is the whole of
+//! it up to the results. [`compare`] says how far results are from each other, [`mod@bench`] measures the engines,
+//! [`study`] answers a question by many scenes and one page.
 //!
 //! # Units and signs
 //!
@@ -24,10 +24,10 @@
 //! the indentation and, under JKR, on whether the tip was in contact. A contact shorter than about four
 //! steps is reported as out of range.
 //!
+//! # A run
+//!
 //! ```
-//! use afmsweep::engine::{Cpu, Engine, Progress};
-//! use afmsweep::plan::{Plan, Precision};
-//! use afmsweep::scene::Scene;
+//! use afmsweep::{Scene, Sweep};
 //!
 //! let text = r#"
 //! [instrument.cantilever]
@@ -40,11 +40,9 @@
 //! [approach]
 //! gap = "15 nm"
 //! "#;
-//! let scene = Scene::parse("example.toml".as_ref(), text)?;
-//! let plan = Plan::new(&scene, Precision::F64)?;
-//! let outcome = Cpu::default().run(&plan, &Progress::default())?;
-//! let amplitude = outcome.results[0].measured.harmonics[0];
-//! assert!(amplitude > 15e-9 && amplitude < 20e-9);
+//! let swept = Sweep::new(Scene::parse("example.toml".as_ref(), text)?).run()?;
+//! let amplitude = swept.results.observable("amplitude").expect("scenes ask for it unless they say otherwise");
+//! assert!(amplitude.values[0] > 15e-9 && amplitude.values[0] < 20e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -64,7 +62,14 @@ pub mod steady;
 pub mod store;
 pub mod study;
 mod suggest;
+pub mod sweep;
 pub mod units;
+
+pub use observe::{Observable, Status};
+pub use plan::Precision;
+pub use scene::Scene;
+pub use store::{Array, Results};
+pub use sweep::{Audit, Backend, Error, Observer, Sweep, Swept};
 
 /// What runs per step and instance: a crate of its own, since it takes longest to compile.
 pub use afmsweep_kernel as kernel;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last; a module imports only from those before it, and from none beside it.
-const ORDER: [&[&str]; 13] = [
+const ORDER: [&[&str]; 14] = [
     // The kernel is a crate of its own: what it may know is Cargo's to say.
     &["suggest", "kernel"],
     &["units", "observe"],
@@ -15,6 +15,7 @@ const ORDER: [&[&str]; 13] = [
     &["control"],
     &["store"],
     &["record"],
+    &["sweep"],
     &["report"],
     &["study", "bench"],
     &["cli"],
@@ -130,8 +131,13 @@ fn rank(module: &str) -> usize {
 fn wrong_imports(file: &str, from: &str, text: &str) -> Vec<String> {
     let mut wrong = Vec::new();
     for to in imports(text) {
-        // Code may name its own module from the top.
-        if to == from {
+        // Code may name its own module from the top; what the root hands on (`afmsweep::Scene`) is for those on top.
+        let handed_on = to.starts_with(char::is_uppercase);
+        if to == from || (handed_on && from == "cli") {
+            continue;
+        }
+        if handed_on {
+            wrong.push(format!("{file}: {from} imports {to} from the crate's root, not from its module"));
             continue;
         }
         if rank(&to) >= rank(from) {

@@ -241,8 +241,13 @@ fn closed_pipes_are_no_panic() {
 fn help_and_version_go_to_standard_output() {
     let desk = Desk::new();
     let help = desk.works(&["--help"]);
-    for command in ["run", "plan", "modes", "force", "devices", "report"] {
-        assert!(help.out.contains(&format!("  {command} ")), "{}", help.out);
+    let list =
+        help.out.split("Commands:\n").nth(1).expect("a list of commands").split("\n\n").next().unwrap();
+    let commands: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.len() >= 9 && commands.contains(&"run"), "{list}");
+    let readme = include_str!("../README.md");
+    for command in commands.into_iter().filter(|command| *command != "help") {
+        assert!(readme.contains(&format!("| `afmsweep {command} ")), "README has no {command}");
         assert!(desk.works(&[command, "--help"]).out.contains("Usage: afmsweep"));
     }
     assert_eq!(desk.works(&["--version"]).out, format!("afmsweep {}\n", env!("CARGO_PKG_VERSION")));

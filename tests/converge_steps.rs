@@ -69,7 +69,7 @@ fn study(law: LawChoice, counts: &[u32]) -> f64 {
 }
 
 #[test]
-fn hertz_converges_with_fourth_order() {
+fn hertz_converges_above_third_order() {
     assert!(study(LawChoice::Hertz, &[32, 48, 64, 96, 128, 192, 256]) >= bounds::ORDER_HERTZ);
 }
 

@@ -1,5 +1,5 @@
 //! Tapping points that two independent programs and an event-located integrator agree on
-//! (PHYSICS.md, section 4; the integrator's own check stands in `exact_reference.rs`).
+//! (the integrator's own check stands in `exact_reference.rs`).
 
 mod checks;
 mod support;

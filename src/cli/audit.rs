@@ -1,21 +1,10 @@
-//! The audit after a run, and what is said of errors.
+//! What is said of errors and audits.
 
 use super::{Voice, instances, values};
-use afmsweep::control::{self, Audited, Controlled, Verdict};
-use afmsweep::engine::{EngineError, Progress};
-use afmsweep::observe::Status;
-use afmsweep::scene::Scene;
+use afmsweep::control::{Controlled, Verdict};
+use afmsweep::sweep::{AUDIT_CONTACT, AUDIT_SECONDS};
+use afmsweep::{Scene, Status};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-
-/// What an audit takes: a share of the run's time, or so many seconds after a short one; and the time in which one core
-/// redoes an instance at best, s. The help of `--audit` and README tell the first two; a test holds them together.
-const AUDIT_SHARE: f64 = 0.1;
-const AUDIT_SECONDS: f64 = 0.25;
-const AUDIT_ONE: f64 = 0.05;
-/// The longest that it looks for one instance that touches the sample, s.
-const AUDIT_CONTACT: f64 = 60.0;
 
 /// Exit code of `run --strict` where the accuracy is missed.
 pub const MISSED: u8 = 3;
@@ -24,60 +13,6 @@ pub const MISSED: u8 = 3;
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Missed(String);
-
-/// The audit: as many instances as asked for; else those that are done when its time is over, and at least one that
-/// touches the sample, where the run has one.
-pub fn redo(
-    asked: Option<u32>,
-    run: &Controlled,
-    stepping: f64,
-    progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
-    let Controlled { plan, outcome, found, .. } = run;
-    if let Some(count) = asked {
-        return control::audit(plan, outcome, found, count as usize, progress);
-    }
-    let limit = Duration::from_secs_f64((AUDIT_SHARE * stepping).max(AUDIT_SECONDS));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let each = (limit.as_secs_f64() / AUDIT_ONE).min(64.0) as usize;
-    let mut done =
-        within(limit, progress, |watched| control::audit(plan, outcome, found, cores * each, watched))?;
-    let contact = |one: &Audited| one.worst.is_some() && one.touches();
-    let start = Instant::now();
-    let mut left = control::contacts(plan, outcome);
-    left.retain(|i| done.iter().all(|one| one.instance != *i));
-    for some in left.chunks(cores) {
-        let spent = start.elapsed().as_secs_f64();
-        if done.iter().any(contact) || progress.stopped() || spent > AUDIT_CONTACT {
-            break;
-        }
-        let rest = Duration::from_secs_f64(AUDIT_CONTACT - spent);
-        done.extend(within(rest, progress, |watched| {
-            control::audit_of(plan, outcome, found, some, watched)
-        })?);
-    }
-    done.sort_unstable_by_key(|one| one.instance);
-    Ok(done)
-}
-
-/// Does `work`, which is stopped when its time is over or the run is.
-fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T {
-    let start = Instant::now();
-    let (watched, over) = (progress.fork(), AtomicBool::new(false));
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !over.load(Ordering::Relaxed) {
-                if start.elapsed() > limit || progress.stopped() {
-                    watched.stop();
-                }
-                std::thread::sleep(Duration::from_millis(5));
-            }
-        });
-        let done = work(&watched);
-        over.store(true, Ordering::Relaxed);
-        done
-    })
-}
 
 /// What is known of the errors.
 pub fn accuracy(scene: &Scene, run: &Controlled, verdict: &Verdict, told_not_to: bool, voice: Voice) {
@@ -118,9 +53,8 @@ fn nothing_redone(run: &Controlled) -> String {
         return "nothing to redo: no instance that feels the sample is called ok".into();
     }
     format!(
-        "no instance could be redone in {} s, nor one that touches the sample in {AUDIT_CONTACT} s; --audit 4 redoes four \
-         all the same",
-        AUDIT_SECONDS
+        "no instance could be redone in {AUDIT_SECONDS} s, nor one that touches the sample in {AUDIT_CONTACT} s; --audit 4 \
+         redoes four all the same"
     )
 }
 

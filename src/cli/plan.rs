@@ -1,8 +1,10 @@
 //! `afmsweep plan`: what a run would do.
 
-use super::backend::EngineArgs;
+use super::backend::{EngineArgs, say_choice};
 use super::{Voice, load, print, print_json};
+use afmsweep::Observer;
 use afmsweep::engine::estimate;
+use afmsweep::sweep::Choice;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -17,11 +19,11 @@ pub struct PlanArgs {
 }
 
 pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
-    let mut scene = load(&args.scene)?;
-    let mut plan = args.engine.plan(&mut scene)?;
+    let sweep = args.engine.sweep(load(&args.scene)?)?;
     // Nothing runs: which engine would is told to those who ask.
     let voice = Voice { quiet: !voice.verbose || args.json, ..voice };
-    let engine = args.engine.engine(&mut plan, voice)?;
+    let (plan, engine) = sweep.plan(&Told(voice))?;
+    let scene = sweep.scene();
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
     let mut warnings = scene.warnings();
     warnings.extend(plan.doubts());
@@ -38,4 +40,13 @@ pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
         text.push('\n');
     }
     print(&text)
+}
+
+/// Says which engine would run.
+struct Told(Voice);
+
+impl Observer for Told {
+    fn chosen(&self, choice: &Choice) {
+        say_choice(choice, self.0);
+    }
 }

@@ -1,21 +1,21 @@
 //! `afmsweep run`: the main job.
 
 use super::audit;
-use super::backend::EngineArgs;
+use super::backend::{EngineArgs, say_choice};
 use super::progress::Shown;
 use super::signals;
-use super::stopped::{Missing, Phase, Stopped};
+use super::stopped::Stopped;
 use super::{Voice, instances, load};
-use afmsweep::control::{self, Controlled, Others, Verdict};
-use afmsweep::engine::{Outcome, Progress, Reference};
-use afmsweep::observe::Status;
+use afmsweep::control::Controlled;
+use afmsweep::engine::{Engine, Progress};
 use afmsweep::plan::Plan;
-use afmsweep::record::{self, Facts};
-use afmsweep::scene::{Scene, Steady};
-use afmsweep::store::{self, Results, Writer};
+use afmsweep::scene::Steady;
+use afmsweep::store::{self, Writer};
+use afmsweep::sweep::Choice;
+use afmsweep::{Audit, Error, Observer, Scene, Status, Swept};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -57,85 +57,35 @@ fn default_output(scene: &Path) -> PathBuf {
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
-    let mut scene = load(&args.scene)?;
+    let scene = load(&args.scene)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
         anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
     }
     let mut writer = Writer::create(&output, &scene.source, args.overwrite)?;
     let start = Instant::now();
-    let mut plan = args.engine.plan(&mut scene)?;
-    let engine = args.engine.engine(&mut plan, voice)?;
-    let unchosen = if plan.precision_open { "nothing to choose it by" } else { "as told" };
-    plan.precision_open &= !args.no_estimate && !args.engine.reference();
-    let summary = plan.summary(None);
-    if voice.verbose {
-        voice.say(summary.to_string().trim_end());
-    }
     // Told of a folder that somebody named, who may have misspelt it.
-    if let Some(folder) = writer.made_folder().filter(|_| args.output.is_some()) {
-        voice.say(format_args!("made the folder {}", folder.display()));
-    }
-    voice.say(format_args!(
-        "{}: {}, {:.2e} instance-steps on {}, {}",
-        args.scene.display(),
-        instances(plan.cases.len()),
-        plan.instance_steps() as f64,
-        engine.device(),
-        if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
-    ));
-    scene.preset_line().iter().for_each(|line| voice.say(line));
-    for line in scene.warnings().iter().chain(&plan.doubts()) {
-        voice.say(format_args!("warning: {line}"));
-    }
-    if progress.stopped() {
-        return Err(Stopped::before("planning").into());
-    }
-    let shown = Shown::start(Arc::clone(&progress), voice);
-    let stepping = Instant::now();
-    let mut run = match args.no_estimate || args.engine.reference() {
-        false => control::run(&plan, engine.as_ref(), &progress)?,
-        true if args.engine.reference() => control::by_reference(&plan, &Reference::default(), &progress)?,
-        true => control::once(plan, unchosen, engine.as_ref(), &progress)?,
+    let folder = writer.made_folder().filter(|_| args.output.is_some()).map(Path::to_path_buf);
+    let audit = match args.audit {
+        _ if args.no_audit => Audit::None,
+        Some(count) => Audit::Instances(count),
+        None => Audit::Auto,
     };
-    let mut missing = Missing::of(&run, &progress);
-    if run.outcome.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
-        return Err(Stopped::before("stepping").into());
-    }
-    let others = missing.phase((Phase::Branches, run.plan.run.both_branches), &progress, || {
-        control::others(&run, &scene.sweep.shape(), engine.as_ref(), &progress).map(Some)
-    })?;
-    let stepping = stepping.elapsed().as_secs_f64();
-    let exact = args.engine.reference();
-    let no_audit = args.no_audit || exact;
-    let audited = missing
-        .phase((Phase::Audit, !no_audit), &progress, || audit::redo(args.audit, &run, stepping, &progress))?;
-    drop(shown);
-    control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
-    let verdict = Verdict::of(&run, &audited, exact);
-    let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
-
-    let facts = Facts {
-        device: engine.device(),
-        wall_time: start.elapsed().as_secs_f64(),
-        rate: if progress.steps() == 0 { 0.0 } else { progress.steps() as f64 / stepping },
-        plan: plan.summary(None).json().to_string(),
-        arithmetic: run.arithmetic.clone(),
+    let sweep = args.engine.sweep(scene)?.estimate(!args.no_estimate).audit(audit).watched_by(&progress);
+    let told =
+        Told { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown: Mutex::default() };
+    let swept = sweep.run_with(&told);
+    drop(told);
+    let swept = match swept {
+        Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
+        // The scene's errors are shown with their place.
+        Err(Error::Scene(error)) => return Err(error.into()),
+        other => other?,
     };
-    let mut results = record::results(&scene, plan, outcome, &facts);
-    record::error_estimate(&mut results, estimates, &control::basis(plan, !args.no_estimate, exact));
-    let request = scene.output.waveforms.as_ref();
-    results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), &progress, || {
-        request.map(|request| record::waveforms(plan, found, request)).transpose()
-    })?;
-    if plan.run.steady == Steady::Search {
-        record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
-    }
-    record::audit(&mut results, plan, &audited, &verdict);
-    results.attributes.extend(record::complete(&missing.words()));
-    signals::held(|| writer.write(&results))?;
-    if !missing.nothing() {
-        return Err(Stopped::with(&missing, &outcome.results, writer.partial()).into());
+    signals::held(|| writer.write(&swept.results))?;
+    let outcome = &swept.run.outcome;
+    if !swept.missing.is_empty() {
+        return Err(Stopped::with(&swept.missing, &outcome.results, writer.partial()).into());
     }
     let partial = writer.partial().to_path_buf();
     signals::held(|| writer.finish())
@@ -143,24 +93,73 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     for note in &outcome.notes {
         voice.say(format_args!("note: {note}"));
     }
-    if plan.run.steady == Steady::Search {
-        searched(&run, others.as_ref(), voice);
+    if swept.run.plan.run.steady == Steady::Search {
+        searched(&swept, voice);
     }
-    close(&scene, plan, outcome, &results, voice);
-    precision(&run, voice);
-    audit::accuracy(&scene, &run, &verdict, no_audit, voice);
+    close(&swept, voice);
+    precision(&swept.run, voice);
+    audit::accuracy(
+        sweep.scene(),
+        &swept.run,
+        &swept.verdict,
+        args.no_audit || args.engine.reference(),
+        voice,
+    );
     voice.say(format_args!(
         "wrote {} in {:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
         output.display(),
         start.elapsed().as_secs_f64(),
-        stepping,
-        facts.rate
+        swept.stepping,
+        swept.rate
     ));
-    audit::strict(args.strict, &verdict, &output)
+    audit::strict(args.strict, &swept.verdict, &output)
+}
+
+/// What is said before a run steps, and how far it is then.
+struct Told<'a> {
+    path: &'a Path,
+    scene: &'a Scene,
+    /// A folder that was made for the results.
+    folder: Option<PathBuf>,
+    progress: Arc<Progress>,
+    voice: Voice,
+    shown: Mutex<Option<Shown>>,
+}
+
+impl Observer for Told<'_> {
+    fn chosen(&self, choice: &Choice) {
+        say_choice(choice, self.voice);
+    }
+
+    fn planned(&self, plan: &Plan, engine: &dyn Engine) {
+        let voice = self.voice;
+        if voice.verbose {
+            voice.say(plan.summary(None).to_string().trim_end());
+        }
+        if let Some(folder) = &self.folder {
+            voice.say(format_args!("made the folder {}", folder.display()));
+        }
+        voice.say(format_args!(
+            "{}: {}, {:.2e} instance-steps on {}, {}",
+            self.path.display(),
+            instances(plan.cases.len()),
+            plan.instance_steps() as f64,
+            engine.device(),
+            if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
+        ));
+        self.scene.preset_line().iter().for_each(|line| voice.say(line));
+        for line in self.scene.warnings().iter().chain(&plan.doubts()) {
+            voice.say(format_args!("warning: {line}"));
+        }
+        if let Ok(mut shown) = self.shown.lock() {
+            *shown = Some(Shown::start(Arc::clone(&self.progress), voice));
+        }
+    }
 }
 
 /// What a search found.
-fn searched(run: &Controlled, others: Option<&Others>, voice: Voice) {
+fn searched(swept: &Swept, voice: Voice) {
+    let Swept { run, others, .. } = swept;
     let stepped = run.plan.cases.iter().filter(|case| case.steps > 0).count();
     let mut spent: Vec<u32> = run
         .found
@@ -205,21 +204,20 @@ fn precision(run: &Controlled, voice: Voice) {
 }
 
 /// What a user should know of the run: doubtful instances and doubtful contacts.
-fn close(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results, voice: Voice) {
+fn close(swept: &Swept, voice: Voice) {
+    let results = &swept.run.outcome.results;
     for status in Status::ALL {
-        let count = outcome.results.iter().filter(|one| one.status == status).count();
+        let count = results.iter().filter(|one| one.status == status).count();
         if count > 0 && status != Status::Ok {
             voice.say(format_args!(
                 "{count} of {} marked {}: {}",
-                instances(outcome.results.len()),
+                instances(results.len()),
                 status.meaning().replace('_', " "),
                 advice(status)
             ));
         }
     }
-    for line in record::warning_lines(scene, plan, outcome, results) {
-        voice.say(format_args!("warning: {line}"));
-    }
+    swept.warnings.iter().for_each(|line| voice.say(format_args!("warning: {line}")));
 }
 
 fn advice(status: Status) -> &'static str {

@@ -103,7 +103,7 @@ pub fn basis(plan: &Plan, estimated: bool, exact: bool) -> String {
         return "NaN: nothing is estimated of the reference engine, whose steps keep to a tolerance of their own".into();
     }
     if !estimated {
-        return "NaN: nothing was estimated, because --no-estimate was given".into();
+        return "NaN: nothing was estimated, as the run was told to".into();
     }
     let steps = match plan.run.steps_per_period {
         Some(_) => "by a second run with half, or twice, the steps that the scene prescribes",

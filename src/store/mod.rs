@@ -86,6 +86,19 @@ pub struct Variable {
     pub data: Vec<f64>,
 }
 
+/// A variable as it lies in memory, see [`Results::observable`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array<'a> {
+    /// Row-major; SI units, phases in degree; NaN where there is no number.
+    pub values: &'a [f64],
+    /// Lengths of the axes, and of the harmonics where there are some; of a list the number of its instances.
+    pub shape: Vec<usize>,
+    /// The swept axes in order; of a list all have the list's length and share its one dimension.
+    pub axes: &'a [Coordinate],
+    pub units: &'a str,
+    pub long_name: &'a str,
+}
+
 /// A u8 variable over the instances whose values stand for words.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flags {
@@ -173,6 +186,26 @@ impl Results {
         } else {
             self.axes.iter().map(|axis| axis.values.len()).collect()
         }
+    }
+
+    /// An observable, or any other variable over the instances, by its name in the file.
+    pub fn observable(&self, name: &str) -> Option<Array<'_>> {
+        let Variable { units, long_name, harmonics, data, .. } =
+            self.variables.iter().find(|one| one.name == name)?;
+        let mut shape = self.shape();
+        shape.extend(*harmonics);
+        Some(Array { values: data, shape, axes: &self.axes, units, long_name })
+    }
+
+    /// Writes them as a results file. What already stands at `path` is replaced if it is of the same scene, or if
+    /// `overwrite` says so.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn write(&self, path: &std::path::Path, overwrite: bool) -> Result<(), StoreError> {
+        let mut writer = Writer::create(path, self.text("scene").unwrap_or_default(), overwrite)?;
+        writer.write(self)?;
+        writer.finish()
     }
 
     /// The text of a root attribute.

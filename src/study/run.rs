@@ -1,4 +1,4 @@
-//! Running a built-in scene, as `afmsweep run` does.
+//! Running a built-in scene: each instance once as planned, in f64.
 
 use super::StudyError;
 use crate::control::Arithmetic;

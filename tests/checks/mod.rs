@@ -182,7 +182,7 @@ pub fn reference(plan: &Plan, instance: usize, what: Twin) -> Outcome {
     out
 }
 
-/// What errors count on (FORMATS: the scale on which `accuracy` counts).
+/// What errors count on: the scale on which `accuracy` counts.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
     /// Free amplitude, m.

@@ -216,17 +216,20 @@ impl ShaderSpec {
             match directive {
                 "each mode" => (0..self.modes).for_each(|k| self.block(inside, Some(k), out)),
                 "each harmonic" => (0..self.sums().harmonics).for_each(|n| self.block(inside, Some(n), out)),
-                _ if directive.strip_prefix("if ").is_some_and(|name| self.holds(name)) => {
-                    self.block(inside, number, out);
-                }
-                _ => {}
+                _ => match directive.strip_prefix("if ").and_then(|name| self.holds(name)) {
+                    Some(true) => self.block(inside, number, out),
+                    Some(false) => {}
+                    // No driver takes this for a shader: a misspelt directive must not remove lines in silence.
+                    None => *out += &format!("unknown directive: {directive}\n"),
+                },
             }
             at = end + 1;
         }
     }
 
-    fn holds(&self, condition: &str) -> bool {
-        match condition {
+    /// Whether a condition holds; none where it is not known.
+    fn holds(&self, condition: &str) -> Option<bool> {
+        let holds = match condition {
             "extremes" => self.sums().extremes,
             "contact" => self.sums().contact,
             "energy" => self.sums().energy,
@@ -234,8 +237,9 @@ impl ShaderSpec {
             "measured" => self.measured,
             "decay" => self.decay,
             "shifts" => self.law.shifts,
-            _ => false,
-        }
+            _ => return None,
+        };
+        Some(holds)
     }
 }
 
@@ -251,4 +255,24 @@ fn closing(lines: &[&str]) -> usize {
         }
     }
     lines.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Law;
+
+    #[test]
+    fn a_misspelt_directive_does_not_remove_lines_in_silence() {
+        let law = Law::Hertz.shader();
+        let wants = Wants::FUNDAMENTAL;
+        let spec = ShaderSpec { law, modes: 2, wants, measured: true, decay: false, double: false };
+        assert_eq!(spec.expand("a\n//% if measured\nb\n//% end\n"), "a\nb\n");
+        assert_eq!(spec.expand("a\n//% if decay\nb\n//% end\n"), "a\n");
+        for line in ["if shift", "each modes", "if", "unless decay"] {
+            let text = spec.expand(&format!("a\n//% {line}\nb\n//% end\n"));
+            assert_eq!(text, format!("a\nunknown directive: {line}\n"));
+        }
+        assert!(!spec.compose().contains("unknown directive"));
+    }
 }

@@ -1,0 +1,70 @@
+//! Which engine a sweep takes, and why.
+
+use super::{Backend, Error, Observer, Options};
+use crate::engine::gpu::{Gpu, adapters};
+use crate::engine::{Cpu, Engine, Reference};
+use crate::plan::{Plan, Precision};
+
+/// Instance-steps below which the CPU is done before a GPU is ready.
+const SMALL: u64 = 200_000_000;
+/// Accuracy asked for down to which f32 serves: its rounding shows at a tenth of it.
+const SINGLE: f64 = 1e-3;
+
+/// Why an engine was taken that was not named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Choice {
+    /// The CPU: so short a run is done before a GPU is ready.
+    Short,
+    /// The CPU: there is no GPU.
+    NoGpu,
+    /// The CPU: the GPU of this name cannot compute in f64.
+    NoDouble(String),
+    /// The only GPU adapter is a software driver, which computes on the processor.
+    Software,
+}
+
+/// The engine asked for; sets the plan's precision where it was left to the engine.
+pub(super) fn engine(
+    options: &Options,
+    plan: &mut Plan,
+    observer: &dyn Observer,
+) -> Result<Box<dyn Engine>, Error> {
+    match (options.backend, &options.device) {
+        (Backend::Cpu, _) => Ok(Box::new(Cpu::default())),
+        (Backend::Reference, _) => Ok(Box::new(Reference::default())),
+        (Backend::Gpu, wanted) | (Backend::Auto, wanted @ Some(_)) => {
+            let gpu = gpu(options, wanted.as_deref(), plan)?;
+            if wanted.is_none() && gpu.report().software() {
+                observer.chosen(&Choice::Software);
+            }
+            Ok(Box::new(gpu))
+        }
+        (Backend::Auto, None) if plan.instance_steps() < SMALL => {
+            observer.chosen(&Choice::Short);
+            Ok(Box::new(Cpu::default()))
+        }
+        (Backend::Auto, None) => best(options, plan, observer),
+    }
+}
+
+fn gpu(options: &Options, wanted: Option<&str>, plan: &mut Plan) -> Result<Gpu, Error> {
+    let gpu = Gpu::new(wanted)?;
+    if options.precision.is_none() && plan.run.accuracy >= SINGLE {
+        plan.precision = Precision::F32;
+    }
+    Ok(gpu)
+}
+
+/// A real GPU if there is one, never a software driver.
+fn best(options: &Options, plan: &mut Plan, observer: &dyn Observer) -> Result<Box<dyn Engine>, Error> {
+    let found = adapters();
+    let open = options.precision.is_none() && plan.run.accuracy >= SINGLE;
+    let single = open || options.precision == Some(Precision::F32);
+    if let Some(one) = found.iter().find(|one| !one.software() && (single || one.double)) {
+        return Ok(Box::new(gpu(options, Some(&one.index.to_string()), plan)?));
+    }
+    let real = found.iter().find(|one| !one.software());
+    observer.chosen(&real.map_or(Choice::NoGpu, |one| Choice::NoDouble(one.name.clone())));
+    Ok(Box::new(Cpu::default()))
+}

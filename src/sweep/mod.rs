@@ -1,0 +1,263 @@
+//! A whole run as `afmsweep run` does it: from a scene to its results, in memory.
+//!
+//! ```
+//! use afmsweep::{Scene, Sweep};
+//!
+//! let scene = Scene::parse("example.toml".as_ref(), r#"
+//! [instrument.cantilever]
+//! stiffness = "10 N/m"
+//! frequency = "75 kHz"
+//! quality_factor = 30
+//! [sample]
+//! surface_energy = "20 mJ/m^2"
+//! [contact]
+//! law = "dmt"
+//! [drive]
+//! on = "tip"
+//! frequency = "resonance"
+//! free_amplitude = "20 nm"
+//! [approach]
+//! gap = "15 nm"
+//! [sweep]
+//! "sample.youngs_modulus" = { values = ["1 GPa", "2 GPa", "4 GPa"] }
+//! "#)?;
+//! let swept = Sweep::new(scene).run()?;
+//! let amplitude = swept.results.observable("amplitude").expect("the scene asks for it");
+//! assert_eq!(amplitude.shape, [3]);
+//! assert_eq!(amplitude.axes[0].name, "sample_youngs_modulus");
+//! assert!(amplitude.values.iter().all(|metres| *metres > 10e-9 && *metres < 20e-9));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod audit;
+mod choose;
+mod error;
+mod observer;
+mod phase;
+mod swept;
+
+pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUDIT_SHARE};
+pub use choose::Choice;
+pub use error::Error;
+pub use observer::{Observer, Silent};
+pub use phase::Phase;
+pub use swept::Swept;
+
+use crate::control;
+use crate::engine::{Engine, Progress, Reference};
+use crate::observe::Status;
+use crate::plan::{Plan, Precision};
+use crate::scene::Scene;
+use phase::Missing;
+use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+/// Which engine steps the instances.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// A real GPU where there is one and the run is long enough for it, else the CPU.
+    #[default]
+    Auto,
+    /// Any GPU adapter, a software driver too.
+    Gpu,
+    Cpu,
+    /// Adaptive, contact events located: slow and exact.
+    Reference,
+}
+
+/// How many instances are redone by the reference engine after the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Audit {
+    /// As many as a tenth of the run's time allows, or [`AUDIT_SECONDS`], and at least one that touches the sample.
+    #[default]
+    Auto,
+    /// So many.
+    Instances(u32),
+    None,
+}
+
+/// A scene, and how it is to be run.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    scene: Scene,
+    options: Options,
+    progress: Arc<Progress>,
+}
+
+#[derive(Clone, Debug)]
+struct Options {
+    backend: Backend,
+    device: Option<String>,
+    precision: Option<Precision>,
+    threads: Option<usize>,
+    estimate: bool,
+    audit: Audit,
+}
+
+impl Sweep {
+    /// With error control, a default audit, the precision chosen by a trial, on all cores or a GPU.
+    pub fn new(scene: Scene) -> Self {
+        let options = Options {
+            backend: Backend::Auto,
+            device: None,
+            precision: None,
+            threads: None,
+            estimate: true,
+            audit: Audit::Auto,
+        };
+        Self { scene, options, progress: Arc::default() }
+    }
+
+    /// Which engine.
+    #[must_use]
+    pub fn backend(mut self, backend: Backend) -> Self {
+        self.options.backend = backend;
+        self
+    }
+
+    /// The GPU adapter of this index or part of a name; none leaves the choice to the run.
+    #[must_use]
+    pub fn device(mut self, device: Option<String>) -> Self {
+        self.options.device = device;
+        self
+    }
+
+    /// Arithmetic of the inner loop; none leaves it to a trial of both.
+    #[must_use]
+    pub fn precision(mut self, precision: Option<Precision>) -> Self {
+        self.options.precision = precision;
+        self
+    }
+
+    /// Threads of the whole run: planning, stepping, audit, recording. None is all that the caller's pool has.
+    #[must_use]
+    pub fn threads(mut self, threads: Option<usize>) -> Self {
+        self.options.threads = threads;
+        self
+    }
+
+    /// Steps per drive period for every instance; none leaves them to the scene and the plan.
+    #[must_use]
+    pub fn steps_per_period(mut self, steps: Option<u32>) -> Self {
+        if steps.is_some() {
+            self.scene.run.steps_per_period = steps;
+        }
+        self
+    }
+
+    /// Whether errors are estimated and what is too large done again; else each instance runs once as planned.
+    #[must_use]
+    pub fn estimate(mut self, estimate: bool) -> Self {
+        self.options.estimate = estimate;
+        self
+    }
+
+    /// What is redone by the reference engine.
+    #[must_use]
+    pub fn audit(mut self, audit: Audit) -> Self {
+        self.options.audit = audit;
+        self
+    }
+
+    /// How far the run is, from any thread; [`Progress::stop`] ends it early.
+    pub fn progress(&self) -> Arc<Progress> {
+        Arc::clone(&self.progress)
+    }
+
+    /// Watched and stopped by a progress of the caller's.
+    #[must_use]
+    pub fn watched_by(mut self, progress: &Arc<Progress>) -> Self {
+        self.progress = Arc::clone(progress);
+        self
+    }
+
+    /// The scene, with what was changed of it.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What a run would do, and by which engine.
+    ///
+    /// # Errors
+    /// An instrument that cannot be reduced, or a device that is not there.
+    pub fn plan(&self, observer: &dyn Observer) -> Result<(Plan, Box<dyn Engine>), Error> {
+        let precision = self.options.precision.unwrap_or(Precision::F64);
+        let mut plan = Plan::new(&self.scene, precision).map_err(|error| error.in_scene(&self.scene))?;
+        plan.precision_open = self.options.precision.is_none();
+        let engine = choose::engine(&self.options, &mut plan, observer)?;
+        Ok((plan, engine))
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// See [`Error`]. A run that is stopped once some instances are done gives these: [`Swept::missing`] says what
+    /// they lack.
+    pub fn run(&self) -> Result<Swept, Error> {
+        self.run_with(&Silent)
+    }
+
+    /// Runs it, and tells the observer.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    pub fn run_with(&self, observer: &dyn Observer) -> Result<Swept, Error> {
+        let Some(threads) = self.options.threads else { return self.watched(observer) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| Error::Threads { threads, why: error.to_string() })?;
+        pool.install(|| self.watched(observer))
+    }
+
+    /// Tells the observer how far the run is while it lasts.
+    fn watched(&self, observer: &dyn Observer) -> Result<Swept, Error> {
+        let (end, ended) = mpsc::channel::<()>();
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                while ended.recv_timeout(Duration::from_millis(50)) == Err(RecvTimeoutError::Timeout) {
+                    if observer.progress(&self.progress.phase()).is_break() {
+                        self.progress.stop();
+                    }
+                }
+            });
+            let done = self.carried_out(observer);
+            drop(end);
+            done
+        })
+    }
+
+    fn carried_out(&self, observer: &dyn Observer) -> Result<Swept, Error> {
+        let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
+        let exact = self.options.backend == Backend::Reference;
+        let estimated = self.options.estimate && !exact;
+        let (mut plan, engine) = self.plan(observer)?;
+        let unchosen = if plan.precision_open { "nothing to choose it by" } else { "as told" };
+        plan.precision_open &= estimated;
+        observer.planned(&plan, engine.as_ref());
+        if progress.stopped() {
+            return Err(Error::Stopped(Phase::Planning));
+        }
+        let summary = plan.summary(None).json().to_string();
+        let stepping = Instant::now();
+        let mut run = match (exact, estimated) {
+            (true, _) => control::by_reference(&plan, &Reference::default(), progress)?,
+            (_, true) => control::run(&plan, engine.as_ref(), progress)?,
+            _ => control::once(plan, unchosen, engine.as_ref(), progress)?,
+        };
+        let mut missing = Missing::of(&run, progress);
+        if run.outcome.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
+            return Err(Error::Stopped(Phase::Stepping));
+        }
+        let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {
+            control::others(&run, &scene.sweep.shape(), engine.as_ref(), progress).map(Some)
+        })?;
+        let stepping = stepping.elapsed().as_secs_f64();
+        let audit = if exact { Audit::None } else { self.options.audit };
+        let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
+            audit::redo(audit, &run, stepping, progress)
+        })?;
+        control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
+        let done = swept::Done { scene, run, others, audited, exact, estimated, summary };
+        swept::collect(done, (start, stepping), engine.as_ref(), missing, progress)
+    }
+}

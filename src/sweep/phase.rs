@@ -1,0 +1,78 @@
+//! What a sweep does, in its order, and what of it was not done.
+
+use crate::control::Controlled;
+use crate::engine::{Finished, Progress};
+use crate::observe::Status;
+
+/// What a sweep does, in its order. The words stand in the results file, as `incomplete_phase` and `missing`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    Planning,
+    /// Trials, and the first runs of every instance.
+    Stepping,
+    /// Runs with more steps or modes, and the test for sensitivity.
+    Refinement,
+    /// Second periodic states.
+    Branches,
+    Audit,
+    Waveforms,
+}
+
+impl Phase {
+    /// Its name in the results file and in messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Planning => "planning",
+            Self::Stepping => "stepping",
+            Self::Refinement => "refinement",
+            Self::Branches => "branches",
+            Self::Audit => "audit",
+            Self::Waveforms => "waveforms",
+        }
+    }
+}
+
+/// What a sweep has not done. Once something is missing, so is all that comes after it.
+#[derive(Debug, Default)]
+pub(super) struct Missing(pub Vec<Phase>);
+
+impl Missing {
+    /// What of the instances themselves is missing; to be asked once they have run.
+    pub fn of(run: &Controlled, progress: &Progress) -> Self {
+        if !progress.stopped() {
+            return Self::default();
+        }
+        let results = &run.outcome.results;
+        let any = |what: &dyn Fn(&Finished) -> bool| results.iter().any(what);
+        let mut missing = Vec::new();
+        if any(&|one| one.status == Status::NotRun && !one.measured.is_any()) {
+            missing.push(Phase::Stepping);
+        }
+        if any(&|one| one.status == Status::NotRun && one.measured.is_any()) {
+            missing.push(Phase::Refinement);
+        }
+        Self(missing)
+    }
+
+    /// Does a phase that was asked for unless the sweep was stopped before; one that was stopped on the way is missing.
+    pub fn phase<T: Default, E>(
+        &mut self,
+        (phase, wanted): (Phase, bool),
+        progress: &Progress,
+        work: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        if !wanted {
+            return Ok(T::default());
+        }
+        let done = if progress.stopped() { T::default() } else { work()? };
+        if progress.stopped() {
+            self.0.push(phase);
+        }
+        Ok(done)
+    }
+
+    /// As the file says it.
+    pub fn words(&self) -> Vec<&'static str> {
+        self.0.iter().map(|phase| phase.word()).collect()
+    }
+}

@@ -1,0 +1,78 @@
+//! What a sweep leaves: its results, and what is known of them.
+
+use super::phase::Missing;
+use super::{Error, Phase};
+use crate::control::{self, Audited, Controlled, Others, Verdict};
+use crate::engine::{Engine, Progress};
+use crate::record::{self, Facts};
+use crate::scene::{Scene, Steady};
+use crate::store::Results;
+use std::time::Instant;
+
+/// A sweep that was run.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Swept {
+    /// Everything that a results file holds.
+    pub results: Results,
+    /// What is known of the errors.
+    pub verdict: Verdict,
+    /// The run itself: plan, measurements, estimates, periodic states.
+    pub run: Controlled,
+    /// Second periodic states, where the scene asks for them.
+    pub others: Option<Others>,
+    /// Where the contact laws are used outside their assumptions, in words.
+    pub warnings: Vec<String>,
+    /// What was not done because the run was stopped: nothing of a whole run.
+    pub missing: Vec<Phase>,
+    /// Stepping, s, and instance-steps per second of it.
+    pub stepping: f64,
+    pub rate: f64,
+}
+
+/// What the phases of a run have left.
+pub(super) struct Done<'a> {
+    pub scene: &'a Scene,
+    pub run: Controlled,
+    pub others: Option<Others>,
+    pub audited: Vec<Audited>,
+    /// By the reference engine.
+    pub exact: bool,
+    pub estimated: bool,
+    /// The first plan, as JSON.
+    pub summary: String,
+}
+
+/// Results of the phases, waveforms last. `begun`: when the run began, and the seconds of its stepping.
+pub(super) fn collect(
+    done: Done,
+    (start, stepping): (Instant, f64),
+    engine: &dyn Engine,
+    mut missing: Missing,
+    progress: &Progress,
+) -> Result<Swept, Error> {
+    let Done { scene, run, others, audited, exact, estimated, summary } = done;
+    let verdict = Verdict::of(&run, &audited, exact);
+    let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
+    let steps = progress.steps();
+    let facts = Facts {
+        device: engine.device(),
+        wall_time: start.elapsed().as_secs_f64(),
+        rate: if steps == 0 { 0.0 } else { steps as f64 / stepping },
+        plan: summary,
+        arithmetic: run.arithmetic.clone(),
+    };
+    let mut results = record::results(scene, plan, outcome, &facts);
+    record::error_estimate(&mut results, estimates, &control::basis(plan, estimated, exact));
+    let request = scene.output.waveforms.as_ref();
+    results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), progress, || {
+        request.map(|request| record::waveforms(plan, found, request)).transpose()
+    })?;
+    if plan.run.steady == Steady::Search {
+        record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
+    }
+    record::audit(&mut results, plan, &audited, &verdict);
+    results.attributes.extend(record::complete(&missing.words()));
+    let warnings = record::warning_lines(scene, plan, outcome, &results);
+    Ok(Swept { results, verdict, others, warnings, missing: missing.0, stepping, rate: facts.rate, run })
+}
