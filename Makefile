@@ -1,6 +1,7 @@
 # make demo    builds, runs the example sweep and makes its page      (STATIC=1: builds HDF5 as well)
 # make test    all tests: Rust, then the results file in Python's readers
 # make lint    formatting, clippy, documentation
+# make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program (a minute or two)
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
@@ -16,7 +17,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test deps build lint python python-check scipy-check fuzz fuzz-files signal-check peers clean
+.PHONY: help demo test deps build lint library-check python python-check scipy-check fuzz fuzz-files signal-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -41,7 +42,11 @@ test: deps
 lint: deps
 	cargo fmt --check
 	cargo clippy --all-targets $(FEATURES) -- -D warnings
+	cargo clippy --lib --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps $(FEATURES)
+
+library-check:
+	tools/library_check.sh
 
 python: $(PYTHON)
 

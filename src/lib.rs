@@ -18,6 +18,11 @@
 //! SI throughout, f64; only [`kernel`] has units of its own. Travel is positive away from the sample, so is
 //! the tip force. Indentation is positive in contact. The drive is a sine and phases are lags behind it.
 //!
+//! # Features
+//!
+//! `cli` (default; the program) needs all others: `gpu` (the GPU engine), `hdf5` (results files), `report` (pictures and
+//! pages). With `default-features = false` there is what computes, on the CPU and in memory.
+//!
 //! # Limits
 //!
 //! The instrument is linear and its damping modal; the sample is elastic, and the contact force depends on
@@ -46,6 +51,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "report")]
 pub mod bench;
 pub mod compare;
 pub mod contact;
@@ -56,10 +62,12 @@ pub mod observe;
 pub mod periodic;
 pub mod plan;
 pub mod record;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod scene;
 pub mod steady;
 pub mod store;
+#[cfg(feature = "report")]
 pub mod study;
 mod suggest;
 pub mod sweep;

@@ -3,6 +3,7 @@
 use super::batch::Batch;
 use super::measure::{finish, finish_free};
 use super::member::{Levers, Member, begin, member, step_length};
+#[cfg(feature = "gpu")]
 use super::saved::Saved;
 use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station};
 use crate::instrument::Place;
@@ -83,7 +84,8 @@ fn run(plan: &Plan, rounding: Rounding, progress: &Progress) -> Result<Outcome, 
 /// Where the instances of a class begin, if not at the run's start; in their order there.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Resume<'a> {
-    /// As they stood after so many periods.
+    /// As a device left them after so many periods.
+    #[cfg(feature = "gpu")]
     Saved(&'a [Saved], u32),
     /// At these stations of theirs: by instance of the plan, and which instances they are.
     Stations(&'a [Station], &'a [u32]),
@@ -93,6 +95,7 @@ impl Resume<'_> {
     /// Periods done.
     fn done(&self) -> u32 {
         match self {
+            #[cfg(feature = "gpu")]
             Self::Saved(_, done) => *done,
             Self::Stations(..) => 0,
         }
@@ -147,6 +150,7 @@ fn instances<E: Real>(
     let batch = |first: usize, some: &[Member]| {
         let saved = |i: usize| match from {
             None => begin(some[i], plan.run.start),
+            #[cfg(feature = "gpu")]
             Some(Resume::Saved(saved, _)) => saved[first + i],
             Some(Resume::Stations(stations, instances)) => {
                 let instance = instances[first + i];

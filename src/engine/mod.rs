@@ -3,6 +3,7 @@
 mod batch;
 mod cpu;
 mod estimate;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(test)]
 mod instructions_agree;
@@ -77,6 +78,7 @@ pub enum EngineError {
     NoModes,
     #[error("no threads for the CPU engine: {0}")]
     Threads(String),
+    #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] gpu::GpuError),
     #[error("the reference engine's tolerance is {0:e}: give one from 1e-14 to 1e-3")]

@@ -8,6 +8,7 @@ use crate::plan::{Plan, Station};
 use std::f64::consts::PI;
 
 /// Where these instances start, if the plan says so.
+#[cfg(feature = "gpu")]
 pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<Saved>> {
     let stations = plan.stations.as_ref()?;
     Some(instances.iter().map(|&instance| saved(plan, instance, &stations[instance as usize])).collect())
@@ -31,6 +32,7 @@ pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
 }
 
 /// Where an instance was left.
+#[cfg(feature = "gpu")]
 pub(super) fn station(saved: &Saved) -> Station {
     Station {
         x: saved.x.map(|x| x * LENGTH),

@@ -3,23 +3,41 @@
 //! [`Writer`] reserves the place before a run and puts the finished file there in one step, so that the
 //! final name never stands for half a file; [`read`] gives back the same [`Results`].
 
+// The plain data of this file needs no HDF5; reading and writing it does.
+#[cfg(feature = "hdf5")]
 mod check;
+#[cfg(feature = "hdf5")]
 mod error;
+#[cfg(feature = "hdf5")]
 mod heap;
+#[cfg(feature = "hdf5")]
 mod history;
+#[cfg(feature = "hdf5")]
 mod labels;
+#[cfg(feature = "hdf5")]
 mod lock;
+#[cfg(feature = "hdf5")]
 mod occupant;
+#[cfg(feature = "hdf5")]
 mod place;
+#[cfg(feature = "hdf5")]
 mod read;
+#[cfg(feature = "hdf5")]
 mod source;
+#[cfg(feature = "hdf5")]
 mod sums;
+#[cfg(feature = "hdf5")]
 mod write;
 
+#[cfg(feature = "hdf5")]
 pub use error::StoreError;
+#[cfg(feature = "hdf5")]
 pub use history::now;
+#[cfg(feature = "hdf5")]
 pub use occupant::same_file;
+#[cfg(feature = "hdf5")]
 pub use place::{Writer, partial_path};
+#[cfg(feature = "hdf5")]
 pub use read::read;
 
 /// Root attributes the store writes itself; in [`Results::attributes`] they are passed over, except that
@@ -27,6 +45,7 @@ pub use read::read;
 pub const OWN_ATTRIBUTES: [&str; 4] = ["title", "Conventions", "history", "checksums"];
 
 /// Names that no axis and no variable may take.
+#[cfg(feature = "hdf5")]
 const RESERVED: [&str; 8] = [
     "status",
     "steps_per_period",
@@ -202,6 +221,7 @@ impl Results {
     ///
     /// # Errors
     /// See [`StoreError`].
+    #[cfg(feature = "hdf5")]
     pub fn write(&self, path: &std::path::Path, overwrite: bool) -> Result<(), StoreError> {
         let mut writer = Writer::create(path, self.text("scene").unwrap_or_default(), overwrite)?;
         writer.write(self)?;

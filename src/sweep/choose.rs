@@ -1,13 +1,19 @@
 //! Which engine a sweep takes, and why.
 
 use super::{Backend, Error, Observer, Options};
+#[cfg(feature = "gpu")]
+use crate::engine::EngineError;
+#[cfg(feature = "gpu")]
 use crate::engine::gpu::{Gpu, adapters};
 use crate::engine::{Cpu, Engine, Reference};
-use crate::plan::{Plan, Precision};
+use crate::plan::Plan;
+#[cfg(feature = "gpu")]
+use crate::plan::Precision;
 
 /// Instance-steps below which the CPU is done before a GPU is ready.
 const SMALL: u64 = 200_000_000;
 /// Accuracy asked for down to which f32 serves: its rounding shows at a tenth of it.
+#[cfg(feature = "gpu")]
 const SINGLE: f64 = 1e-3;
 
 /// Why an engine was taken that was not named.
@@ -34,11 +40,7 @@ pub(super) fn engine(
         (Backend::Cpu, _) => Ok(Box::new(Cpu::default())),
         (Backend::Reference, _) => Ok(Box::new(Reference::default())),
         (Backend::Gpu, wanted) | (Backend::Auto, wanted @ Some(_)) => {
-            let gpu = gpu(options, wanted.as_deref(), plan)?;
-            if wanted.is_none() && gpu.report().software() {
-                observer.chosen(&Choice::Software);
-            }
-            Ok(Box::new(gpu))
+            named(options, wanted.as_deref(), plan, observer)
         }
         (Backend::Auto, None) if plan.instance_steps() < SMALL => {
             observer.chosen(&Choice::Short);
@@ -48,8 +50,35 @@ pub(super) fn engine(
     }
 }
 
+/// A GPU that was asked for, by name or as any.
+#[cfg(feature = "gpu")]
+fn named(
+    options: &Options,
+    wanted: Option<&str>,
+    plan: &mut Plan,
+    observer: &dyn Observer,
+) -> Result<Box<dyn Engine>, Error> {
+    let gpu = gpu(options, wanted, plan)?;
+    if wanted.is_none() && gpu.report().software() {
+        observer.chosen(&Choice::Software);
+    }
+    Ok(Box::new(gpu))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn named(_: &Options, _: Option<&str>, _: &mut Plan, _: &dyn Observer) -> Result<Box<dyn Engine>, Error> {
+    Err(Error::NoGpuEngine)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn best(_: &Options, _: &mut Plan, observer: &dyn Observer) -> Result<Box<dyn Engine>, Error> {
+    observer.chosen(&Choice::NoGpu);
+    Ok(Box::new(Cpu::default()))
+}
+
+#[cfg(feature = "gpu")]
 fn gpu(options: &Options, wanted: Option<&str>, plan: &mut Plan) -> Result<Gpu, Error> {
-    let gpu = Gpu::new(wanted)?;
+    let gpu = Gpu::new(wanted).map_err(EngineError::from)?;
     if options.precision.is_none() && plan.run.accuracy >= SINGLE {
         plan.precision = Precision::F32;
     }
@@ -57,6 +86,7 @@ fn gpu(options: &Options, wanted: Option<&str>, plan: &mut Plan) -> Result<Gpu, 
 }
 
 /// A real GPU if there is one, never a software driver.
+#[cfg(feature = "gpu")]
 fn best(options: &Options, plan: &mut Plan, observer: &dyn Observer) -> Result<Box<dyn Engine>, Error> {
     let found = adapters();
     let open = options.precision.is_none() && plan.run.accuracy >= SINGLE;

@@ -2,8 +2,8 @@
 
 use super::Phase;
 use crate::engine::EngineError;
-use crate::engine::gpu::GpuError;
 use crate::scene::SceneError;
+#[cfg(feature = "hdf5")]
 use crate::store::StoreError;
 
 /// Why a sweep gave no results.
@@ -15,11 +15,13 @@ pub enum Error {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// The GPU that was asked for.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
+    /// The results file.
+    #[cfg(feature = "hdf5")]
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// A GPU was asked for, and this build has no GPU engine.
+    #[error("this build has no GPU engine: it was made without the feature gpu")]
+    NoGpuEngine,
     /// So many threads could not be started.
     #[error("{threads} threads could not be started: {why}")]
     Threads { threads: usize, why: String },
