@@ -141,9 +141,8 @@ fn main() {
         },
     ];
     if let Some(folder) = output {
-        let command = format!(
-            "cargo bench --bench accuracy -- --instances {count} --waits {waits} --seed {seed} -o {folder}"
-        );
+        let told: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+        let command = format!("cargo bench --bench accuracy -- {}", told.join(" "));
         page::write(&folder, "Accuracy asked for and met", &command, &parts);
     }
 }
