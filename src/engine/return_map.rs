@@ -72,6 +72,9 @@ impl ReturnMap for Map {
                 let (table, row) = self.places[*instance as usize];
                 (table as usize == number).then_some((n, row))
             }));
+            if own.is_empty() {
+                continue;
+            }
             let mut rows = table.buffers();
             for places in own.chunks(table.stepper.width) {
                 if progress.stopped() {
