@@ -43,7 +43,7 @@ pub(crate) struct Flow<L, const M: usize> {
 /// The kick's factor tan(y)/y (1 - y^2/6), y = omega h/2, is 1 + (omega h)^2/24 + ...: the
 /// term that the path average asks for, in the form that makes an undamped mode's answer to a
 /// steady force exact however stiff it is. Its x-part is the average's damping term
-/// (ARCHITECTURE.md); with g = omega/Q it leaves the travel too large by (g h)^2/24, which the
+/// (docs/method.md); with g = omega/Q it leaves the travel too large by (g h)^2/24, which the
 /// factor's last term takes back.
 ///
 /// Work: with f the force at the sample, f'' its second derivative and v a mode's true speed,

@@ -5,7 +5,7 @@
 //! length h is a kick by the contact force and the exact flow of every damped mode. The kick is
 //! the mean of the force along the tip's path from half a step before the sample to half a step
 //! after it, taken from the law's antiderivative, so that onset, pull-off, jumps and attractions
-//! much shorter than a step are weighed exactly instead of sampled. ARCHITECTURE.md derives the
+//! much shorter than a step are weighed exactly instead of sampled. docs/method.md derives the
 //! corrections that make it fourth order where the force is smooth, and those that tell when within the step it acts.
 //!
 //! Everything here is generic over [`Lane`] and uses + - * / sqrt min max abs and select only,

@@ -58,7 +58,7 @@ impl<L: Lane> Tail<L> {
     /// `outside` is its share of the step, `inside` the rest.
     ///
     /// With c = (a + b)/2 the moment of 1/s^2 about its middle is -z p(z^2)/(ab), p(x) = (z - (1 - x) atanh z)/(2xz)
-    /// = 1/3 + x/15 + x^2/35 + ... up to 1/2 (ARCHITECTURE.md).
+    /// = 1/3 + x/15 + x^2/35 + ... up to 1/2 (docs/method.md).
     #[inline(always)]
     fn bend(&self, outside: L, inside: L) -> Bend<L> {
         let one = L::splat(ONE);

@@ -185,7 +185,7 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
         }
         let pull = self.unit_force * self.inverse_unit;
         let twelfth = L::splat(TWELFTH);
-        // The stepped path lies off the true one by a 12th of the force (ARCHITECTURE.md).
+        // The stepped path lies off the true one by a 12th of the force (docs/method.md).
         let near = Point::roughly(start + three);
         let t1 = L::select(touches, three, pull * twelfth * near.force + start + three);
         let mut from = Point::at(t1);

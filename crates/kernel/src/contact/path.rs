@@ -4,7 +4,7 @@
 use super::{Approach, Lane};
 use crate::constants::{HALF, ONE, QUARTER, TWELFTH, TWENTY_FOURTH, ZERO};
 
-/// The mean force with the commutator of kick and flow, of second order (ARCHITECTURE.md).
+/// The mean force with the commutator of kick and flow, of second order (docs/method.md).
 #[inline(always)]
 pub fn corrected<L: Lane>(force: L, slope: L) -> L {
     (-(force * slope)).mul_add(L::splat(TWELFTH), force)
