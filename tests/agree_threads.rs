@@ -7,7 +7,7 @@ mod support;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{Scene, Start, Sweep};
+use afmsweep::scene::{Scene, Start, SweptAxes};
 use checks::{bounds, worst};
 use std::path::Path;
 
@@ -107,7 +107,7 @@ fn an_instance_alone_is_the_same() {
         for (instance, result) in all.iter().enumerate() {
             let mut alone = scene.clone();
             alone.base = scene.instance(instance);
-            alone.sweep = Sweep::default();
+            alone.sweep = SweptAxes::default();
             let plan = checks::plan_in(&alone, None, precision);
             assert_eq!(bits(&run(&plan, 1)[0]), bits(result), "{name}, instance {instance}");
         }

@@ -8,7 +8,7 @@ use afmsweep::contact::Law;
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
 use afmsweep::scene::{
-    ActuatorModel, DriveFrequency, DriveLevel, LawChoice, QualityFactor, Scene, Start, Sweep,
+    ActuatorModel, DriveFrequency, DriveLevel, LawChoice, QualityFactor, Scene, Start, SweptAxes,
 };
 use checks::energy::{balance, free_work};
 use checks::{bounds, calibrated, one_mode, sample};
@@ -182,7 +182,7 @@ fn books_balance_for_every_steady_scene_file() {
             .filter(|&&instance| {
                 let mut one = scene.clone();
                 one.base = scene.instance(instance);
-                one.sweep = Sweep::default();
+                one.sweep = SweptAxes::default();
                 one.output.observables = afmsweep::observe::Observable::all().collect();
                 long_enough(&mut one);
                 books_balance(&format!("{name} [{instance}]"), &one)

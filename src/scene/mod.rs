@@ -34,7 +34,7 @@ pub struct Scene {
     pub title: String,
     /// The case before the sweep's values are put in.
     pub base: Params,
-    pub sweep: Sweep,
+    pub sweep: SweptAxes,
     pub run: Run,
     pub output: Output,
     /// What the file says, and where.
@@ -99,7 +99,7 @@ impl Scene {
 
 /// The instances of a scene: a grid of axes, a list of samples, or the one base case.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sweep {
+pub struct SweptAxes {
     pub axes: Vec<Axis>,
     pub layout: Layout,
 }
@@ -114,7 +114,7 @@ pub enum Layout {
     List,
 }
 
-impl Sweep {
+impl SweptAxes {
     /// Lengths of the axes of a grid; empty for a list.
     pub fn shape(&self) -> Vec<usize> {
         match self.layout {
@@ -197,7 +197,7 @@ pub struct WaveformRequest {
     pub periods: u32,
 }
 
-impl Sweep {
+impl SweptAxes {
     /// Number of instances; 1 without a sweep.
     pub fn len(&self) -> usize {
         match self.layout {

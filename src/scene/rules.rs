@@ -7,7 +7,7 @@ use super::error::{Checked, Fault};
 use super::params::*;
 use super::quantity::Address;
 use super::read::{Draft, Said};
-use super::{Layout, Sweep};
+use super::{Layout, SweptAxes};
 use std::ops::Range;
 
 const LEVER: &str = "instrument.cantilever.";
@@ -28,7 +28,7 @@ const LEVELS: [&str; 4] = ["drive.voltage", "drive.free_amplitude", "drive.force
 
 /// Checks the draft with its sweep, and completes its base case with the first values of axes
 /// that say something the file does not.
-pub(super) fn check(draft: &mut Draft, sweep: &Sweep) -> Checked<()> {
+pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     one_lever(draft)?;
     one_of_each(draft)?;
     indices_exist(draft)?;
@@ -341,7 +341,7 @@ fn lever_is_complete(draft: &Draft) -> Checked<()> {
 }
 
 /// Without charge flowing, the rod's field softens it; beyond this bound it would collapse.
-fn rod_is_stable(draft: &Draft, sweep: &Sweep) -> Checked<()> {
+fn rod_is_stable(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     const PATHS: [&str; 3] =
         ["instrument.actuator.youngs_modulus", "instrument.actuator.h33", "instrument.actuator.beta33"];
     let actuator = &draft.params.instrument.actuator;

@@ -5,7 +5,7 @@ use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::{Draft, Said, keys_of};
 use super::values::{self, Key, Value};
-use super::{Axis, Layout, Sweep};
+use super::{Axis, Layout, SweptAxes};
 use crate::suggest::nearest;
 use crate::units::shortened;
 use toml::de::DeTable;
@@ -17,7 +17,7 @@ const AXIS_FORM: &str =
     "{ from = ..., to = ..., points = ..., scale = \"lin\" or \"log\" } or { values = [...] }";
 
 /// Reads whichever of the two sections there is, and notes its axes in the draft.
-pub(super) fn read(document: &DeTable, draft: &mut Draft) -> Checked<Sweep> {
+pub(super) fn read(document: &DeTable, draft: &mut Draft) -> Checked<SweptAxes> {
     match (document.get_key_value("sweep"), document.get_key_value("samples")) {
         (Some((sweep, _)), Some((samples, _))) => {
             Err(Fault::at(samples.span(), "the scene has both [sweep] and [samples]")
@@ -28,11 +28,11 @@ pub(super) fn read(document: &DeTable, draft: &mut Draft) -> Checked<Sweep> {
         }
         (Some((key, value)), None) => section(key, value, Layout::Grid, draft),
         (None, Some((key, value))) => section(key, value, Layout::List, draft),
-        (None, None) => Ok(Sweep::default()),
+        (None, None) => Ok(SweptAxes::default()),
     }
 }
 
-fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Checked<Sweep> {
+fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Checked<SweptAxes> {
     let name = key.get_ref().as_ref();
     let table = values::table(value, name, &format!("a section [{name}]"))?;
     if table.is_empty() {
@@ -43,7 +43,7 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
             )
             .help("leave the section out to run the one case"));
     }
-    let mut sweep = Sweep { axes: Vec::new(), layout };
+    let mut sweep = SweptAxes { axes: Vec::new(), layout };
     let mut instances: usize = 1;
     for (key, value) in table {
         let address = swept_quantity(key, value, name)?;
