@@ -1,0 +1,54 @@
+//! How much work runs take, frozen: a control loop, a search or an integrator that began to work harder for the same
+//! results would show here. Numbers are this program's own, at the commit that last changed them for a reason.
+
+use afmsweep::control;
+use afmsweep::engine::{Cpu, Progress, Reference, solve};
+use afmsweep::plan::{Plan, Precision};
+use afmsweep::scene::Scene;
+use std::path::Path;
+
+/// Other mathematical libraries round sines and exponentials otherwise in the last bit, which may move a decision.
+const TOLERANCE: f64 = 0.02;
+
+fn plan(name: &str) -> Plan {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/hard/{name}.toml"));
+    Plan::new(&Scene::load(&path).unwrap(), Precision::F64).unwrap()
+}
+
+fn same(what: &str, seen: &[f64], frozen: &[f64]) {
+    println!("{what}: {seen:?}");
+    let close = |(seen, frozen): (&f64, &f64)| (seen - frozen).abs() <= TOLERANCE * frozen;
+    let all = seen.len() == frozen.len() && seen.iter().zip(frozen).all(close);
+    assert!(all, "{what}: {seen:?} where {frozen:?} were frozen");
+}
+
+/// Instance-steps of the whole run, steps per period and periods of its last run.
+#[test]
+fn runs_to_an_accuracy_take_as_many_steps_as_before() {
+    for (name, frozen) in [
+        ("adhesion_1", [67_344.0, 96.0, 61.0]),
+        ("soft_0.5_hertz", [199_680.0, 6144.0, 6.0]),
+        ("tip_mass_jkr", [135_168.0, 3072.0, 6.0]),
+        ("q_1e5_search", [16_800.0, 64.0, 19.0]),
+    ] {
+        let progress = Progress::default();
+        let run = control::run(&plan(name), &Cpu { strict: true, ..Cpu::default() }, &progress).unwrap();
+        let steps = run.plan.cases.iter().map(|case| f64::from(case.steps)).sum();
+        let periods = run.periods.iter().copied().map(f64::from).sum();
+        same(name, &[progress.steps() as f64, steps, periods], &frozen);
+    }
+}
+
+/// Steps taken, steps tried in vain, evaluations, events.
+#[test]
+fn the_reference_takes_as_many_evaluations_as_before() {
+    for (name, frozen) in [
+        ("jkr_edge_lets_go", [13_189.0, 1403.0, 193_041.0, 400.0]),
+        ("tip_mass_dmt", [71_001.0, 1805.0, 908_169.0, 400.0]),
+    ] {
+        let options = Reference { tolerance: 1e-8, ..Reference::default() };
+        let (_, work) = solve(&plan(name), 0, &options).unwrap();
+        let seen = [work.accepted, work.rejected, work.evaluations, work.events].map(|count| count as f64);
+        same(name, &seen, &frozen);
+    }
+}
