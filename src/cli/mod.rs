@@ -15,6 +15,7 @@ mod signals;
 mod stopped;
 mod study;
 
+use afmsweep::Error;
 use afmsweep::report::shown;
 use afmsweep::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
@@ -115,7 +116,11 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            match error.downcast_ref::<SceneError>() {
+            let scene = match error.downcast_ref::<Error>() {
+                Some(Error::Scene(scene)) => Some(scene),
+                _ => error.downcast_ref::<SceneError>(),
+            };
+            match scene {
                 Some(scene) => say(scene.render(colour())),
                 None => say(format_args!("error: {}", in_full(&error))),
             }

@@ -78,8 +78,6 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     drop(told);
     let swept = match swept {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
-        // The scene's errors are shown with their place.
-        Err(Error::Scene(error)) => return Err(error.into()),
         other => other?,
     };
     signals::held(|| writer.write(&swept.results))?;
