@@ -42,6 +42,8 @@ impl Scene<'_> {
             r#"
 [instrument]
 preset = "ha-fung-chen-2005"
+[instrument.actuator]
+quality_factor = 100
 [instrument.cantilever]
 quality_factor = 150
 [instrument.tip]
@@ -115,7 +117,7 @@ fn sizes(folder: &Folder, largest: usize) -> Vec<Value> {
     ] {
         for count in [100, 1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|count| *count <= largest) {
             let text = Scene { law, counts: cube(count), modulus, observables: USUAL, run: SEARCHED }.text();
-            let run = folder.run(&text, &["--precision", "f32", "--no-audit"]);
+            let run = folder.run(&text, &["--no-audit"]);
             rows.push(row(json!({ "law": law, "modulus_gpa": named, "instances": run.instances }), &run));
         }
     }
@@ -230,7 +232,7 @@ fn main() {
     let parts = [
         Part {
             heading: "Over the number of instances",
-            text: "afmsweep run --precision f32 --no-audit: each a converged tapping case (quality factor 150, free \
+            text: "afmsweep run --no-audit: each a converged tapping case (quality factor 150, free \
                    amplitude 20 nm, gap 17 nm, accuracy 1e-3; amplitude, phase, largest force), periodic states \
                    searched for, modes and steps by estimate.",
             columns: &size_columns,
