@@ -9,6 +9,7 @@ use crate::plan::{Basis, Plan, Precision, RICHEST};
 use crate::steady;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::iter::successors;
 
 /// Most instances of the sample.
 const SAMPLE: usize = 64;
@@ -180,14 +181,21 @@ pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     spread(plan, &by_stiffness(plan, stepped))
 }
 
-/// Evenly spread over instances in their order.
+/// Evenly spread over instances in their order, and ever closer towards the stiffest of each law: those are what a lever
+/// fails, and all that stand beyond the last member that it serves pay for a richer one.
 pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
-    let every = order.len().div_ceil(SAMPLE);
-    // The stiffest of each law too: nothing stands behind it.
-    let stiffest: Vec<u32> = laws(plan, order).filter_map(|(_, members)| members.last().copied()).collect();
-    let counts =
-        |(place, i): (usize, &u32)| (place.is_multiple_of(every) || stiffest.contains(i)).then_some(*i);
-    order.iter().enumerate().filter_map(counts).collect()
+    let every = order.len().div_ceil(SAMPLE).max(1);
+    let mut places: Vec<usize> = (0..order.len()).step_by(every).collect();
+    let mut end = 0;
+    for (_, members) in laws(plan, order) {
+        end += members.len();
+        let from_end = successors(Some(1), |distance| Some(2 * distance));
+        let closer = from_end.take_while(|distance| *distance < every && *distance <= members.len());
+        places.extend(closer.map(|distance| end - distance));
+    }
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|place| order[place]).collect()
 }
 
 /// What a lever costs the members of the sample under one law, softest contact first.
