@@ -5,7 +5,7 @@
 mod support;
 
 use afmsweep::control::{self, Controlled, Others};
-use afmsweep::engine::{Cpu, Progress};
+use afmsweep::engine::{Cpu, Progress, on_threads};
 use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
@@ -65,10 +65,13 @@ fn scene(lever: &str, amplitudes: &[f64], gaps: &str) -> Scene {
 
 fn run(scene: &Scene, threads: usize) -> (Controlled, Others) {
     let plan = Plan::new(scene, Precision::F64).unwrap();
-    let (engine, progress) = (Cpu { threads: Some(threads), strict: false }, Progress::default());
-    let run = control::run(&plan, &engine, &progress).unwrap();
-    let others = control::others(&run, &scene.sweep.shape(), &engine, &progress).unwrap();
-    (run, others)
+    let (engine, progress) = (Cpu::default(), Progress::default());
+    let both = || {
+        let run = control::run(&plan, &engine, &progress).unwrap();
+        let others = control::others(&run, &scene.sweep.shape(), &engine, &progress).unwrap();
+        (run, others)
+    };
+    on_threads(Some(threads), both).unwrap()
 }
 
 /// The motions that the independent integrator has at each gap.

@@ -182,7 +182,7 @@ fn searches_alike(precision: Precision) -> Result<(), Failed> {
     let plan = checks::plan_in(&scene, None, precision);
     let settle =
         |engine: &dyn Engine| steady::run(&plan, &[], engine, &Progress::default()).expect("it runs");
-    let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true, ..Cpu::default() }));
+    let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
     let count = same(&ours.outcome.results, &theirs.outcome.results, "search")?;
     assert_eq!(ours.found, theirs.found);
     let found = ours.found.iter().flatten().count();

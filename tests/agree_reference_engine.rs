@@ -13,7 +13,7 @@ use std::path::Path;
 use std::time::Instant;
 
 fn options(tolerance: f64, model: Model) -> Reference {
-    Reference { tolerance, model, ..Reference::default() }
+    Reference { tolerance, model }
 }
 
 /// An instance by the reference engine and by the independent integrator, whose largest difference is to

@@ -4,7 +4,7 @@
 mod checks;
 mod support;
 
-use afmsweep::engine::{Cpu, Engine, Finished, Progress};
+use afmsweep::engine::{Cpu, Engine, Finished, Progress, on_threads};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{Scene, Start, SweptAxes};
@@ -54,8 +54,8 @@ fn run(plan: &Plan, threads: usize) -> Vec<Finished> {
 }
 
 fn run_in(plan: &Plan, threads: usize, strict: bool) -> Vec<Finished> {
-    let cpu = Cpu { threads: Some(threads), strict };
-    cpu.run(plan, &Progress::default()).expect("the plan can be run").results
+    let run = || Cpu { strict }.run(plan, &Progress::default()).expect("the plan can be run").results;
+    on_threads(Some(threads), run).expect("there are threads")
 }
 
 /// Every number's bits, and the status.

@@ -40,7 +40,7 @@ fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> Controlled {
     let mut scene = Scene::load(path).unwrap();
     scene.run.steps_per_period = steps.or(scene.run.steps_per_period);
     let plan = Plan::new(&scene, precision).unwrap();
-    control::run(&plan, &Cpu { threads: Some(1), ..Cpu::default() }, &Progress::default()).unwrap()
+    control::run(&plan, &Cpu::default(), &Progress::default()).unwrap()
 }
 
 /// Every variable and status equals what the engine says, to the bit.

@@ -194,7 +194,7 @@ fn work_on_a_confirmed_point() {
 fn refusals_say_what_to_give() {
     let plan = checks::plan(&one_mode(1.0, 1e5, 10.0, 1e-9, 1e-9, |_| ()), None);
     let told = |instance: usize, tolerance: f64| {
-        let options = Reference { tolerance, model: Model::Kept, ..Reference::default() };
+        let options = Reference { tolerance, model: Model::Kept };
         solve(&plan, instance, &options).map_err(|error| error.to_string()).err().unwrap_or_default()
     };
     assert!(told(1, 1e-12).contains("the plan has 1"), "{}", told(1, 1e-12));

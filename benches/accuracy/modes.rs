@@ -66,7 +66,7 @@ pub fn run() -> Vec<Value> {
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
         let by = |model| {
-            let reference = Reference { tolerance: 1e-10, model, ..Reference::default() };
+            let reference = Reference { tolerance: 1e-10, model };
             reference.run(&run.plan, &Progress::default()).expect("the plan can be run").results
         };
         let (kept, all) = (by(Model::Kept), by(Model::Whole));

@@ -69,7 +69,7 @@ fn row(name: &str, mut scene: Scene, count: usize) -> Value {
     let run = control::run(&whole, &cpu, &progress).expect("the plan can be run");
     // What steps cost, with the modes chosen: the reference integrates the same oscillators.
     let chosen = run.plan.only(&instances);
-    let reference = Reference { tolerance: 1e-9, model: Model::Kept, ..Reference::default() };
+    let reference = Reference { tolerance: 1e-9, model: Model::Kept };
     let truths = reference.run(&chosen, &Progress::default()).expect("the plan can be run").results;
     let (error, ok) = largest(&chosen, &instances, &run.outcome.results, &truths);
     let accuracy = scene.run.accuracy;

@@ -8,7 +8,7 @@ mod peak;
 mod work;
 
 use afmsweep::engine::gpu::Gpu;
-use afmsweep::engine::{Cpu, Engine, Progress, processor};
+use afmsweep::engine::{Cpu, Engine, Progress, on_threads, processor};
 use afmsweep::observe::Observable;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{LawChoice, Scene};
@@ -127,17 +127,14 @@ fn rate(plan: &Plan, engine: &dyn Engine, seconds: f64) -> f64 {
     }
 }
 
-fn on(threads: usize) -> Cpu {
-    Cpu { threads: Some(threads), ..Cpu::default() }
-}
-
 /// The standard on one thread and on `threads`, the best of short runs by turns.
 fn scaling(arguments: &Arguments, precision: Precision) {
     let plan = plan(&VARIANTS[0], arguments.instances, precision);
     let mut best = [0.0f64; 2];
     for _ in 0..5 {
         for (best, threads) in best.iter_mut().zip([1, arguments.threads]) {
-            *best = best.max(rate(&plan, &on(threads), 0.4 * arguments.seconds));
+            let short = || rate(&plan, &Cpu::default(), 0.4 * arguments.seconds);
+            *best = best.max(on_threads(Some(threads), short).expect("there are threads"));
         }
     }
     let peak = peak::cpu(precision, 1);
@@ -187,10 +184,14 @@ fn arguments() -> Arguments {
 
 fn main() {
     let arguments = arguments();
+    on_threads(Some(arguments.threads), || measure(&arguments)).expect("there are threads");
+}
+
+fn measure(arguments: &Arguments) {
     let mut rows = Vec::new();
     let engine: Box<dyn Engine> = match arguments.gpu {
         true => Box::new(Gpu::new(None).unwrap_or_else(|error| panic!("{error}"))),
-        false => Box::new(on(arguments.threads)),
+        false => Box::new(Cpu::default()),
     };
     println!("{}", engine.device());
     for precision in [Precision::F32, Precision::F64] {
@@ -234,7 +235,7 @@ fn main() {
     }
     if !arguments.gpu {
         println!();
-        [Precision::F32, Precision::F64].iter().for_each(|precision| scaling(&arguments, *precision));
+        [Precision::F32, Precision::F64].iter().for_each(|precision| scaling(arguments, *precision));
     }
     if let Some(path) = &arguments.output {
         let all: Value = json!({

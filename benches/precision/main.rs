@@ -87,6 +87,8 @@ fn arguments() -> Arguments {
 
 fn main() {
     let arguments = arguments();
+    // CPU-seconds of one thread are what is compared.
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("nothing has started threads yet");
     let output = arguments.output.as_ref().map(Path::new);
     // Rather now than after all the work.
     if let Some(Err(error)) = output.map(|folder| check_folder(folder, page::GENERATOR)) {

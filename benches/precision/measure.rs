@@ -138,7 +138,7 @@ fn point(problem: &Problem, entry: Entry) -> Point {
 
 /// This crate's engines.
 fn engines<'a>(problem: &'a Problem, devices: &'a Devices, notes: &mut Vec<String>) -> Vec<Entry<'a>> {
-    static CPU: Cpu = Cpu { threads: Some(1), strict: false };
+    static CPU: Cpu = Cpu { strict: false };
     let mut machines: Vec<(&str, Precision, &dyn Engine)> =
         vec![("cpu f32", Precision::F32, &CPU), ("cpu f64", Precision::F64, &CPU)];
     if let Some(gpu) = &devices.gpu {

@@ -136,7 +136,7 @@ impl Problem {
         let plan = planned(&scene);
         scene.run.steady = Steady::Search;
         let searched = planned(&scene);
-        let reference = Reference { tolerance: TOLERANCE, model: Model::Kept, threads: None };
+        let reference = Reference { tolerance: TOLERANCE, model: Model::Kept };
         let truth = reference.run(&plan, &Progress::default()).expect("the plan can be run").results;
         let reduced = reduce(law, &plan, few);
         Self { name: name(law), plan, searched, truth, reduced }

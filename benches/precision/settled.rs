@@ -51,11 +51,11 @@ impl Settled {
 
 /// Finds it out, in CPU-seconds of this program with one thread.
 pub fn measure(problem: &Problem, repeats: u32) -> Settled {
-    let cpu = Cpu { threads: Some(1), strict: false };
+    let cpu = Cpu::default();
     let all: Vec<u32> = (0..problem.plan.cases.len() as u32).collect();
     let mut fine = problem.searched.clone();
     fine.run.accuracy = FINEST;
-    let reference = Reference { tolerance: 1e-13, model: Model::Kept, threads: None };
+    let reference = Reference { tolerance: 1e-13, model: Model::Kept };
     let mut truth =
         by_reference(&fine, &reference, &Progress::default()).expect("can be run").outcome.results;
     let ends: Vec<Vec<Finished>> =

@@ -3,7 +3,7 @@
 use super::{Voice, load, print, print_json};
 use afmsweep::bench::{self, GENERATOR, Machine, Options, Series};
 use afmsweep::engine::gpu::{Gpu, adapters};
-use afmsweep::engine::{Cpu, processor};
+use afmsweep::engine::{Cpu, on_threads, processor};
 use afmsweep::plan::Precision;
 use afmsweep::report::{check_folder, save};
 use afmsweep::scene::Scene;
@@ -63,7 +63,7 @@ pub fn main(args: &BenchArgs, voice: Voice) -> anyhow::Result<()> {
         Some(path) => (path.file_name().unwrap_or_default().to_string_lossy().into_owned(), load(path)?),
         None => ("quickstart.toml".into(), Scene::parse(Path::new("quickstart.toml"), SCENE)?),
     };
-    let machines = machines(args, voice)?;
+    let machines = on_threads(args.threads, || machines(args, voice))??;
     let gpu = machines.iter().find(|machine| machine.backend == "gpu");
     let device = gpu.map_or_else(processor, |machine| machine.engine.device());
     let folder = args.output.clone().unwrap_or_else(|| Path::new("results/bench").join(slug(&device)));
@@ -75,7 +75,8 @@ pub fn main(args: &BenchArgs, voice: Voice) -> anyhow::Result<()> {
         repeats: 2,
         compared: args.compared as usize,
     };
-    let all = bench::measure(&scene, &machines, &options, &|what| voice.say(what))?;
+    let measured = || bench::measure(&scene, &machines, &options, &|what| voice.say(what));
+    let all = on_threads(args.threads, measured)??;
     let sizes: Vec<String> = args.sizes.iter().map(u32::to_string).collect();
     let mut backends: Vec<&str> = machines.iter().map(|machine| machine.backend).collect();
     backends.dedup();
@@ -97,11 +98,7 @@ fn machines(args: &BenchArgs, voice: Voice) -> anyhow::Result<Vec<Machine>> {
     let mut all = Vec::new();
     if has(Which::Cpu) || has(Which::Auto) {
         for precision in [Precision::F32, Precision::F64] {
-            all.push(Machine {
-                backend: "cpu",
-                precision,
-                engine: Box::new(Cpu { threads: args.threads, ..Cpu::default() }),
-            });
+            all.push(Machine { backend: "cpu", precision, engine: Box::new(Cpu::default()) });
         }
     }
     let real = adapters().into_iter().find(|adapter| !adapter.software());

@@ -63,7 +63,7 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
     match Gpu::new(args.device.as_deref()) {
         Ok(gpu) => {
             voice.say(format_args!("gpu: {}", gpu.report().title()));
-            let strict = Cpu { strict: true, ..Cpu::default() };
+            let strict = Cpu { strict: true };
             for precision in [Precision::F64, Precision::F32] {
                 if precision == Precision::F64 && !gpu.report().double {
                     continue;

@@ -5,17 +5,16 @@ use super::measure::{finish, finish_free};
 use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::saved::Saved;
-use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station};
+use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station, threads};
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, MODES_MAX, Real, Rounding, Stepper, Wave, instructions};
 use crate::plan::{Class, Driven, Plan, Precision, Station};
 use crate::scene::Start;
 use rayon::prelude::*;
 
-/// All cores, or as many threads as asked for.
+/// Takes all threads that it is called on, see [`super::on_threads`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpu {
-    pub threads: Option<usize>,
     /// Rounds every product and every sum, as the shader does on a driver that is told to: the same bits on
     /// any processor, at a third of the speed or less. Otherwise sums of products round once where the
     /// processor can; the bits are then the same for all its instruction sets that fuse.
@@ -41,44 +40,28 @@ pub fn processor() -> String {
 
 impl Engine for Cpu {
     fn device(&self) -> String {
-        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
-        format!("{}, {threads} thread{}", processor(), if threads == 1 { "" } else { "s" })
+        format!("{}, {}", processor(), threads::described())
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
-        let rounding = Rounding::new(self.strict);
-        match self.pool()? {
-            None => run(plan, rounding, progress),
-            Some(pool) => pool.install(|| run(plan, rounding, progress)),
+        let mut outcome = Outcome::of(plan);
+        for class in &plan.classes {
+            let from = plan.stations.as_ref().map(|stations| Resume::Stations(stations, &class.instances));
+            let ended = resume(plan, class, from, Rounding::new(self.strict), progress)?;
+            outcome.put(&class.instances, ended);
         }
+        Ok(outcome)
     }
 
-    /// What a portion does on one thread is hidden behind the others; threads of its own do one run at a time.
+    /// What a portion does on one thread is hidden behind the others.
     fn portions(&self) -> (usize, usize) {
-        (1 << 14, if self.threads.is_none() { 4 * rayon::current_num_threads() } else { 1 })
+        (1 << 14, 4 * rayon::current_num_threads())
     }
 
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
-        let map = return_map::Map::new(plan, instances, Rounding::new(self.strict), self.pool()?)?;
+        let map = return_map::Map::new(plan, instances, Rounding::new(self.strict))?;
         Ok(Some(Box::new(map)))
     }
-}
-
-impl Cpu {
-    /// Threads of its own, where it is told how many.
-    fn pool(&self) -> Result<Option<rayon::ThreadPool>, EngineError> {
-        let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        self.threads.map(pool).transpose().map_err(|error| EngineError::Threads(error.to_string()))
-    }
-}
-
-fn run(plan: &Plan, rounding: Rounding, progress: &Progress) -> Result<Outcome, EngineError> {
-    let mut outcome = Outcome::of(plan);
-    for class in &plan.classes {
-        let from = plan.stations.as_ref().map(|stations| Resume::Stations(stations, &class.instances));
-        outcome.put(&class.instances, resume(plan, class, from, rounding, progress)?);
-    }
-    Ok(outcome)
 }
 
 /// Where the instances of a class begin, if not at the run's start; in their order there.

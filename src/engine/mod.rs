@@ -16,6 +16,7 @@ mod return_map;
 mod saved;
 mod start;
 mod station;
+mod threads;
 mod trace;
 
 pub use cpu::{Cpu, processor};
@@ -23,6 +24,7 @@ pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use return_map::ReturnMap;
+pub use threads::on_threads;
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
@@ -30,7 +32,7 @@ use crate::plan::{Plan, Station};
 use thiserror::Error;
 
 /// Steps every instance of a plan.
-pub trait Engine: Sync {
+pub trait Engine: Send + Sync {
     /// Name of the device, for the results file.
     fn device(&self) -> String;
 
@@ -76,8 +78,9 @@ pub enum EngineError {
     TooManyModes { modes: usize, most: usize },
     #[error("the plan keeps no mode for an instance: the tip force does not move this tip")]
     NoModes,
-    #[error("no threads for the CPU engine: {0}")]
-    Threads(String),
+    /// The system does not give them.
+    #[error("{threads} threads could not be started: {why}")]
+    Threads { threads: usize, why: String },
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] gpu::GpuError),

@@ -7,15 +7,11 @@ use super::{EngineError, Progress, start};
 use crate::kernel::{LENGTH, Rounding, Stepper, Wave};
 use crate::plan::{Class, Plan, Station};
 use crate::scene::Start;
-use rayon::ThreadPool;
 use rayon::prelude::*;
 
 /// The map that takes an instance's place at the start of a period of its drive to the one some periods later, with
 /// the plan's steps and in f64.
 pub trait ReturnMap: Send + Sync {
-    /// Does `work`, which may split itself up, on the engine's threads.
-    fn on_threads(&self, work: &mut (dyn FnMut() + Send));
-
     /// Where each of `starts` (a number in the list of instances that the map was made for, and a place) is after
     /// `periods`; none where the run was stopped.
     ///
@@ -27,16 +23,10 @@ pub(super) struct Map {
     tables: Vec<Table>,
     /// By instance, its table and its row there.
     places: Vec<(u32, u32)>,
-    pool: Option<ThreadPool>,
 }
 
 impl Map {
-    pub fn new(
-        plan: &Plan,
-        instances: &[u32],
-        rounding: Rounding,
-        pool: Option<ThreadPool>,
-    ) -> Result<Self, EngineError> {
+    pub fn new(plan: &Plan, instances: &[u32], rounding: Rounding) -> Result<Self, EngineError> {
         let part = plan.trial(instances, 1, 1);
         let mut places = vec![(0, 0); instances.len()];
         let mut tables = Vec::with_capacity(part.classes.len());
@@ -44,25 +34,13 @@ impl Map {
             for (row, instance) in class.instances.iter().enumerate() {
                 places[*instance as usize] = (number as u32, row as u32);
             }
-            let stepper = stepper(rounding, class)?;
-            let make = || Table::new(&part, class, stepper);
-            tables.push(match &pool {
-                None => make(),
-                Some(pool) => pool.install(make),
-            });
+            tables.push(Table::new(&part, class, stepper(rounding, class)?));
         }
-        Ok(Self { tables, places, pool })
+        Ok(Self { tables, places })
     }
 }
 
 impl ReturnMap for Map {
-    fn on_threads(&self, work: &mut (dyn FnMut() + Send)) {
-        match &self.pool {
-            None => work(),
-            Some(pool) => pool.install(work),
-        }
-    }
-
     fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>> {
         let mut out = vec![None; starts.len()];
         let mut own = Vec::with_capacity(starts.len());

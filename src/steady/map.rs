@@ -44,13 +44,11 @@ impl<'a> PeriodMap<'a> {
     /// spread a list over them itself.
     pub fn spread<T: Send>(&self, work: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
         let count = self.instances.len() as u32;
-        let Some(map) = &self.quick else { return vec![work(0..count)] };
-        let mut all = Vec::new();
-        map.on_threads(&mut || {
-            let parts = (0..count.div_ceil(PART)).into_par_iter();
-            all = parts.map(|part| work(part * PART..count.min((part + 1) * PART))).collect();
-        });
-        all
+        if self.quick.is_none() {
+            return vec![work(0..count)];
+        }
+        let parts = (0..count.div_ceil(PART)).into_par_iter();
+        parts.map(|part| work(part * PART..count.min((part + 1) * PART))).collect()
     }
 
     /// Counts instances whose search is over.

@@ -22,9 +22,6 @@ pub enum Error {
     /// A GPU was asked for, and this build has no GPU engine.
     #[error("this build has no GPU engine: it was made without the feature gpu")]
     NoGpuEngine,
-    /// So many threads could not be started.
-    #[error("{threads} threads could not be started: {why}")]
-    Threads { threads: usize, why: String },
     /// Stopped before any instance was done.
     #[error("stopped in the {}, before any instance was done", .0.word())]
     Stopped(Phase),

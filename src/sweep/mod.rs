@@ -44,7 +44,7 @@ pub use phase::Phase;
 pub use swept::Swept;
 
 use crate::control;
-use crate::engine::{Engine, Progress, Reference};
+use crate::engine::{Engine, Progress, Reference, on_threads};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::scene::Scene;
@@ -203,10 +203,7 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run`].
     pub fn run_with(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        let Some(threads) = self.options.threads else { return self.watched(observer) };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|error| Error::Threads { threads, why: error.to_string() })?;
-        pool.install(|| self.watched(observer))
+        on_threads(self.options.threads, || self.watched(observer))?
     }
 
     /// Tells the observer how far the run is while it lasts.

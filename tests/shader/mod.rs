@@ -84,10 +84,7 @@ pub fn exact(found: &[AdapterReport]) -> bool {
 
 /// Rounded after each operation, as the shader does where it is told to.
 pub fn cpu(plan: &Plan) -> Vec<Finished> {
-    Cpu { strict: true, ..Cpu::default() }
-        .run(plan, &Progress::default())
-        .expect("the plan can be run")
-        .results
+    Cpu { strict: true }.run(plan, &Progress::default()).expect("the plan can be run").results
 }
 
 pub fn on(gpu: &Gpu, plan: &Plan) -> Outcome {

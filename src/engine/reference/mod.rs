@@ -43,8 +43,6 @@ pub const TOLERANCE: f64 = 1e-12;
 /// The reference engine.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference {
-    /// All cores, or as many threads as asked for.
-    pub threads: Option<usize>,
     /// See [`TOLERANCE`]; from 1e-14 to 1e-3.
     pub tolerance: f64,
     pub model: Model,
@@ -52,7 +50,7 @@ pub struct Reference {
 
 impl Default for Reference {
     fn default() -> Self {
-        Self { threads: None, tolerance: TOLERANCE, model: Model::Whole }
+        Self { tolerance: TOLERANCE, model: Model::Whole }
     }
 }
 
@@ -74,9 +72,11 @@ pub struct Work {
 
 impl Engine for Reference {
     fn device(&self) -> String {
-        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
-        let s = if threads == 1 { "" } else { "s" };
-        format!("reference integrator, DOP853, tolerance {:e}, {threads} thread{s}", self.tolerance)
+        format!(
+            "reference integrator, DOP853, tolerance {:e}, {}",
+            self.tolerance,
+            super::threads::described()
+        )
     }
 
     fn resumes(&self) -> bool {
@@ -89,23 +89,13 @@ impl Engine for Reference {
         }
         // The plan's classes say which instances run: a trial has fewer than the plan has cases.
         let instances: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.clone()).collect();
-        let all = || -> Result<Outcome, EngineError> {
-            let each: Vec<(u32, Finished)> = instances
-                .par_iter()
-                .map(|&index| Ok((index, self.instance(plan, index as usize, progress)?.0)))
-                .collect::<Result<_, EngineError>>()?;
-            let mut outcome = Outcome::of(plan);
-            each.into_iter().for_each(|(index, finished)| outcome.results[index as usize] = finished);
-            Ok(outcome)
-        };
-        match self.threads {
-            None => all(),
-            Some(threads) => rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .map_err(|error| EngineError::Threads(error.to_string()))?
-                .install(all),
-        }
+        let each: Vec<(u32, Finished)> = instances
+            .par_iter()
+            .map(|&index| Ok((index, self.instance(plan, index as usize, progress)?.0)))
+            .collect::<Result<_, EngineError>>()?;
+        let mut outcome = Outcome::of(plan);
+        each.into_iter().for_each(|(index, finished)| outcome.results[index as usize] = finished);
+        Ok(outcome)
     }
 }
 
