@@ -74,7 +74,7 @@ pub mod sweep;
 pub mod units;
 
 pub use observe::{Observable, Status};
-pub use plan::Precision;
+pub use plan::{Policy, Precision};
 pub use scene::Scene;
 pub use store::{Array, Results};
 pub use sweep::{Audit, Backend, Error, Observer, Sweep, Swept};

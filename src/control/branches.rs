@@ -1,8 +1,9 @@
 //! The second periodic state of a bistable instance: searched for from the lever at rest, then followed from the
 //! neighbours in the sweep that have one.
 
+use super::difference::difference;
 use super::neighbours::Neighbours;
-use super::{Controlled, second, steps};
+use super::{Controlled, second};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Station};
@@ -36,9 +37,6 @@ pub struct Others {
     /// What a user should know of how it went: one line each.
     pub notes: Vec<String>,
 }
-
-/// In units of the accuracy asked for: what is nearer is the same state.
-pub(super) const APART: f64 = 10.0;
 
 /// A second state that was found, and where it is.
 pub(super) struct Second {
@@ -107,7 +105,7 @@ impl Hunt<'_> {
         let Some(mut place) = place else { return false };
         let n = i as usize;
         let (plan, ours) = (&self.run.plan, &self.run.outcome.results[n]);
-        let apart = steps::difference(plan, n, ours, &finished) > APART * plan.run.accuracy;
+        let apart = difference(plan, n, ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
         // Where the first run found no steady state at all, any is another.
         let another = apart || !ours.status.is_steady();
         if another {

@@ -3,14 +3,19 @@
 
 mod audit;
 mod branches;
+mod decide;
+mod difference;
+mod first;
 mod modes;
 mod neighbours;
 mod portions;
 mod precision;
 mod prescribed;
+mod refine;
+mod sample;
 mod second;
 mod sensitive;
-mod steps;
+mod trial;
 mod truth;
 mod unfinished;
 mod verdict;
@@ -41,6 +46,14 @@ pub struct Controlled {
     /// Of each instance the periods of its last run, those of the search among them.
     pub periods: Vec<u32>,
     pub arithmetic: Arithmetic,
+}
+
+/// The instances of a plan that a run is of.
+#[derive(Clone, Copy)]
+struct Members<'a> {
+    all: &'a [u32],
+    /// Those that need steps: the others are free of the sample.
+    stepped: &'a [u32],
 }
 
 /// Which arithmetic stepped what, and why.
@@ -116,12 +129,11 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
         // In the trials, which no instance's result comes from.
         return Ok(Controlled::not_begun(plan, &chosen));
     }
-    let first = steps::First { poorer, left_out, chosen: &chosen };
+    let first = first::First { poorer, left_out, chosen: &chosen };
     progress.stage(&["estimate", "run", "refinement"]);
-    let portions = engine.portions();
-    let mut all = match all.len() > portions.0 {
-        false => unfinished::marked(plan, (&all, &stepped), first, engine, progress)?,
-        true => portions::run(plan, (&all, portions), first, engine, progress)?,
+    let mut all = match all.len() > engine.portions().0 {
+        false => unfinished::marked(plan, Members { all: &all, stepped: &stepped }, first, engine, progress)?,
+        true => portions::run(plan, &all, first, engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
     if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {

@@ -1,22 +1,23 @@
 //! Many instances, portion by portion.
 
-use super::steps::First;
-use super::{Arithmetic, Controlled, unfinished};
+use super::first::First;
+use super::{Arithmetic, Controlled, Members, unfinished};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// [`steps::run`] for `all` the plan's instances, in portions of `size`, some of them at once. Whoever stops a run keeps
-/// the portions that are done.
+/// [`refine::run`](super::refine::run) for `all` the plan's instances, in portions of the engine's size, some of them at
+/// once. Whoever stops a run keeps the portions that are done.
 pub(super) fn run(
     plan: Plan,
-    (all, (size, at_once)): (&[u32], (usize, usize)),
+    all: &[u32],
     First { poorer, left_out, chosen }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
+    let (size, at_once) = engine.portions();
     let count = plan.cases.len();
     let mut whole = Controlled {
         outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
@@ -35,7 +36,8 @@ pub(super) fn run(
         let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
         let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
         let first = First { poorer, left_out, chosen };
-        let ran = unfinished::marked(part, (&every, &stepped), first, engine, progress);
+        let ran =
+            unfinished::marked(part, Members { all: &every, stepped: &stepped }, first, engine, progress);
         held.done(portion.len() as u64);
         ran
     };
@@ -87,11 +89,32 @@ impl Controlled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::{precision, steps};
-    use crate::engine::Cpu;
+    use crate::control::{precision, refine};
+    use crate::engine::{Cpu, ReturnMap};
     use crate::plan::Precision;
     use crate::scene::Scene;
     use std::path::Path;
+
+    /// The CPU engine with small portions.
+    struct Small(Cpu);
+
+    impl Engine for Small {
+        fn device(&self) -> String {
+            "small".into()
+        }
+
+        fn portions(&self) -> (usize, usize) {
+            (20, 3)
+        }
+
+        fn return_map(&self, plan: &Plan, of: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
+            self.0.return_map(plan, of)
+        }
+
+        fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+            self.0.run(plan, progress)
+        }
+    }
 
     /// The whole is what portions of it are, to the bit: waited for and searched for.
     #[test]
@@ -108,8 +131,9 @@ mod tests {
             let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
             let none = vec![0.0; all.len()];
             let first = || First { poorer: None, left_out: none.clone(), chosen: &chosen };
-            let whole = steps::run(plan.clone(), (&all, &all), first(), &engine, &progress).expect("it runs");
-            let parts = super::run(plan, (&all, (20, 3)), first(), &engine, &progress).expect("it runs");
+            let members = Members { all: &all, stepped: &all };
+            let whole = refine::run(plan.clone(), members, first(), &engine, &progress).expect("it runs");
+            let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
             for &i in &all {
                 let i = i as usize;
                 let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);

@@ -1,21 +1,12 @@
 //! Precision: by a sample of instances in both.
 
-use super::steps::{difference, halved};
-use super::{Arithmetic, Controlled, modes};
+use super::difference::difference;
+use super::first::halved;
+use super::{Arithmetic, Controlled, sample};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady;
-
-/// Share of the accuracy asked for that rounding in f32 may cost the sample. Of 400 and of 1,100 random instances under
-/// each law (quality factors 10 to 2000, asked for 1e-2 and 1e-3) rounding moved the median by at most a fifth of the
-/// sample's largest, the 95th percentile by no more than twice it, and under DMT single ones by ten times it: with a tenth
-/// the rarest may be off by as much as is asked for. Most of those are refined, and then go on in f64.
-const SHARE: f64 = 0.1;
-/// A step in f32 costs so much of one in f64: a register holds twice as many.
-const CHEAPER: f64 = 0.5;
-/// f32 has to spare at least the rest of this.
-const WORTH: f64 = 0.8;
 
 /// What a trial found.
 pub(super) struct Choice {
@@ -60,7 +51,7 @@ pub(super) fn choose(
     if !engine.double() {
         return Ok(Choice::settled(plan, "the device has no other"));
     }
-    let part = plan.part(&modes::sample(plan, stepped));
+    let part = plan.part(&sample::sample(plan, stepped));
     let sample: Vec<u32> = (0..part.cases.len() as u32).collect();
     let trial = halved(&part, &sample);
     let run = |precision| steady::run(&Plan { precision, ..trial.clone() }, &[], engine, progress);
@@ -76,9 +67,9 @@ pub(super) fn choose(
     };
     let again = |i: &&u32| result(&single, **i).status == Status::NotSteady;
     let in_double: f64 = sample.iter().map(|i| cost(&double, *i)).sum();
-    let in_single = CHEAPER * sample.iter().map(|i| cost(&single, *i)).sum::<f64>()
+    let in_single = plan.policy.single_cost * sample.iter().map(|i| cost(&single, *i)).sum::<f64>()
         + sample.iter().filter(again).map(|i| cost(&double, *i)).sum::<f64>();
-    let allowed = SHARE * plan.run.accuracy;
+    let allowed = plan.policy.rounding_share * plan.run.accuracy;
     let count = sample.len();
     let (precision, reason) = if rounding > allowed {
         let by = if rounding.is_finite() {
@@ -87,7 +78,7 @@ pub(super) fn choose(
             "from one status to another".into()
         };
         (Precision::F64, format!("f32 moves a sample of {count} {by}, {allowed:.0e} is allowed"))
-    } else if in_single > WORTH * in_double {
+    } else if in_single > plan.policy.single_worth * in_double {
         (Precision::F64, format!("in f32 too many of a sample of {count} take long to settle"))
     } else {
         (
@@ -107,8 +98,8 @@ pub(super) fn add_rounding(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(), EngineError> {
-    let order = modes::by_stiffness(&run.plan, stepped);
-    let sample = modes::spread(&run.plan, &order);
+    let order = sample::by_stiffness(&run.plan, stepped);
+    let sample = sample::spread(&run.plan, &order);
     let cpu = Cpu::default();
     let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
     let double = Plan { precision: Precision::F64, ..run.plan.part(&sample) };
@@ -130,7 +121,7 @@ pub(super) fn add_rounding(
     let mut next = 0;
     for i in order {
         let here = sample.get(next) == Some(&i);
-        let of_law = |n: &usize| modes::law_of(&run.plan, sample[*n]) == modes::law_of(&run.plan, i);
+        let of_law = |n: &usize| sample::law_of(&run.plan, sample[*n]) == sample::law_of(&run.plan, i);
         let near = [next.checked_sub(1), (next < sample.len()).then_some(next)].into_iter().flatten();
         let near = near.filter(of_law).map(|n| moved[n]).filter(|one| one.is_finite());
         run.estimates[i as usize] += if here { moved[next] } else { near.fold(0.0, f64::max) };

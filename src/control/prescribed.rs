@@ -1,57 +1,48 @@
 //! Steps that the scene prescribes: they are kept, and what they cost is estimated all the same.
 
-use super::steps::{FEWEST, LEFT, differences};
+use super::difference::differences;
+use super::first::First;
 use super::truth::gives_way;
-use super::{Controlled, precision};
+use super::{Controlled, Members};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, STEPS_MAX};
-use crate::steady::{self, SETTLED};
+use crate::steady;
 
 /// Runs the plan with its own steps, and its instances `stepped` once more with half of them: the estimate is what is
 /// left of the difference. Where half would be too few, or says that the accuracy asked for is not met, another run with
 /// twice the steps says it better.
 pub(super) fn run(
     plan: Plan,
-    stepped: &[u32],
-    (left_out, chosen): (Vec<f64>, &precision::Choice),
+    Members { stepped, .. }: Members,
+    First { mut left_out, chosen, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let settled = steady::run(&plan, &[], engine, progress)?;
-    let mut left_out = left_out;
     if plan.run.modes.is_none() {
         // Modes that are too fast for these steps: no lever on trial had them.
         for &i in stepped {
-            let (kept, measured) = (
-                &plan.drives[plan.cases[i as usize].drive as usize].kept,
-                &settled.outcome.results[i as usize].measured,
-            );
+            let (kept, measured) = (&plan.driven(i).kept, &settled.outcome.results[i as usize].measured);
             let cut = gives_way(&plan, i as usize, measured, kept.residual_share.abs() * kept.flexibility);
             left_out[i as usize] = left_out[i as usize].max(cut);
         }
     }
+    let (fewest, left) = (plan.policy.fewest_steps, plan.policy.left_of_steps);
     let estimates = left_out.clone();
     let mut now = Controlled::new(plan, settled, (estimates, left_out), chosen);
-    let half = |i: &u32| now.plan.cases[*i as usize].steps / 2 >= FEWEST;
+    let half = |i: &u32| now.plan.cases[*i as usize].steps / 2 >= fewest;
     let (coarse, mut doubtful): (Vec<u32>, Vec<u32>) = stepped.iter().copied().partition(half);
     stepped.iter().for_each(|i| now.estimates[*i as usize] = f64::NAN);
-    now.beside(&coarse, (|steps| steps / 2, LEFT), engine, progress)?;
+    now.beside(&coarse, (|steps| steps / 2, left), engine, progress)?;
     doubtful.extend(coarse.into_iter().filter(|i| now.estimates[*i as usize] > now.plan.run.accuracy));
     doubtful.retain(|i| {
         let ok = now.outcome.results[*i as usize].status == Status::Ok;
         ok && now.plan.cases[*i as usize].steps <= STEPS_MAX / 2
     });
     // The difference to a finer run is the coarser one's error but for the finer one's.
-    now.beside(&doubtful, (|steps| 2 * steps, 1.0 + LEFT), engine, progress)?;
-    for &i in stepped {
-        let i = i as usize;
-        let found = now.found.get(i).is_some_and(Option::is_some);
-        if !found && now.periods[i] < now.plan.run.periods {
-            // It was left before it had settled for good.
-            now.estimates[i] += SETTLED * now.plan.run.accuracy;
-        }
-    }
+    now.beside(&doubtful, (|steps| 2 * steps, 1.0 + left), engine, progress)?;
+    stepped.iter().for_each(|i| now.add_unsettled(*i));
     Ok(now)
 }
 

@@ -1,21 +1,13 @@
 //! How well second states are known: with half of the steps, with a richer lever, and finer where that is too little.
 
-use super::branches::{APART, Other, Second};
-use super::{Controlled, steps};
+use super::Controlled;
+use super::branches::{Other, Second};
+use super::difference::difference;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, STEPS_MAX, Station};
 use crate::steady::{self, PeriodicState};
 use std::collections::HashMap;
-
-/// How often a second state is measured again with twice as many steps.
-const DOUBLINGS: usize = 4;
-/// Fewest steps per period of a first look.
-const FEWEST: u32 = 16;
-/// What is left of the difference between two runs in the better one's error, and the share of the accuracy that an
-/// estimate may have before more steps are taken: those of first states (`control/steps.rs`).
-const LEFT: f64 = 0.25;
-const AIM: f64 = 0.6;
 
 /// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
 /// with the next richer lever, both searched for from where it is. What stays above the aim has its steps doubled, as the
@@ -77,21 +69,22 @@ struct Sight {
 
 impl Sight {
     fn look(&mut self, known: &[u32], engine: &dyn Engine, progress: &Progress) -> Result<(), EngineError> {
-        let coarse = self.plan.stepped(known, |case| (case.steps / 2).max(FEWEST.min(case.steps)));
+        let (fewest, left) = (self.plan.policy.fewest_steps, self.plan.policy.left_of_steps);
+        let coarse = self.plan.stepped(known, |case| (case.steps / 2).max(fewest.min(case.steps)));
         for (n, found) in self.again(&coarse, known, engine, progress)? {
-            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| LEFT * apart);
+            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
         }
         let (poor, _) = self.plan.can_be_richer(known.to_vec());
         let rich = self.plan.enriched(&poor);
         let mut taken = HashMap::new();
         for (n, found) in self.again(&rich, &poor, engine, progress)? {
-            self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| LEFT * apart);
+            self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| left * apart);
             if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
                 self.put(n, finished, *place, &rich);
                 self.plan.take_lever(n as u32, &rich, n as u32, &mut taken);
             }
         }
-        for _ in 0..DOUBLINGS {
+        for _ in 0..self.plan.policy.doublings {
             let leads = |n: usize| self.of_steps[n] >= self.of_modes[n];
             let doubtful = |n: &&u32| {
                 let n = **n as usize;
@@ -104,7 +97,7 @@ impl Sight {
             let finer = self.plan.stepped(&rough, |case| 2 * case.steps);
             for (n, found) in self.again(&finer, &rough, engine, progress)? {
                 let Some((apart, finished, place)) = found else { continue };
-                self.of_steps[n] = LEFT * apart;
+                self.of_steps[n] = left * apart;
                 self.put(n, finished, *place, &finer);
             }
         }
@@ -120,7 +113,7 @@ impl Sight {
     }
 
     fn aim(&self) -> f64 {
-        AIM * self.plan.run.accuracy
+        self.plan.policy.aim * self.plan.run.accuracy
     }
 
     fn estimate(&self, n: usize) -> f64 {
@@ -143,10 +136,10 @@ impl Sight {
         let again = |n: &u32| {
             let n = *n as usize;
             let finished = settled.outcome.results[n];
-            let apart = steps::difference(plan, n, &self.others[n].finished, &finished);
+            let apart = difference(plan, n, &self.others[n].finished, &finished);
             let place = settled.found[n].take();
-            let same =
-                |place| (apart <= SAME.max(APART * plan.run.accuracy)).then_some((apart, finished, place));
+            let another = SAME.max(plan.policy.branches_apart * plan.run.accuracy);
+            let same = |place| (apart <= another).then_some((apart, finished, place));
             (n, place.and_then(same))
         };
         Ok(instances.iter().map(again).collect())

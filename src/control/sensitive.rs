@@ -1,14 +1,11 @@
 //! Whether a tiny change of the start moves a result.
 
-use super::steps::difference;
+use super::difference::difference;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Station};
 use crate::scene::Start;
 use std::sync::Arc;
-
-/// The change: a shift of the slowest mode, as a share of the accuracy asked for and the free amplitude.
-const TINY: f64 = 0.01;
 
 /// Marks those of `instances` whose waited results a tiny change of the start moves by more than the accuracy asked
 /// for, where they would count as ok.
@@ -33,7 +30,7 @@ pub(super) fn mark(
         let slow = (0..modes.len()).min_by(|a, b| modes[*a].omega.total_cmp(&modes[*b].omega));
         let station = &mut stations[i as usize];
         *station = Station::free(plan, i);
-        station.x[slow.unwrap_or(0)] = TINY * plan.run.accuracy * amplitude;
+        station.x[slow.unwrap_or(0)] = plan.policy.shift * plan.run.accuracy * amplitude;
     }
     moved.stations = Some(Arc::new(stations));
     progress.foresee(moved.instance_steps());

@@ -1,6 +1,6 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
-use super::{Arithmetic, Controlled, steps};
+use super::{Arithmetic, Controlled, first};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
 use crate::observe::{Measured, Status, Wants};
 use crate::plan::{Plan, Precision, Station};
@@ -29,7 +29,7 @@ pub fn by_reference(
             let rough = match plan.run.steps_per_period {
                 Some(_) => Vec::new(),
                 None => {
-                    steady::run(&steps::quartered(&plan, &stepped), &[], &Cpu::default(), progress)?.found
+                    steady::run(&first::quartered(&plan, &stepped), &[], &Cpu::default(), progress)?.found
                 }
             };
             steady::run(&plan, &rough, &Cpu::default(), progress)?

@@ -1,27 +1,24 @@
 //! What a stopped run has not brought to its end.
 
-use super::steps::{self, First, halved};
-use super::{Controlled, precision};
+use super::first::{First, halved};
+use super::{Controlled, Members, precision, refine};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
-/// Share of the accuracy below which an estimate is not looked at again: less than the one at which steps are doubled.
-const CERTAIN: f64 = 5.0 / 6.0 * steps::AIM;
-
-/// [`steps::run`]; where it was stopped, what it would have gone on with is marked.
+/// [`refine::run`]; where it was stopped, what it would have gone on with is marked.
 pub(super) fn marked(
     plan: Plan,
-    (all, stepped): (&[u32], &[u32]),
+    members: Members,
     first: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let (before, chosen) = (plan.clone(), first.chosen);
-    let mut done = steps::run(plan, (all, stepped), first, engine, progress)?;
+    let mut done = refine::run(plan, members, first, engine, progress)?;
     if progress.stopped() {
-        done.mark_unfinished(&before, stepped, chosen);
+        done.mark_unfinished(&before, members.stepped, chosen);
     }
     Ok(done)
 }
@@ -49,14 +46,14 @@ impl Controlled {
         let told = before.run.steps_per_period.is_some();
         let search = before.run.steady == Steady::Search;
         let first = halved(before, stepped);
-        let kept = |plan: &Plan, i: usize| plan.drives[plan.cases[i].drive as usize].kept.clone();
+        let modes = |plan: &Plan, i: usize| plan.driven(i as u32).kept.modes.clone();
         for i in stepped.iter().map(|i| *i as usize) {
             let once = plan.cases[i].steps == first.cases[i].steps
-                && kept(plan, i).modes == kept(&first, i).modes
+                && modes(plan, i) == modes(&first, i)
                 && arithmetic.of[i] == chosen.precision;
             let waited = !search && (arithmetic.of[i] == Precision::F64 || !chosen.mixed);
             let done = match outcome.results[i].status {
-                Status::Ok => told || once && estimates[i] <= CERTAIN * before.run.accuracy,
+                Status::Ok => told || once && estimates[i] <= plan.policy.certain * before.run.accuracy,
                 // Later runs could have settled it: the search's rest is waited for, what f32 leaves goes on in f64.
                 Status::NotSteady => waited,
                 Status::OutOfRange | Status::NonFinite => told,

@@ -1,6 +1,6 @@
 //! From a scene to its plan.
 
-use super::{CasePlan, Class, Driven, KeptModes, Plan, Precision, steps};
+use super::{CasePlan, Class, Driven, KeptModes, Plan, Policy, Precision, steps};
 use crate::contact::{Contact, Law};
 use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::{Wants, wants};
@@ -51,6 +51,7 @@ impl Plan {
             run: scene.run.clone(),
             precision,
             precision_open: false,
+            policy: Policy::STANDARD,
             waveforms: scene.output.waveforms.clone(),
             stations: None,
         })

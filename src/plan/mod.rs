@@ -3,6 +3,7 @@
 mod build;
 mod compliance;
 mod modes;
+mod policy;
 mod precision;
 mod rate;
 mod refusal;
@@ -14,6 +15,7 @@ mod variants;
 pub use build::PlanError;
 pub use compliance::{compliance, reduced};
 pub use modes::{Basis, KeptMode, KeptModes};
+pub use policy::Policy;
 pub use precision::Precision;
 pub(crate) use rate::RICHEST;
 pub use steps::{STEPS_MAX, STEPS_MIN};
@@ -41,6 +43,8 @@ pub struct Plan {
     pub precision: Precision,
     /// Whether `precision` is but a default, which error control may change by estimate.
     pub precision_open: bool,
+    /// What error control decides by.
+    pub policy: Policy,
     /// Waveforms asked for.
     pub waveforms: Option<WaveformRequest>,
     /// Where each instance starts, in place of the scene's start; where they end is then told too.
@@ -119,6 +123,11 @@ impl Plan {
         let per_period: u64 =
             self.classes.iter().map(|class| class.instances.len() as u64 * u64::from(class.steps)).sum();
         per_period * u64::from(self.run.periods)
+    }
+
+    /// An instance's instrument, drive and lever.
+    pub fn driven(&self, instance: u32) -> &Driven {
+        &self.drives[self.cases[instance as usize].drive as usize]
     }
 
     /// Deepest indentation to expect of an instance, m.

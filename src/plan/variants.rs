@@ -51,6 +51,7 @@ impl Plan {
             run: self.run.clone(),
             precision: self.precision,
             precision_open: self.precision_open,
+            policy: self.policy,
             waveforms: None,
             stations: None,
         }
@@ -168,11 +169,6 @@ impl Plan {
         }
         plan.classes = classify(&plan.cases, &plan.drives, instances.iter().copied());
         plan
-    }
-
-    /// An instance's instrument, drive and lever.
-    fn driven(&self, instance: u32) -> &Driven {
-        &self.drives[self.cases[instance as usize].drive as usize]
     }
 
     /// What an instance's lever is made by.

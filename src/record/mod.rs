@@ -70,6 +70,7 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
             ("scene_resolved".into(), Attribute::Text(scene.resolved_toml())),
             ("from_preset".into(), Attribute::Text(from_preset(scene))),
             ("plan".into(), Attribute::Text(facts.plan.clone())),
+            ("policy".into(), Attribute::Text(plan.policy.lines().join("\n"))),
             ("program".into(), Attribute::Text("afmsweep".into())),
             ("version".into(), Attribute::Text(env!("CARGO_PKG_VERSION").into())),
             ("device".into(), Attribute::Text(facts.device.clone())),

@@ -46,7 +46,7 @@ pub use swept::Swept;
 use crate::control;
 use crate::engine::{Engine, Progress, Reference, on_threads};
 use crate::observe::Status;
-use crate::plan::{Plan, Precision};
+use crate::plan::{Plan, Policy, Precision};
 use crate::scene::Scene;
 use phase::Missing;
 use std::sync::Arc;
@@ -92,6 +92,7 @@ struct Options {
     precision: Option<Precision>,
     threads: Option<usize>,
     estimate: bool,
+    policy: Policy,
     audit: Audit,
 }
 
@@ -104,6 +105,7 @@ impl Sweep {
             precision: None,
             threads: None,
             estimate: true,
+            policy: Policy::STANDARD,
             audit: Audit::Auto,
         };
         Self { scene, options, progress: Arc::default() }
@@ -127,6 +129,13 @@ impl Sweep {
     #[must_use]
     pub fn precision(mut self, precision: Option<Precision>) -> Self {
         self.options.precision = precision;
+        self
+    }
+
+    /// The numbers that error control decides by, in place of [`Policy::STANDARD`]; the results carry them.
+    #[must_use]
+    pub fn policy(mut self, policy: Policy) -> Self {
+        self.options.policy = policy;
         self
     }
 
@@ -185,6 +194,7 @@ impl Sweep {
         let precision = self.options.precision.unwrap_or(Precision::F64);
         let mut plan = Plan::new(&self.scene, precision).map_err(|error| error.in_scene(&self.scene))?;
         plan.precision_open = self.options.precision.is_none();
+        plan.policy = self.options.policy;
         let engine = choose::engine(&self.options, &mut plan, observer)?;
         Ok((plan, engine))
     }

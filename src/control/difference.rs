@@ -1,0 +1,42 @@
+//! How far two runs of an instance are apart, and what of it is left in the better one's error.
+
+use crate::compare::{Scales, worst};
+use crate::contact::Law;
+use crate::engine::Finished;
+use crate::plan::{Basis, Plan};
+use rayon::prelude::*;
+
+/// How far two results of an instance are apart: the worst observable on its scale.
+pub(super) fn difference(plan: &Plan, i: usize, a: &Finished, b: &Finished) -> f64 {
+    let scales = Scales::of(plan, i, &b.measured);
+    worst(&plan.observables, &a.measured, &b.measured, &scales)
+}
+
+/// How far two results of each instance are apart, with its number.
+pub(super) fn differences(
+    plan: &Plan,
+    instances: &[u32],
+    coarse: &[Finished],
+    fine: &[Finished],
+) -> Vec<(u32, f64)> {
+    let apart = |&i: &u32| (i, difference(plan, i as usize, &coarse[i as usize], &fine[i as usize]));
+    instances.par_iter().map(apart).collect()
+}
+
+/// What is left of the difference between two levers in the richer one's error, for the contacts of this instance.
+pub(super) fn left_of_levers(plan: &Plan, i: u32) -> f64 {
+    let policy = &plan.policy;
+    let jumps = plan.cases[i as usize].contact.law == Law::Jkr;
+    let corners = jumps || plan.run.accuracy < policy.corners_below;
+    match (corners, is_fast(plan, i)) {
+        (true, true) => policy.left_of_fast_corners,
+        (false, true) => policy.left_of_fast,
+        (true, false) => policy.left_of_corners,
+        (false, false) => policy.left_of_steps,
+    }
+}
+
+/// Whether the instance's oscillators are chosen by the rate of its contact.
+pub(super) fn is_fast(plan: &Plan, i: u32) -> bool {
+    matches!(plan.basis(i), Basis::Contact { .. })
+}

@@ -1,0 +1,293 @@
+//! Refinement: each instance runs again as long as its estimate asks for it.
+
+use super::decide::{Known, Next, Refinement, next};
+use super::difference::{differences, is_fast, left_of_levers};
+use super::first::{self, Begun, First};
+use super::{Controlled, Members, modes, precision, prescribed, sensitive};
+use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::observe::Status;
+use crate::plan::{Plan, Precision};
+use crate::steady::{self, SETTLED, Settled};
+use std::collections::HashMap;
+
+/// Runs the members with a quarter and with half of the plan's steps, and then as their estimates ask for. Where the
+/// choice of precision says so, what f32 does not bring to the accuracy goes on in f64: rounding does not fall with the
+/// steps.
+pub(super) fn run(
+    plan: Plan,
+    members: Members,
+    first: First,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    if plan.run.steps_per_period.is_some() {
+        return prescribed::run(plan, members, first, engine, progress);
+    }
+    let chosen = first.chosen;
+    let begun = first::run(&plan, members, first, engine, progress)?;
+    let mut refining = Refining::new(begun, chosen, engine, progress);
+    let mut doubted = Vec::new();
+    for round in 0..plan.policy.doublings + plan.policy.richer_levers {
+        let groups = refining.groups(members.stepped);
+        if round == 0 {
+            doubted = groups.all();
+        }
+        if groups.is_empty() || progress.stopped() {
+            break;
+        }
+        refining.carry_out(&groups, round == 0)?;
+    }
+    refining.end(members, doubted)
+}
+
+/// Instances by what they need next.
+#[derive(Default)]
+struct Groups {
+    double: Vec<u32>,
+    more_steps: Vec<u32>,
+    richer: Vec<u32>,
+}
+
+impl Groups {
+    fn is_empty(&self) -> bool {
+        self.double.is_empty() && self.more_steps.is_empty() && self.richer.is_empty()
+    }
+
+    /// In the order of their numbers.
+    fn all(&self) -> Vec<u32> {
+        let mut all = [&self.double[..], &self.more_steps, &self.richer].concat();
+        all.sort_unstable();
+        all
+    }
+}
+
+/// A run while it is refined.
+struct Refining<'a> {
+    now: Controlled,
+    /// By instance.
+    known: Vec<Refinement>,
+    /// Whether instances that f32 does not serve go on in f64, and what rounding costs those that it does.
+    mixed: bool,
+    rounding: f64,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+}
+
+impl<'a> Refining<'a> {
+    fn new(
+        Begun { plan, settled, known }: Begun,
+        chosen: &precision::Choice,
+        engine: &'a dyn Engine,
+        progress: &'a Progress,
+    ) -> Self {
+        let estimates = known.iter().map(Refinement::error).collect();
+        let left_out = known.iter().map(|known| known.of_modes).collect();
+        let now = Controlled::new(plan, settled, (estimates, left_out), chosen);
+        Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
+    }
+
+    /// What each of these needs next.
+    fn groups(&self, stepped: &[u32]) -> Groups {
+        let mut groups = Groups::default();
+        let mut wants_richer = Vec::new();
+        for &i in stepped {
+            match self.next(i, true) {
+                Next::Accept => {}
+                Next::Double => groups.double.push(i),
+                Next::MoreSteps => groups.more_steps.push(i),
+                Next::RicherLever => wants_richer.push(i),
+            }
+        }
+        let (richer, richest) = self.now.plan.can_be_richer(wants_richer);
+        groups.richer = richer;
+        let steps_help = |i: &u32| self.next(*i, false) == Next::MoreSteps;
+        groups.more_steps.extend(richest.into_iter().filter(steps_help));
+        groups
+    }
+
+    fn next(&self, i: u32, can_be_richer: bool) -> Next {
+        let n = i as usize;
+        let known = Known {
+            status: self.now.outcome.results[n].status,
+            estimate: self.now.estimates[n],
+            accuracy: self.now.plan.run.accuracy,
+            steps: self.now.plan.cases[n].steps,
+            single: self.mixed && self.is_single(i),
+            can_be_richer,
+            refinement: &self.known[n],
+        };
+        next(&known, &self.now.plan.policy)
+    }
+
+    fn is_single(&self, i: u32) -> bool {
+        self.now.arithmetic.of[i as usize] == Precision::F32
+    }
+
+    /// Runs each group as it needs. More steps in f32 are tried once where f64 may go on from there.
+    fn carry_out(&mut self, groups: &Groups, first_round: bool) -> Result<(), EngineError> {
+        let by_precision = |instances: &[u32], single_stays: bool| -> (Vec<u32>, Vec<u32>) {
+            instances.iter().copied().partition(|i| self.is_single(*i) && single_stays)
+        };
+        let (single, double) = by_precision(&groups.more_steps, first_round || !self.mixed);
+        let (single_richer, double_richer) = by_precision(&groups.richer, true);
+        self.again(&groups.double, Next::Double, Precision::F64)?;
+        self.again(&single, Next::MoreSteps, Precision::F32)?;
+        self.again(&double, Next::MoreSteps, Precision::F64)?;
+        self.again(&single_richer, Next::RicherLever, Precision::F32)?;
+        self.again(&double_richer, Next::RicherLever, Precision::F64)
+    }
+
+    /// Runs these instances again and takes in what came of it.
+    fn again(&mut self, instances: &[u32], what: Next, precision: Precision) -> Result<(), EngineError> {
+        if instances.is_empty() || self.progress.stopped() {
+            return Ok(());
+        }
+        let mut other = match what {
+            Next::MoreSteps => self.now.plan.stepped(instances, |case| 2 * case.steps),
+            Next::RicherLever => self.now.plan.enriched(instances),
+            Next::Double | Next::Accept => self.now.plan.only(instances),
+        };
+        other.precision = precision;
+        let settled = steady::run(&other, &self.now.found, self.engine, self.progress)?;
+        // What is cut short has told nothing: the results before it stay.
+        if !self.progress.stopped() {
+            self.take(instances, what, &other, settled);
+        }
+        Ok(())
+    }
+
+    /// Takes in another run of these instances: by the difference to the last one it estimates, then it stands for that.
+    fn take(&mut self, instances: &[u32], what: Next, other: &Plan, settled: Settled) {
+        let Settled { outcome, mut found, periods } = settled;
+        let mut taken = HashMap::new();
+        for (i, apart) in differences(other, instances, &self.now.outcome.results, &outcome.results) {
+            let n = i as usize;
+            let before = self.now.estimates[n];
+            self.estimate(other, i, what, apart, &outcome.results[n]);
+            let known = &mut self.known[n];
+            let fast = is_fast(other, i);
+            let gained_little = self.now.estimates[n] > before / other.policy.least_gain;
+            known.in_vain = fast && known.finer_before && gained_little;
+            known.finer_before |= fast;
+            let now = &mut self.now;
+            now.outcome.results[n] = outcome.results[n];
+            now.plan.cases[n].steps = other.cases[n].steps;
+            now.plan.take_lever(i, other, i, &mut taken);
+            now.periods[n] = periods[n];
+            now.arithmetic.of[n] = other.precision;
+            if let (Some(place), Some(new)) = (now.found.get_mut(n), found.get_mut(n)) {
+                *place = new.take();
+            }
+        }
+        self.now.outcome.notes.extend(outcome.notes);
+    }
+
+    /// The estimate of an instance whose other run is so far from its last.
+    fn estimate(&mut self, other: &Plan, i: u32, what: Next, apart: f64, result: &Finished) {
+        let n = i as usize;
+        let (known, policy) = (&mut self.known[n], &other.policy);
+        match what {
+            Next::MoreSteps => {
+                if let Some(first) = known.untold.take() {
+                    let of_levers = left_of_levers(other, i) * (first - policy.steepest * apart);
+                    known.of_modes = known.of_modes.max(of_levers);
+                }
+                known.of_steps = policy.left_of_steps * apart;
+            }
+            Next::RicherLever => {
+                let unbent = modes::unbent(other, i, &result.measured);
+                known.of_modes = left_of_levers(other, i) * apart + unbent;
+            }
+            Next::Double => {
+                // The same steps in another precision teach nothing of the steps: that is still to come.
+                if result.status == Status::Ok {
+                    known.untold = None;
+                    self.now.estimates[n] = f64::INFINITY;
+                }
+                return;
+            }
+            Next::Accept => return,
+        }
+        (self.now.left_out[n], self.now.estimates[n]) = (known.of_modes, known.error());
+    }
+
+    /// The run as it is now. Those that were in doubt after the first two runs are tried with a start moved a little.
+    fn end(self, members: Members, mut doubted: Vec<u32>) -> Result<Controlled, EngineError> {
+        let Self { mut now, mixed, rounding, engine, progress, .. } = self;
+        now.plan = now.plan.only(members.all);
+        for &i in members.stepped {
+            now.add_unsettled(i);
+            let n = i as usize;
+            if mixed && now.arithmetic.of[n] == Precision::F32 {
+                now.estimates[n] += rounding;
+            }
+        }
+        doubted.retain(|i| now.found.get(*i as usize).is_none_or(Option::is_none));
+        for precision in [Precision::F32, Precision::F64] {
+            let of = |i: &u32| now.arithmetic.of[*i as usize] == precision;
+            let alike: Vec<u32> = doubted.iter().copied().filter(of).collect();
+            let plan = Plan { precision, ..now.plan.clone() };
+            sensitive::mark(&plan, &alike, &mut now.outcome.results, engine, progress)?;
+        }
+        Ok(now)
+    }
+}
+
+impl Controlled {
+    /// Before anything is refined: the run so far, with its estimates and the part of them that modes left out have.
+    pub(super) fn new(
+        plan: Plan,
+        Settled { outcome, found, periods }: Settled,
+        (estimates, left_out): (Vec<f64>, Vec<f64>),
+        chosen: &precision::Choice,
+    ) -> Self {
+        let arithmetic = chosen.arithmetic(plan.cases.len());
+        Self { plan, outcome, estimates, left_out, found, periods, arithmetic }
+    }
+
+    /// Adds to an estimate what waiting may still change: an instance that was left before it had settled for good.
+    pub(super) fn add_unsettled(&mut self, i: u32) {
+        let n = i as usize;
+        let found = self.found.get(n).is_some_and(Option::is_some);
+        if !found && self.periods[n] < self.plan.run.periods {
+            self.estimates[n] += SETTLED * self.plan.run.accuracy;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::difference::difference;
+    use crate::engine::Cpu;
+    use crate::plan::Basis;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// Levers that a sample vouches for and that leave out what a stiff sample moves: one mode, then two oscillators.
+    /// Truth is a far richer lever with far more steps.
+    #[test]
+    fn a_lever_that_is_too_poor_for_one_instance_is_seen_by_its_own_difference() {
+        let text = include_str!("../../tests/hard/sample_1_tpa.toml");
+        let scene = Scene::parse(Path::new("sample_1_tpa.toml"), text).expect("the scene is whole");
+        let whole = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let chosen = precision::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
+        let rich = whole.richer(&[0], 1e-2 * scene.run.accuracy).stepped(&[0], |case| 4 * case.steps);
+        let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
+        let with = |accuracy| whole.levers(&[(0, Basis::Shares { accuracy })]);
+        let run = |poorer| {
+            let first = First { poorer, left_out: vec![0.0], chosen: &chosen };
+            run(with(0.1), Members { all: &[0], stepped: &[0] }, first, &engine, &progress).expect("it runs")
+        };
+        let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);
+        let modes = |of: &Controlled| of.plan.drives[of.plan.cases[0].drive as usize].kept.modes.len();
+        let (alike, apart) = (run(None), run(Some(vec![Basis::Shares { accuracy: 0.3 }])));
+        let asked = scene.run.accuracy;
+        // By steps alone nothing is seen of it.
+        assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));
+        assert!(error(&apart) < asked && apart.estimates[0] < asked, "{:e}", error(&apart));
+        assert!(error(&apart) < 3.0 * apart.estimates[0], "{:e} {:e}", error(&apart), apart.estimates[0]);
+        assert!(modes(&apart) > modes(&alike), "{} {}", modes(&apart), modes(&alike));
+    }
+}

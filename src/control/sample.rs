@@ -1,0 +1,64 @@
+//! A sample of the instances, from the softest to the stiffest contact of each law.
+
+use crate::contact::Law;
+use crate::plan::Plan;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::iter::successors;
+
+/// A sample of `stepped`, from the softest to the stiffest contact of each law.
+pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
+    spread(plan, &by_stiffness(plan, stepped))
+}
+
+/// Evenly spread over instances in their order, and ever closer towards the stiffest of each law: those are what a lever
+/// fails, and all that stand beyond the last member that it serves pay for a richer one.
+pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
+    let every = order.len().div_ceil(plan.policy.sample).max(1);
+    let mut places: Vec<usize> = (0..order.len()).step_by(every).collect();
+    let mut end = 0;
+    for (_, members) in laws(plan, order) {
+        end += members.len();
+        let from_end = successors(Some(1), |distance| Some(2 * distance));
+        let closer = from_end.take_while(|distance| *distance < every && *distance <= members.len());
+        places.extend(closer.map(|distance| end - distance));
+    }
+    places.sort_unstable();
+    places.dedup();
+    places.into_iter().map(|place| order[place]).collect()
+}
+
+/// The contact's stiffness at the deepest indentation to expect, over the lever's; under DMT at least the slope of the
+/// attraction just outside, which a tip feels that never touches.
+pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
+    let case = &plan.cases[instance as usize];
+    let (contact, flexibility) = (&case.contact, plan.driven(instance).kept.flexibility);
+    let pressed = contact.stiffness(plan.expected_depth(instance as usize), true).abs();
+    let felt = match contact.law {
+        Law::Dmt => pressed.max(4.0 * PI * contact.radius * contact.work / contact.decay_length),
+        _ => pressed,
+    };
+    felt * flexibility
+}
+
+pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
+    plan.cases[instance as usize].contact.law
+}
+
+/// By law, then stiffness.
+pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
+    let mut keyed: Vec<(usize, f64, u32)> = stepped
+        .par_iter()
+        .map(|&i| {
+            let law = Law::ALL.iter().position(|law| *law == law_of(plan, i)).unwrap_or(0);
+            (law, stiffness(plan, i), i)
+        })
+        .collect();
+    keyed.par_sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    keyed.into_iter().map(|(.., i)| i).collect()
+}
+
+/// The instances of each law, which stand together.
+pub(super) fn laws<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = (Law, &'a [u32])> {
+    order.chunk_by(|a, b| law_of(plan, *a) == law_of(plan, *b)).map(|group| (law_of(plan, group[0]), group))
+}

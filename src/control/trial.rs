@@ -1,0 +1,129 @@
+//! Levers on trial: what each costs a sample of the instances.
+
+use super::difference::difference;
+use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::observe::Status;
+use crate::plan::{KeptMode, Plan, Precision, RICHEST};
+use crate::steady;
+
+/// One lever on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
+pub(super) struct Trial {
+    pub accuracy: f64,
+    pub differences: Vec<f64>,
+}
+
+/// A sample's trials, from the poorest lever to the first that serves all of it.
+#[derive(Default)]
+pub(super) struct Trials {
+    pub all: Vec<Trial>,
+    /// What the engine had to say.
+    pub notes: Vec<String>,
+}
+
+/// The modes of each lever of the plan.
+fn modes(plan: &Plan) -> Vec<Vec<KeptMode>> {
+    plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect()
+}
+
+/// Whether no lever of this sample could be any richer.
+pub(super) fn is_richest(sample: &Plan) -> bool {
+    modes(sample) == modes(&sample.richer(&[], RICHEST * sample.run.accuracy))
+}
+
+/// What a lever for `accuracy` may cost the sample.
+fn bound(accuracy: f64, plan: &Plan) -> f64 {
+    let (asked, policy) = (plan.run.accuracy, &plan.policy);
+    asked * if accuracy > asked { policy.poorer_lever_share } else { policy.lever_share }
+}
+
+/// Tries levers on the plan `sample`, which stands for `count` instances: from poor to rich, each held against the richest
+/// there is. The poorest pay where there are many more instances than the sample has.
+pub(super) fn run(
+    sample: &Plan,
+    count: usize,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Trials, EngineError> {
+    let policy = &sample.policy;
+    let members: Vec<u32> = (0..sample.cases.len() as u32).collect();
+    // What the levers cost is not to be mistaken for rounding.
+    let open = sample.precision_settled().is_none() && engine.double();
+    let precision = if open { Precision::F64 } else { sample.precision };
+    let mut trials = Trials::default();
+    let mut run = |accuracy: f64| {
+        let trial = Plan { precision, ..sample.richer(&members, accuracy) };
+        let settled = steady::run(&trial, &[], engine, progress)?;
+        trials.notes.extend(settled.outcome.notes);
+        Ok::<_, EngineError>(settled.outcome.results)
+    };
+    let richest = RICHEST * sample.run.accuracy;
+    let truths = run(richest)?;
+    let mut tried = vec![modes(&sample.richer(&[], richest))];
+    let poorer: &[f64] = if count > policy.many { &policy.poorer } else { &[] };
+    for factor in poorer.iter().chain(&policy.richer) {
+        let accuracy = (factor * sample.run.accuracy).min(policy.poorest);
+        let lever = modes(&sample.richer(&[], accuracy));
+        if tried.contains(&lever) {
+            continue;
+        }
+        tried.push(lever);
+        let results = run(accuracy)?;
+        let apart = |i: &u32| apart(sample, *i, &results, &truths);
+        let trial = Trial { accuracy, differences: members.iter().map(apart).collect() };
+        let below = |trial: &Trial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
+        let first = policy.first_lever_share * sample.run.accuracy;
+        let before = trials.all.last().is_none_or(|before| below(before, first));
+        let enough = before && below(&trial, bound(accuracy, sample));
+        trials.all.push(trial);
+        if enough {
+            break;
+        }
+    }
+    Ok(trials)
+}
+
+fn apart(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 {
+    let (a, b) = (&results[i as usize], &truths[i as usize]);
+    // What does not repeat has no difference to speak of.
+    let ok = a.status == Status::Ok && b.status == Status::Ok;
+    if ok { difference(plan, i as usize, a, b) } else { 0.0 }
+}
+
+/// What a lever costs the members of the sample under one law, softest contact first.
+pub(super) struct Costs {
+    pub accuracy: f64,
+    differences: Vec<f64>,
+    /// So many of the first ones it does not fail, and so many not in the first run.
+    good: usize,
+    good_first: usize,
+    /// Members on either side that stand for an instance.
+    neighbours: usize,
+}
+
+impl Costs {
+    /// Of the members with these numbers.
+    pub fn new(trial: &Trial, members: &[usize], plan: &Plan) -> Self {
+        let differences: Vec<f64> = members.iter().map(|n| trial.differences[*n]).collect();
+        let within =
+            |bound: f64| differences.iter().position(|one| *one > bound).unwrap_or(differences.len());
+        let good = within(bound(trial.accuracy, plan));
+        let good_first = within(plan.policy.first_lever_share * plan.run.accuracy);
+        let neighbours = plan.policy.neighbours;
+        Self { accuracy: trial.accuracy, differences, good, good_first, neighbours }
+    }
+
+    /// Whether it will do for the first run of an instance with `place` softer members.
+    pub fn begins(&self, place: usize) -> bool {
+        (place + self.neighbours).min(self.differences.len()) <= self.good_first
+    }
+
+    /// The largest difference that it makes near an instance with `place` softer members; none where it fails one of
+    /// those or of the next.
+    pub fn cost(&self, place: usize) -> Option<f64> {
+        let from = place.saturating_sub(self.neighbours);
+        let to = (place + self.neighbours).min(self.differences.len());
+        let near = self.differences.get(from.min(to.saturating_sub(1))..to)?;
+        let good = to <= self.good && !near.is_empty();
+        good.then(|| near.iter().copied().fold(0.0, f64::max))
+    }
+}
