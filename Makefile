@@ -1,5 +1,6 @@
 # make demo    builds, runs the example sweep and makes its page      (STATIC=1: builds HDF5 as well)
-# make test    all tests: Rust, then the results file in Python's readers
+# make test    what every commit needs: Rust's tests, then the results file in Python's readers
+# make test-all    the long ones as well: independent integrators over wide grids, SciPy, signals, fuzz (two hours)
 # make lint    formatting, clippy, documentation
 # make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program (a minute or two)
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
@@ -17,7 +18,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test deps build lint library-check python python-check scipy-check fuzz fuzz-files signal-check peers clean
+.PHONY: help demo test test-all deps build lint library-check python python-check scipy-check fuzz fuzz-files signal-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -38,6 +39,11 @@ deps:
 test: deps
 	cargo test $(FEATURES)
 	$(MAKE) --no-print-directory python-check
+
+test-all: deps library-check scipy-check signal-check fuzz-files
+	cargo test $(FEATURES) -- --include-ignored --skip child_without_room
+	$(MAKE) --no-print-directory python-check
+	$(MAKE) --no-print-directory fuzz MUTANTS=$(or $(MUTANTS),2000)
 
 lint: deps
 	cargo fmt --check

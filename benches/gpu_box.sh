@@ -17,10 +17,7 @@ pack() {
     mkdir -p "$box/lib" "$box/scenes"
     cargo build --release
     # The paths of the other programs, by cargo's own word.
-    local program
-    for program in agree_gpu kicks_gpu; do
-        install -s "$(cargo test --release --no-run --test $program --message-format=json | made $program)" "$box/$program"
-    done
+    install -s "$(cargo test --release --no-run --test gpu --message-format=json | made gpu)" "$box/gpu"
     install -s "$(cargo bench --no-run --bench limits --message-format=json | made limits)" "$box/limits"
     install -s "${CARGO_TARGET_DIR:-target}/release/afmsweep" "$box/afmsweep"
     # HDF5 and what it needs; the C library is the machine's own.
@@ -42,9 +39,7 @@ run() {
     [ -z "$quick" ] || { sizes=1000,4000 instances=4096; }
     "$program" devices --json | tee "$out/devices.json"
     # The steps go on if one fails: what the others find is wanted all the same.
-    for tests in kicks_gpu agree_gpu; do
-        "$box/$tests" --test-threads 1 --nocapture 2>&1 || true
-    done | tee "$out/agree.log"
+    { "$box/gpu" --test-threads 1 --nocapture 2>&1 || true; } | tee "$out/agree.log"
     for scene in quickstart paper_fig4_hertz paper_fig4_dmt paper_fig4_jkr; do
         timeout 100 "$program" check "$box/scenes/$scene.toml" -i 6 2>&1 || true
     done | tee "$out/check.log"

@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 # Builds the program beside the test, as the other tests do: `cargo build` alone would choose other
 # features for shared dependencies and compile everything once more.
-cargo test "$@" --test store_python --no-run
+cargo test "$@" --test all --no-run
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 for scene in tests/python/*.toml; do
@@ -13,4 +13,4 @@ for scene in tests/python/*.toml; do
     "${CARGO_TARGET_DIR:-target}/debug/afmsweep" run "$scene" -q -o "$file"
     .venv/bin/python -W error tests/python/check_results.py "$file"
 done
-AFMSWEEP_PYTHON=1 cargo test "$@" --test store_python
+AFMSWEEP_PYTHON=1 cargo test "$@" --test all store_python

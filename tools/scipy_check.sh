@@ -3,6 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # Builds the program beside a test, for the reason given in python_check.sh.
-cargo test "$@" --test store_python --no-run
+cargo test "$@" --test all --no-run
 target/scipy/bin/python -W error tests/python/reference_scipy.py \
     "${CARGO_TARGET_DIR:-target}/debug/afmsweep" tests/python/reference/*.toml

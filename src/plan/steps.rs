@@ -17,7 +17,7 @@ const ORDER: f64 = 3.0;
 /// bounds is the largest force, every other observable is ten times better.
 ///
 /// With the kicks as they were before they knew when within the step the force acts, of 617 random cases
-/// (tests/agree_plan.rs; accuracy 1e-3, against eight times the steps) 6 were
+/// (tests/all/agree_plan.rs; accuracy 1e-3, against eight times the steps) 6 were
 /// above the ask with 0.2, the worst by 9 times; with 0.125, for 7 % more steps, 2 are: one by 4 %,
 /// and by 5 times the force of a contact as shallow as lengths are accurate. At 1e-2 one of 615
 /// (a snap-in that either happens or not), at 1e-4 two of 612, by 2.3 times at most.

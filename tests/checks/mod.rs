@@ -1,7 +1,6 @@
 //! Scenes, runs, and the independent integrator set up as the same instrument.
 
 // Each test file uses its own part of this.
-#![allow(dead_code)]
 
 pub mod bounds;
 pub mod energy;

@@ -1,7 +1,6 @@
 //! Made-up results with everything a file can hold.
 
 // Each test file uses its own part of this.
-#![allow(dead_code)]
 
 use afmsweep::store::{
     Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, Results, Variable, Waveforms,

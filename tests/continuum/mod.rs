@@ -8,7 +8,6 @@
 //!   moment: E I W_xx(L) - omega^2 m l s = l F_tip
 //!   shear: -E I W_xxx(L) - omega^2 m s = F_tip
 // Each test file that shares this uses its own part.
-#![allow(dead_code)]
 
 use afmsweep::instrument::Mode;
 use afmsweep::scene::{InstrumentParams, Lever, TipMass};

@@ -1,7 +1,6 @@
 //! The built program as a user starts it, in a folder of its own.
 
 // Each test file uses its own part of this.
-#![allow(dead_code)]
 
 use afmsweep::store::{Results, read};
 use serde_json::Value;

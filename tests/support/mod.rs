@@ -3,7 +3,6 @@
 //! Nothing here comes from the library. Use it with `mod support;` and see [`oscillator::System`].
 
 // Every test file compiles this module for itself and uses a part of it.
-#![allow(dead_code)]
 
 pub mod extrapolation;
 pub mod follow;

@@ -1,0 +1,119 @@
+//! Error control: estimates and refinement against the reference engine, on scenes whose plan alone is off.
+
+use crate::checks;
+use afmsweep::compare::{Scales, worst};
+use afmsweep::control::{self, Controlled};
+use afmsweep::engine::{Cpu, Engine, Progress, Reference};
+use afmsweep::observe::Status;
+use afmsweep::plan::Plan;
+use afmsweep::scene::{LawChoice, Scene};
+use std::path::Path;
+
+fn controlled(plan: &Plan) -> Controlled {
+    control::run(plan, &Cpu::default(), &Progress::default()).unwrap()
+}
+
+/// A stiff lever of several modes on soft to stiff samples.
+fn sweep(law: LawChoice, accuracy: f64) -> Scene {
+    let mut scene = checks::calibrated(40.0, 300e3, 20.0, 20e-9, 14e-9, |scene| {
+        checks::sample(scene, law, 2e9, 0.05, 10e-9);
+    });
+    scene.run.accuracy = accuracy;
+    scene
+}
+
+#[test]
+fn the_accuracy_asked_for_is_met_under_every_law() {
+    for law in [LawChoice::Hertz, LawChoice::Dmt, LawChoice::Jkr] {
+        let mut last = 0;
+        for accuracy in [1e-2, 1e-3, 1e-4] {
+            let plan = checks::plan(&sweep(law, accuracy), None);
+            let run = controlled(&plan);
+            let truth = Reference::default().run(&plan, &Progress::default()).unwrap().results[0];
+            let ours = run.outcome.results[0];
+            assert_eq!((ours.status, truth.status), (Status::Ok, Status::Ok));
+            let scales = Scales::of(&run.plan, 0, &truth.measured);
+            let error = worst(&plan.observables, &ours.measured, &truth.measured, &scales);
+            let (estimate, steps) = (run.estimates[0], run.plan.cases[0].steps);
+            println!("{law:?} {accuracy:e}: {error:.1e}, estimated {estimate:.1e}, {steps} steps");
+            assert!(error < accuracy && estimate <= accuracy, "{law:?}: {error:e}, {estimate:e}");
+            assert!(error < 3.0 * estimate, "{law:?}: {error:e}, {estimate:e}");
+            assert!(steps >= last, "finer for less");
+            last = steps;
+        }
+    }
+}
+
+/// The modes with the largest shares, those of the first drive, miss it by seven times (tests/hard/sample_1_tpa.toml).
+#[test]
+fn modes_that_matter_are_kept() {
+    let scene = Scene::load(Path::new("tests/hard/sample_1_tpa.toml")).unwrap();
+    let plan = checks::plan(&scene, None);
+    let run = controlled(&plan);
+    let kept = |plan: &afmsweep::plan::Plan, drive: u32| plan.drives[drive as usize].kept.modes.len();
+    assert!(kept(&run.plan, run.plan.cases[0].drive) > kept(&plan, 0));
+    assert!(run.estimates[0] <= scene.run.accuracy);
+    assert_eq!(run.outcome.results[0].status, Status::Ok);
+}
+
+#[test]
+fn what_the_scene_prescribes_is_kept() {
+    let mut scene = sweep(LawChoice::Dmt, 1e-3);
+    scene.run.modes = Some(2);
+    let run = controlled(&checks::plan(&scene, None));
+    assert_eq!(run.plan.drives[0].kept.modes.len(), 2);
+    assert!(run.estimates[0] > 0.0);
+    let run = controlled(&checks::plan(&scene, Some(100)));
+    assert_eq!(run.plan.cases[0].steps, 100);
+    assert!(run.estimates[0] > 0.0, "prescribed steps are estimated too");
+}
+
+/// A contact so short that no number of steps tried resolves it is not called ok.
+#[test]
+fn what_stays_in_doubt_is_not_called_ok() {
+    let mut scene = sweep(LawChoice::Hertz, 1e-3);
+    scene.base.approach.gap = 19.999e-9;
+    scene.run.accuracy = 1e-9;
+    scene.run.modes = Some(1);
+    let run = controlled(&checks::plan(&scene, None));
+    let status = run.outcome.results[0].status;
+    assert!(status != Status::Ok || run.estimates[0] <= 1e-9, "{status:?} {:e}", run.estimates[0]);
+    assert_ne!(status, Status::Ok);
+}
+
+/// Each instance has the steps it needs, whatever its neighbours need.
+#[test]
+fn an_instance_alone_equals_itself_among_others() {
+    let mut scene = sweep(LawChoice::Dmt, 1e-3);
+    scene.run.modes = Some(3);
+    let mut results = Vec::new();
+    for gap in [12e-9, 19.9e-9] {
+        scene.base.approach.gap = gap;
+        let run = controlled(&checks::plan(&scene, None));
+        results.push((run.outcome.results[0], run.plan.cases[0].steps, run.estimates[0]));
+    }
+    let text = scene.resolved_toml() + "\n[samples]\n\"approach.gap\" = [\"12 nm\", \"19.9 nm\"]\n";
+    let both = Scene::parse(Path::new("both.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+    let run = controlled(&checks::plan(&both, None));
+    for (i, (alone, steps, estimate)) in results.iter().enumerate() {
+        assert_eq!(run.outcome.results[i].measured.harmonics, alone.measured.harmonics);
+        assert_eq!((run.plan.cases[i].steps, run.estimates[i]), (*steps, *estimate));
+    }
+}
+
+#[test]
+fn the_audit_is_the_references_word() {
+    let plan = checks::plan(&sweep(LawChoice::Dmt, 1e-3), None);
+    let run = controlled(&plan);
+    let audited = control::audit(&run.plan, &run.outcome, &run.found, 4, &Progress::default()).unwrap();
+    assert_eq!(audited.len(), 1);
+    let truth = Reference::default().run(&plan, &Progress::default()).unwrap().results[0];
+    let (a, b) = (audited[0].truth.measured.harmonics[0], truth.measured.harmonics[0]);
+    assert!((a / b - 1.0).abs() < 1e-7, "{a:e} {b:e}");
+    assert!(audited[0].worst.unwrap() < 1e-3);
+    // A run that is wrong is found out.
+    let mut wrong = run.outcome.clone();
+    wrong.results[0].measured.force_max *= 1.01;
+    let audited = control::audit(&run.plan, &wrong, &run.found, 4, &Progress::default()).unwrap();
+    assert!((audited[0].worst.unwrap() - 0.01).abs() < 1e-3);
+}

@@ -1,0 +1,71 @@
+//! All tests of the library and of the program that need no harness of their own, in one program: to link it once takes
+//! seconds where forty programs took minutes, and its tests share the cores.
+//!
+//! `cargo test --test all NAME` runs those whose path contains `NAME`, for instance `exact_contact`. A name's first word says
+//! where the truth comes from: a closed form (`exact_`), a published figure (`published_`), another engine or another way of
+//! running (`agree_`), an order of convergence (`converge_`); `hard_` are hard cases, `cli_` the command line as a user runs it,
+//! `store_` and `report_` files and pages.
+
+// The shader's tests, a program of their own, use the rest of it.
+#[allow(dead_code)]
+#[path = "../checks/mod.rs"]
+mod checks;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../continuum/mod.rs"]
+mod continuum;
+#[path = "../pages/mod.rs"]
+mod pages;
+#[path = "../program/mod.rs"]
+mod program;
+#[path = "../support/mod.rs"]
+mod support;
+
+mod agree_branches;
+mod agree_compare;
+mod agree_control;
+mod agree_plan;
+mod agree_precision;
+mod agree_reference;
+mod agree_reference_engine;
+mod agree_search;
+mod agree_threads;
+mod architecture;
+mod cli_audit;
+mod cli_bench;
+mod cli_check;
+mod cli_refusals;
+mod cli_run;
+mod cli_search;
+mod cli_sense;
+mod cli_signals;
+mod cli_tables;
+mod cli_waveforms;
+mod converge_elements;
+mod converge_steps;
+mod exact_calibration;
+mod exact_contact;
+mod exact_energy;
+mod exact_free_motion;
+mod exact_instrument;
+mod exact_kicks;
+mod exact_periodic;
+mod exact_reference;
+mod exact_reference_engine;
+mod hard_cases;
+mod hard_contact;
+mod hard_instrument;
+mod hard_steadiness;
+mod progress_phases;
+mod published_paper;
+mod published_tapping;
+mod report_names;
+mod report_pages;
+mod scenes;
+mod shader_text;
+mod store_damage;
+mod store_file;
+mod store_place;
+mod store_python;
+mod sweep_library;
+mod work_counters;

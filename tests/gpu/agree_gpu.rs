@@ -1,0 +1,229 @@
+//! The shader against the CPU, and runs that go wrong on the way.
+//!
+//! Where a driver computes on the processor (Mesa's lavapipe) and is told to round after each operation of
+//! the text, the bits are the same: every law, every observable, every instance. Otherwise it may fuse and
+//! reorder sums and products, and the numbers agree to rounding.
+//!
+//! Without any GPU adapter these tests are listed as ignored.
+
+use crate::checks::{self, bounds, worst};
+use crate::shader::{self, LAWS, cpu, gpu, on, same, scene};
+use afmsweep::engine::gpu::AdapterReport;
+use afmsweep::engine::{Cpu, Engine, Progress};
+use afmsweep::observe::Status;
+use afmsweep::plan::Precision;
+use afmsweep::scene::{QualityFactor, Scene, Start, Steady};
+use afmsweep::steady;
+use libtest_mimic::{Failed, Trial};
+use std::path::Path;
+use std::time::Duration;
+
+/// 160 periods, more than 20,000 steps; with more than 4 modes the fastest needs 512 a period.
+fn long(law: &str, start: &str, modes: usize) -> Scene {
+    // More than 8 are compiled for by a loop, which fewer periods try as well.
+    let periods = if modes > 8 { 40 } else { 160 };
+    scene(law, start, modes, if modes > 4 { 512 } else { 128 }, periods)
+}
+
+/// The same bits for every law, every observable, both starts, every instance whatever its status.
+fn same_bits(modes: usize, precision: Precision) -> Result<(), Failed> {
+    let mut all = 0;
+    for law in LAWS {
+        for start in ["steady", "rest"] {
+            let plan = checks::plan_in(&long(law, start, modes), None, precision);
+            let what = format!("{law}, {start}, {modes} modes, {}", precision.name());
+            let gpu = gpu();
+            assert!(gpu.strict);
+            let outcome = on(&gpu, &plan);
+            assert!(outcome.notes.is_empty(), "{what}: {:?}", outcome.notes);
+            all += same(&outcome.results, &cpu(&plan), &what)?;
+        }
+    }
+    println!("{modes} modes, {}: {all} of {all} instances identical", precision.name());
+    Ok(())
+}
+
+/// The scenes that come with the program, as they are but for their waveforms.
+fn same_bits_in_every_scene(precision: Precision) -> Result<(), Failed> {
+    for name in ["quickstart", "paper_fig4_hertz", "paper_fig4_dmt", "paper_fig4_jkr"] {
+        let path = format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let mut scene = Scene::load(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"));
+        if scene.len() > 1 && precision == Precision::F64 {
+            scene.run.periods = 40;
+        }
+        let plan = checks::plan_in(&scene, None, precision);
+        let count = same(&on(&gpu(), &plan).results, &cpu(&plan), name)?;
+        println!("{name}, {}: {count} of {count} instances identical", precision.name());
+    }
+    Ok(())
+}
+
+/// The same numbers to rounding where the driver may fuse and reorder. Which of them a response that just
+/// settles is called, steady or not, hangs on its last bits.
+fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
+    let bound = match precision {
+        Precision::F32 => bounds::SHADER_SINGLE,
+        Precision::F64 => bounds::SHADER_DOUBLE,
+    };
+    let (mut compared, mut worst_seen) = (0, 0.0);
+    for law in LAWS {
+        for start in ["steady", "rest"] {
+            let scene = long(law, start, modes);
+            let plan = checks::plan_in(&scene, None, precision);
+            let what = format!("{law}, {start}, {modes} modes, {}", precision.name());
+            let mut free = gpu();
+            free.strict = false;
+            let ours = on(&free, &plan).results;
+            for (i, (ours, theirs)) in ours.iter().zip(&cpu(&plan)).enumerate() {
+                let settling = [Status::Ok, Status::NotSteady];
+                let near = settling.contains(&ours.status) && settling.contains(&theirs.status);
+                assert!(near || ours.status == theirs.status, "{what}, instance {i}");
+                if ours.status != Status::Ok || theirs.status != Status::Ok {
+                    continue;
+                }
+                let truth = checks::outcome(&theirs.measured);
+                let scales = checks::scales(&checks::plan_in(&steady(&scene), None, precision), i, &truth);
+                let errors = checks::errors(&ours.measured, &truth, &scales);
+                let (which, error) = worst(&errors);
+                worst_seen = f64::max(worst_seen, error);
+                if error > bound {
+                    return Err(format!("{what}, instance {i}: {which} {}", checks::show(&errors)).into());
+                }
+                compared += 1;
+            }
+        }
+    }
+    println!(
+        "{modes} modes, {}: {compared} steady instances, largest difference {worst_seen:.1e}",
+        precision.name()
+    );
+    assert!(compared >= 20, "only {compared} compared");
+    Ok(())
+}
+
+/// The same scene from steady free motion, where a period's work has a scale.
+fn steady(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.run.start = Start::Steady;
+    scene
+}
+
+fn chunks_change_no_bit() -> Result<(), Failed> {
+    for start in ["steady", "rest"] {
+        let plan = checks::plan_in(&scene("jkr", start, 2, 128, 20), None, Precision::F32);
+        let whole = on(&gpu(), &plan).results;
+        for chunk in [1, 7, 29] {
+            let mut small = gpu();
+            small.chunk = Some(chunk);
+            same(&on(&small, &plan).results, &whole, &format!("{start}, chunks of {chunk}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// A period longer than the loops that lavapipe can do in one dispatch goes in parts.
+fn long_periods_go_in_parts() -> Result<(), Failed> {
+    let plan = checks::plan_in(&scene("none", "rest", 1, 40_000, 6), None, Precision::F32);
+    same(&on(&gpu(), &plan).results, &cpu(&plan), "40,000 steps a period")?;
+    Ok(())
+}
+
+fn a_lost_device_costs_nothing() -> Result<(), Failed> {
+    for start in ["steady", "rest"] {
+        let plan = checks::plan_in(&scene("jkr", start, 2, 128, 60), None, Precision::F32);
+        let whole = on(&gpu(), &plan).results;
+        // Once: a new device goes on. Always: the CPU does.
+        for (times, words) in [(1, "new device"), (u32::MAX, "on the CPU")] {
+            let mut frail = gpu();
+            frail.drill.lose_at = Some(4);
+            frail.drill.times = times;
+            frail.drill.save_every = Some(Duration::ZERO);
+            let outcome = on(&frail, &plan);
+            let told = outcome.notes.join("; ");
+            assert!(told.contains("device was lost") && told.contains(words), "{told}");
+            assert!(told.contains("from period") && !told.contains("from period 0 on the CPU"), "{told}");
+            same(&outcome.results, &whole, &format!("{start}, lost {times} times"))?;
+        }
+    }
+    Ok(())
+}
+
+fn want_of_memory_makes_smaller_chunks() -> Result<(), Failed> {
+    let plan = checks::plan_in(&scene("dmt", "steady", 2, 128, 20), None, Precision::F32);
+    let mut small = gpu();
+    small.drill.memory_for = Some(5);
+    let outcome = on(&small, &plan);
+    assert!(outcome.notes.iter().any(|note| note.contains("out of memory")), "{:?}", outcome.notes);
+    same(&outcome.results, &on(&gpu(), &plan).results, "halved")?;
+    Ok(())
+}
+
+/// Steps far too long for the contact: numbers overflow, and both say so of the same instances.
+fn overflow_is_seen_alike() -> Result<(), Failed> {
+    let mut scene = scene("hertz", "steady", 1, 16, 200);
+    scene.base.instrument.tip.radius = 1.0;
+    let plan = checks::plan_in(&scene, None, Precision::F32);
+    let ours = on(&gpu(), &plan).results;
+    same(&ours, &cpu(&plan), "overflow")?;
+    let failed = ours.iter().filter(|one| one.status == Status::NonFinite).count();
+    println!("{failed} instances without a number");
+    assert!(failed > 0, "nothing overflowed: {:?}", ours.iter().map(|one| one.status).collect::<Vec<_>>());
+    Ok(())
+}
+
+/// The search asks the same of the shader as of the CPU, and is answered the same.
+fn searches_alike(precision: Precision) -> Result<(), Failed> {
+    let mut scene = scene("jkr", "steady", 2, 128, 300);
+    scene.run.steady = Steady::Search;
+    scene.base.instrument.cantilever.quality_factor = QualityFactor::All(200.0);
+    let plan = checks::plan_in(&scene, None, precision);
+    let settle =
+        |engine: &dyn Engine| steady::run(&plan, &[], engine, &Progress::default()).expect("it runs");
+    let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
+    let count = same(&ours.outcome.results, &theirs.outcome.results, "search")?;
+    assert_eq!(ours.found, theirs.found);
+    let found = ours.found.iter().flatten().count();
+    println!("{}: {count} of {count} instances identical, {found} found", precision.name());
+    assert!(found > count / 2);
+    Ok(())
+}
+
+/// The tests of this file, of which those run that the adapters found can run.
+pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
+    let (any, exact) = (!found.is_empty(), shader::exact(found));
+    let double = found.iter().any(|one| one.double);
+    let mut tests = Vec::new();
+    let mut add = |name: String, runs: bool, test: Box<dyn FnOnce() -> Result<(), Failed> + Send>| {
+        tests.push(Trial::test(name, test).with_ignored_flag(!runs));
+    };
+    for modes in (1..=8).chain([10, 16, 24]) {
+        let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
+        add(name, exact, Box::new(move || same_bits(modes, Precision::F32)));
+    }
+    for modes in [1, 4, 8, 24] {
+        let name = format!("same_bits_as_the_cpu_{modes}_modes_f64");
+        add(name, exact && double, Box::new(move || same_bits(modes, Precision::F64)));
+    }
+    let scenes = "same_bits_as_the_cpu_in_every_scene";
+    add(format!("{scenes}_f32"), exact, Box::new(|| same_bits_in_every_scene(Precision::F32)));
+    add(format!("{scenes}_f64"), exact && double, Box::new(|| same_bits_in_every_scene(Precision::F64)));
+    for modes in [1, 4] {
+        let name = format!("agrees_with_the_cpu_to_rounding_{modes}_modes_f32");
+        add(name, any, Box::new(move || agrees(modes, Precision::F32)));
+    }
+    add(
+        "agrees_with_the_cpu_to_rounding_2_modes_f64".into(),
+        any && double,
+        Box::new(|| agrees(2, Precision::F64)),
+    );
+    for precision in [Precision::F32, Precision::F64] {
+        let name = format!("searches_as_the_cpu_does_{}", precision.name());
+        add(name, exact && double, Box::new(move || searches_alike(precision)));
+    }
+    add("chunks_change_no_bit".into(), any, Box::new(chunks_change_no_bit));
+    add("long_periods_go_in_parts".into(), exact, Box::new(long_periods_go_in_parts));
+    add("a_lost_device_costs_nothing".into(), exact, Box::new(a_lost_device_costs_nothing));
+    add("want_of_memory_makes_smaller_chunks".into(), any, Box::new(want_of_memory_makes_smaller_chunks));
+    add("overflow_is_seen_alike".into(), exact, Box::new(overflow_is_seen_alike));
+    tests
+}

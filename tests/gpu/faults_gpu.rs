@@ -1,0 +1,126 @@
+//! What the comparison of bits is worth: faults planted in the shader's text, one at a time, must each be
+//! seen. A constant moved by its last bit, operations in another order, a line left out.
+//!
+//! Without a software GPU driver these tests are listed as ignored.
+
+use crate::checks;
+use crate::shader::{self, cpu, gpu, on, same, scene};
+use afmsweep::engine::gpu::AdapterReport;
+use afmsweep::plan::Precision;
+use libtest_mimic::{Failed, Trial};
+
+/// A law, a fault, and how to plant it.
+type Fault = (&'static str, &'static str, fn(String) -> String);
+
+/// Replaces a piece of text; where it is not there, no fault is planted and none will be seen.
+fn swap(text: &str, from: &str, to: &str) -> String {
+    text.replace(from, to)
+}
+
+/// Moves a constant of the head by one unit in its last place.
+fn nudge(text: &str, name: &str) -> String {
+    let from = format!("const {name}: real = ");
+    let start = text.find(&from).expect("the head names it") + from.len();
+    let end = start + text[start..].find("f;").expect("an f32 literal");
+    let value: f32 = text[start..end].parse().expect("a number");
+    let moved = f32::from_bits(value.to_bits() + 1);
+    format!("{}{moved:?}{}", &text[..start], &text[end..])
+}
+
+const FAULTS: &[Fault] = &[
+    ("hertz", "TWELFTH one bit up", |text| nudge(&text, "TWELFTH")),
+    ("hertz", "TWENTY_FOURTH one bit up", |text| nudge(&text, "TWENTY_FOURTH")),
+    ("hertz", "HERTZ_ENERGY one bit up", |text| nudge(&text, "HERTZ_ENERGY")),
+    ("dmt", "HALF one bit up", |text| nudge(&text, "HALF")),
+    ("jkr", "JKR_TOUCH one bit up", |text| nudge(&text, "JKR_TOUCH")),
+    ("jkr", "JKR_WORK_0 one bit up", |text| nudge(&text, "JKR_WORK_0")),
+    ("jkr", "JKR_WORK_3 one bit up", |text| nudge(&text, "JKR_WORK_3")),
+    ("jkr", "JKR_WORK_8 one bit up", |text| nudge(&text, "JKR_WORK_8")),
+    ("jkr", "JKR_FORCE_2 one bit up", |text| nudge(&text, "JKR_FORCE_2")),
+    ("jkr", "JKR_FORCE_5 one bit up", |text| nudge(&text, "JKR_FORCE_5")),
+    ("hertz", "flow added up in another order", |text| {
+        swap(&text, "(lever.m00_1 * x_1 + x_1)", "lever.m00_1 * x_1 + x_1")
+    }),
+    ("hertz", "modes added up in another order", |text| {
+        let (first, second) = ("beyond = beyond + (*state).x_1;", "beyond = beyond + (*state).x_2;");
+        swap(&swap(&swap(&text, first, "FIRST"), second, first), "FIRST", second)
+    }),
+    ("dmt", "attraction multiplied out", |text| {
+        let (from, to) = (
+            "law.adhesion * (hertz.share * (ONE - outside) + outside)",
+            "(law.adhesion * hertz.share * (ONE - outside) + law.adhesion * outside)",
+        );
+        swap(&text, from, to)
+    }),
+    ("jkr", "guess for the part", |text| {
+        swap(&text, "let part = jkr_between(here, there);", "let part = guess;")
+    }),
+    ("jkr", "one of Halley's steps less", |text| {
+        swap(&text, "jkr_halley(jkr_halley(jkr_about(s), t), t)", "jkr_halley(jkr_about(s), t)")
+    }),
+    ("dmt", "TAIL_POLE one bit up", |text| nudge(&text, "TAIL_POLE")),
+    ("dmt", "kick without its shift", |text| swap(&text, "if ZERO < abs(kick.shift) {", "if false {")),
+    ("jkr", "work of the shift left out", |text| {
+        swap(&text, "work = -acceleration * kick.shift + work;", "")
+    }),
+    ("jkr", "let go without its shift", |text| {
+        swap(&text, "Kick(impulse, shift, share,", "Kick(impulse, select(shift, ZERO, lets_go), share,")
+    }),
+    ("jkr", "memory taken before the step", |text| swap(&text, "(*state).touching = kick.touching;", "")),
+    ("dmt", "samples of the parabola swapped", |text| {
+        swap(&text, "let first = (*tally).last_0;", "let first = (*tally).last_1;")
+    }),
+    ("hertz", "contact time of the step before", |text| {
+        swap(&text, "(*tally).time + sample.kick.contact", "(*tally).time + (*tally).touched")
+    }),
+    ("dmt", "a period's sums cleared before they are kept", |text| {
+        let (close, clear) =
+            ("close_period(i, tally);", "tally_next_period(&tally);\n            index = 0u;");
+        let without = swap(&text, close, "");
+        swap(&without, clear, &format!("{clear}\n            {close}"))
+    }),
+    ("hertz", "wave of the next step", |text| {
+        swap(&text, "waves[2u * index + 1u], decay", "waves[2u * index + 3u], decay")
+    }),
+    ("jkr", "centre added up in another order", |text| {
+        swap(&text, "-acceleration * corner + (steady + beyond)", "-acceleration * corner + steady + beyond")
+    }),
+];
+
+/// Faults that no test should see: the text says the same.
+const HARMLESS: &[Fault] = &[
+    ("jkr", "nothing", |text| text),
+    ("hertz", "factors swapped", |text| {
+        swap(&text, "corner * impulse + beyond", "impulse * corner + beyond")
+    }),
+];
+
+/// Whether the comparison sees it.
+fn seen((law, _, plant): &Fault) -> bool {
+    let plan = checks::plan_in(&scene(law, "steady", 3, 64, 80), None, Precision::F32);
+    let mut faulty = gpu();
+    faulty.drill.edit = Some(*plant);
+    same(&on(&faulty, &plan).results, &cpu(&plan), "planted").is_err()
+}
+
+fn every_fault_is_seen() -> Result<(), Failed> {
+    let missed: Vec<&str> = FAULTS.iter().filter(|fault| !seen(fault)).map(|fault| fault.1).collect();
+    println!("{} of {} planted faults seen", FAULTS.len() - missed.len(), FAULTS.len());
+    assert!(missed.is_empty(), "not seen: {missed:?}");
+    Ok(())
+}
+
+fn nothing_else_is() -> Result<(), Failed> {
+    let wrong: Vec<&str> = HARMLESS.iter().filter(|fault| seen(fault)).map(|fault| fault.1).collect();
+    assert!(wrong.is_empty(), "seen: {wrong:?}");
+    Ok(())
+}
+
+/// The tests of this file, of which those run that the adapters found can run.
+pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
+    let ignored = !shader::exact(found);
+    vec![
+        Trial::test("every_fault_is_seen", every_fault_is_seen).with_ignored_flag(ignored),
+        Trial::test("nothing_else_is", nothing_else_is).with_ignored_flag(ignored),
+    ]
+}

@@ -1,0 +1,25 @@
+//! The shader against the CPU, on whatever GPU adapter there is: whole runs (`agree_gpu`), each law's kick by itself
+//! (`kicks_gpu`), and what the comparison of bits is worth (`faults_gpu`).
+//!
+//! Tests that the adapters found cannot run list themselves as ignored.
+
+mod agree_gpu;
+// Shared with the other tests, which use the rest of it.
+#[allow(dead_code)]
+#[path = "../checks/mod.rs"]
+mod checks;
+mod faults_gpu;
+mod kicks_gpu;
+mod shader;
+#[allow(dead_code)]
+#[path = "../support/mod.rs"]
+mod support;
+
+use libtest_mimic::Arguments;
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let found = shader::found();
+    let tests = [agree_gpu::tests(&found), faults_gpu::tests(&found), kicks_gpu::tests(&found)];
+    libtest_mimic::run(&arguments, tests.into_iter().flatten().collect()).exit();
+}

@@ -1,0 +1,125 @@
+//! Runs on the GPU and on the CPU, and how to compare them bit by bit.
+
+use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
+use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
+use afmsweep::observe::Observable;
+use afmsweep::plan::Plan;
+use afmsweep::scene::Scene;
+use libtest_mimic::Failed;
+use std::path::Path;
+
+pub const LAWS: [&str; 4] = ["none", "hertz", "dmt", "jkr"];
+
+/// A lever of `modes` modes over soft to stiff samples, from far away to pressed in. Of more than 8 they are a list, close
+/// enough together to be stepped with few steps.
+pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> Scene {
+    let lever = match modes {
+        0..=8 => "stiffness = \"10 N/m\"\nfrequency = \"75 kHz\"\nquality_factor = 30".to_owned(),
+        _ => {
+            let mode = |k: usize| {
+                let (stiffness, frequency) = (10 * (1 + k * k), 75.0 * (1.0 + 0.7 * k as f64));
+                format!(
+                    "{{ stiffness = \"{stiffness} N/m\", frequency = \"{frequency} kHz\", quality_factor = 30 }}"
+                )
+            };
+            format!("modes = [{}]", (0..modes).map(mode).collect::<Vec<_>>().join(", "))
+        }
+    };
+    let text = format!(
+        r#"
+[instrument.cantilever]
+{lever}
+[instrument.actuator]
+model = "rigid"
+[sample]
+surface_energy = "20 mJ/m^2"
+[contact]
+law = "{law}"
+[drive]
+on = "tip"
+frequency = "75 kHz"
+free_amplitude = "30 nm"
+[approach]
+gap = "22 nm"
+[sweep]
+"sample.youngs_modulus" = {{ values = ["300 MPa", "3 GPa", "30 GPa"] }}
+"drive.frequency" = {{ values = ["74 kHz", "75 kHz"] }}
+"approach.gap" = {{ values = ["-2 nm", "15 nm", "24 nm", "29.99 nm", "31 nm"] }}
+[run]
+start = "{start}"
+periods = {periods}
+measure = 5
+modes = {modes}
+steps_per_period = {steps}
+"#
+    );
+    let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+    scene.output.observables = Observable::all().collect();
+    scene
+}
+
+pub fn gpu() -> Gpu {
+    Gpu::new(None).expect("an adapter was seen before")
+}
+
+/// The adapters, told; and without Mesa's words about the missing display.
+pub fn found() -> Vec<AdapterReport> {
+    // SAFETY: called first of all, before there are threads.
+    unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    let found = adapters();
+    if found.is_empty() {
+        println!("no GPU adapter here: every test here is ignored");
+    }
+    found.iter().for_each(|one| println!("adapter {}: {}", one.index, one.title()));
+    found
+}
+
+/// Whether the adapter rounds as the processor does: a software driver, told not to fuse.
+pub fn exact(found: &[AdapterReport]) -> bool {
+    found.len() == 1 && found[0].software() && found[0].strict
+}
+
+/// Rounded after each operation, as the shader does where it is told to.
+pub fn cpu(plan: &Plan) -> Vec<Finished> {
+    Cpu { strict: true }.run(plan, &Progress::default()).expect("the plan can be run").results
+}
+
+pub fn on(gpu: &Gpu, plan: &Plan) -> Outcome {
+    gpu.run(plan, &Progress::default()).expect("the plan can be run")
+}
+
+/// Every number of a result, in order.
+fn numbers(result: &Finished) -> Vec<f64> {
+    let mut row = vec![0.0; 64];
+    let mut all = Vec::new();
+    for observable in Observable::all() {
+        let width = observable.width();
+        observable.write(&result.measured, &mut row[..width]);
+        all.extend_from_slice(&row[..width]);
+    }
+    all
+}
+
+pub fn bits(result: &Finished) -> Vec<u64> {
+    let numbers = numbers(result);
+    std::iter::once(result.status as u64).chain(numbers.iter().map(|value| value.to_bits())).collect()
+}
+
+/// All instances, all observables; how many differ, and the first that does.
+pub fn same(ours: &[Finished], theirs: &[Finished], what: &str) -> Result<usize, Failed> {
+    assert_eq!(ours.len(), theirs.len());
+    let wrong: Vec<usize> = (0..ours.len()).filter(|&i| bits(&ours[i]) != bits(&theirs[i])).collect();
+    match wrong.first() {
+        None => Ok(ours.len()),
+        Some(&i) => Err(format!(
+            "{what}: {} of {} instances differ; number {i}:\n{:?} {:?}\n{:?} {:?}",
+            wrong.len(),
+            ours.len(),
+            ours[i].status,
+            numbers(&ours[i]),
+            theirs[i].status,
+            numbers(&theirs[i]),
+        )
+        .into()),
+    }
+}
