@@ -43,6 +43,7 @@ mod cli_tables;
 mod cli_waveforms;
 mod converge_elements;
 mod converge_steps;
+mod docs_name_everything;
 mod exact_calibration;
 mod exact_contact;
 mod exact_energy;
