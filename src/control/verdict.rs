@@ -91,7 +91,10 @@ impl Verdict {
             parts.push(format!("{} instances called ok were neither estimated nor audited", self.unknown));
         }
         if self.met() {
-            parts.push(format!("nothing above it is known of the {} instances called ok", self.ok));
+            parts.push(match self.ok {
+                0 => "no instance is called ok".into(),
+                ok => format!("nothing above it is known of the {ok} instances called ok"),
+            });
         }
         format!("asked for {:e}: {}; audited {}", self.accuracy, parts.join("; "), self.compared)
     }
