@@ -2,7 +2,7 @@
 
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::Status;
-use afmsweep::plan::{Basis, Plan, Precision};
+use afmsweep::plan::{BasisRule, Plan, Precision};
 use afmsweep::scene::Scene;
 use afmsweep::steady;
 use serde_json::{Value, json};
@@ -81,13 +81,13 @@ pub fn run() -> Vec<Value> {
     for count in COUNTS {
         let modes = plan(&format!("modes = {count}"));
         // The rate is the plan's own: of the lever that it chose for the contact, or the drive's where it chose none.
-        let rate = |i: u32| match whole.basis(i) {
-            Basis::Contact { rate, .. } => rate,
-            Basis::Shares { .. } => 4.0 * whole.drives[0].free.omega,
+        let rate = |i: u32| match whole.basis_rule(i) {
+            BasisRule::Contact { rate, .. } => rate,
+            BasisRule::Shares { .. } => 4.0 * whole.drives[0].free.omega,
         };
-        let wanted: Vec<(u32, Basis)> =
-            all.iter().map(|i| (*i, Basis::Contact { rate: rate(*i), count })).collect();
-        let (lowest, reduced) = (forces(&modes), forces(&whole.levers(&wanted)));
+        let wanted: Vec<(u32, BasisRule)> =
+            all.iter().map(|i| (*i, BasisRule::Contact { rate: rate(*i), count })).collect();
+        let (lowest, reduced) = (forces(&modes), forces(&whole.with_bases(&wanted)));
         for (i, modulus) in scene("").sweep.axes[0].values.iter().enumerate() {
             let error = |force: f64| (force / truths[i].force_max - 1.0).abs();
             let (a, b) = (error(lowest.0[i]), error(reduced.0[i]));

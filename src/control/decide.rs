@@ -6,10 +6,10 @@ use crate::plan::{Policy, STEPS_MAX};
 /// What an instance's estimate is made of, and what its refinement has brought so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Refinement {
-    /// The part of the error that is of steps, and that of what its lever leaves out.
+    /// The part of the error that is of steps, and that of what its basis leaves out.
     pub of_steps: f64,
     pub of_modes: f64,
-    /// The first difference, while it is not known what of it is of steps and what of levers.
+    /// The first difference, while it is not known what of it is of steps and what of bases.
     pub untold: Option<f64>,
     /// Most steps that it may have.
     pub most_steps: u32,
@@ -38,7 +38,7 @@ pub(super) struct Known<'a> {
     pub steps: u32,
     /// Whether it ran in f32 and may go on in f64.
     pub single: bool,
-    /// Whether there is a richer lever than its own.
+    /// Whether there is a richer basis than its own.
     pub can_be_richer: bool,
     pub refinement: &'a Refinement,
 }
@@ -52,8 +52,8 @@ pub(super) enum Next {
     Double,
     /// Twice the steps.
     MoreSteps,
-    /// A richer lever.
-    RicherLever,
+    /// A richer basis.
+    RicherBasis,
 }
 
 /// Decides by what is known alone.
@@ -74,10 +74,10 @@ pub(super) fn next(known: &Known, policy: &Policy) -> Next {
         Status::Ok | Status::OutOfRange | Status::NonFinite => {}
         _ => return Next::Accept,
     }
-    // Where modes lead more steps will not help: known once two runs had the same lever.
+    // Where modes lead more steps will not help: known once two runs had the same basis.
     let modes_lead = refinement.untold.is_none() && refinement.of_modes > refinement.of_steps;
     if modes_lead && known.can_be_richer {
-        Next::RicherLever
+        Next::RicherBasis
     } else if known.steps <= refinement.most_steps / 2 {
         Next::MoreSteps
     } else {
@@ -119,11 +119,11 @@ mod tests {
             ("below the aim", Known { estimate: 5.9e-4, ..KNOWN }, Next::Accept),
             ("just above it", Known { estimate: 6.1e-4, ..KNOWN }, Next::MoreSteps),
             ("never estimated", Known { estimate: f64::NAN, ..KNOWN }, Next::Accept),
-            ("modes lead", of(&OF_MODES), Next::RicherLever),
+            ("modes lead", of(&OF_MODES), Next::RicherBasis),
             ("not told apart", of(&UNTOLD), Next::MoreSteps),
-            ("no richer lever", Known { can_be_richer: false, ..of(&OF_MODES) }, Next::MoreSteps),
+            ("no richer basis", Known { can_be_richer: false, ..of(&OF_MODES) }, Next::MoreSteps),
             ("all steps taken", Known { steps: 1024, ..KNOWN }, Next::Accept),
-            ("a lever is left", Known { steps: 1024, ..of(&OF_MODES) }, Next::RicherLever),
+            ("a basis is left", Known { steps: 1024, ..of(&OF_MODES) }, Next::RicherBasis),
             ("most steps there are", Known { steps: STEPS_MAX, ..of(&OF_MODES) }, Next::Accept),
             ("in vain before", of(&IN_VAIN), Next::Accept),
             ("overflowed", lost(Status::NonFinite), Next::MoreSteps),

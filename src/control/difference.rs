@@ -3,7 +3,7 @@
 use crate::compare::{Scales, worst};
 use crate::contact::Law;
 use crate::engine::Finished;
-use crate::plan::{Basis, Plan};
+use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 
 /// How far two results of an instance are apart: the worst observable on its scale.
@@ -23,8 +23,8 @@ pub(super) fn differences(
     instances.par_iter().map(apart).collect()
 }
 
-/// What is left of the difference between two levers in the richer one's error, for the contacts of this instance.
-pub(super) fn left_of_levers(plan: &Plan, i: u32) -> f64 {
+/// What is left of the difference between two bases in the richer one's error, for the contacts of this instance.
+pub(super) fn left_of_bases(plan: &Plan, i: u32) -> f64 {
     let policy = &plan.policy;
     let jumps = plan.cases[i as usize].contact.law == Law::Jkr;
     let corners = jumps || plan.run.accuracy < policy.corners_below;
@@ -38,5 +38,5 @@ pub(super) fn left_of_levers(plan: &Plan, i: u32) -> f64 {
 
 /// Whether the instance's oscillators are chosen by the rate of its contact.
 pub(super) fn is_fast(plan: &Plan, i: u32) -> bool {
-    matches!(plan.basis(i), Basis::Contact { .. })
+    matches!(plan.basis_rule(i), BasisRule::Contact { .. })
 }

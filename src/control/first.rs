@@ -1,17 +1,17 @@
 //! The first two runs of every instance, and what their difference tells.
 
 use super::decide::Refinement;
-use super::difference::{differences, is_fast, left_of_levers};
+use super::difference::{differences, is_fast, left_of_bases};
 use super::{Members, modes, precision};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
-use crate::plan::{Basis, CasePlan, Plan, STEPS_MAX};
+use crate::plan::{BasisRule, CasePlan, Plan, STEPS_MAX};
 use crate::steady::{self, Settled};
 
 /// What is known before the steps are.
 pub(super) struct First<'a> {
-    /// By instance, what the lever of the first run is made by; none where it is the plan's own.
-    pub poorer: Option<Vec<Basis>>,
+    /// By instance, what the basis of the first run is made by; none where it is the plan's own.
+    pub poorer: Option<Vec<BasisRule>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
@@ -38,7 +38,7 @@ pub(super) fn quartered(plan: &Plan, instances: &[u32]) -> Plan {
 }
 
 /// Runs the members that need steps with a quarter of the plan's, then all members with half of them. Where the first run
-/// had poorer levers, the difference is of both; of fast contacts a third run tells what of it the levers make.
+/// had poorer bases, the difference is of both; of fast contacts a third run tells what of it the bases make.
 pub(super) fn run(
     plan: &Plan,
     Members { all, stepped }: Members,
@@ -64,29 +64,29 @@ pub(super) fn run(
     };
     let known = fine.cases.iter().zip(left_out).map(begin).collect();
     let mut begun = Begun { plan: fine, settled, known };
-    let same_lever = |i: u32| coarse.driven(i).kept.modes == begun.plan.driven(i).kept.modes;
+    let same_basis = |i: u32| coarse.driven(i).kept.modes == begun.plan.driven(i).kept.modes;
     for (i, apart) in
         differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results)
     {
-        let of_both = rough.outcome.results[i as usize].status == Status::Ok && !same_lever(i);
-        let left = if of_both { left_of_levers(&begun.plan, i) } else { plan.policy.left_of_steps };
+        let of_both = rough.outcome.results[i as usize].status == Status::Ok && !same_basis(i);
+        let left = if of_both { left_of_bases(&begun.plan, i) } else { plan.policy.left_of_steps };
         let known = &mut begun.known[i as usize];
         known.of_steps = left * apart;
         known.untold = of_both.then_some(apart);
     }
     begun.add_unbent(stepped);
     if let Some(bases) = &poorer {
-        begun.tell_fast_levers(plan, stepped, bases, engine, progress)?;
+        begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
 }
 
-/// The plan of the first run: a quarter of the steps, and poorer levers but for fast contacts. How many oscillators those
-/// have decides what their steps cost, so their levers are told apart by a run of its own.
-fn poorer_and_coarser(plan: &Plan, stepped: &[u32], bases: &[Basis]) -> Plan {
-    let first = |i: &u32| if is_fast(plan, *i) { plan.basis(*i) } else { bases[*i as usize] };
-    let wanted: Vec<(u32, Basis)> = stepped.iter().map(|i| (*i, first(i))).collect();
-    quartered(&with_steps_of(plan.levers(&wanted), plan), stepped)
+/// The plan of the first run: a quarter of the steps, and poorer bases but for fast contacts. How many oscillators those
+/// have decides what their steps cost, so their bases are told apart by a run of its own.
+fn poorer_and_coarser(plan: &Plan, stepped: &[u32], bases: &[BasisRule]) -> Plan {
+    let first = |i: &u32| if is_fast(plan, *i) { plan.basis_rule(*i) } else { bases[*i as usize] };
+    let wanted: Vec<(u32, BasisRule)> = stepped.iter().map(|i| (*i, first(i))).collect();
+    quartered(&with_steps_of(plan.with_bases(&wanted), plan), stepped)
 }
 
 /// The first plan with the second's steps.
@@ -102,31 +102,31 @@ impl Begun {
         stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
     }
 
-    /// Runs the fast contacts once more, with poorer levers and the same steps: that difference is of levers alone.
-    fn tell_fast_levers(
+    /// Runs the fast contacts once more, with poorer bases and the same steps: that difference is of bases alone.
+    fn tell_fast_bases(
         &mut self,
         plan: &Plan,
         stepped: &[u32],
-        bases: &[Basis],
+        bases: &[BasisRule],
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
         let results = &self.settled.outcome.results;
         let poorer = |i: &u32| {
             let ok = results[*i as usize].status == Status::Ok;
-            ok && is_fast(plan, *i) && bases[*i as usize] != plan.basis(*i)
+            ok && is_fast(plan, *i) && bases[*i as usize] != plan.basis_rule(*i)
         };
         let fast: Vec<u32> = stepped.iter().copied().filter(poorer).collect();
         if fast.is_empty() {
             return Ok(());
         }
-        let wanted: Vec<(u32, Basis)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
-        let few = with_steps_of(self.plan.levers(&wanted), &self.plan).only(&fast);
+        let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
+        let few = with_steps_of(self.plan.with_bases(&wanted), &self.plan).only(&fast);
         let poor = steady::run(&few, &self.settled.found, engine, progress)?;
         for (i, apart) in differences(&self.plan, &fast, &poor.outcome.results, results) {
             // A run that is cut short has not told.
             self.known[i as usize].of_modes =
-                if progress.stopped() { f64::INFINITY } else { left_of_levers(&self.plan, i) * apart };
+                if progress.stopped() { f64::INFINITY } else { left_of_bases(&self.plan, i) * apart };
         }
         Ok(())
     }

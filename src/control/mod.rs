@@ -81,11 +81,11 @@ impl Arithmetic {
 }
 
 /// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
-/// for. Of instances for which that cannot be said even with the most steps and the richest lever tried, the status is accuracy_not_met.
+/// for. Of instances for which that cannot be said even with the most steps and the richest basis tried, the status is accuracy_not_met.
 ///
 /// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
 /// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
-/// runs with poorer and richer levers, and each instance takes the one that serves its neighbours in it; the first of its
+/// runs with poorer and richer bases, and each instance takes the one that serves its neighbours in it; the first of its
 /// two runs is with the next poorer one, so that the difference tells of modes as of steps, and what of it the steps
 /// do not explain goes on with a richer one. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
 /// prescribes its steps, they are kept, and the estimate comes from another run with half of them. Instances that had to run with more steps run once more from a start

@@ -1,4 +1,4 @@
-//! Modes: each instance's lever, by a sample of instances with poorer and richer ones.
+//! Modes: each instance's basis, by a sample of instances with poorer and richer ones.
 
 use super::difference::is_fast;
 use super::sample::{by_stiffness, law_of, laws, spread, stiffness};
@@ -6,28 +6,28 @@ use super::trial::{self, Costs, Trial};
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::{Measured, Observable};
-use crate::plan::{Basis, Plan, RICHEST};
+use crate::plan::{BasisRule, Plan, RICHEST};
 use rayon::prelude::*;
 
 /// The plan with the modes that each instance needs.
 pub(super) struct Choice {
     pub plan: Plan,
-    /// By instance, what the next poorer lever is made by; none where all are in the sample themselves.
-    pub poorer: Option<Vec<Basis>>,
+    /// By instance, what the next poorer basis is made by; none where all are in the sample themselves.
+    pub poorer: Option<Vec<BasisRule>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     /// What the engine had to say of the sample's runs.
     pub notes: Vec<String>,
 }
 
-/// Chooses the lever of each of `stepped`, the plan's instances that need steps.
+/// Chooses the basis of each of `stepped`, the plan's instances that need steps.
 ///
-/// Contacts that are too fast for the modes with the largest shares have a lever of their own from the plan: their first
-/// run has fewer oscillators, and the difference is each instance's own estimate. For the others levers are tried on a
+/// Contacts that are too fast for the modes with the largest shares have a basis of their own from the plan: their first
+/// run has fewer oscillators, and the difference is each instance's own estimate. For the others bases are tried on a
 /// sample.
 ///
 /// The harder a contact presses the lever, the more modes it moves: within a law the instances are put in the order
-/// of their contact's stiffness at the deepest indentation to expect. A lever is good for all instances below the
+/// of their contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the
 /// first member of the sample that it fails.
 pub(super) fn choose(
     plan: &Plan,
@@ -47,26 +47,26 @@ pub(super) fn choose(
         return Ok(as_planned(plan, !fast.is_empty()));
     }
     let trials = trial::run(&part, order.len(), engine, progress)?;
-    let mut levers = Levers::new(plan);
-    fast.iter().for_each(|i| levers.keep(*i));
+    let mut bases = Bases::new(plan);
+    fast.iter().for_each(|i| bases.keep(*i));
     for (law, members) in laws(plan, &order) {
-        levers.choose(members, &OfLaw::new(plan, law, &sample, &trials.all));
+        bases.choose(members, &OfLaw::new(plan, law, &sample, &trials.all));
     }
     // Of the sample itself all is known, but for those whose own difference has to tell.
-    let own = levers.wanted.iter().any(|(_, basis)| basis.poorer().is_some());
-    let poorer = (order.len() > sample.len() || own).then_some(levers.poorer);
-    let left_out = levers.left_out;
-    Ok(Choice { plan: plan.levers(&levers.wanted), poorer, left_out, notes: trials.notes })
+    let own = bases.wanted.iter().any(|(_, basis)| basis.poorer().is_some());
+    let poorer = (order.len() > sample.len() || own).then_some(bases.poorer);
+    let left_out = bases.left_out;
+    Ok(Choice { plan: plan.with_bases(&bases.wanted), poorer, left_out, notes: trials.notes })
 }
 
-/// The levers that the plan has; the first run of fast contacts, if there are any, is with the next poorer ones.
+/// The bases that the plan has; the first run of fast contacts, if there are any, is with the next poorer ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> Choice {
     let count = plan.cases.len();
-    let poorer = some_fast.then(|| (0..count as u32).map(|i| next_poorer(plan.basis(i))).collect());
+    let poorer = some_fast.then(|| (0..count as u32).map(|i| next_poorer(plan.basis_rule(i))).collect());
     Choice { plan: plan.clone(), poorer, left_out: vec![0.0; count], notes: Vec::new() }
 }
 
-fn next_poorer(basis: Basis) -> Basis {
+fn next_poorer(basis: BasisRule) -> BasisRule {
     basis.poorer().unwrap_or(basis)
 }
 
@@ -74,7 +74,7 @@ fn next_poorer(basis: Basis) -> Basis {
 struct OfLaw {
     /// Stiffness of each member of the sample, softest first.
     places: Vec<f64>,
-    /// Of each lever on trial, poorest first.
+    /// Of each basis on trial, poorest first.
     costs: Vec<Costs>,
 }
 
@@ -87,56 +87,56 @@ impl OfLaw {
         }
     }
 
-    /// The poorest lever that serves an instance with so many softer members, and what it costs there.
-    fn lever(&self, place: usize) -> Option<(usize, f64)> {
+    /// The poorest basis that serves an instance with so many softer members, and what it costs there.
+    fn basis(&self, place: usize) -> Option<(usize, f64)> {
         let serves = |n: &usize| *n == 0 || self.costs[n - 1].begins(place);
         let cost = |n: usize| self.costs[n].cost(place).map(|cost| (n, cost));
         (0..self.costs.len()).filter(serves).find_map(cost)
     }
 }
 
-/// Each instance's lever, while they are chosen.
-struct Levers<'a> {
+/// Each instance's basis, while they are chosen.
+struct Bases<'a> {
     plan: &'a Plan,
-    wanted: Vec<(u32, Basis)>,
+    wanted: Vec<(u32, BasisRule)>,
     /// By instance.
-    poorer: Vec<Basis>,
+    poorer: Vec<BasisRule>,
     left_out: Vec<f64>,
 }
 
-impl<'a> Levers<'a> {
+impl<'a> Bases<'a> {
     fn new(plan: &'a Plan) -> Self {
         let count = plan.cases.len();
-        let poorer = vec![Basis::Shares { accuracy: plan.run.accuracy }; count];
+        let poorer = vec![BasisRule::Shares { accuracy: plan.run.accuracy }; count];
         Self { plan, wanted: Vec::new(), poorer, left_out: vec![0.0; count] }
     }
 
-    /// The lever that the plan has for a fast contact.
+    /// The basis that the plan has for a fast contact.
     fn keep(&mut self, i: u32) {
-        let own = self.plan.basis(i);
+        let own = self.plan.basis_rule(i);
         self.put(i, (own, next_poorer(own)), 0.0);
     }
 
-    /// The levers of these instances of one law.
+    /// The bases of these instances of one law.
     fn choose(&mut self, members: &[u32], of_law: &OfLaw) {
         let least = RICHEST * self.plan.run.accuracy;
         for &i in members {
             let here = stiffness(self.plan, i);
             let place = of_law.places.partition_point(|other| *other < here);
-            let shares = |n: usize| Basis::Shares { accuracy: of_law.costs[n].accuracy };
-            if let Some((n, cost)) = of_law.lever(place) {
+            let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
+            if let Some((n, cost)) = of_law.basis(place) {
                 let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));
                 self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
             } else {
-                // No lever of the trial serves: one for the contact itself, which the next poorer one vouches for.
-                let own = self.plan.contact_basis(i).unwrap_or(Basis::Shares { accuracy: least });
+                // No basis of the trial serves: one for the contact itself, which the next poorer one vouches for.
+                let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
                 let cost = if own.poorer().is_some() { 0.0 } else { least };
                 self.put(i, (own, next_poorer(own)), cost);
             }
         }
     }
 
-    fn put(&mut self, i: u32, (own, poorer): (Basis, Basis), cost: f64) {
+    fn put(&mut self, i: u32, (own, poorer): (BasisRule, BasisRule), cost: f64) {
         self.wanted.push((i, own));
         (self.poorer[i as usize], self.left_out[i as usize]) = (poorer, cost);
     }

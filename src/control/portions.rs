@@ -75,7 +75,7 @@ impl Controlled {
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
             self.plan.cases[i].steps = part.plan.cases[n].steps;
-            self.plan.take_lever(*place, &part.plan, n as u32, &mut taken);
+            self.plan.take_basis(*place, &part.plan, n as u32, &mut taken);
             self.left_out[i] = part.left_out[n];
             self.outcome.results[i] = part.outcome.results[n];
             self.estimates[i] = part.estimates[n];

@@ -37,7 +37,7 @@ impl Choice {
     }
 }
 
-/// Whether `plan`, of which `stepped` need steps, is to run in f32. Its sample runs in both with the levers chosen and
+/// Whether `plan`, of which `stepped` need steps, is to run in f32. Its sample runs in both with the bases chosen and
 /// the steps of its first estimate.
 pub(super) fn choose(
     plan: &Plan,
@@ -91,7 +91,7 @@ pub(super) fn choose(
 }
 
 /// Adds to the estimates of a run that was told to be in f32 what rounding costs: a sample runs once more in f64, with the
-/// same levers and steps. An instance that is not in it takes the larger difference of its neighbours there.
+/// same bases and steps. An instance that is not in it takes the larger difference of its neighbours there.
 pub(super) fn add_rounding(
     run: &mut Controlled,
     stepped: &[u32],

@@ -21,7 +21,7 @@ pub(super) fn run(
 ) -> Result<Controlled, EngineError> {
     let settled = steady::run(&plan, &[], engine, progress)?;
     if plan.run.modes.is_none() {
-        // Modes that are too fast for these steps: no lever on trial had them.
+        // Modes that are too fast for these steps: no basis on trial had them.
         for &i in stepped {
             let (kept, measured) = (&plan.driven(i).kept, &settled.outcome.results[i as usize].measured);
             let cut = gives_way(&plan, i as usize, measured, kept.residual_share.abs() * kept.flexibility);

@@ -1,7 +1,7 @@
 //! Refinement: each instance runs again as long as its estimate asks for it.
 
 use super::decide::{Known, Next, Refinement, next};
-use super::difference::{differences, is_fast, left_of_levers};
+use super::difference::{differences, is_fast, left_of_bases};
 use super::first::{self, Begun, First};
 use super::{Controlled, Members, modes, precision, prescribed, sensitive};
 use crate::engine::{Engine, EngineError, Finished, Progress};
@@ -27,7 +27,7 @@ pub(super) fn run(
     let begun = first::run(&plan, members, first, engine, progress)?;
     let mut refining = Refining::new(begun, chosen, engine, progress);
     let mut doubted = Vec::new();
-    for round in 0..plan.policy.doublings + plan.policy.richer_levers {
+    for round in 0..plan.policy.doublings + plan.policy.richer_bases {
         let groups = refining.groups(members.stepped);
         if round == 0 {
             doubted = groups.all();
@@ -95,7 +95,7 @@ impl<'a> Refining<'a> {
                 Next::Accept => {}
                 Next::Double => groups.double.push(i),
                 Next::MoreSteps => groups.more_steps.push(i),
-                Next::RicherLever => wants_richer.push(i),
+                Next::RicherBasis => wants_richer.push(i),
             }
         }
         let (richer, richest) = self.now.plan.can_be_richer(wants_richer);
@@ -133,8 +133,8 @@ impl<'a> Refining<'a> {
         self.again(&groups.double, Next::Double, Precision::F64)?;
         self.again(&single, Next::MoreSteps, Precision::F32)?;
         self.again(&double, Next::MoreSteps, Precision::F64)?;
-        self.again(&single_richer, Next::RicherLever, Precision::F32)?;
-        self.again(&double_richer, Next::RicherLever, Precision::F64)
+        self.again(&single_richer, Next::RicherBasis, Precision::F32)?;
+        self.again(&double_richer, Next::RicherBasis, Precision::F64)
     }
 
     /// Runs these instances again and takes in what came of it.
@@ -144,7 +144,7 @@ impl<'a> Refining<'a> {
         }
         let mut other = match what {
             Next::MoreSteps => self.now.plan.stepped(instances, |case| 2 * case.steps),
-            Next::RicherLever => self.now.plan.enriched(instances),
+            Next::RicherBasis => self.now.plan.with_richer_bases(instances),
             Next::Double | Next::Accept => self.now.plan.only(instances),
         };
         other.precision = precision;
@@ -172,7 +172,7 @@ impl<'a> Refining<'a> {
             let now = &mut self.now;
             now.outcome.results[n] = outcome.results[n];
             now.plan.cases[n].steps = other.cases[n].steps;
-            now.plan.take_lever(i, other, i, &mut taken);
+            now.plan.take_basis(i, other, i, &mut taken);
             now.periods[n] = periods[n];
             now.arithmetic.of[n] = other.precision;
             if let (Some(place), Some(new)) = (now.found.get_mut(n), found.get_mut(n)) {
@@ -189,14 +189,14 @@ impl<'a> Refining<'a> {
         match what {
             Next::MoreSteps => {
                 if let Some(first) = known.untold.take() {
-                    let of_levers = left_of_levers(other, i) * (first - policy.steepest * apart);
-                    known.of_modes = known.of_modes.max(of_levers);
+                    let of_bases = left_of_bases(other, i) * (first - policy.steepest * apart);
+                    known.of_modes = known.of_modes.max(of_bases);
                 }
                 known.of_steps = policy.left_of_steps * apart;
             }
-            Next::RicherLever => {
+            Next::RicherBasis => {
                 let unbent = modes::unbent(other, i, &result.measured);
-                known.of_modes = left_of_levers(other, i) * apart + unbent;
+                known.of_modes = left_of_bases(other, i) * apart + unbent;
             }
             Next::Double => {
                 // The same steps in another precision teach nothing of the steps: that is still to come.
@@ -260,12 +260,12 @@ mod tests {
     use super::*;
     use crate::control::difference::difference;
     use crate::engine::Cpu;
-    use crate::plan::Basis;
+    use crate::plan::BasisRule;
     use crate::scene::Scene;
     use std::path::Path;
 
-    /// Levers that a sample vouches for and that leave out what a stiff sample moves: one mode, then two oscillators.
-    /// Truth is a far richer lever with far more steps.
+    /// Bases that a sample vouches for and that leave out what a stiff sample moves: one mode, then two oscillators.
+    /// Truth is a far richer basis with far more steps.
     #[test]
     fn a_lever_that_is_too_poor_for_one_instance_is_seen_by_its_own_difference() {
         let text = include_str!("../../tests/hard/sample_1_tpa.toml");
@@ -275,14 +275,14 @@ mod tests {
         let chosen = precision::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
         let rich = whole.richer(&[0], 1e-2 * scene.run.accuracy).stepped(&[0], |case| 4 * case.steps);
         let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
-        let with = |accuracy| whole.levers(&[(0, Basis::Shares { accuracy })]);
+        let with = |accuracy| whole.with_bases(&[(0, BasisRule::Shares { accuracy })]);
         let run = |poorer| {
             let first = First { poorer, left_out: vec![0.0], chosen: &chosen };
             run(with(0.1), Members { all: &[0], stepped: &[0] }, first, &engine, &progress).expect("it runs")
         };
         let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);
         let modes = |of: &Controlled| of.plan.drives[of.plan.cases[0].drive as usize].kept.modes.len();
-        let (alike, apart) = (run(None), run(Some(vec![Basis::Shares { accuracy: 0.3 }])));
+        let (alike, apart) = (run(None), run(Some(vec![BasisRule::Shares { accuracy: 0.3 }])));
         let asked = scene.run.accuracy;
         // By steps alone nothing is seen of it.
         assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));

@@ -11,7 +11,7 @@ pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     spread(plan, &by_stiffness(plan, stepped))
 }
 
-/// Evenly spread over instances in their order, and ever closer towards the stiffest of each law: those are what a lever
+/// Evenly spread over instances in their order, and ever closer towards the stiffest of each law: those are what a basis
 /// fails, and all that stand beyond the last member that it serves pay for a richer one.
 pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
     let every = order.len().div_ceil(plan.policy.sample).max(1);

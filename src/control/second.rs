@@ -1,4 +1,4 @@
-//! How well second states are known: with half of the steps, with a richer lever, and finer where that is too little.
+//! How well second states are known: with half of the steps, with a richer basis, and finer where that is too little.
 
 use super::Controlled;
 use super::branches::{Other, Second};
@@ -10,8 +10,8 @@ use crate::steady::{self, PeriodicState};
 use std::collections::HashMap;
 
 /// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
-/// with the next richer lever, both searched for from where it is. What stays above the aim has its steps doubled, as the
-/// first states have. A state that another number of steps or another lever does not have has an infinite estimate.
+/// with the next richer basis, both searched for from where it is. What stays above the aim has its steps doubled, as the
+/// first states have. A state that another number of steps or another basis does not have has an infinite estimate.
 ///
 /// Nothing is estimated of instances whose first states have no estimate.
 pub(super) fn estimated(
@@ -75,13 +75,13 @@ impl Sight {
             self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
         }
         let (poor, _) = self.plan.can_be_richer(known.to_vec());
-        let rich = self.plan.enriched(&poor);
+        let rich = self.plan.with_richer_bases(&poor);
         let mut taken = HashMap::new();
         for (n, found) in self.again(&rich, &poor, engine, progress)? {
             self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| left * apart);
             if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
                 self.put(n, finished, *place, &rich);
-                self.plan.take_lever(n as u32, &rich, n as u32, &mut taken);
+                self.plan.take_basis(n as u32, &rich, n as u32, &mut taken);
             }
         }
         for _ in 0..self.plan.policy.doublings {

@@ -1,4 +1,4 @@
-//! Levers on trial: what each costs a sample of the instances.
+//! Bases on trial: what each costs a sample of the instances.
 
 use super::difference::difference;
 use crate::engine::{Engine, EngineError, Finished, Progress};
@@ -6,13 +6,13 @@ use crate::observe::Status;
 use crate::plan::{KeptMode, Plan, Precision, RICHEST};
 use crate::steady;
 
-/// One lever on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
+/// One basis on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
 pub(super) struct Trial {
     pub accuracy: f64,
     pub differences: Vec<f64>,
 }
 
-/// A sample's trials, from the poorest lever to the first that serves all of it.
+/// A sample's trials, from the poorest basis to the first that serves all of it.
 #[derive(Default)]
 pub(super) struct Trials {
     pub all: Vec<Trial>,
@@ -20,23 +20,23 @@ pub(super) struct Trials {
     pub notes: Vec<String>,
 }
 
-/// The modes of each lever of the plan.
+/// The modes of each basis of the plan.
 fn modes(plan: &Plan) -> Vec<Vec<KeptMode>> {
     plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect()
 }
 
-/// Whether no lever of this sample could be any richer.
+/// Whether no basis of this sample could be any richer.
 pub(super) fn is_richest(sample: &Plan) -> bool {
     modes(sample) == modes(&sample.richer(&[], RICHEST * sample.run.accuracy))
 }
 
-/// What a lever for `accuracy` may cost the sample.
+/// What a basis for `accuracy` may cost the sample.
 fn bound(accuracy: f64, plan: &Plan) -> f64 {
     let (asked, policy) = (plan.run.accuracy, &plan.policy);
-    asked * if accuracy > asked { policy.poorer_lever_share } else { policy.lever_share }
+    asked * if accuracy > asked { policy.poorer_basis_share } else { policy.basis_share }
 }
 
-/// Tries levers on the plan `sample`, which stands for `count` instances: from poor to rich, each held against the richest
+/// Tries bases on the plan `sample`, which stands for `count` instances: from poor to rich, each held against the richest
 /// there is. The poorest pay where there are many more instances than the sample has.
 pub(super) fn run(
     sample: &Plan,
@@ -46,7 +46,7 @@ pub(super) fn run(
 ) -> Result<Trials, EngineError> {
     let policy = &sample.policy;
     let members: Vec<u32> = (0..sample.cases.len() as u32).collect();
-    // What the levers cost is not to be mistaken for rounding.
+    // What the bases cost is not to be mistaken for rounding.
     let open = sample.precision_settled().is_none() && engine.double();
     let precision = if open { Precision::F64 } else { sample.precision };
     let mut trials = Trials::default();
@@ -62,16 +62,16 @@ pub(super) fn run(
     let poorer: &[f64] = if count > policy.many { &policy.poorer } else { &[] };
     for factor in poorer.iter().chain(&policy.richer) {
         let accuracy = (factor * sample.run.accuracy).min(policy.poorest);
-        let lever = modes(&sample.richer(&[], accuracy));
-        if tried.contains(&lever) {
+        let basis = modes(&sample.richer(&[], accuracy));
+        if tried.contains(&basis) {
             continue;
         }
-        tried.push(lever);
+        tried.push(basis);
         let results = run(accuracy)?;
         let apart = |i: &u32| apart(sample, *i, &results, &truths);
         let trial = Trial { accuracy, differences: members.iter().map(apart).collect() };
         let below = |trial: &Trial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
-        let first = policy.first_lever_share * sample.run.accuracy;
+        let first = policy.first_basis_share * sample.run.accuracy;
         let before = trials.all.last().is_none_or(|before| below(before, first));
         let enough = before && below(&trial, bound(accuracy, sample));
         trials.all.push(trial);
@@ -89,7 +89,7 @@ fn apart(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 
     if ok { difference(plan, i as usize, a, b) } else { 0.0 }
 }
 
-/// What a lever costs the members of the sample under one law, softest contact first.
+/// What a basis costs the members of the sample under one law, softest contact first.
 pub(super) struct Costs {
     pub accuracy: f64,
     differences: Vec<f64>,
@@ -107,7 +107,7 @@ impl Costs {
         let within =
             |bound: f64| differences.iter().position(|one| *one > bound).unwrap_or(differences.len());
         let good = within(bound(trial.accuracy, plan));
-        let good_first = within(plan.policy.first_lever_share * plan.run.accuracy);
+        let good_first = within(plan.policy.first_basis_share * plan.run.accuracy);
         let neighbours = plan.policy.neighbours;
         Self { accuracy: trial.accuracy, differences, good, good_first, neighbours }
     }

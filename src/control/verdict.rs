@@ -111,7 +111,7 @@ pub fn basis(plan: &Plan, estimated: bool, exact: bool) -> String {
     let steps = match plan.run.steps_per_period {
         Some(_) => "by a second run with half, or twice, the steps that the scene prescribes",
         None => {
-            "by two runs with different numbers of steps, the first with a poorer lever where one was tried"
+            "by two runs with different numbers of steps, the first with a poorer basis where one was tried"
         }
     };
     let modes = match plan.run.modes {

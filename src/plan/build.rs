@@ -1,6 +1,6 @@
 //! From a scene to its plan.
 
-use super::{CasePlan, Class, Driven, KeptModes, Plan, Policy, Precision, steps};
+use super::{CasePlan, Class, Driven, Plan, Policy, Precision, ReducedBasis, steps};
 use crate::contact::{Contact, Law};
 use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::{Wants, wants};
@@ -58,7 +58,7 @@ impl Plan {
     }
 }
 
-/// Gives instances whose contacts are too fast for the modes with the largest shares a lever that is made for them.
+/// Gives instances whose contacts are too fast for the modes with the largest shares a basis that is made for them.
 fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) {
     let rungs: Vec<(u32, u32)> = drive_of
         .par_iter()
@@ -72,7 +72,7 @@ fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) 
     distinct.par_sort_unstable();
     distinct.dedup();
     let run = &scene.run;
-    let levers: Vec<Option<Arc<KeptModes>>> = distinct
+    let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
         .map(|(drive, rung)| {
             let driven = &drives[*drive as usize];
@@ -80,7 +80,7 @@ fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) 
         })
         .collect();
     let mut made: HashMap<(u32, u32), u32> = HashMap::new();
-    for (key, kept) in distinct.into_iter().zip(levers) {
+    for (key, kept) in distinct.into_iter().zip(bases) {
         if let Some(kept) = kept {
             made.insert(key, drives.len() as u32);
             drives.push(Driven { kept, ..drives[key.0 as usize].clone() });
@@ -93,9 +93,9 @@ fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) 
 }
 
 /// The modes with the largest shares that `accuracy` asks for.
-pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> KeptModes {
+pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> ReducedBasis {
     let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
-    KeptModes::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most)
+    ReducedBasis::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most)
 }
 
 /// Most steps per period that a mode kept may need.
@@ -189,7 +189,7 @@ fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result
     };
     let free = instrument.free_motion(params.drive.level, frequency)?;
     let steps_max = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
-    let kept = KeptModes::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
+    let kept = ReducedBasis::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
     Ok(Driven { instrument: Arc::clone(instrument), free, kept: Arc::new(kept) })
 }
 

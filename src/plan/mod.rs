@@ -14,7 +14,7 @@ mod variants;
 
 pub use build::PlanError;
 pub use compliance::{compliance, reduced};
-pub use modes::{Basis, KeptMode, KeptModes};
+pub use modes::{BasisRule, KeptMode, ReducedBasis};
 pub use policy::Policy;
 pub use precision::Precision;
 pub(crate) use rate::RICHEST;
@@ -82,7 +82,7 @@ pub struct Driven {
     /// Motion without a sample.
     pub free: FreeMotion,
     /// The modes that carry the contact force's effect on the tip.
-    pub kept: Arc<KeptModes>,
+    pub kept: Arc<ReducedBasis>,
 }
 
 impl Driven {

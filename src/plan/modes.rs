@@ -32,9 +32,9 @@ pub struct KeptMode {
     pub top: f64,
 }
 
-/// By what oscillators are chosen.
+/// The rule by which the oscillators of a reduced basis are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Basis {
+pub enum BasisRule {
     /// Modes in the order of their share of the tip's flexibility until what is left serves this accuracy, and one
     /// residual oscillator.
     Shares { accuracy: f64 },
@@ -50,7 +50,7 @@ pub(super) const COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
 const BEYOND: f64 = 4.0;
 
 /// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate; beyond that rate the bound
-/// is wider, see [`KeptModes::wrong`]. Below the accuracy `COARSE` the share falls with the accuracy's square root: without
+/// is wider, see [`ReducedBasis::wrong`]. Below the accuracy `COARSE` the share falls with the accuracy's square root: without
 /// that one in a hundred of 450 random levers on Hertzian samples, asked for 1e-4, had a largest force that was 1e-4 to 3e-4 off.
 const WRONG: f64 = 0.75;
 const COARSE: f64 = 1e-3;
@@ -64,8 +64,8 @@ const GROWS: f64 = 0.12;
 /// Modes that are faster than the contact by more are not kept as they are.
 const FASTEST: f64 = 64.0;
 
-impl Basis {
-    /// To look up levers that were made before.
+impl BasisRule {
+    /// To look up bases that were made before.
     pub fn key(&self) -> [u64; 2] {
         match self {
             Self::Shares { accuracy } => [accuracy.to_bits(), 0],
@@ -88,9 +88,9 @@ impl Basis {
     }
 }
 
-/// The reduced instrument, largest share of the flexibility first.
+/// The oscillators that stand for an instrument under a force on its tip, largest share of the flexibility first.
 #[derive(Clone, Debug, PartialEq)]
-pub struct KeptModes {
+pub struct ReducedBasis {
     pub modes: Vec<KeptMode>,
     /// The tip's static flexibility, all modes, m/N.
     pub flexibility: f64,
@@ -98,8 +98,8 @@ pub struct KeptModes {
     pub residual_share: f64,
     /// Whether the faster modes are kept as one residual oscillator.
     pub residual_kept: bool,
-    /// What asked for them.
-    pub basis: Basis,
+    /// The rule that asked for them.
+    pub rule: BasisRule,
     /// What decided.
     pub reason: String,
 }
@@ -107,7 +107,7 @@ pub struct KeptModes {
 /// Largest phase, rad, that a kept oscillator may turn through in one step.
 pub(super) const ANGLE_MAX: f64 = 1.2;
 
-impl KeptModes {
+impl ReducedBasis {
     /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
     /// is left out is below three times `accuracy`, the rest as a residual oscillator where it is
     /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period.
@@ -157,8 +157,8 @@ impl KeptModes {
                 top: mode.top / mode.tip,
             });
         }
-        let basis = Basis::Shares { accuracy };
-        let mut kept = Self { modes, flexibility, residual_share: left, residual_kept: false, basis, reason };
+        let rule = BasisRule::Shares { accuracy };
+        let mut kept = Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason };
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
         } else {
@@ -219,8 +219,8 @@ impl KeptModes {
                 rate / std::f64::consts::TAU / 1e6
             ),
         };
-        let basis = Basis::Contact { rate, count };
-        Some(Self { modes, flexibility, residual_share: left, residual_kept: false, basis, reason })
+        let rule = BasisRule::Contact { rate, count };
+        Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
     }
 
     /// How many oscillators an accuracy takes where contacts have the rate `rate` (rad/s): the rule to begin with.

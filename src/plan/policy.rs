@@ -26,8 +26,8 @@ macro_rules! policy {
 policy! {
     /// How often an instance runs again with twice as many steps.
     doublings: u32 = 4,
-    /// Runs of an instance beyond the doublings, which may all have gone into steps, to try richer levers.
-    richer_levers: u32 = 2,
+    /// Runs of an instance beyond the doublings, which may all have gone into steps, to try richer bases.
+    richer_bases: u32 = 2,
     /// Fewest steps per period of any run.
     fewest_steps: u32 = 16,
     /// Share of the accuracy that an estimate may have before an instance runs again. The rest is left to what no
@@ -38,15 +38,15 @@ policy! {
     left_of_steps: f64 = 0.25,
     /// The same of two numbers of oscillators for a fast contact, whose error falls by 2 to 8 times from one to the next.
     left_of_fast: f64 = 0.5,
-    /// The same of two levers for slow contacts where corners of the force move all modes: under JKR, whose force jumps,
+    /// The same of two bases for slow contacts where corners of the force move all modes: under JKR, whose force jumps,
     /// and under any law below the accuracy `corners_below`.
     left_of_corners: f64 = 0.75,
     /// The same of two numbers of oscillators for such fast contacts.
     left_of_fast_corners: f64 = 1.5,
     /// Below this accuracy the corners of every law count.
     corners_below: f64 = 1e-3,
-    /// With twice the steps errors fall by no more than so many times. What of a first difference, of steps and levers
-    /// together, is more than so many times the second, which is of steps alone, is the lever's.
+    /// With twice the steps errors fall by no more than so many times. What of a first difference, of steps and bases
+    /// together, is more than so many times the second, which is of steps alone, is the basis's.
     steepest: f64 = 16.0,
     /// A finer run of a fast contact, from the second on, that brings the estimate down by less is the last.
     least_gain: f64 = 1.25,
@@ -54,24 +54,24 @@ policy! {
     /// `aim`, because some more could still have been added to it.
     certain: f64 = 0.5,
 
-    /// Members of the sample that levers are tried on.
+    /// Members of the sample that bases are tried on.
     sample: usize = 64,
-    /// From so many instances on the poorest levers are tried too.
+    /// From so many instances on the poorest bases are tried too.
     many: usize = 256,
-    /// The poorer levers on trial, by the accuracy whose modes they carry over the one asked for.
+    /// The poorer bases on trial, by the accuracy whose modes they carry over the one asked for.
     poorer: [f64; 3] = [1000.0, 100.0, 10.0],
     /// The richer ones.
     richer: [f64; 3] = [1.0, 0.5, 0.25],
-    /// No lever is made for an accuracy worse than this: it would have no mode.
+    /// No basis is made for an accuracy worse than this: it would have no mode.
     poorest: f64 = 0.3,
-    /// Share of the accuracy that what a lever leaves out may cost the sample. The rarest instance costs several times
+    /// Share of the accuracy that what a basis leaves out may cost the sample. The rarest instance costs several times
     /// its neighbours in it, where a contact lasts as long as a mode left out takes to swing.
-    lever_share: f64 = 0.2,
-    /// The same for the poorer levers, which leave out more.
-    poorer_lever_share: f64 = 0.1,
-    /// The same for the lever of the first run, the next poorer one. Its difference to the second run is each instance's
+    basis_share: f64 = 0.2,
+    /// The same for the poorer bases, which leave out more.
+    poorer_basis_share: f64 = 0.1,
+    /// The same for the basis of the first run, the next poorer one. Its difference to the second run is each instance's
     /// own estimate, and little of it is left in the second.
-    first_lever_share: f64 = 1.5,
+    first_basis_share: f64 = 1.5,
     /// Members of the sample on either side of an instance whose largest difference stands for its own.
     neighbours: usize = 2,
 

@@ -2,7 +2,7 @@
 
 use super::compliance::compliance;
 use super::modes::COUNTS;
-use super::{Basis, Driven, KeptModes};
+use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::{Contact, Law};
 use crate::instrument::Instrument;
 use std::f64::consts::PI;
@@ -52,7 +52,7 @@ pub(super) fn contact_rate(
 
 impl Driven {
     /// The rung of an instance's contact rate: it is at most 2 to this power times the drive's angular frequency. So
-    /// neighbours have the same lever.
+    /// neighbours have the same basis.
     pub(super) fn rung(&self, contact: &Contact, gap: f64) -> u32 {
         (self.contact_rate(contact, gap) / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
     }
@@ -68,34 +68,34 @@ impl Driven {
         self.free.omega * f64::from(rung).exp2()
     }
 
-    /// The lever for contacts of that rung, where the modes with the largest shares do not do: these may be as many as
+    /// The basis for contacts of that rung, where the modes with the largest shares do not do: these may be as many as
     /// `shares` makes for [`RICHEST`] of the accuracy.
     pub(super) fn for_rung(
         &self,
         rung: u32,
         accuracy: f64,
-        shares: impl FnOnce(f64) -> KeptModes,
-    ) -> Option<Arc<KeptModes>> {
+        shares: impl FnOnce(f64) -> ReducedBasis,
+    ) -> Option<Arc<ReducedBasis>> {
         let (instrument, rate) = (&self.instrument, self.rate(rung));
-        let serves = |kept: &KeptModes| kept.serves(instrument, self.free.omega, rate, accuracy);
+        let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, accuracy);
         if rung == 0 || serves(&self.kept) || serves(&shares(RICHEST * accuracy)) {
             return None;
         }
-        let count = KeptModes::oscillators(instrument, self.free.omega, rate, accuracy);
+        let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
         self.for_contacts(rung, |kept| kept.modes.len() >= count)
     }
 
-    /// The least of the levers for contacts of that rung that is `good`, or the one with the most oscillators; none
+    /// The least of the bases for contacts of that rung that is `good`, or the one with the most oscillators; none
     /// where a mode answers against the force.
     pub(super) fn for_contacts(
         &self,
         rung: u32,
-        good: impl Fn(&KeptModes) -> bool,
-    ) -> Option<Arc<KeptModes>> {
+        good: impl Fn(&ReducedBasis) -> bool,
+    ) -> Option<Arc<ReducedBasis>> {
         let mut richest = None;
         // The first is for what is held against the next.
         for count in COUNTS.into_iter().skip(1) {
-            let kept = KeptModes::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
+            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
             let enough = kept.as_ref().is_some_and(&good);
             richest = kept.or(richest);
             if enough {
@@ -105,13 +105,17 @@ impl Driven {
         richest.map(Arc::new)
     }
 
-    /// The lever of that basis; where it cannot be made this one's own.
-    pub(super) fn lever(&self, basis: Basis, shares: impl FnOnce(f64) -> KeptModes) -> Arc<KeptModes> {
-        match basis {
-            _ if basis == self.kept.basis => Arc::clone(&self.kept),
-            Basis::Shares { accuracy } => Arc::new(shares(accuracy)),
-            Basis::Contact { rate, count } => {
-                KeptModes::for_contact(&self.instrument, self.free.omega, rate, count)
+    /// The basis that the rule asks for; this one's own where it cannot be made.
+    pub(super) fn reduced_by(
+        &self,
+        rule: BasisRule,
+        shares: impl FnOnce(f64) -> ReducedBasis,
+    ) -> Arc<ReducedBasis> {
+        match rule {
+            _ if rule == self.kept.rule => Arc::clone(&self.kept),
+            BasisRule::Shares { accuracy } => Arc::new(shares(accuracy)),
+            BasisRule::Contact { rate, count } => {
+                ReducedBasis::for_contact(&self.instrument, self.free.omega, rate, count)
                     .map_or_else(|| Arc::clone(&self.kept), Arc::new)
             }
         }

@@ -1,7 +1,7 @@
 //! Steps per drive period.
 
 use super::modes::ANGLE_MAX;
-use super::{Basis, Driven, KeptModes};
+use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::{Contact, Law};
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ const ATTRACTION: f64 = 1.0;
 /// at the deepest indentation to expect.
 pub fn steps(
     contact: &Contact,
-    kept: &KeptModes,
+    kept: &ReducedBasis,
     omega: f64,
     amplitude: f64,
     gap: f64,
@@ -53,10 +53,10 @@ pub fn steps(
 }
 
 /// Steps that the fastest kept oscillator needs. Those made for a fast contact move with it: twice as many.
-fn fast(kept: &KeptModes, omega: f64) -> f64 {
-    let finer = match kept.basis {
-        Basis::Shares { .. } => 1.0,
-        Basis::Contact { .. } => 2.0,
+fn fast(kept: &ReducedBasis, omega: f64) -> f64 {
+    let finer = match kept.rule {
+        BasisRule::Shares { .. } => 1.0,
+        BasisRule::Contact { .. } => 2.0,
     };
     finer * TAU * kept.fastest() / (omega * ANGLE_MAX)
 }

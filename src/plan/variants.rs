@@ -1,7 +1,7 @@
-//! Other plans for the same scene: some instances, other steps, other levers.
+//! Other plans for the same scene: some instances, other steps, other bases.
 
 use super::build::{classify, shares};
-use super::{Basis, CasePlan, Driven, KeptModes, Plan, steps};
+use super::{BasisRule, CasePlan, Driven, Plan, ReducedBasis, steps};
 use crate::observe::wants;
 use crate::scene::Run;
 use std::collections::HashMap;
@@ -71,13 +71,13 @@ impl Plan {
     }
 
     /// The same plan for these instances alone, with the modes that `accuracy` would ask for by their shares, and as
-    /// many more steps as they need. Levers that are made for their contacts stay.
+    /// many more steps as they need. Bases that are made for their contacts stay.
     pub fn richer(&self, instances: &[u32], accuracy: f64) -> Self {
         let mut plan = self.clone();
         let run = &self.run;
         for driven in &mut plan.drives {
-            if let Basis::Shares { .. } = driven.kept.basis {
-                driven.kept = lever(driven, Basis::Shares { accuracy }, run);
+            if let BasisRule::Shares { .. } = driven.kept.rule {
+                driven.kept = reduced_by(driven, BasisRule::Shares { accuracy }, run);
             }
         }
         let fewest = |case: &CasePlan| steps::fewest(&plan.drives[case.drive as usize]);
@@ -87,21 +87,21 @@ impl Plan {
         })
     }
 
-    /// The same plan for these instances alone, each with the lever of its own basis: as many more steps as richer modes
+    /// The same plan for these instances alone, each with the basis that its own rule asks for: as many more steps as richer modes
     /// need, as many fewer as the rule gives for the modes of a poorer accuracy.
-    pub fn levers(&self, wanted: &[(u32, Basis)]) -> Self {
+    pub fn with_bases(&self, wanted: &[(u32, BasisRule)]) -> Self {
         let run = &self.run;
         let mut made: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
         // By drive of this plan, those of the new one.
         let mut variants: HashMap<u32, Vec<u32>> = HashMap::new();
         let mut plan = Self { drives: Vec::new(), ..self.clone() };
-        let mut drive_of = |drive: u32, basis: Option<Basis>, drives: &mut Vec<Driven>| {
+        let mut drive_of = |drive: u32, basis: Option<BasisRule>, drives: &mut Vec<Driven>| {
             *made.entry((drive, basis.map_or([u64::MAX; 2], |basis| basis.key()))).or_insert_with(|| {
                 let mut driven = self.drives[drive as usize].clone();
                 if let Some(basis) = basis {
-                    driven.kept = lever(&driven, basis, run);
+                    driven.kept = reduced_by(&driven, basis, run);
                 }
-                // The same lever by another accuracy.
+                // The same basis by another accuracy.
                 let known = variants.entry(drive).or_default();
                 let same = |n: &&u32| drives[**n as usize].kept.modes == driven.kept.modes;
                 if let Some(found) = known.iter().find(same) {
@@ -113,7 +113,7 @@ impl Plan {
             })
         };
         // Neighbours mostly want the same.
-        let mut last = ((u32::MAX, Basis::Shares { accuracy: f64::NAN }), 0);
+        let mut last = ((u32::MAX, BasisRule::Shares { accuracy: f64::NAN }), 0);
         for &(i, basis) in wanted {
             let case = &mut plan.cases[i as usize];
             if last.0 != (case.drive, basis) {
@@ -123,7 +123,7 @@ impl Plan {
             let driven = &plan.drives[case.drive as usize];
             if run.steps_per_period.is_none() && case.steps > 0 {
                 case.steps = match basis {
-                    Basis::Shares { accuracy } if accuracy > run.accuracy => {
+                    BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
                         case.steps.min(steps_of(case, driven, run))
                     }
                     _ => case.steps.max(steps::fewest(driven)),
@@ -139,7 +139,7 @@ impl Plan {
         plan
     }
 
-    /// These instances, first those that can have a richer lever, then the others.
+    /// These instances, first those that can have a richer basis, then the others.
     pub fn can_be_richer(&self, instances: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
         let mut known: HashMap<(u32, u32), bool> = HashMap::new();
         instances.into_iter().partition(|i| {
@@ -149,9 +149,9 @@ impl Plan {
         })
     }
 
-    /// The same plan for these instances alone, with the least of the levers that are richer than their own and as many
+    /// The same plan for these instances alone, with the least of the bases that are richer than their own and as many
     /// more steps as half of what that needs on the safe side. This plan's drives keep their places.
-    pub fn enriched(&self, instances: &[u32]) -> Self {
+    pub fn with_richer_bases(&self, instances: &[u32]) -> Self {
         let mut plan = self.clone();
         let mut made: HashMap<(u32, u32), u32> = HashMap::new();
         for &i in instances {
@@ -171,22 +171,22 @@ impl Plan {
         plan
     }
 
-    /// What an instance's lever is made by.
-    pub fn basis(&self, instance: u32) -> Basis {
-        self.driven(instance).kept.basis
+    /// The rule by which an instance's basis was chosen.
+    pub fn basis_rule(&self, instance: u32) -> BasisRule {
+        self.driven(instance).kept.rule
     }
 
     /// The basis for the contacts of an instance that the modes with the largest shares do not serve, and the next
     /// poorer one; none where there is none.
-    pub fn contact_basis(&self, instance: u32) -> Option<Basis> {
+    pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (&self.cases[instance as usize], self.driven(instance));
         let rung = driven.rung(&case.contact, case.gap);
-        Some(richer_than(driven, rung, driven.kept.modes.len())?.basis)
+        Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
     }
 
-    /// Takes an instance's lever from another plan of the same scene, where it is number `there`; `taken` knows by that
+    /// Takes an instance's basis from another plan of the same scene, where it is number `there`; `taken` knows by that
     /// plan's drives those of this one.
-    pub fn take_lever(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
+    pub fn take_basis(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
         let drive = other.cases[there as usize].drive;
         let driven = &other.drives[drive as usize];
         let mine = &self.drives[self.cases[i as usize].drive as usize];
@@ -200,41 +200,42 @@ impl Plan {
     }
 }
 
-/// Richer levers are looked for at so many times finer accuracies, one after the other.
+/// Richer bases are looked for at so many times finer accuracies, one after the other.
 const FINER: f64 = 0.25;
 const NOTCHES: usize = 8;
 
-/// The least of the levers that are richer than this one, for contacts of this rung; none where it is the richest that
+/// The least of the bases that are richer than this one, for contacts of this rung; none where it is the richest that
 /// can be stepped, or is prescribed.
-fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<KeptModes>> {
+fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<ReducedBasis>> {
     if run.modes.is_some() {
         return None;
     }
-    match driven.kept.basis {
-        Basis::Contact { .. } => {
-            let richer = lever(driven, driven.kept.basis.richer()?, run);
+    match driven.kept.rule {
+        BasisRule::Contact { .. } => {
+            let richer = reduced_by(driven, driven.kept.rule.richer()?, run);
             (richer.modes != driven.kept.modes).then_some(richer)
         }
-        Basis::Shares { accuracy } => {
+        BasisRule::Shares { accuracy } => {
             let accuracies = (1..=NOTCHES as i32).map(|n| accuracy * FINER.powi(n));
-            let mut levers = accuracies.map(|accuracy| lever(driven, Basis::Shares { accuracy }, run));
-            let found = levers.find(|lever| lever.modes != driven.kept.modes);
+            let mut bases =
+                accuracies.map(|accuracy| reduced_by(driven, BasisRule::Shares { accuracy }, run));
+            let found = bases.find(|basis| basis.modes != driven.kept.modes);
             found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
         }
     }
 }
 
-/// The least of the levers for contacts of this rung that has more than so many oscillators.
-fn richer_than(driven: &Driven, rung: u32, modes: usize) -> Option<Arc<KeptModes>> {
+/// The least of the bases for contacts of this rung that has more than so many oscillators.
+fn richer_than(driven: &Driven, rung: u32, modes: usize) -> Option<Arc<ReducedBasis>> {
     driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
 }
 
-/// The lever of that basis.
-fn lever(driven: &Driven, basis: Basis, run: &Run) -> Arc<KeptModes> {
-    driven.lever(basis, |accuracy| shares(driven, accuracy, run))
+/// The basis that the rule asks for.
+fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
+    driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
 }
 
-/// The rule's steps for a case and its lever.
+/// The rule's steps for a case and its basis.
 fn steps_of(case: &CasePlan, driven: &Driven, run: &Run) -> u32 {
     let (omega, amplitude) = (driven.free.omega, driven.free.tip.norm());
     steps::steps(&case.contact, &driven.kept, omega, amplitude, case.gap, run.accuracy)

@@ -122,7 +122,7 @@ where
     // A slope has a row and a column for each number of a state, of which many may be at rest.
     let (modes, others) = (D::DIM / 2, place.slope.len().isqrt() / 2);
     let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
-    // The residual oscillator of a poorer lever swings as the mode that a richer one has in its place.
+    // The residual oscillator of a poorer basis swings as the mode that a richer one has in its place.
     let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);
     let known: Vec<Option<usize>> = own.iter().map(|mode| same(mode.omega)).collect();
     let mut slope = match known.iter().all(Option::is_some) {

@@ -10,7 +10,7 @@ pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
 use crate::periodic::Spectrum;
-use crate::plan::{KeptModes, Plan, Precision, Station};
+use crate::plan::{Plan, Precision, ReducedBasis, Station};
 use crate::scene::Steady;
 use search::Begin;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub struct PeriodicState {
     pub spectrum: Spectrum,
     /// Steps per period with which it was found, and the lever.
     pub steps: u32,
-    pub kept: Arc<KeptModes>,
+    pub kept: Arc<ReducedBasis>,
     /// The period map's slope there, column by column: travel of the kept modes, then rate over angular frequency.
     /// Empty where nobody is to search on from there.
     pub slope: Box<[f64]>,

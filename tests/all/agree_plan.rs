@@ -4,7 +4,7 @@
 use crate::checks;
 use crate::checks::{Errors, calibrated, one_mode, sample, show, worst};
 use afmsweep::observe::Status;
-use afmsweep::plan::KeptModes;
+use afmsweep::plan::ReducedBasis;
 use afmsweep::scene::{DriveFrequency, LawChoice, Scene};
 use rayon::prelude::*;
 use std::path::Path;
@@ -133,7 +133,7 @@ fn contacts_that_are_not_fast_pay_nothing_for_those_that_are() {
     let driven = &plan.drives[0];
     let rate = 8.0 * driven.free.omega;
     let kept =
-        KeptModes::for_contact(&driven.instrument, driven.free.omega, rate, 8).expect("it can be made");
+        ReducedBasis::for_contact(&driven.instrument, driven.free.omega, rate, 8).expect("it can be made");
     let exact = || kept.modes.iter().filter(|mode| mode.index.is_some());
     let first = exact().map(|mode| mode.mobility).fold(f64::NAN, f64::max);
     assert!(exact().count() > 2 && exact().all(|mode| mode.mobility > 0.03 * first), "{:?}", kept.modes);

@@ -5,7 +5,7 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control;
 use afmsweep::engine::{Cpu, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::Status;
-use afmsweep::plan::{Basis, Plan};
+use afmsweep::plan::{BasisRule, Plan};
 use afmsweep::scene::{LawChoice, Lever, LeverMode, Scene, Steady};
 use afmsweep::steady::{self, Settled};
 use std::f64::consts::PI;
@@ -45,7 +45,8 @@ fn a_state_found_with_another_lever_leads_to_the_one_found_without() {
             scene.run.steady = Steady::Search;
         });
         let plan = checks::plan(&scene, None);
-        let with = |accuracy: f64| plan.levers(&[(0, Basis::Shares { accuracy })]).stepped(&[0], |_| 512);
+        let with =
+            |accuracy: f64| plan.with_bases(&[(0, BasisRule::Shares { accuracy })]).stepped(&[0], |_| 512);
         let run = |plan: &Plan, near: &Settled| steady::run(plan, &near.found, &engine, &progress).unwrap();
         let alone = |plan: &Plan| steady::run(plan, &[], &engine, &progress).unwrap();
         for (from, to) in [(0.1, 1e-4), (1e-4, 0.1)] {
