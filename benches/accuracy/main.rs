@@ -141,7 +141,11 @@ fn main() {
         },
     ];
     if let Some(folder) = output {
-        let told: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+        // Where the page is put is not part of what it says.
+        let mut told: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+        if let Some(place) = told.iter().position(|word| word == "-o") {
+            told.drain(place..place + 2);
+        }
         let command = format!("cargo bench --bench accuracy -- {}", told.join(" "));
         page::write(&folder, "Accuracy asked for and met", &command, &parts);
     }
