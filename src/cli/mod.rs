@@ -5,7 +5,9 @@ mod backend;
 mod bench;
 mod check;
 mod devices;
+mod explain;
 mod force;
+mod init;
 mod modes;
 mod plan;
 mod progress;
@@ -57,6 +59,10 @@ enum Command {
     Check(check::CheckArgs),
     /// Speed and error of each engine over the size of the ensemble
     Bench(bench::BenchArgs),
+    /// A commented scene to begin with
+    Init(init::InitArgs),
+    /// What a word of a scene, of a results file or of a message means
+    Explain(explain::ExplainArgs),
     /// A question answered by one command and one page
     Study(study::StudyArgs),
 }
@@ -111,6 +117,8 @@ pub fn main() -> ExitCode {
         Command::Report(args) => report::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
         Command::Bench(args) => bench::main(&args, voice),
+        Command::Init(args) => init::main(&args),
+        Command::Explain(args) => explain::main(&args),
         Command::Study(args) => study::main(&args, voice),
     };
     match outcome {

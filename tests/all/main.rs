@@ -41,6 +41,7 @@ mod cli_sense;
 mod cli_signals;
 mod cli_tables;
 mod cli_waveforms;
+mod cli_words;
 mod converge_elements;
 mod converge_steps;
 mod docs_name_everything;

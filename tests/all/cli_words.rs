@@ -1,0 +1,57 @@
+//! `init` and `explain`: a scene to begin with, and what words mean. Truth: the program's own lists.
+
+use crate::program::Desk;
+use afmsweep::scene::QUANTITIES;
+use afmsweep::{Observable, Scene, Status};
+use std::path::Path;
+
+#[test]
+fn every_scene_to_begin_with_can_be_planned() {
+    let desk = Desk::new();
+    let mut all = Vec::new();
+    for kind in [&[][..], &["--lever"], &["--liquid"], &["--paper"], &["--bistable"]] {
+        let text = desk.works(&[&["init"], kind].concat()).out;
+        Scene::parse(Path::new("scene.toml"), &text).unwrap_or_else(|error| panic!("{kind:?}: {error}"));
+        std::fs::write(desk.path("scene.toml"), &text).unwrap();
+        desk.works(&["plan", "scene.toml"]);
+        all.push(text);
+    }
+    assert_eq!(all[0], all[1], "the lever is what nobody has to ask for");
+    all.dedup();
+    assert_eq!(all.len(), 4);
+}
+
+/// The calibrated lever is run to the accuracy that it asks for.
+#[test]
+fn the_first_scene_runs_and_is_met() {
+    let desk = Desk::new();
+    let text = desk.works(&["init"]).out;
+    std::fs::write(desk.path("scene.toml"), text).unwrap();
+    desk.works(&["run", "scene.toml", "-o", "scene.h5", "--strict"]);
+}
+
+#[test]
+fn every_key_observable_and_status_is_explained() {
+    let desk = Desk::new();
+    let listed = desk.works(&["explain"]).out;
+    let listed: Vec<&str> = listed.lines().collect();
+    let known = |word: &str| assert!(listed.contains(&word), "{word} is not in the list");
+    Observable::all().for_each(|one| known(one.name()));
+    Status::ALL.iter().for_each(|one| known(one.meaning()));
+    for quantity in QUANTITIES.iter().filter(|one| !one.path.contains('#')) {
+        let told = desk.works(&["explain", quantity.path]).out;
+        let last = quantity.path.rsplit('.').next().unwrap();
+        assert!(told.contains(last) && told.contains("scene file"), "{}: {told}", quantity.path);
+    }
+    let (whole, part) = ("instrument.cantilever.stiffness", "cantilever.stiffness");
+    assert_eq!(desk.works(&["explain", whole]).out, desk.works(&["explain", part]).out);
+    let told = desk.works(&["explain", "accuracy_not_met"]).out;
+    assert!(told.contains("above the accuracy, by estimate or by audit"), "{told}");
+}
+
+#[test]
+fn a_word_that_nothing_has_leads_on() {
+    let desk = Desk::new();
+    desk.refuses(&["explain", "accuracy_not"], &["accuracy_not_met"]);
+    desk.refuses(&["explain", "zzz"], &["afmsweep explain"]);
+}
