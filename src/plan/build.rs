@@ -202,7 +202,9 @@ fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> Cas
         && match contact.law {
             Law::None => true,
             // No force at a distance: a swing that ends above the surface stays free.
-            Law::Hertz | Law::Jkr => amplitude * (1.0 + 1e-9) < gap,
+            Law::Jkr => amplitude * (1.0 + 1e-9) < gap,
+            // A swing that ends just there, as in sweeps up to the free amplitude, touches by its rounding alone.
+            Law::Hertz => amplitude * (1.0 - 1e-13) < gap,
             Law::Dmt => false,
         };
     let steps = if free {
