@@ -38,15 +38,18 @@ impl Plan {
             })
             .collect();
         let classes = classify(&cases, &drives, 0..cases.len() as u32);
+        let asked = wants(&scene.output.observables);
         Ok(Self {
             drives,
             cases,
             classes,
             observables: scene.output.observables.clone(),
-            // The branch of a state is told by its mean force.
             wants: Wants {
-                energy: wants(&scene.output.observables).energy || scene.run.steady == Steady::Search,
-                ..wants(&scene.output.observables)
+                // The branch of a state is told by its mean force.
+                energy: asked.energy || scene.run.steady == Steady::Search,
+                // Errors of the mean force, and from rest of energies, count on the largest force.
+                extremes: asked.extremes || asked.energy,
+                ..asked
             },
             run: scene.run.clone(),
             precision,

@@ -2,7 +2,10 @@
 
 use crate::checks;
 use afmsweep::compare::{Scales, choose, error, worst};
+use afmsweep::control;
+use afmsweep::engine::{Cpu, Progress};
 use afmsweep::observe::{Measured, Observable};
+use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{LawChoice, Scene};
 use std::path::Path;
 
@@ -82,4 +85,26 @@ fn chosen_instances_hold_the_extremes_and_are_the_same_each_time() {
     let stiffest = plan.cases.iter().map(|case| case.contact.modulus).fold(0.0, f64::max);
     assert!(chosen.iter().any(|i| modulus(*i) == stiffest));
     assert_eq!(choose(&plan, 10_000, 1).len(), plan.cases.len());
+}
+
+/// A scale that is measured does not depend on what else is asked for.
+#[test]
+fn the_mean_force_counts_on_the_largest_one() {
+    let text = |observables: &str| {
+        let scene = include_str!("../../scenes/lever.toml");
+        let (before, _) = scene.split_once("observables = ").unwrap();
+        format!("{before}observables = [{observables}]\n").replace("points = 49", "points = 3")
+    };
+    let scales = |observables: &str| {
+        let scene = Scene::parse(Path::new("lever.toml"), &text(observables)).unwrap();
+        let plan = Plan::new(&scene, Precision::F64).unwrap();
+        let run = control::run(&plan, &Cpu::default(), &Progress::default()).unwrap();
+        let of = |i: usize| Scales::of(&run.plan, i, &run.outcome.results[i].measured).force;
+        (0..run.plan.cases.len()).map(of).collect::<Vec<_>>()
+    };
+    let (alone, beside) = (scales("\"force_mean\""), scales("\"force_mean\", \"force_max\", \"force_min\""));
+    for (alone, beside) in alone.iter().zip(&beside) {
+        assert!((alone / beside - 1.0).abs() < 1e-3, "{alone:e} {beside:e}");
+        assert!(*alone > 1e-10, "{alone:e}");
+    }
 }
