@@ -54,24 +54,11 @@ fn tally_of(i: u32) -> Tally {
         tally.cosine_$ = states[at(TALLY_COSINE_$, i)];
         tally.sine_$ = states[at(TALLY_SINE_$, i)];
         //% end
-        //% if extremes
-        tally.deepest = states[at(TALLY_DEEPEST, i)];
-        tally.highest = states[at(TALLY_HIGHEST, i)];
-        tally.held = states[at(TALLY_HELD, i)];
-        //% end
-        //% if contact
-        tally.time = states[at(TALLY_TIME, i)];
-        tally.begun = states[at(TALLY_BEGUN, i)];
-        tally.ended = states[at(TALLY_ENDED, i)];
-        tally.apart = states[at(TALLY_APART, i)];
-        //% end
-        //% if energy
-        tally.impulse = states[at(TALLY_IMPULSE, i)];
-        tally.work = states[at(TALLY_WORK, i)];
-        tally.virial = states[at(TALLY_VIRIAL, i)];
+        //% each sum
+        tally.$ = states[at(TALLY_$$, i)];
         //% end
     }
-    //% if carried
+    //% if looks back
     tally.last_0 = states[at(TALLY_LAST_0, i)];
     tally.last_1 = states[at(TALLY_LAST_1, i)];
     tally.touched = states[at(TALLY_TOUCHED, i)];
@@ -89,23 +76,10 @@ fn store(i: u32, state: State, tally: Tally) {
     states[at(TALLY_COSINE_$, i)] = tally.cosine_$;
     states[at(TALLY_SINE_$, i)] = tally.sine_$;
     //% end
-    //% if extremes
-    states[at(TALLY_DEEPEST, i)] = tally.deepest;
-    states[at(TALLY_HIGHEST, i)] = tally.highest;
-    states[at(TALLY_HELD, i)] = tally.held;
+    //% each sum
+    states[at(TALLY_$$, i)] = tally.$;
     //% end
-    //% if contact
-    states[at(TALLY_TIME, i)] = tally.time;
-    states[at(TALLY_BEGUN, i)] = tally.begun;
-    states[at(TALLY_ENDED, i)] = tally.ended;
-    states[at(TALLY_APART, i)] = tally.apart;
-    //% end
-    //% if energy
-    states[at(TALLY_IMPULSE, i)] = tally.impulse;
-    states[at(TALLY_WORK, i)] = tally.work;
-    states[at(TALLY_VIRIAL, i)] = tally.virial;
-    //% end
-    //% if carried
+    //% if looks back
     states[at(TALLY_LAST_0, i)] = tally.last_0;
     states[at(TALLY_LAST_1, i)] = tally.last_1;
     states[at(TALLY_TOUCHED, i)] = tally.touched;

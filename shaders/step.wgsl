@@ -1,4 +1,4 @@
-// One step: kick at the sample, then exact flow to the next one. Twin: src/kernel/step.rs
+// One step: kick at the sample, then exact flow to the next one. Twin: crates/kernel/src/step.rs
 // Lines between `//% each mode` and `//% end` are written once for each mode, $ its number.
 
 // Lever, free motion and gap of one instance, kernel units.

@@ -1,5 +1,5 @@
 // The only bindings and the entry point: one thread takes one instance through a dispatch's steps.
-// Names in capitals come from the generated head (src/kernel/shader.rs).
+// Names in capitals come from the generated head (crates/kernel/src/shader.rs).
 
 // What one dispatch does.
 struct Job {

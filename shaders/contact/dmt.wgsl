@@ -1,4 +1,4 @@
-// DMT: Hertz's force less adhesion, and its decay outside contact. Twin: src/kernel/contact/dmt.rs
+// DMT: Hertz's force less adhesion, and its decay outside contact. Twin: crates/kernel/src/contact/dmt.rs
 
 fn dmt_stretch(law: Law, indentation: real) -> real {
     return max(-indentation, ZERO) * law.inverse_decay + ONE;

@@ -1,4 +1,4 @@
-// Hertz's mean force along a piece of path. Twin: src/kernel/contact/hertz.rs
+// Hertz's mean force along a piece of path. Twin: crates/kernel/src/contact/hertz.rs
 
 struct Mean {
     force: real,

@@ -1,4 +1,4 @@
-// JKR with its memory, in units of the fold. Twin: src/kernel/contact/jkr.rs
+// JKR with its memory, in units of the fold. Twin: crates/kernel/src/contact/jkr.rs
 
 fn jkr_ahead(t1: real, pace: real, left: real, free: real, held: real) -> real {
     return left * left * (HALF * free + -held) + (left * pace + t1);

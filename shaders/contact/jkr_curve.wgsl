@@ -1,4 +1,4 @@
-// JKR's curve, in units of the fold. Twin: src/kernel/contact/jkr.rs
+// JKR's curve, in units of the fold. Twin: crates/kernel/src/contact/jkr.rs
 
 fn jkr_halley(e: real, t: real) -> real {
     let p = (e + FOUR) * e + SIX;

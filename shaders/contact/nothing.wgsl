@@ -1,4 +1,4 @@
-// No sample at all. Twin: src/kernel/contact/mod.rs
+// No sample at all. Twin: crates/kernel/src/contact/mod.rs
 
 fn nothing_kick(law: Law, at: Approach, touching: real) -> Kick {
     return no_kick();

@@ -1,6 +1,6 @@
 // A straight piece of the tip's path, from half a step before a sample to half a step after it, for the laws without
 // memory; JKR follows the bent one.
-// Twin: src/kernel/contact/path.rs, mod.rs
+// Twin: crates/kernel/src/contact/path.rs, mod.rs
 
 // The tip at one sample, before the kick.
 struct Approach {

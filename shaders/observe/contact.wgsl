@@ -1,4 +1,4 @@
-// Time in contact, contacts begun and ended. Twin: src/kernel/tally.rs
+// Time in contact, contacts begun and ended. Twin: crates/kernel/src/tally.rs
 
 fn tally_contact(tally: ptr<function, Tally>, sample: Sample) {
     let before = ZERO < (*tally).touched;

@@ -1,4 +1,4 @@
-// Impulse, its work and its virial. Twin: src/kernel/tally.rs
+// Impulse, its work and its virial. Twin: crates/kernel/src/tally.rs
 
 fn tally_energy(tally: ptr<function, Tally>, sample: Sample) {
     (*tally).impulse = (*tally).impulse + sample.kick.impulse;

@@ -1,5 +1,5 @@
 // The middle of the last three samples, moved to the top of their parabola where it is one.
-// Twin: src/kernel/tally.rs
+// Twin: crates/kernel/src/tally.rs
 
 fn tally_extremes(tally: ptr<function, Tally>, sample: Sample) {
     let first = (*tally).last_0;

@@ -1,4 +1,4 @@
-// Travel beyond the steady free one, by harmonic. Twin: src/kernel/tally.rs
+// Travel beyond the steady free one, by harmonic. Twin: crates/kernel/src/tally.rs
 
 fn tally_fourier(tally: ptr<function, Tally>, sample: Sample, index: u32) {
     //% each harmonic

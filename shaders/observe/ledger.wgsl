@@ -1,4 +1,4 @@
-// Takes a period into the run's ledger, which stays in its buffer. Twin: src/kernel/ledger.rs
+// Takes a period into the run's ledger, which stays in its buffer. Twin: crates/kernel/src/ledger.rs
 
 fn close_period(i: u32, tally: Tally) {
     let cosine = tally.cosine_0 - states[at(LEDGER_LAST_COSINE, i)];
@@ -17,20 +17,16 @@ fn close_period(i: u32, tally: Tally) {
     states[at(LEDGER_SINE_$, i)] = states[at(LEDGER_SINE_$, i)] + tally.sine_$;
     //% end
     //% end
-    //% if extremes
-    states[at(LEDGER_DEEPEST, i)] = max(states[at(LEDGER_DEEPEST, i)], tally.deepest);
-    states[at(LEDGER_HIGHEST, i)] = min(states[at(LEDGER_HIGHEST, i)], tally.highest);
-    states[at(LEDGER_HELD, i)] = min(states[at(LEDGER_HELD, i)], tally.held);
+    //% each total
+    states[at(LEDGER_$$, i)] = states[at(LEDGER_$$, i)] + tally.$;
     //% end
-    //% if contact
-    states[at(LEDGER_TIME, i)] = states[at(LEDGER_TIME, i)] + tally.time;
-    states[at(LEDGER_BEGUN, i)] = states[at(LEDGER_BEGUN, i)] + tally.begun;
-    states[at(LEDGER_ENDED, i)] = states[at(LEDGER_ENDED, i)] + tally.ended;
-    states[at(LEDGER_APART, i)] = max(states[at(LEDGER_APART, i)], tally.apart);
+    //% each largest
+    states[at(LEDGER_$$, i)] = max(states[at(LEDGER_$$, i)], tally.$);
     //% end
-    //% if energy
-    states[at(LEDGER_IMPULSE, i)] = states[at(LEDGER_IMPULSE, i)] + tally.impulse;
-    states[at(LEDGER_WORK, i)] = states[at(LEDGER_WORK, i)] + tally.work;
-    states[at(LEDGER_VIRIAL, i)] = states[at(LEDGER_VIRIAL, i)] + tally.virial;
+    //% each smallest
+    states[at(LEDGER_$$, i)] = min(states[at(LEDGER_$$, i)], tally.$);
+    //% end
+    //% each ever
+    states[at(LEDGER_$$, i)] = max(states[at(LEDGER_$$, i)], tally.$);
     //% end
 }

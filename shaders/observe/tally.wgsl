@@ -1,27 +1,14 @@
-// Sums and extremes over the steps of a period. Twin: src/kernel/tally.rs
+// Sums and extremes over the steps of a period, by the list in crates/kernel/src/sums.rs. Twin: crates/kernel/src/tally.rs
 
 struct Tally {
     //% each harmonic
     cosine_$: real,
     sine_$: real,
     //% end
-    //% if extremes
-    deepest: real,
-    highest: real,
-    held: real,
+    //% each sum
+    $: real,
     //% end
-    //% if contact
-    time: real,
-    begun: real,
-    ended: real,
-    apart: real,
-    //% end
-    //% if energy
-    impulse: real,
-    work: real,
-    virial: real,
-    //% end
-    //% if carried
+    //% if looks back
     last_0: real,
     last_1: real,
     touched: real,
@@ -33,36 +20,26 @@ fn tally_next_period(tally: ptr<function, Tally>) {
     (*tally).cosine_$ = ZERO;
     (*tally).sine_$ = ZERO;
     //% end
-    //% if extremes
-    (*tally).deepest = -FAR;
-    (*tally).highest = FAR;
-    (*tally).held = FAR;
+    //% each total
+    (*tally).$ = ZERO;
     //% end
-    //% if contact
-    (*tally).time = ZERO;
-    (*tally).begun = ZERO;
-    (*tally).ended = ZERO;
-    (*tally).apart = ZERO;
+    //% each largest
+    (*tally).$ = -FAR;
     //% end
-    //% if energy
-    (*tally).impulse = ZERO;
-    (*tally).work = ZERO;
-    (*tally).virial = ZERO;
+    //% each smallest
+    (*tally).$ = FAR;
+    //% end
+    //% each ever
+    (*tally).$ = ZERO;
     //% end
 }
 
 fn tally_add(tally: ptr<function, Tally>, sample: Sample, index: u32) {
     tally_fourier(tally, sample, index);
-    //% if extremes
-    tally_extremes(tally, sample);
+    //% each group
+    tally_$(tally, sample);
     //% end
-    //% if contact
-    tally_contact(tally, sample);
-    //% end
-    //% if energy
-    tally_energy(tally, sample);
-    //% end
-    //% if carried
+    //% if looks back
     // Kept up before the measured part too: its first sample needs its predecessors.
     (*tally).last_0 = (*tally).last_1;
     (*tally).last_1 = sample.indentation;

@@ -6,7 +6,7 @@ mod scales;
 pub use choose::{choose, ranked};
 pub use scales::Scales;
 
-use crate::observe::{Measured, Observable};
+use crate::observe::{Measured, Observable, Scale};
 
 /// The numbers of an observable: one, or one per harmonic.
 pub fn numbers(observable: Observable, measured: &Measured) -> Vec<f64> {
@@ -20,29 +20,30 @@ pub fn error(observable: Observable, ours: &Measured, truth: &Measured, scales: 
     error_of(observable, &numbers(observable, ours), truth, scales)
 }
 
-/// The same for [`numbers`] that come from elsewhere. An indentation that only one of the two has counts in
-/// full: one of them just misses the sample.
+/// The same for [`numbers`] that come from elsewhere.
 pub fn error_of(observable: Observable, ours: &[f64], truth: &Measured, scales: &Scales) -> f64 {
-    let scale = match observable {
-        Observable::Amplitude | Observable::IndentationMax | Observable::HarmonicAmplitude => scales.length,
-        Observable::ForceMax | Observable::ForceMin | Observable::ForceMean => scales.force,
-        Observable::Dissipation => scales.work,
-        Observable::Virial => scales.work.max(truth.virial.abs()),
-        Observable::ContactTime | Observable::Contacts => 1.0,
-        Observable::Phase => {
-            let turn = (ours.first().unwrap_or(&f64::NAN) - truth.phase + 180.0).rem_euclid(360.0) - 180.0;
+    let theirs = numbers(observable, truth);
+    let first = |row: &[f64]| *row.first().unwrap_or(&f64::NAN);
+    let scale = match observable.scale() {
+        Scale::Length | Scale::Depth => scales.length,
+        Scale::Force => scales.force,
+        Scale::Work => scales.work,
+        Scale::WorkOrItself => scales.work.max(first(&theirs).abs()),
+        Scale::One => 1.0,
+        Scale::Phase => {
+            let turn = (first(ours) - first(&theirs) + 180.0).rem_euclid(360.0) - 180.0;
             // Without a travel there is no phase.
             return turn.to_radians().abs() * (truth.harmonics[0] / scales.length).min(1.0);
         }
     };
-    let missed = observable == Observable::IndentationMax;
+    let missed = observable.scale() == Scale::Depth;
     let difference = |(a, b): (&f64, &f64)| match (a.is_nan(), b.is_nan()) {
         (true, true) => 0.0,
         (true, false) if missed => b.abs(),
         (false, true) if missed => a.abs(),
         _ => (a - b).abs(),
     };
-    let difference = ours.iter().zip(&numbers(observable, truth)).map(difference).fold(0.0, largest);
+    let difference = ours.iter().zip(&theirs).map(difference).fold(0.0, largest);
     if difference == 0.0 { 0.0 } else { difference / scale }
 }
 

@@ -96,35 +96,22 @@ impl Contact {
 
     /// Rising indentations outside the contact; the point 0 is left to the contact.
     fn outside(&self, deepest: f64) -> Vec<f64> {
-        let share = |i: usize| (POINTS - i) as f64 / POINTS as f64;
-        match self.law {
-            // evenly spaced in the logarithm of 1 + d/D0, out to a hundredth of the pull-off force
-            Law::Dmt => (0..POINTS).map(|i| -self.decay_length * (10f64.powf(share(i)) - 1.0)).collect(),
-            Law::Jkr => {
-                // past the fold, so that the jump out of contact is seen to end somewhere
-                let release = self.law().release();
-                let mut points: Vec<f64> = (0..POINTS).map(|i| 1.3 * release * share(i)).collect();
-                let place = points.partition_point(|&delta| delta < release);
-                points.insert(place, release);
-                points
-            }
-            Law::None | Law::Hertz => (0..POINTS).map(|i| -0.25 * deepest * share(i)).collect(),
-        }
+        let shares: Vec<f64> = (0..POINTS).map(|i| (POINTS - i) as f64 / POINTS as f64).collect();
+        self.law().outside(deepest, &shares)
     }
 
     /// Falling indentations of the contact branch, from `deepest` to its end.
     fn inside(&self, deepest: f64) -> Vec<f64> {
         let release = self.law().release();
-        // Spacing that shrinks towards the end of the branch, where its slope or curvature is largest:
-        // evenly in the fourth root under JKR (in sqrt(a) far out, and still dense at the fold).
-        let power = if self.law == Law::Jkr { 4 } else { 2 };
+        // Spacing that shrinks towards the end of the branch, where its slope or curvature is largest.
+        let power = self.law().crowding();
         let mut points: Vec<f64> = (0..=POINTS)
             .map(|i| {
                 let share = (POINTS - i) as f64 / POINTS as f64;
                 release + (deepest - release) * share.powi(power)
             })
             .collect();
-        if self.law == Law::Jkr {
+        if self.law.has_memory() {
             // the touch belongs to both branches
             let place = points.partition_point(|&delta| delta > 0.0);
             if points.get(place) != Some(&0.0) {

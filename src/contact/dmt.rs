@@ -1,6 +1,8 @@
 //! DMT: Hertz's profile under an attraction that acts from outside the contact.
 
-use super::{Hertz, StaticLaw};
+use super::static_law::Shares;
+use super::{Hertz, KernelUnits, Material, Passed, StaticLaw};
+use crate::kernel::LENGTH;
 use std::f64::consts::PI;
 
 /// `f = K sqrt(R) delta^1.5 - 2 pi w R` in contact and `-2 pi w R/(1 + d/D0)^2` at the distance
@@ -22,7 +24,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dmt {
     hertz: Hertz,
-    prefactor: f64,
+    work: f64,
     adhesion: f64,
     decay_length: f64,
 }
@@ -30,12 +32,13 @@ pub struct Dmt {
 impl Dmt {
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length D0 (m).
     pub fn new(modulus: f64, radius: f64, work: f64, decay_length: f64) -> Self {
-        Self {
-            hertz: Hertz::new(modulus, radius),
-            prefactor: modulus * radius.sqrt(),
-            adhesion: 2.0 * PI * work * radius,
-            decay_length,
-        }
+        Self { hertz: Hertz::new(modulus, radius), work, adhesion: 2.0 * PI * work * radius, decay_length }
+    }
+}
+
+impl From<&Material> for Dmt {
+    fn from(of: &Material) -> Self {
+        Self::new(of.modulus, of.radius, of.work, of.decay_length)
     }
 }
 
@@ -71,11 +74,35 @@ impl StaticLaw for Dmt {
         self.hertz.contact_radius(delta, in_contact)
     }
 
+    fn constants(&self, units: KernelUnits) -> Vec<f64> {
+        let mut all = self.hertz.constants(units);
+        all.extend([2.0 * PI * self.hertz.radius * self.work * units.impulse, LENGTH / self.decay_length]);
+        all
+    }
+
+    /// Falls from outside to first touch and rises from there.
+    fn forces(&self, passed: &Passed) -> (f64, f64) {
+        let at = |delta: f64| self.force(delta, delta > 0.0);
+        let ends = [at(passed.deepest), at(passed.highest)];
+        let reached = passed.highest <= 0.0 && passed.deepest >= 0.0;
+        let least = if reached { self.force(0.0, true) } else { f64::INFINITY };
+        (least.min(ends[0]).min(ends[1]), ends[0].max(ends[1]))
+    }
+
     fn zero_force(&self) -> f64 {
-        (self.adhesion / self.prefactor).cbrt().powi(2)
+        (self.adhesion / self.hertz.prefactor).cbrt().powi(2)
     }
 
     fn pull_off(&self) -> f64 {
         -self.adhesion
+    }
+
+    fn attraction_slope(&self) -> f64 {
+        4.0 * PI * self.hertz.radius * self.work / self.decay_length
+    }
+
+    /// Evenly spaced in the logarithm of 1 + d/D0, out to a hundredth of the pull-off force.
+    fn outside(&self, _deepest: f64, shares: Shares) -> Vec<f64> {
+        shares.iter().map(|share| -self.decay_length * (10f64.powf(*share) - 1.0)).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! Hertz: elastic sphere on a flat, no adhesion.
 
-use super::StaticLaw;
+use super::{KernelUnits, Material, StaticLaw};
+use crate::kernel::LENGTH;
 
 /// `f = K sqrt(R) delta^1.5` in contact, 0 outside; `a^2 = R delta`.
 ///
@@ -15,15 +16,21 @@ use super::StaticLaw;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    radius: f64,
+    pub(super) radius: f64,
     /// `K sqrt(R)`, N/m^1.5.
-    prefactor: f64,
+    pub(super) prefactor: f64,
 }
 
 impl Hertz {
     /// Combined modulus (Pa), tip radius (m).
     pub fn new(modulus: f64, radius: f64) -> Self {
         Self { radius, prefactor: modulus * radius.sqrt() }
+    }
+}
+
+impl From<&Material> for Hertz {
+    fn from(of: &Material) -> Self {
+        Self::new(of.modulus, of.radius)
     }
 }
 
@@ -42,5 +49,9 @@ impl StaticLaw for Hertz {
 
     fn contact_radius(&self, delta: f64, _in_contact: bool) -> f64 {
         if delta <= 0.0 { 0.0 } else { (self.radius * delta).sqrt() }
+    }
+
+    fn constants(&self, units: KernelUnits) -> Vec<f64> {
+        vec![self.prefactor * LENGTH.powf(1.5) * units.impulse]
     }
 }

@@ -1,6 +1,8 @@
 //! JKR: adhesion inside the contact, elastic neck, and with them a memory.
 
-use super::StaticLaw;
+use super::static_law::Shares;
+use super::{KernelUnits, Material, Passed, StaticLaw};
+use crate::kernel::LENGTH;
 use std::f64::consts::PI;
 
 /// With the contact radius `a`: `delta = a^2/R - (2/3) sqrt(6 pi w a/K)` and
@@ -89,6 +91,12 @@ impl Jkr {
     }
 }
 
+impl From<&Material> for Jkr {
+    fn from(of: &Material) -> Self {
+        Self::new(of.modulus, of.radius, of.work)
+    }
+}
+
 impl StaticLaw for Jkr {
     fn force(&self, delta: f64, in_contact: bool) -> f64 {
         if !self.touching(delta, in_contact) {
@@ -160,6 +168,48 @@ impl StaticLaw for Jkr {
 
     fn next_contact(&self, delta: f64, was_in_contact: bool) -> bool {
         if was_in_contact { delta >= self.release() } else { delta >= 0.0 }
+    }
+
+    fn constants(&self, units: KernelUnits) -> Vec<f64> {
+        vec![self.force_scale * units.impulse, LENGTH / self.indentation_scale]
+    }
+
+    /// Falls from the fold to its largest pull and rises from there.
+    fn forces(&self, passed: &Passed) -> (f64, f64) {
+        if !passed.touched {
+            return (0.0, 0.0);
+        }
+        let fold = self.release();
+        // Largest pull of the curve: y^3 = 3, so D = 3^(4/3) - 4 3^(1/3) = -3^(1/3).
+        let pull = -3f64.cbrt() * self.indentation_scale;
+        let least = if passed.let_go { fold } else { passed.held.max(fold) };
+        let ends = [self.force(passed.deepest, true), self.force(least, true)];
+        let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        if least <= pull && pull <= passed.deepest {
+            low = low.min(self.force(pull, true));
+        }
+        if passed.apart {
+            (low, high) = (low.min(0.0), high.max(0.0));
+        }
+        (low, high)
+    }
+
+    fn depth_by_adhesion(&self) -> f64 {
+        4.0 * self.indentation_scale
+    }
+
+    /// Past the fold, so that the jump out of contact is seen to end somewhere; the fold itself among them.
+    fn outside(&self, _deepest: f64, shares: Shares) -> Vec<f64> {
+        let release = self.release();
+        let mut points: Vec<f64> = shares.iter().map(|share| 1.3 * release * share).collect();
+        let place = points.partition_point(|&delta| delta < release);
+        points.insert(place, release);
+        points
+    }
+
+    /// In sqrt(a) far out, and still dense at the fold.
+    fn crowding(&self) -> i32 {
+        4
     }
 }
 

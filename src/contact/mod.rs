@@ -7,7 +7,8 @@
 //! Energies count from far apart: `U = 0` there, and `dU/d delta = f`. As `delta` falls by what
 //! the tip rises, `f = -dU/dz` for a tip position `z` counted away from the sample.
 //!
-//! One law is one file: its struct, its formula, its source, and [`StaticLaw`] for it.
+//! One law is one file: its struct, its formula, its source, and [`StaticLaw`] for it, which also answers what other
+//! modules ask of a law. The list of laws is the kernel's ([`crate::kernel::laws`]).
 //!
 //! | law | in contact | outside | memory |
 //! |---|---|---|---|
@@ -19,76 +20,63 @@ mod curve;
 mod dmt;
 mod hertz;
 mod jkr;
+mod nothing;
+mod static_law;
 mod tabor;
 mod warning;
 
-pub use crate::kernel::Law;
+pub use crate::kernel::{Attraction, Law};
 pub use curve::{Branch, Curve, Curves};
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
+pub use static_law::{KernelUnits, Passed, StaticLaw};
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
 use crate::scene::{Adhesion, LawChoice, Params};
+use nothing::Nothing;
 use std::f64::consts::PI;
 
-/// What every law answers. Only a law with memory looks at `in_contact`.
-///
-/// No input panics; a NaN comes back as NaN.
-pub trait StaticLaw {
-    /// Force on the tip, N, at indentation `delta` (m).
-    fn force(&self, delta: f64, in_contact: bool) -> f64;
-    /// Slope `df/d delta`, N/m; the contact's side of it at a kink. Minus infinity at JKR's fold.
-    fn stiffness(&self, delta: f64, in_contact: bool) -> f64;
-    /// Energy `U`, J, with `dU/d delta = f` and `U = 0` far apart.
-    fn energy(&self, delta: f64, in_contact: bool) -> f64;
-    /// Contact radius `a`, m; 0 out of contact.
-    fn contact_radius(&self, delta: f64, in_contact: bool) -> f64;
-    /// Indentation at which a contact ends on retraction, m (0 or below).
-    fn release(&self) -> f64 {
-        0.0
-    }
-    /// Indentation at which the force passes through 0 on the contact branch, m.
-    fn zero_force(&self) -> f64 {
-        0.0
-    }
-    /// Most negative static force, N (0 or below).
-    fn pull_off(&self) -> f64 {
-        0.0
-    }
-    /// Whether the tip is in contact at `delta`, given whether it was just before.
-    fn next_contact(&self, delta: f64, _was_in_contact: bool) -> bool {
-        delta > 0.0
-    }
-}
-
-/// No force at all.
+/// What a law's constants are made of. SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct NoForce;
-
-impl StaticLaw for NoForce {
-    fn force(&self, _: f64, _: bool) -> f64 {
-        0.0
-    }
-    fn stiffness(&self, _: f64, _: bool) -> f64 {
-        0.0
-    }
-    fn energy(&self, _: f64, _: bool) -> f64 {
-        0.0
-    }
-    fn contact_radius(&self, _: f64, _: bool) -> f64 {
-        0.0
-    }
+struct Material {
+    /// Combined modulus K.
+    modulus: f64,
+    /// Tip radius R.
+    radius: f64,
+    /// Work of adhesion w.
+    work: f64,
+    /// Decay length D0.
+    decay_length: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Model {
-    None(NoForce),
-    Hertz(Hertz),
-    Dmt(Dmt),
-    Jkr(Jkr),
+/// From the kernel's list, whose types have the names of those here.
+macro_rules! model {
+    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kind:ident $facts:tt;)*) => {
+        /// A law with its constants.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        enum Model {
+            $($law($kind),)*
+        }
+
+        impl Model {
+            fn new(law: Law, material: &Material) -> Self {
+                match law {
+                    $(Law::$law => Self::$law(material.into()),)*
+                }
+            }
+
+            fn law(&self) -> &dyn StaticLaw {
+                match self {
+                    $(Self::$law(law) => law,)*
+                }
+            }
+        }
+    };
 }
+
+crate::kernel::laws!(model);
 
 /// One instance's contact: the law decided, its constants worked out.
 ///
@@ -142,32 +130,19 @@ impl Contact {
         let choice = params.contact.law;
         let tabor = tabor_parameter(modulus, radius, work, decay_length);
         let negligible = 2.0 * PI * work * radius < NEGLIGIBLE_ADHESION * load;
-        let law = match choice {
-            LawChoice::None => Law::None,
-            LawChoice::Hertz => Law::Hertz,
-            LawChoice::Dmt => Law::Dmt,
-            LawChoice::Jkr if work == 0.0 => Law::Hertz,
-            LawChoice::Jkr => Law::Jkr,
-            LawChoice::Auto if work == 0.0 || negligible => Law::Hertz,
-            LawChoice::Auto => tabor::fitting_law(tabor),
+        let law = match choice.law() {
+            Some(Law::Jkr) if work == 0.0 => Law::Hertz,
+            Some(law) => law,
+            None if work == 0.0 || negligible => Law::Hertz,
+            None => tabor::fitting_law(tabor),
         };
-        let model = match law {
-            Law::None => Model::None(NoForce),
-            Law::Hertz => Model::Hertz(Hertz::new(modulus, radius)),
-            Law::Dmt => Model::Dmt(Dmt::new(modulus, radius, work, decay_length)),
-            Law::Jkr => Model::Jkr(Jkr::new(modulus, radius, work)),
-        };
+        let model = Model::new(law, &Material { modulus, radius, work, decay_length });
         Self { law, choice, modulus, radius, work, decay_length, tabor, model }
     }
 
     /// The law with its constants.
     pub fn law(&self) -> &dyn StaticLaw {
-        match &self.model {
-            Model::None(law) => law,
-            Model::Hertz(law) => law,
-            Model::Dmt(law) => law,
-            Model::Jkr(law) => law,
-        }
+        self.model.law()
     }
 
     /// JKR's constants, where that is the law.
@@ -181,6 +156,11 @@ impl Contact {
     /// Force on the tip, N; see [`StaticLaw::force`].
     pub fn force(&self, delta: f64, in_contact: bool) -> f64 {
         self.law().force(delta, in_contact)
+    }
+
+    /// Force on the tip while the indentation changes by `rate` (m/s), N; see [`StaticLaw::force_moving`].
+    pub fn force_moving(&self, delta: f64, rate: f64, in_contact: bool) -> f64 {
+        self.law().force_moving(delta, rate, in_contact)
     }
 
     /// Slope of the force, N/m; see [`StaticLaw::stiffness`].
@@ -201,6 +181,27 @@ impl Contact {
     /// Whether the tip is in contact at `delta`, given whether it was just before.
     pub fn next_contact(&self, delta: f64, was_in_contact: bool) -> bool {
         self.law().next_contact(delta, was_in_contact)
+    }
+
+    /// Whether the tip is in contact at `delta` within a step at whose start it was, and at whose end it is.
+    pub fn in_contact_within(&self, delta: f64, was: bool, is: bool) -> bool {
+        match self.law.has_memory() {
+            true if was => self.next_contact(delta, true),
+            true => is && self.next_contact(delta, false),
+            false => delta > 0.0,
+        }
+    }
+
+    /// Whether a tip that swings by `amplitude` (m) at that mean `gap` (m) never feels the sample.
+    pub fn is_out_of_reach(&self, amplitude: f64, gap: f64) -> bool {
+        match self.law.attraction() {
+            _ if !self.law.acts() => true,
+            // No force at a distance: a swing that ends above the surface stays free. One that ends just there, as in
+            // sweeps up to the free amplitude, touches by its rounding alone.
+            Attraction::None => amplitude * (1.0 - 1e-13) < gap,
+            Attraction::Contact => amplitude * (1.0 + 1e-9) < gap,
+            Attraction::Distant => false,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Where a contact law is used outside its assumptions: typed, with the numbers.
 
-use super::{Contact, DMT_BELOW, JKR_ABOVE, Law, NEGLIGIBLE_ADHESION};
+use super::tabor::fitting_law;
+use super::{Attraction, Contact, DMT_BELOW, JKR_ABOVE, Law, NEGLIGIBLE_ADHESION};
 use crate::scene::{LawChoice, Params};
 use std::f64::consts::PI;
 
@@ -43,7 +44,7 @@ impl Contact {
         }
         let sample_modulus = params.sample.youngs_modulus;
         let rigid = params.instrument.tip.youngs_modulus == f64::INFINITY;
-        if self.law != Law::None && rigid && sample_modulus > RIGID_TIP_MODULUS {
+        if self.law.acts() && rigid && sample_modulus > RIGID_TIP_MODULUS {
             warnings.push(Warning::RigidTip { sample_modulus });
         }
         warnings
@@ -52,10 +53,13 @@ impl Contact {
     /// Whether the law fits Tabor's parameter.
     fn tabor_warning(&self) -> Option<Warning> {
         let (law, tabor) = (self.law, self.tabor);
-        match law {
-            Law::None | Law::Hertz => None,
-            Law::Dmt if tabor > JKR_ABOVE => Some(Warning::LawDoesNotFit { law, fitting: Law::Jkr, tabor }),
-            Law::Jkr if tabor < DMT_BELOW => Some(Warning::LawDoesNotFit { law, fitting: Law::Dmt, tabor }),
+        let wrong = match law.attraction() {
+            Attraction::None => return None,
+            Attraction::Contact => tabor < DMT_BELOW,
+            Attraction::Distant => tabor > JKR_ABOVE,
+        };
+        match wrong {
+            true => Some(Warning::LawDoesNotFit { law, fitting: fitting_law(tabor), tabor }),
             _ if (DMT_BELOW..=JKR_ABOVE).contains(&tabor) => Some(Warning::BetweenLaws { law, tabor }),
             _ => None,
         }

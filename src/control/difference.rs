@@ -1,7 +1,6 @@
 //! How far two runs of an instance are apart, and what of it is left in the better one's error.
 
 use crate::compare::{Scales, worst};
-use crate::contact::Law;
 use crate::engine::Finished;
 use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
@@ -26,7 +25,7 @@ pub(super) fn differences(
 /// What is left of the difference between two bases in the richer one's error, for the contacts of this instance.
 pub(super) fn left_of_bases(plan: &Plan, i: u32) -> f64 {
     let policy = &plan.policy;
-    let jumps = plan.cases[i as usize].contact.law == Law::Jkr;
+    let jumps = plan.cases[i as usize].contact.law.has_memory();
     let corners = jumps || plan.run.accuracy < policy.corners_below;
     match (corners, is_fast(plan, i)) {
         (true, true) => policy.left_of_fast_corners,

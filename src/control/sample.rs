@@ -3,7 +3,6 @@
 use crate::contact::Law;
 use crate::plan::Plan;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 use std::iter::successors;
 
 /// A sample of `stepped`, from the softest to the stiffest contact of each law.
@@ -34,11 +33,7 @@ pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
     let case = &plan.cases[instance as usize];
     let (contact, flexibility) = (&case.contact, plan.driven(instance).kept.flexibility);
     let pressed = contact.stiffness(plan.expected_depth(instance as usize), true).abs();
-    let felt = match contact.law {
-        Law::Dmt => pressed.max(4.0 * PI * contact.radius * contact.work / contact.decay_length),
-        _ => pressed,
-    };
-    felt * flexibility
+    pressed.max(contact.law().attraction_slope()) * flexibility
 }
 
 pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
@@ -47,13 +42,8 @@ pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
 
 /// By law, then stiffness.
 pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
-    let mut keyed: Vec<(usize, f64, u32)> = stepped
-        .par_iter()
-        .map(|&i| {
-            let law = Law::ALL.iter().position(|law| *law == law_of(plan, i)).unwrap_or(0);
-            (law, stiffness(plan, i), i)
-        })
-        .collect();
+    let mut keyed: Vec<(u8, f64, u32)> =
+        stepped.par_iter().map(|&i| (law_of(plan, i).code(), stiffness(plan, i), i)).collect();
     keyed.par_sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     keyed.into_iter().map(|(.., i)| i).collect()
 }

@@ -3,7 +3,7 @@
 use super::Finished;
 use super::member::force_scale;
 use super::start;
-use crate::contact::{Contact, Law};
+use crate::contact::Passed;
 use crate::kernel::{LENGTH, Ledger};
 use crate::observe::{Measured, Status, Wants};
 use crate::plan::{CasePlan, Driven};
@@ -90,26 +90,18 @@ pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, w
     }
     let force = force_scale(driven, case.steps);
     if wants.contact {
-        measured.contact_time = ledger.time / sums.steps;
-        measured.contacts = ledger.begun / sums.periods;
+        measured.contact_time = ledger.sums.time / sums.steps;
+        measured.contacts = ledger.sums.begun / sums.periods;
     }
     if wants.energy {
-        measured.force_mean = ledger.impulse / sums.steps / force;
-        measured.dissipation = -ledger.work / sums.periods / force * LENGTH;
-        measured.virial = ledger.virial / sums.steps / force * LENGTH;
+        measured.force_mean = ledger.sums.impulse / sums.steps / force;
+        measured.dissipation = -ledger.sums.work / sums.periods / force * LENGTH;
+        measured.virial = ledger.sums.virial / sums.steps / force * LENGTH;
     }
     if wants.extremes {
-        let touched = ledger.time > 0.0 || ledger.begun > 0.0;
-        let range = Range {
-            deepest: ledger.deepest * LENGTH,
-            highest: ledger.highest * LENGTH,
-            held: ledger.held * LENGTH,
-            touched,
-            apart: ledger.apart > 0.0,
-            let_go: ledger.ended > 0.0,
-        };
-        (measured.force_min, measured.force_max) = range.forces(&case.contact);
-        measured.indentation_max = if touched { range.deepest } else { f64::NAN };
+        let passed = passed(ledger);
+        (measured.force_min, measured.force_max) = case.contact.law().forces(&passed);
+        measured.indentation_max = if passed.touched { passed.deepest } else { f64::NAN };
     }
     let status = judge(sums, case, driven, run, force);
     Finished { measured, status }
@@ -141,7 +133,7 @@ pub(super) fn lag(travel: Complex<f64>) -> f64 {
 }
 
 fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -> Status {
-    let deepest = sums.ledger.deepest * LENGTH;
+    let deepest = sums.ledger.sums.deepest * LENGTH;
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }
@@ -151,51 +143,15 @@ fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -
     Status::Ok
 }
 
-/// What the indentation did, m.
-struct Range {
-    deepest: f64,
-    highest: f64,
-    /// Smallest while in contact.
-    held: f64,
-    touched: bool,
-    apart: bool,
-    let_go: bool,
-}
-
-impl Range {
-    /// Smallest and largest force over that range.
-    fn forces(&self, contact: &Contact) -> (f64, f64) {
-        let at = |indentation: f64, touching: bool| contact.force(indentation, touching);
-        match contact.law {
-            Law::None => (0.0, 0.0),
-            Law::Hertz => (at(self.highest, true), at(self.deepest, true)),
-            Law::Dmt => {
-                let ends = [at(self.deepest, self.deepest > 0.0), at(self.highest, self.highest > 0.0)];
-                let reached = self.highest <= 0.0 && self.deepest >= 0.0;
-                let least = if reached { at(0.0, true) } else { f64::INFINITY };
-                (least.min(ends[0]).min(ends[1]), ends[0].max(ends[1]))
-            }
-            Law::Jkr => self.jkr(contact),
-        }
-    }
-
-    fn jkr(&self, contact: &Contact) -> (f64, f64) {
-        let Some(jkr) = contact.jkr() else { return (0.0, 0.0) };
-        if !self.touched {
-            return (0.0, 0.0);
-        }
-        let fold = -3.0 * jkr.indentation_scale();
-        // Largest pull of the curve: y^3 = 3, so D = 3^(4/3) - 4 3^(1/3) = -3^(1/3).
-        let pull = -3f64.cbrt() * jkr.indentation_scale();
-        let least = if self.let_go { fold } else { self.held.max(fold) };
-        let ends = [contact.force(self.deepest, true), contact.force(least, true)];
-        let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-        if least <= pull && pull <= self.deepest {
-            low = low.min(contact.force(pull, true));
-        }
-        if self.apart {
-            (low, high) = (low.min(0.0), high.max(0.0));
-        }
-        (low, high)
+/// Where the tip went.
+fn passed(ledger: &Ledger<f64>) -> Passed {
+    let sums = &ledger.sums;
+    Passed {
+        deepest: sums.deepest * LENGTH,
+        highest: sums.highest * LENGTH,
+        held: sums.held * LENGTH,
+        touched: sums.time > 0.0 || sums.begun > 0.0,
+        apart: sums.apart > 0.0,
+        let_go: sums.ended > 0.0,
     }
 }

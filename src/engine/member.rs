@@ -1,8 +1,8 @@
 //! What the kernel is given of an instance: its constants and its state at the run's start, in the kernel's units.
 
-use super::law::numbers;
 use super::saved::Saved;
 use super::start;
+use crate::contact::KernelUnits;
 use crate::kernel::{LENGTH, Ledger, Lever, MODES_MAX, flown};
 use crate::plan::{CasePlan, Driven, Plan};
 use crate::scene::Start;
@@ -59,7 +59,8 @@ pub(super) fn free((case, driven): Member, start: Start) -> [f64; 3] {
 
 /// Gap, and the contact's constants.
 pub(super) fn gap_and_law((case, driven): Member) -> impl Iterator<Item = f64> {
-    let law = numbers(&case.contact, force_scale(driven, case.steps));
+    let (impulse, step) = (force_scale(driven, case.steps), step_length(driven, case.steps));
+    let law = case.contact.law().constants(KernelUnits { impulse, step });
     std::iter::once(case.gap / LENGTH).chain(law)
 }
 

@@ -7,7 +7,6 @@ mod estimate;
 pub mod gpu;
 #[cfg(test)]
 mod instructions_agree;
-mod law;
 mod measure;
 mod member;
 mod progress;

@@ -103,7 +103,7 @@ impl Trace {
         (self.first as f64 + 0.5) * self.step
     }
 
-    /// Travel beyond the steady free motion (m), its force (N), the rod top's part (m) and contact,
+    /// Travel beyond the steady free motion (m) and its rate (m/s), the rod top's part (m) and contact,
     /// at `time` s since the run's start, between the first and the last sample.
     ///
     /// Travel follows a cubic through four samples, so it keeps the samples' order of accuracy.
@@ -113,20 +113,27 @@ impl Trace {
         let base = (place.floor() - 1.0).clamp(0.0, last as f64) as usize;
         let s = place - base as f64;
         let window = &self.samples[base..(base + 4).min(self.samples.len())];
-        let beyond = cubic(window.iter().map(|sample| sample.beyond), s);
-        let top = cubic(window.iter().map(|sample| sample.top), s);
+        let (beyond, rate) = cubic(window.iter().map(|sample| sample.beyond), s);
+        let (top, _) = cubic(window.iter().map(|sample| sample.top), s);
         // A sample speaks for the step around it: its memory at the start is the last one's.
         let here = (place.round().max(0.0) as usize).min(self.samples.len() - 1);
         let was = self.samples[here.saturating_sub(1)].touching;
-        Between { beyond, top, was_touching: was, touching: self.samples[here].touching }
+        Between {
+            beyond,
+            rate: rate / self.step,
+            top,
+            was_touching: was,
+            touching: self.samples[here].touching,
+        }
     }
 }
 
 /// What [`Trace::at`] finds between samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Between {
-    /// Tip travel beyond the steady free motion, m.
+    /// Tip travel beyond the steady free motion, m, and its rate, m/s.
     pub beyond: f64,
+    pub rate: f64,
     /// The same for the rod's top, by the kept modes, m.
     pub top: f64,
     /// Contact at the start and at the end of the step around that time.
@@ -134,11 +141,31 @@ pub struct Between {
     pub touching: bool,
 }
 
-/// Lagrange's cubic through values at 0, 1, 2, 3 (a lower one through fewer).
-fn cubic(values: impl Iterator<Item = f64> + Clone, s: f64) -> f64 {
+/// Lagrange's cubic through values at 0, 1, 2, 3 (a lower one through fewer), and its slope.
+fn cubic(values: impl Iterator<Item = f64> + Clone, s: f64) -> (f64, f64) {
     let count = values.clone().count();
-    let weight = |i: usize| {
-        (0..count).filter(|&j| j != i).map(|j| (s - j as f64) / (i as f64 - j as f64)).product::<f64>()
+    let others = |i: usize| (0..count).filter(move |&j| j != i);
+    let factor = |i: usize, j: usize| (s - j as f64) / (i as f64 - j as f64);
+    let weight = |i: usize| others(i).map(|j| factor(i, j)).product::<f64>();
+    let slope = |i: usize| {
+        let but = |one: usize| others(i).filter(move |&j| j != one).map(|j| factor(i, j)).product::<f64>();
+        others(i).map(|one| but(one) / (i as f64 - one as f64)).sum::<f64>()
     };
-    values.enumerate().map(|(i, value)| weight(i) * value).sum()
+    let rate = values.clone().enumerate().map(|(i, value)| slope(i) * value).sum();
+    (values.enumerate().map(|(i, value)| weight(i) * value).sum(), rate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cubic;
+
+    #[test]
+    fn a_cubic_is_met_with_its_slope() {
+        let value = |s: f64| 2.0 - s + 3.0 * s * s - 0.5 * s * s * s;
+        let slope = |s: f64| -1.0 + 6.0 * s - 1.5 * s * s;
+        for s in [-0.3, 0.0, 0.7, 1.5, 2.0, 3.4] {
+            let (v, r) = cubic((0..4).map(|i| value(f64::from(i))), s);
+            assert!((v - value(s)).abs() < 1e-13 && (r - slope(s)).abs() < 1e-13, "{s}: {v}, {r}");
+        }
+    }
 }

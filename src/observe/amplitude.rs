@@ -1,6 +1,6 @@
 //! Amplitude of the tip's travel at the drive frequency: what a lock-in amplifier shows.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::Amplitude,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "m",
     long_name: "amplitude of the tip's travel, fundamental",
     wants: Wants::FUNDAMENTAL,
+    scale: Scale::Length,
     value: Value::One(|measured| measured.harmonics[0]),
 };

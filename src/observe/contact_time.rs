@@ -1,6 +1,6 @@
 //! Share of the period in contact: indentation above zero, for JKR from touch to fold.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::ContactTime,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "1",
     long_name: "share of the period in contact",
     wants: Wants::CONTACT,
+    scale: Scale::One,
     value: Value::One(|measured| measured.contact_time),
 };

@@ -1,6 +1,6 @@
 //! Largest force on the tip; positive pushes away.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::ForceMax,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "N",
     long_name: "largest tip force",
     wants: Wants::EXTREMES,
+    scale: Scale::Force,
     value: Value::One(|measured| measured.force_max),
 };

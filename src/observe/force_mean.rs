@@ -1,6 +1,6 @@
 //! Mean force over the measured periods.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::ForceMean,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "N",
     long_name: "mean tip force",
     wants: Wants::ENERGY,
+    scale: Scale::Force,
     value: Value::One(|measured| measured.force_mean),
 };

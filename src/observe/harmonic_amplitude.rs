@@ -1,6 +1,6 @@
 //! Amplitudes of the tip's travel at whole multiples of the drive frequency.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::HarmonicAmplitude,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "m",
     long_name: "amplitude of the tip's travel by harmonic",
     wants: Wants::HARMONIC,
+    scale: Scale::Length,
     value: Value::Harmonics(|measured| &measured.harmonics),
 };

@@ -1,6 +1,6 @@
 //! Largest indentation; NaN where the tip never was in contact.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::IndentationMax,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "m",
     long_name: "largest indentation",
     wants: Wants::EXTREMES,
+    scale: Scale::Depth,
     value: Value::One(|measured| measured.indentation_max),
 };

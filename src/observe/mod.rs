@@ -81,12 +81,33 @@ impl Measured {
 
     /// Whether anything was.
     pub fn is_any(&self) -> bool {
-        let Self { harmonics, phase, force_max, force_min, force_mean, .. } = self;
-        let Self { indentation_max, contact_time, dissipation, virial, contacts, .. } = self;
-        let forces = [force_max, force_min, force_mean, dissipation, virial];
-        let others = [phase, indentation_max, contact_time, contacts];
-        forces.into_iter().chain(others).chain(harmonics).any(|value| !value.is_nan())
+        let mut row = [f64::NAN; HARMONICS];
+        Observable::all().any(|observable| {
+            let row = &mut row[..observable.width()];
+            observable.write(self, row);
+            row.iter().any(|value| !value.is_nan())
+        })
     }
+}
+
+/// On what an observable's errors count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Lengths.
+    Length,
+    /// Lengths; where only one of two results has the observable, its whole value is the error: one of them just misses the
+    /// sample.
+    Depth,
+    /// Forces.
+    Force,
+    /// Work.
+    Work,
+    /// Work, or the observable itself where that is more.
+    WorkOrItself,
+    /// Its own unit.
+    One,
+    /// An angle, in degree, of the fundamental of the travel.
+    Phase,
 }
 
 /// How an observable follows from the measurements.
@@ -101,7 +122,9 @@ struct Entry {
     name: &'static str,
     units: &'static str,
     long_name: &'static str,
+    /// What must be summed for it.
     wants: Wants,
+    scale: Scale,
     value: Value,
 }
 
@@ -149,6 +172,11 @@ impl Observable {
     /// The observable of that keyword.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::all().find(|observable| observable.name() == name)
+    }
+
+    /// On what its errors count.
+    pub fn scale(self) -> Scale {
+        self.entry().scale
     }
 
     /// Numbers per instance: 1, or one per harmonic.

@@ -1,6 +1,6 @@
 //! Lag of the fundamental behind the drive's sine, 0 to 360 degrees.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::Phase,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "degree",
     long_name: "phase lag of the tip's travel behind the drive",
     wants: Wants::FUNDAMENTAL,
+    scale: Scale::Phase,
     value: Value::One(|measured| measured.phase),
 };

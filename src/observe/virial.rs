@@ -1,6 +1,6 @@
 //! Mean of force times tip travel, from which the frequency shift follows.
 
-use super::{Entry, Observable, Value, Wants};
+use super::{Entry, Observable, Scale, Value, Wants};
 
 pub(super) const ENTRY: Entry = Entry {
     observable: Observable::Virial,
@@ -8,5 +8,6 @@ pub(super) const ENTRY: Entry = Entry {
     units: "J",
     long_name: "virial: mean of tip force times tip travel",
     wants: Wants::ENERGY,
+    scale: Scale::WorkOrItself,
     value: Value::One(|measured| measured.virial),
 };

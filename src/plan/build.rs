@@ -201,15 +201,7 @@ fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> Cas
     let gap = params.approach.gap;
     let amplitude = driven.free.tip.norm();
     let settled = scene.run.start == Start::Steady;
-    let free = settled
-        && match contact.law {
-            Law::None => true,
-            // No force at a distance: a swing that ends above the surface stays free.
-            Law::Jkr => amplitude * (1.0 + 1e-9) < gap,
-            // A swing that ends just there, as in sweeps up to the free amplitude, touches by its rounding alone.
-            Law::Hertz => amplitude * (1.0 - 1e-13) < gap,
-            Law::Dmt => false,
-        };
+    let free = settled && contact.is_out_of_reach(amplitude, gap);
     let steps = if free {
         0
     } else {

@@ -3,9 +3,8 @@
 use super::compliance::compliance;
 use super::modes::COUNTS;
 use super::{BasisRule, Driven, ReducedBasis};
-use crate::contact::{Contact, Law};
+use crate::contact::Contact;
 use crate::instrument::Instrument;
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The accuracy, relative to the one asked for, whose modes are the most that are tried before oscillators are chosen
@@ -30,12 +29,10 @@ pub(super) fn contact_rate(
     gap: f64,
 ) -> f64 {
     let answer = |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.mobility())), s);
-    // Under DMT a tip that never touches feels the slope of the attraction just outside.
-    let pull = match contact.law {
-        Law::None => return 0.0,
-        Law::Dmt => 4.0 * PI * contact.radius * contact.work / contact.decay_length,
-        Law::Hertz | Law::Jkr => 0.0,
-    };
+    if !contact.law.acts() {
+        return 0.0;
+    }
+    let pull = contact.law().attraction_slope();
     let mut rate = omega;
     for _ in 0..ROUNDS {
         let mobility = rate * rate * answer(rate);

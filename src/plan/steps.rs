@@ -2,7 +2,7 @@
 
 use super::modes::ANGLE_MAX;
 use super::{BasisRule, Driven, ReducedBasis};
-use crate::contact::{Contact, Law};
+use crate::contact::Contact;
 use std::f64::consts::TAU;
 
 /// Fewest steps per period the rule gives.
@@ -22,7 +22,7 @@ const ORDER: f64 = 3.0;
 /// and by 5 times the force of a contact as shallow as lengths are accurate. At 1e-2 one of 615
 /// (a snap-in that either happens or not), at 1e-4 two of 612, by 2.3 times at most.
 const STIFFNESS: f64 = 0.125;
-/// The same for the slope of DMT's attraction just outside contact.
+/// The same for the slope of an attraction just outside contact.
 const ATTRACTION: f64 = 1.0;
 
 /// The rule: enough for the accuracy asked for, for the fastest oscillator, and for the contact
@@ -42,13 +42,7 @@ pub fn steps(
     let depth = deepest(contact, mobility, omega, amplitude, gap);
     let limit = STIFFNESS * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
     let stiff = period * (mobility * contact.stiffness(depth, true).max(0.0) / limit).sqrt();
-    let pull = match contact.law {
-        Law::Dmt => {
-            let slope = 4.0 * std::f64::consts::PI * contact.radius * contact.work / contact.decay_length;
-            period * (mobility * slope / ATTRACTION).sqrt()
-        }
-        _ => 0.0,
-    };
+    let pull = period * (mobility * contact.law().attraction_slope() / ATTRACTION).sqrt();
     rung(base.max(fast).max(stiff).max(pull))
 }
 
@@ -82,14 +76,14 @@ fn rung(steps: f64) -> u32 {
 
 /// Deepest indentation to expect, m: as far as the free swing would go, or as far as a Hertzian
 /// collision at the free tip's speed goes (delta_max = (5 v^2/(4 kappa mobility))^(2/5)), whichever is
-/// less, and JKR's resting depth on top.
+/// less, and what adhesion adds to a resting depth on top.
 pub fn deepest(contact: &Contact, mobility: f64, omega: f64, amplitude: f64, gap: f64) -> f64 {
     let overlap = (amplitude - gap).max(0.0);
     let inside = (amplitude * amplitude - gap * gap).max(0.0).sqrt().max(0.1 * amplitude);
     let speed = omega * inside;
     let kappa = contact.modulus * contact.radius.sqrt();
     let collision = (1.25 * speed * speed / (kappa * mobility)).powf(0.4);
-    let adhesion = contact.jkr().map_or(0.0, |jkr| 4.0 * jkr.indentation_scale());
+    let adhesion = contact.law().depth_by_adhesion();
     let resting = (-gap).max(0.0);
     collision.min(overlap) + adhesion + resting.min(overlap)
 }

@@ -47,7 +47,7 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
                 long_name: "contact law used".into(),
                 meanings: Law::ALL.iter().map(|law| law.name().to_owned()).collect(),
                 bits: false,
-                data: plan.cases.iter().map(|case| law_code(case.contact.law)).collect(),
+                data: plan.cases.iter().map(|case| case.contact.law.code()).collect(),
             },
             Flags {
                 name: "contact_warnings".into(),
@@ -173,10 +173,6 @@ pub fn complete(missing: &[&str]) -> Vec<(String, Attribute)> {
     }
 }
 
-fn law_code(law: Law) -> u8 {
-    Law::ALL.iter().position(|one| *one == law).unwrap_or(0) as u8
-}
-
 /// Words for the bits of `contact_warnings`.
 pub const WARNINGS: [&str; 5] =
     ["law_does_not_fit", "between_laws", "adhesion_left_out", "large_strain", "rigid_tip"];
@@ -250,7 +246,7 @@ fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
     let mut curves = Vec::new();
     for instance in chosen {
         let contact = plan.cases[instance].contact;
-        if contact.law == Law::None || seen.contains(&contact) {
+        if !contact.law.acts() || seen.contains(&contact) {
             continue;
         }
         seen.push(contact);

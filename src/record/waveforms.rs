@@ -1,6 +1,5 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
-use crate::contact::Law;
 use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
 use crate::plan::{Plan, Station};
@@ -87,27 +86,24 @@ fn instance_rows(
         // Steady free motion, by the drive's own phase.
         let angle = free.omega * time + trace.phase;
         let steady = |phasor: nalgebra::Complex<f64>| phasor.re * angle.sin() + phasor.im * angle.cos();
-        let mut travel = steady(free.tip) + between.beyond;
+        let steady_rate = (free.tip.re * angle.cos() - free.tip.im * angle.sin()) * free.omega;
+        let (mut travel, mut rate) = (steady(free.tip) + between.beyond, steady_rate + between.rate);
         let mut top = steady(free.top) + between.top;
         if rest {
             // The first half step of a run from rest lies before the first sample.
             if time < trace.begin() {
-                travel = free.tip_from_rest(&driven.instrument, time, &none).0;
+                (travel, rate) = free.tip_from_rest(&driven.instrument, time, &none);
             }
             top += free.transient_at(&driven.instrument, Place::Top, time, &skip).0;
         }
         let indentation = -(case.gap + travel);
         let contact = &case.contact;
-        let touching = match contact.law {
-            Law::Jkr if between.was_touching => contact.next_contact(indentation, true),
-            Law::Jkr => between.touching && contact.next_contact(indentation, false),
-            _ => indentation > 0.0,
-        };
+        let touching = contact.in_contact_within(indentation, between.was_touching, between.touching);
         rows.time.push(if rest { time } else { cycles * length });
         rows.tip_travel.push(travel);
         rows.actuator_top.push(top);
         rows.indentation.push(indentation);
-        rows.force.push(contact.force(indentation, touching));
+        rows.force.push(contact.force_moving(indentation, -rate, touching));
     }
     Ok(rows)
 }

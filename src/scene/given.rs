@@ -6,6 +6,7 @@ use super::params::{ActuatorModel, LawChoice, Lever};
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::PRESET;
+use crate::kernel::Attraction;
 use crate::units::{Dimension, format as written};
 
 /// Parts of the instrument of which many values from the preset are told together: what the paths begin with, which of
@@ -78,8 +79,8 @@ impl Scene {
                         || self.sweep.axes.iter().any(|axis| axis.path == "instrument.tip.youngs_modulus"))
             }
             "instrument.tip.radius" | "instrument.tip.youngs_modulus" => law != LawChoice::None,
-            "sample.surface_energy" | "sample.hamaker" => !matches!(law, LawChoice::None | LawChoice::Hertz),
-            "contact.decay_length" => matches!(law, LawChoice::Dmt | LawChoice::Auto),
+            "sample.surface_energy" | "sample.hamaker" => law.attraction() != Some(Attraction::None),
+            "contact.decay_length" => matches!(law.attraction(), None | Some(Attraction::Distant)),
             _ if path.starts_with("instrument.actuator.") => {
                 base.instrument.actuator.model != ActuatorModel::Rigid
             }

@@ -5,6 +5,8 @@
 //! `ha-fung-chen-2005`: Table 1 and the run of section 4 of J.-L. Ha,
 //! R.-F. Fung, Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 
+use crate::kernel::{Attraction, Law};
+
 /// Everything one instance needs; lengths in m, stiffness in N/m, frequencies in Hz.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Params {
@@ -132,16 +134,37 @@ pub enum Adhesion {
     Hamaker(f64),
 }
 
-/// What the scene asks for as contact law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum LawChoice {
-    None,
-    Hertz,
-    Dmt,
-    Jkr,
-    /// Chosen for each instance by Tabor's parameter.
-    Auto,
+macro_rules! law_choice {
+    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kind:ident $facts:tt;)*) => {
+        /// What the scene asks for as contact law.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum LawChoice {
+            $($(#[$doc])* $law,)*
+            /// Chosen for each instance by Tabor's parameter.
+            Auto,
+        }
+
+        impl LawChoice {
+            /// Keywords of `contact.law`.
+            pub(super) const WORDS: &[(&str, Self)] = &[$(($word, Self::$law),)* ("auto", Self::Auto)];
+
+            /// The law asked for; none where it is chosen for each instance.
+            pub fn law(self) -> Option<Law> {
+                match self {
+                    $(Self::$law => Some(Law::$law),)*
+                    Self::Auto => None,
+                }
+            }
+
+            /// Where adhesion may act.
+            pub(super) fn attraction(self) -> Option<Attraction> {
+                self.law().map(Law::attraction)
+            }
+        }
+    };
 }
+
+crate::kernel::laws!(law_choice);
 
 /// The contact law and its own constants.
 #[derive(Clone, Debug, PartialEq)]

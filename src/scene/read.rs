@@ -27,14 +27,6 @@ pub(super) const MODELS: [(&str, ActuatorModel); 4] = [
     ("rigid", ActuatorModel::Rigid),
     ("as-printed", ActuatorModel::AsPrinted),
 ];
-/// Keywords of `contact.law`.
-pub(super) const LAWS: [(&str, LawChoice); 5] = [
-    ("none", LawChoice::None),
-    ("hertz", LawChoice::Hertz),
-    ("dmt", LawChoice::Dmt),
-    ("jkr", LawChoice::Jkr),
-    ("auto", LawChoice::Auto),
-];
 /// Keywords of `drive.on`.
 pub(super) const DRIVE_ON: [(&str, DriveOn); 2] = [("actuator", DriveOn::Actuator), ("tip", DriveOn::Tip)];
 
@@ -196,7 +188,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Checked<Scene
     if let Some(table) = draft.section(document, "contact", &["law"])?
         && let Some((key, value)) = table.get_key_value("law")
     {
-        draft.params.contact.law = values::keyword(value, "contact.law", &LAWS)?;
+        draft.params.contact.law = values::keyword(value, "contact.law", LawChoice::WORDS)?;
         draft.say("contact.law".to_string(), key.span());
     }
     if let Some(table) = draft.section(document, "drive", &["on"])?

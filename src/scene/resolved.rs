@@ -3,7 +3,7 @@
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
-use super::read::{DRIVE_ON, LAWS, MODELS, PRESET, keys_of};
+use super::read::{DRIVE_ON, MODELS, PRESET, keys_of};
 use super::{Axis, Layout, Scene, output, sweep};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
@@ -31,7 +31,7 @@ impl Scene {
         self.write_section(text, "instrument.tip")?;
         writeln!(text, "\n[sample]")?;
         self.write_section(text, "sample")?;
-        writeln!(text, "\n[contact]\nlaw = {}", word(&LAWS, base.contact.law))?;
+        writeln!(text, "\n[contact]\nlaw = {}", word(LawChoice::WORDS, base.contact.law))?;
         self.write_section(text, "contact")?;
         writeln!(text, "\n[drive]\non = {}", word(&DRIVE_ON, base.drive.on))?;
         if base.drive.frequency == DriveFrequency::Resonance {

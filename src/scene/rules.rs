@@ -8,6 +8,7 @@ use super::params::*;
 use super::quantity::Address;
 use super::read::{Draft, Said};
 use super::{Layout, SweptAxes};
+use crate::kernel::{Attraction, Law};
 use std::ops::Range;
 
 const LEVER: &str = "instrument.cantilever.";
@@ -276,11 +277,15 @@ fn adhesion_fits(draft: &Draft) -> Checked<()> {
     let Some(said) = draft.first_of(&["sample.hamaker"]) else {
         return Ok(());
     };
-    let why = match draft.params.contact.law {
-        LawChoice::Dmt => return Ok(()),
-        LawChoice::Auto => "law = \"auto\" chooses by the work of adhesion",
-        LawChoice::Jkr => "JKR has no attraction outside contact that a Hamaker constant could describe",
-        LawChoice::Hertz | LawChoice::None => "this law has no adhesion",
+    let law = draft.params.contact.law.law();
+    let why = match law.map(Law::attraction) {
+        Some(Attraction::Distant) => return Ok(()),
+        Some(Attraction::None) => "this law has no adhesion".to_owned(),
+        Some(Attraction::Contact) => format!(
+            "{} has no attraction outside contact that a Hamaker constant could describe",
+            law.map_or_else(String::new, |law| law.name().to_uppercase())
+        ),
+        None => "law = \"auto\" chooses by the work of adhesion".to_owned(),
     };
     let fault = Fault::at(said.key.clone(), "a Hamaker constant needs the DMT law").label(why);
     let fault = match draft.first_of(&["contact.law"]) {

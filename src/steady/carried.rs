@@ -1,7 +1,6 @@
 //! A periodic state of one instance as the place where a search for another's begins.
 
 use super::PeriodicState;
-use crate::contact::Law;
 use crate::kernel::MODES_MAX;
 use crate::plan::{CasePlan, Driven, KeptMode, Plan, Station};
 use nalgebra::Complex;
@@ -34,7 +33,7 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
         false => 1.0,
     };
     let mut station =
-        Station { touching: state.station.touching && here.contact.law == Law::Jkr, ..Station::FREE };
+        Station { touching: state.station.touching && here.contact.law.has_memory(), ..Station::FREE };
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
         let alike = |other: &KeptMode| other.omega == mode.omega;
         let numbered = |other: &KeptMode| other.index == mode.index;

@@ -2,7 +2,6 @@
 
 use super::PeriodicState;
 use super::map::{PeriodMap, as_its_own, free_slope, station, still, vector};
-use crate::contact::Law;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
@@ -312,7 +311,7 @@ where
 /// Whether contact is a memory, and how a search for the instance's state goes about.
 fn options(plan: &Plan, instance: u32) -> (bool, Options) {
     let case = &plan.cases[instance as usize];
-    let remembers = case.contact.law == Law::Jkr;
+    let remembers = case.contact.law.has_memory();
     let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
     let options = Options {
         scale: plan.drives[case.drive as usize].free.tip.norm().max(1e-15),

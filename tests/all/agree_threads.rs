@@ -3,14 +3,19 @@
 
 use crate::checks;
 use crate::checks::{bounds, worst};
+use afmsweep::contact::Law;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, on_threads};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{Scene, Start, SweptAxes};
 use std::path::Path;
 
-const LAWS: [&str; 5] = ["none", "hertz", "dmt", "jkr", "auto"];
 const STARTS: [&str; 2] = ["steady", "rest"];
+
+/// The words of a scene.
+fn laws() -> impl Iterator<Item = &'static str> {
+    Law::ALL.map(Law::name).into_iter().chain(["auto"])
+}
 
 /// Three axes, one of which changes the instrument's drive.
 fn sweep(law: &str, start: &str, periods: u32) -> Scene {
@@ -69,7 +74,7 @@ fn bits(result: &Finished) -> Vec<u64> {
 }
 
 fn every_kind(check: impl Fn(&Scene, Precision, &str)) {
-    for law in LAWS {
+    for law in laws() {
         for start in STARTS {
             for precision in [Precision::F32, Precision::F64] {
                 check(&sweep(law, start, 30), precision, &format!("{law}, {start}, {}", precision.name()));
@@ -155,7 +160,7 @@ fn what_is_not_asked_for_changes_no_bit() {
 #[test]
 fn the_two_roundings_agree() {
     let mut largest: f64 = 0.0;
-    for law in LAWS {
+    for law in laws() {
         let plan = checks::plan_in(&sweep(law, "steady", 300), None, Precision::F64);
         let (once, twice) = (run(&plan, 2), run_in(&plan, 2, true));
         for (instance, (a, b)) in once.iter().zip(&twice).enumerate() {
@@ -175,7 +180,7 @@ fn the_two_roundings_agree() {
 #[test]
 fn f32_is_as_accurate_as_asked() {
     let mut compared = 0;
-    for law in LAWS {
+    for law in laws() {
         for start in STARTS {
             // The levers of slow contacts: of fast ones a run's own trial of precision says how f32 serves them.
             let mut scene = sweep(law, start, 300);

@@ -23,8 +23,8 @@ const ORDER: [&[&str]; 14] = [
 
 /// Beyond the order: modules that may import from these alone.
 const NARROW: [(&str, &[&str]); 2] = [
-    // The file's format does not depend on how results came about.
-    ("store", &["observe"]),
+    // The file's format does not depend on how results came about. The kernel has the names and codes of laws.
+    ("store", &["kernel", "observe"]),
     // Pictures come from the results file alone.
     ("report", &["observe", "store", "units"]),
 ];

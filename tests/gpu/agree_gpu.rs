@@ -7,7 +7,7 @@
 //! Without any GPU adapter these tests are listed as ignored.
 
 use crate::checks::{self, bounds, worst};
-use crate::shader::{self, LAWS, cpu, gpu, on, same, scene};
+use crate::shader::{self, cpu, gpu, laws, on, same, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
@@ -28,7 +28,7 @@ fn long(law: &str, start: &str, modes: usize) -> Scene {
 /// The same bits for every law, every observable, both starts, every instance whatever its status.
 fn same_bits(modes: usize, precision: Precision) -> Result<(), Failed> {
     let mut all = 0;
-    for law in LAWS {
+    for law in laws() {
         for start in ["steady", "rest"] {
             let plan = checks::plan_in(&long(law, start, modes), None, precision);
             let what = format!("{law}, {start}, {modes} modes, {}", precision.name());
@@ -66,7 +66,7 @@ fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
         Precision::F64 => bounds::SHADER_DOUBLE,
     };
     let (mut compared, mut worst_seen) = (0, 0.0);
-    for law in LAWS {
+    for law in laws() {
         for start in ["steady", "rest"] {
             let scene = long(law, start, modes);
             let plan = checks::plan_in(&scene, None, precision);

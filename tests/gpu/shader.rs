@@ -1,5 +1,6 @@
 //! Runs on the GPU and on the CPU, and how to compare them bit by bit.
 
+use afmsweep::contact::Law;
 use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use afmsweep::observe::Observable;
@@ -8,7 +9,9 @@ use afmsweep::scene::Scene;
 use libtest_mimic::Failed;
 use std::path::Path;
 
-pub const LAWS: [&str; 4] = ["none", "hertz", "dmt", "jkr"];
+pub fn laws() -> [&'static str; Law::ALL.len()] {
+    Law::ALL.map(Law::name)
+}
 
 /// A lever of `modes` modes over soft to stiff samples, from far away to pressed in. Of more than 8 they are a list, close
 /// enough together to be stepped with few steps.

@@ -1,8 +1,8 @@
 //! Sums over the measured periods of a run, and how the fundamental moves from period to period.
 
-use super::constants::{FAR, TWO, ZERO};
+use super::constants::{TWO, ZERO};
 use super::tally::Tally;
-use super::{HARMONICS, Lane, Wants};
+use super::{HARMONICS, Lane, PeriodSums, Wants};
 
 /// Closed once a period, in the kernel's own precision, so that a shader can keep it where it runs.
 #[derive(Clone, Copy, Debug)]
@@ -14,19 +14,10 @@ pub struct Ledger<L> {
     /// measured period: observables stand for all of them. Kernel units of length.
     pub changes: [L; 4],
     pub largest: L,
-    /// Sums and extremes of the measured periods' tallies.
+    /// Of the measured periods together.
     pub cosine: [L; HARMONICS],
     pub sine: [L; HARMONICS],
-    pub deepest: L,
-    pub highest: L,
-    pub held: L,
-    pub time: L,
-    pub begun: L,
-    pub ended: L,
-    pub apart: L,
-    pub impulse: L,
-    pub work: L,
-    pub virial: L,
+    pub sums: PeriodSums<L>,
 }
 
 impl<L: Lane> Ledger<L> {
@@ -40,33 +31,22 @@ impl<L: Lane> Ledger<L> {
             largest: zero,
             cosine: [zero; HARMONICS],
             sine: [zero; HARMONICS],
-            deepest: L::splat(-FAR),
-            highest: L::splat(FAR),
-            held: L::splat(FAR),
-            time: zero,
-            begun: zero,
-            ended: zero,
-            apart: zero,
-            impulse: zero,
-            work: zero,
-            virial: zero,
+            sums: PeriodSums::new(),
         }
     }
 
     /// All numbers, one after the other.
     pub fn numbers(&self) -> impl Iterator<Item = &L> {
-        let Self { last_cosine, last_sine, changes, largest, cosine, sine, .. } = self;
-        let Self { deepest, highest, held, time, begun, ended, apart, impulse, work, virial, .. } = self;
-        let single = [last_cosine, last_sine, largest, deepest, highest, held, time, begun, ended, apart];
-        single.into_iter().chain([impulse, work, virial]).chain(changes).chain(cosine).chain(sine)
+        let Self { last_cosine, last_sine, changes, largest, cosine, sine, sums } = self;
+        let single = [last_cosine, last_sine, largest].into_iter().chain(sums.numbers());
+        single.chain(changes).chain(cosine).chain(sine)
     }
 
     /// Their places, in the same order.
     pub fn places(&mut self) -> impl Iterator<Item = &mut L> {
-        let Self { last_cosine, last_sine, changes, largest, cosine, sine, .. } = self;
-        let Self { deepest, highest, held, time, begun, ended, apart, impulse, work, virial, .. } = self;
-        let single = [last_cosine, last_sine, largest, deepest, highest, held, time, begun, ended, apart];
-        single.into_iter().chain([impulse, work, virial]).chain(changes).chain(cosine).chain(sine)
+        let Self { last_cosine, last_sine, changes, largest, cosine, sine, sums } = self;
+        let single = [last_cosine, last_sine, largest].into_iter().chain(sums.places());
+        single.chain(changes).chain(cosine).chain(sine)
     }
 
     /// Takes in one period of `steps` steps; `wants` is none where it is not measured.
@@ -84,22 +64,7 @@ impl<L: Lane> Ledger<L> {
             self.cosine[n] = self.cosine[n] + tally.cosine[n];
             self.sine[n] = self.sine[n] + tally.sine[n];
         }
-        if wants.extremes {
-            self.deepest = self.deepest.max(tally.deepest);
-            self.highest = self.highest.min(tally.highest);
-            self.held = self.held.min(tally.held);
-        }
-        if wants.contact {
-            self.time = self.time + tally.time;
-            self.begun = self.begun + tally.begun;
-            self.ended = self.ended + tally.ended;
-            self.apart = self.apart.max(tally.apart);
-        }
-        if wants.energy {
-            self.impulse = self.impulse + tally.impulse;
-            self.work = self.work + tally.work;
-            self.virial = self.virial + tally.virial;
-        }
+        self.sums.join(&tally.sums, wants);
     }
 }
 

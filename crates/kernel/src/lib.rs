@@ -39,12 +39,12 @@ mod x86;
 pub use flow::{FlowMode, Lever, flown, increments};
 pub use lane::{Lane, Pack};
 pub use lanes::{Rounding, instructions};
-pub use law::Law;
+pub use law::{Attraction, Law, WithLaw};
 pub use ledger::Ledger;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
 pub use step::{Decay, Wave};
 pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
-pub use sums::{HARMONICS, Wants};
+pub use sums::{HARMONICS, How, PeriodSums, SUMS, Sum, Wants};
 
 /// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
 pub const LENGTH: f64 = 1e-9;

@@ -2,11 +2,18 @@
 //! head that holds every number and the places of every field.
 //!
 //! The files are WGSL but for a few directives in comments, so that only what is needed exists in
-//! the text: `//% each mode`, `//% each harmonic` (lines written once for each, `$` the number),
-//! `//% if NAME`, `//% end`, and `$law` for the contact law's name.
+//! the text: `//% if NAME`, `//% end`, `$law` for the contact law's name, and lines written once for
+//! each of some things:
+//!
+//! | directive | `$` is |
+//! |---|---|
+//! | `//% each mode`, `//% each harmonic` | its number |
+//! | `//% each group`, `//% each sum` | its name in the list of sums; `$$` the same in capitals |
+//! | `//% each total`, `largest`, `smallest`, `ever` | the name of each sum of which that is kept |
 
 use super::constants;
 use super::contact::LawShader;
+use super::sums::{GROUPS, How};
 use crate::Wants;
 use std::fmt::Write;
 
@@ -43,9 +50,6 @@ const MEMORY: &str = include_str!("../../../shaders/memory.wgsl");
 const PATH: &str = include_str!("../../../shaders/contact/path.wgsl");
 const TALLY: &str = include_str!("../../../shaders/observe/tally.wgsl");
 const FOURIER: &str = include_str!("../../../shaders/observe/fourier.wgsl");
-const EXTREMES: &str = include_str!("../../../shaders/observe/extremes.wgsl");
-const CONTACT: &str = include_str!("../../../shaders/observe/contact.wgsl");
-const ENERGY: &str = include_str!("../../../shaders/observe/energy.wgsl");
 const LEDGER: &str = include_str!("../../../shaders/observe/ledger.wgsl");
 
 impl ShaderSpec {
@@ -97,26 +101,14 @@ impl ShaderSpec {
             for n in 0..self.wants.harmonics {
                 fields.extend([format!("{sheet}_cosine_{n}"), format!("{sheet}_sine_{n}")]);
             }
-            let groups: [(bool, &[&str]); 3] = [
-                (self.wants.extremes, &["deepest", "highest", "held"]),
-                (self.wants.contact, &["time", "begun", "ended", "apart"]),
-                (self.wants.energy, &["impulse", "work", "virial"]),
-            ];
-            for (_, names) in groups.iter().filter(|(wanted, _)| *wanted) {
-                fields.extend(names.iter().map(|name| format!("{sheet}_{name}")));
-            }
+            fields.extend(self.wants.kept().map(|sum| format!("{sheet}_{}", sum.name)));
         }
-        if self.carried() {
+        if self.wants.looks_back() {
             fields.extend(["tally_last_0", "tally_last_1", "tally_touched"].map(str::to_owned));
         }
         let ledger = ["last_cosine", "last_sine", "change_0", "change_1", "change_2", "change_3", "largest"];
         fields.extend(ledger.map(|name| format!("ledger_{name}")));
         fields
-    }
-
-    /// Whether anything measured looks back at earlier samples.
-    fn carried(&self) -> bool {
-        self.wants.extremes || self.wants.contact
     }
 
     /// The head and the law alone, for an entry point that asks for kicks.
@@ -140,8 +132,7 @@ impl ShaderSpec {
         add(STEP);
         add(TALLY);
         add(FOURIER);
-        let groups = [(sums.extremes, EXTREMES), (sums.contact, CONTACT), (sums.energy, ENERGY)];
-        groups.iter().filter(|(wanted, _)| *wanted).for_each(|(_, file)| add(file));
+        GROUPS.iter().filter(|group| (group.wanted)(sums)).for_each(|group| add(group.text));
         add(LEDGER);
         add(MEMORY);
         add(SWEEP);
@@ -196,14 +187,14 @@ impl ShaderSpec {
         out.replace("$law", self.law.name)
     }
 
-    fn block(&self, lines: &[&str], number: Option<usize>, out: &mut String) {
+    fn block(&self, lines: &[&str], item: Option<&str>, out: &mut String) {
         let mut at = 0;
         while at < lines.len() {
             let line = lines[at];
             let Some(directive) = line.trim().strip_prefix("//% ") else {
-                match number {
-                    Some(number) if !line.contains("$law") => {
-                        *out += &line.replace('$', &number.to_string());
+                match item {
+                    Some(item) if !line.contains("$law") => {
+                        *out += &line.replace("$$", &item.to_uppercase()).replace('$', item);
                     }
                     _ => *out += line,
                 }
@@ -213,33 +204,48 @@ impl ShaderSpec {
             };
             let end = at + 1 + closing(&lines[at + 1..]);
             let inside = &lines[at + 1..end];
-            match directive {
-                "each mode" => (0..self.modes).for_each(|k| self.block(inside, Some(k), out)),
-                "each harmonic" => (0..self.sums().harmonics).for_each(|n| self.block(inside, Some(n), out)),
-                _ => match directive.strip_prefix("if ").and_then(|name| self.holds(name)) {
-                    Some(true) => self.block(inside, number, out),
-                    Some(false) => {}
-                    // No driver takes this for a shader: a misspelt directive must not remove lines in silence.
-                    None => *out += &format!("unknown directive: {directive}\n"),
-                },
+            let items = directive.strip_prefix("each ").and_then(|what| self.items(what));
+            let holds = directive.strip_prefix("if ").and_then(|name| self.holds(name));
+            match (items, holds) {
+                (Some(items), _) => items.iter().for_each(|item| self.block(inside, Some(item), out)),
+                (_, Some(true)) => self.block(inside, item, out),
+                (_, Some(false)) => {}
+                // No driver takes this for a shader: a misspelt directive must not remove lines in silence.
+                _ => *out += &format!("unknown directive: {directive}\n"),
             }
             at = end + 1;
         }
     }
 
+    /// What lines are written once for each of; none where that is not known.
+    fn items(&self, what: &str) -> Option<Vec<String>> {
+        let sums = self.sums();
+        let numbers = |count: usize| (0..count).map(|number| number.to_string()).collect();
+        let items = match what {
+            "mode" => numbers(self.modes),
+            "harmonic" => numbers(sums.harmonics),
+            "group" => {
+                GROUPS.iter().filter(|group| (group.wanted)(sums)).map(|group| group.name.into()).collect()
+            }
+            "sum" => sums.kept().map(|sum| sum.name.into()).collect(),
+            _ if How::ALL.iter().any(|how| how.word() == what) => {
+                sums.kept().filter(|sum| sum.how.word() == what).map(|sum| sum.name.into()).collect()
+            }
+            _ => return None,
+        };
+        Some(items)
+    }
+
     /// Whether a condition holds; none where it is not known.
     fn holds(&self, condition: &str) -> Option<bool> {
-        let holds = match condition {
-            "extremes" => self.sums().extremes,
-            "contact" => self.sums().contact,
-            "energy" => self.sums().energy,
-            "carried" => self.carried(),
+        let group = GROUPS.iter().find(|group| group.name == condition);
+        Some(match condition {
+            "looks back" => self.wants.looks_back(),
             "measured" => self.measured,
             "decay" => self.decay,
             "shifts" => self.law.shifts,
-            _ => return None,
-        };
-        Some(holds)
+            _ => (group?.wanted)(self.sums()),
+        })
     }
 }
 
@@ -269,7 +275,7 @@ mod tests {
         let spec = ShaderSpec { law, modes: 2, wants, measured: true, decay: false, double: false };
         assert_eq!(spec.expand("a\n//% if measured\nb\n//% end\n"), "a\nb\n");
         assert_eq!(spec.expand("a\n//% if decay\nb\n//% end\n"), "a\n");
-        for line in ["if shift", "each modes", "if", "unless decay"] {
+        for line in ["if shift", "each modes", "each", "if", "unless decay"] {
             let text = spec.expand(&format!("a\n//% {line}\nb\n//% end\n"));
             assert_eq!(text, format!("a\nunknown directive: {line}\n"));
         }

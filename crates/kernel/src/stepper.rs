@@ -9,7 +9,8 @@ use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
 use super::ledger::Ledger;
 use super::step::{Case, Decay, State, Wave, each_step, period, unmeasured_period};
 use super::tally::Tally;
-use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants};
+use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants, WithLaw};
+use std::marker::PhantomData;
 
 /// Steps [`Stepper::width`] instances of one law and number of modes side by side.
 ///
@@ -84,31 +85,22 @@ impl<E: Copy> WithLanes<E> for NewStepper {
     type Output = Option<Stepper<E>>;
 
     fn with<F: Family<E>>(self) -> Option<Stepper<E>> {
-        let modes = self.modes;
-        // Compiled for a few numbers of modes; up to 8 the ones between are filled up with modes at rest, beyond there is
-        // one kernel with a loop.
-        macro_rules! law {
-            (Nothing, $lane:ty) => { Nothing };
-            ($law:ident, $lane:ty) => { $law<$lane> };
-        }
-        macro_rules! modes {
-            ($law:ident: wide $($two:literal)*, narrow $($one:literal)*) => {
-                match modes {
-                    0 => None,
-                    $(..=$two => Some(new::<F::Wide, law!($law, F::Wide), $two>(modes)),)*
-                    $(..=$one => Some(new::<F::Narrow, law!($law, F::Narrow), $one>(modes)),)*
-                    _ => None,
+        let Self { law, modes } = self;
+        macro_rules! steppers {
+            ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
+                { attraction: $attraction:ident, memory: $memory:literal,
+                  wide: [$($two:literal)*], narrow: [$($one:literal)*] };)*) => {
+                match law {
+                    $(Law::$law => match modes {
+                        0 => None,
+                        $(..=$two => Some(new::<F::Wide, $kernel<F::Wide>, $two>(modes)),)*
+                        $(..=$one => Some(new::<F::Narrow, $kernel<F::Narrow>, $one>(modes)),)*
+                        _ => None,
+                    },)*
                 }
             };
         }
-        // Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two
-        // quotients that wait for each other; the others have more to gain from leaving the law out.
-        match self.law {
-            Law::None => modes!(Nothing: wide, narrow 8 24),
-            Law::Hertz => modes!(Hertz: wide 1 2, narrow 3 4 6 8 24),
-            Law::Dmt => modes!(Dmt: wide 1 2 3 4, narrow 6 8 24),
-            Law::Jkr => modes!(Jkr: wide 1 2, narrow 3 4 6 8 24),
-        }
+        crate::laws!(steppers)
     }
 }
 
@@ -241,12 +233,17 @@ impl WithLanes<f64> for NewTracer {
     type Output = Tracer;
 
     fn with<F: Family<f64>>(self) -> Tracer {
-        match self.0 {
-            Law::None => trace::<F::Narrow, Nothing>,
-            Law::Hertz => trace::<F::Narrow, Hertz<F::Narrow>>,
-            Law::Dmt => trace::<F::Narrow, Dmt<F::Narrow>>,
-            Law::Jkr => trace::<F::Narrow, Jkr<F::Narrow>>,
-        }
+        self.0.with(TraceWith::<F::Narrow>(PhantomData))
+    }
+}
+
+struct TraceWith<L>(PhantomData<L>);
+
+impl<L: Lane<Element = f64>> WithLaw<L> for TraceWith<L> {
+    type Output = Tracer;
+
+    fn with<I: Interaction<L>>(self) -> Tracer {
+        trace::<L, I>
     }
 }
 

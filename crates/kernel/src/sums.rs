@@ -1,24 +1,193 @@
-//! Which sums and extremes a run keeps.
+//! The list of what is summed over the steps of a period. From it follow what a run can ask for ([`Wants`]), the sums of
+//! a period and of a run ([`PeriodSums`]), the fields of the device's buffers and the members of the shader's structures.
+
+use super::Lane;
+use super::constants::{FAR, ZERO};
 
 /// Harmonics that can be summed: 1 to this.
 pub const HARMONICS: usize = 10;
 
-/// Which sums and extremes an engine must keep; what nobody asked for is not computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wants {
-    /// Fourier sums of the tip's travel for harmonics 1 to this.
-    pub harmonics: usize,
+/// What is done with a sum's values, step after step and period after period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum How {
+    /// They are added.
+    Total,
+    /// The largest is kept.
+    Largest,
+    /// The smallest is kept.
+    Smallest,
+    /// 1 once it was 1, else 0.
+    Ever,
+}
+
+impl How {
+    pub(crate) const ALL: [Self; 4] = [Self::Total, Self::Largest, Self::Smallest, Self::Ever];
+
+    /// The word of the shader's directives.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Total => "total",
+            Self::Largest => "largest",
+            Self::Smallest => "smallest",
+            Self::Ever => "ever",
+        }
+    }
+
+    /// Before the first step.
+    #[inline(always)]
+    fn start<L: Lane>(self) -> L {
+        L::splat(match self {
+            Self::Total | Self::Ever => ZERO,
+            Self::Largest => -FAR,
+            Self::Smallest => FAR,
+        })
+    }
+
+    /// With one more period.
+    #[inline(always)]
+    fn join<L: Lane>(self, sofar: L, period: L) -> L {
+        match self {
+            Self::Total => sofar + period,
+            Self::Largest | Self::Ever => sofar.max(period),
+            Self::Smallest => sofar.min(period),
+        }
+    }
+}
+
+/// One line of the list.
+#[derive(Clone, Copy, Debug)]
+pub struct Sum {
+    /// Field of [`PeriodSums`], member in the shader, and with the sheet before it field of the device's buffer.
+    pub name: &'static str,
+    pub how: How,
+    /// Whether a run that wants so much keeps it.
+    pub kept: fn(Wants) -> bool,
+}
+
+/// Sums that are wanted together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Group {
+    /// Field of [`Wants`], condition in the shader; its function there is `tally_<name>`.
+    pub name: &'static str,
+    pub wanted: fn(Wants) -> bool,
+    /// What the shader does with a sample.
+    pub text: &'static str,
+}
+
+/// Each group has a flag in [`Wants`], a function of its name in `tally.rs` and a file of its name in `shaders/observe`,
+/// which say what a step adds.
+macro_rules! sums {
+    ($($(#[$wanted:meta])* $group:ident { $($(#[$what:meta])* $name:ident: $how:ident,)* })*) => {
+        /// Which sums and extremes an engine must keep; what nobody asked for is not computed.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct Wants {
+            /// Fourier sums of the tip's travel for harmonics 1 to this.
+            pub harmonics: usize,
+            $($(#[$wanted])* pub $group: bool,)*
+        }
+
+        impl Wants {
+            /// The least: by the fundamental a run's steadiness is judged.
+            pub const FUNDAMENTAL: Self = Self { harmonics: 1, $($group: false,)* };
+            /// All there is.
+            pub const ALL: Self = Self { harmonics: HARMONICS, $($group: true,)* };
+
+            /// What either of two needs.
+            pub fn or(self, other: Self) -> Self {
+                Self {
+                    harmonics: self.harmonics.max(other.harmonics),
+                    $($group: self.$group | other.$group,)*
+                }
+            }
+
+            /// Every choice of groups, with one harmonic and with all.
+            pub fn every() -> Vec<Self> {
+                let mut all = vec![Self::FUNDAMENTAL, Self::HARMONIC];
+                $(all.extend(all.clone().into_iter().map(|wants| Self { $group: true, ..wants }));)*
+                all
+            }
+        }
+
+        /// Over a period, or over the measured ones of a run. Kernel units.
+        #[derive(Clone, Copy, Debug)]
+        pub struct PeriodSums<L> {
+            $($($(#[$what])* pub $name: L,)*)*
+        }
+
+        impl<L: Lane> PeriodSums<L> {
+            /// Before the first step.
+            #[inline(always)]
+            pub(crate) fn new() -> Self {
+                Self { $($($name: How::$how.start(),)*)* }
+            }
+
+            /// Takes in those of one more period, as far as they are wanted.
+            #[inline(always)]
+            pub(crate) fn join(&mut self, period: &Self, wants: Wants) {
+                $(if wants.$group {
+                    $(self.$name = How::$how.join(self.$name, period.$name);)*
+                })*
+            }
+
+            /// All of them, in the order of [`SUMS`].
+            pub fn numbers(&self) -> impl Iterator<Item = &L> {
+                [$($(&self.$name,)*)*].into_iter()
+            }
+
+            /// Their places, in the same order.
+            pub fn places(&mut self) -> impl Iterator<Item = &mut L> {
+                [$($(&mut self.$name,)*)*].into_iter()
+            }
+        }
+
+        /// The list.
+        pub const SUMS: &[Sum] = &[
+            $($(Sum { name: stringify!($name), how: How::$how, kept: |wants| wants.$group },)*)*
+        ];
+
+        pub(crate) const GROUPS: &[Group] = &[
+            $(Group {
+                name: stringify!($group),
+                wanted: |wants| wants.$group,
+                text: include_str!(concat!("../../../shaders/observe/", stringify!($group), ".wgsl")),
+            },)*
+        ];
+    };
+}
+
+sums! {
     /// Extremes of the indentation, from which those of the force follow.
-    pub extremes: bool,
+    extremes {
+        /// Largest indentation.
+        deepest: Largest,
+        /// Smallest indentation.
+        highest: Smallest,
+        /// Smallest indentation while in contact.
+        held: Smallest,
+    }
     /// Contact time, number of contacts.
-    pub contact: bool,
+    contact {
+        /// Steps in contact.
+        time: Total,
+        /// Contacts begun.
+        begun: Total,
+        /// Contacts ended.
+        ended: Total,
+        /// Whether the tip was ever out of contact.
+        apart: Ever,
+    }
     /// Impulse, work and virial.
-    pub energy: bool,
+    energy {
+        /// Impulses.
+        impulse: Total,
+        /// Their work.
+        work: Total,
+        /// Their virial.
+        virial: Total,
+    }
 }
 
 impl Wants {
-    /// The least: by the fundamental a run's steadiness is judged.
-    pub const FUNDAMENTAL: Self = Self { harmonics: 1, extremes: false, contact: false, energy: false };
     /// All harmonics.
     pub const HARMONIC: Self = Self { harmonics: HARMONICS, ..Self::FUNDAMENTAL };
     /// Times and numbers of contacts.
@@ -28,13 +197,25 @@ impl Wants {
     /// Extremes of the indentation; whether there was contact belongs to them.
     pub const EXTREMES: Self = Self { extremes: true, ..Self::CONTACT };
 
-    /// What either of two needs.
-    pub fn or(self, other: Self) -> Self {
-        Self {
-            harmonics: self.harmonics.max(other.harmonics),
-            extremes: self.extremes | other.extremes,
-            contact: self.contact | other.contact,
-            energy: self.energy | other.energy,
-        }
+    /// Which of the list's sums are kept, in its order.
+    pub fn kept(self) -> impl Iterator<Item = &'static Sum> {
+        SUMS.iter().filter(move |sum| (sum.kept)(self))
+    }
+
+    /// Whether earlier samples are looked back at.
+    pub fn looks_back(self) -> bool {
+        self.extremes || self.contact
+    }
+}
+
+impl<L: Lane> PeriodSums<L> {
+    /// Those that are kept, in the order of [`Wants::kept`].
+    pub fn kept(&self, wants: Wants) -> impl Iterator<Item = &L> {
+        self.numbers().zip(SUMS).filter(move |(_, sum)| (sum.kept)(wants)).map(|(number, _)| number)
+    }
+
+    /// Their places, in the same order.
+    pub fn kept_places(&mut self, wants: Wants) -> impl Iterator<Item = &mut L> {
+        self.places().zip(SUMS).filter(move |(_, sum)| (sum.kept)(wants)).map(|(place, _)| place)
     }
 }

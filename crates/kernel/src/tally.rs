@@ -1,8 +1,8 @@
-//! Sums and extremes over the steps of a period, from which the observables follow.
+//! What each step adds to the sums of a period, from which the observables follow. `sums.rs` lists them.
 
-use super::constants::{EIGHT, FAR, ONE, ZERO};
+use super::constants::{EIGHT, ONE, ZERO};
 use super::step::{Sample, Wave};
-use super::{HARMONICS, Lane, Wants};
+use super::{HARMONICS, Lane, PeriodSums, Wants};
 
 /// The body for each harmonic above the first, written out: an index that is only known when it runs would
 /// keep every sum in memory.
@@ -21,19 +21,8 @@ pub(crate) struct Tally<L> {
     /// Sums of the travel beyond the steady free one times cosine and sine, by harmonic.
     pub cosine: [L; HARMONICS],
     pub sine: [L; HARMONICS],
-    /// Largest and smallest indentation, and the smallest while in contact.
-    pub deepest: L,
-    pub highest: L,
-    pub held: L,
-    /// Steps in contact, contacts begun, contacts ended, 1 if ever out of contact.
-    pub time: L,
-    pub begun: L,
-    pub ended: L,
-    pub apart: L,
-    /// Sum of impulses, of their work, of their virial.
-    pub impulse: L,
-    pub work: L,
-    pub virial: L,
+    /// The sums of the list.
+    pub sums: PeriodSums<L>,
     /// The last two samples of indentation and contact, carried into the next period.
     last: [L; 2],
     touched: L,
@@ -42,24 +31,8 @@ pub(crate) struct Tally<L> {
 impl<L: Lane> Tally<L> {
     /// Between two periods, from the indentation at the last two samples and contact at the last one.
     pub fn resume(last: [L; 2], touching: L) -> Self {
-        let mut tally = Self {
-            cosine: [L::splat(ZERO); HARMONICS],
-            sine: [L::splat(ZERO); HARMONICS],
-            deepest: L::splat(ZERO),
-            highest: L::splat(ZERO),
-            held: L::splat(ZERO),
-            time: L::splat(ZERO),
-            begun: L::splat(ZERO),
-            ended: L::splat(ZERO),
-            apart: L::splat(ZERO),
-            impulse: L::splat(ZERO),
-            work: L::splat(ZERO),
-            virial: L::splat(ZERO),
-            last,
-            touched: touching,
-        };
-        tally.next_period();
-        tally
+        let zero = [L::splat(ZERO); HARMONICS];
+        Self { cosine: zero, sine: zero, sums: PeriodSums::new(), last, touched: touching }
     }
 
     /// Indentation at the last two samples, and contact at the last one.
@@ -74,16 +47,7 @@ impl<L: Lane> Tally<L> {
         let zero = L::splat(ZERO);
         self.cosine = [zero; HARMONICS];
         self.sine = [zero; HARMONICS];
-        self.deepest = L::splat(-FAR);
-        self.highest = L::splat(FAR);
-        self.held = L::splat(FAR);
-        self.time = zero;
-        self.begun = zero;
-        self.ended = zero;
-        self.apart = zero;
-        self.impulse = zero;
-        self.work = zero;
-        self.virial = zero;
+        self.sums = PeriodSums::new();
     }
 
     #[inline(always)]
@@ -105,9 +69,7 @@ impl<L: Lane> Tally<L> {
             self.add_contact(sample);
         }
         if wants.energy {
-            self.impulse = self.impulse + sample.kick.impulse;
-            self.work = self.work + sample.work;
-            self.virial = self.virial + sample.virial;
+            self.add_energy(sample);
         }
         // Kept up before the measured part too: its first sample needs its predecessors.
         self.last = [self.last[1], sample.indentation];
@@ -140,15 +102,24 @@ impl<L: Lane> Tally<L> {
     #[inline(always)]
     fn add_contact(&mut self, sample: &Sample<L>) {
         let (one, zero) = (L::splat(ONE), L::splat(ZERO));
+        let sums = &mut self.sums;
         let before = zero.less(self.touched);
         let now = zero.less(sample.kick.touching);
         // Elsewhere nothing would be added.
         if L::any(L::either(L::either(before, now), zero.less(sample.kick.contact))) {
-            self.time = self.time + sample.kick.contact;
-            self.begun = self.begun + L::select(L::both(now, L::not(before)), one, zero);
-            self.ended = self.ended + L::select(L::both(before, L::not(now)), one, zero);
+            sums.time = sums.time + sample.kick.contact;
+            sums.begun = sums.begun + L::select(L::both(now, L::not(before)), one, zero);
+            sums.ended = sums.ended + L::select(L::both(before, L::not(now)), one, zero);
         }
-        self.apart = L::select(now, self.apart, one);
+        sums.apart = L::select(now, sums.apart, one);
+    }
+
+    #[inline(always)]
+    fn add_energy(&mut self, sample: &Sample<L>) {
+        let sums = &mut self.sums;
+        sums.impulse = sums.impulse + sample.kick.impulse;
+        sums.work = sums.work + sample.work;
+        sums.virial = sums.virial + sample.virial;
     }
 
     /// The middle of the last three samples, moved to the top of their parabola where it is one.
@@ -166,9 +137,10 @@ impl<L: Lane> Tally<L> {
             let top = middle - slope * slope / (L::splat(EIGHT) * bend);
             value = L::select(turns, top, middle);
         }
-        self.deepest = self.deepest.max(value);
-        self.highest = self.highest.min(value);
-        let held = L::select(zero.less(self.touched), value, self.held);
-        self.held = self.held.min(held);
+        let sums = &mut self.sums;
+        sums.deepest = sums.deepest.max(value);
+        sums.highest = sums.highest.min(value);
+        let held = L::select(zero.less(self.touched), value, sums.held);
+        sums.held = sums.held.min(held);
     }
 }

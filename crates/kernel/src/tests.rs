@@ -1,15 +1,14 @@
 //! Lanes against each other: what one instance does alone it does in any register, to the bit.
 
-use super::contact::{Dmt, Hertz, Interaction, Jkr};
+use super::contact::Interaction;
 use super::pair::Pair;
 use super::step::{Case, State, period, unmeasured_period};
 use super::tally::Tally;
 use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
-use super::{FlowMode, HARMONICS, Lane, Ledger, Lever, Pack, Wants, Wave};
+use super::{FlowMode, HARMONICS, Lane, Law, Ledger, Lever, Pack, Wants, Wave, WithLaw};
 use std::f64::consts::TAU;
 
 const STEPS: usize = 96;
-const ALL: Wants = Wants { harmonics: HARMONICS, extremes: true, contact: true, energy: true };
 
 /// Lanes that this processor does not have must not be tried.
 fn has(instructions: &str) -> bool {
@@ -108,7 +107,7 @@ fn any_sees_each_lane() {
 }
 
 /// 32 instances, soft to stiff, from far away to pressed in; the bits of all that is summed.
-fn stepped<L: Lane, I: Interaction<L>>(law: &[&dyn Fn(f64) -> f64]) -> Vec<u64> {
+fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
     let modes = [(TAU, 0.05, 0.2), (6.27 * TAU, 0.02, 0.8)];
     let modes = modes.map(|(omega, damping, share)| FlowMode { omega, damping, share });
     let lever = Lever::new(&modes, 1.0 / STEPS as f64, 2);
@@ -126,7 +125,12 @@ fn stepped<L: Lane, I: Interaction<L>>(law: &[&dyn Fn(f64) -> f64]) -> Vec<u64> 
             let scale = 1e-4 * 1.2f64.powi(((first + i) * 7 % 32) as i32);
             let free = [20.0, 3.0, TAU / STEPS as f64];
             let gap = -2.0 + 0.8 * (first + i) as f64;
-            let law = law.iter().map(|number| number(scale));
+            let law = I::SHADER.fields.iter().map(|field| match *field {
+                "stiffness" | "unit_force" => scale,
+                "adhesion" => 2.0 * scale,
+                "inverse_decay" => 5.0,
+                _ => 3.0,
+            });
             let motion = lever.motion.iter().copied().chain(free).chain([gap]).chain(law);
             motion.chain(lever.energy.iter().copied()).collect::<Vec<f64>>()
         };
@@ -139,8 +143,8 @@ fn stepped<L: Lane, I: Interaction<L>>(law: &[&dyn Fn(f64) -> f64]) -> Vec<u64> 
         let mut tally = Tally::resume([L::splat(-30.0); 2], zero);
         let mut ledger = Ledger::new();
         for _ in 0..12 {
-            period(&case, &mut state, &waves, None, ALL, &mut tally);
-            ledger.close(&tally, STEPS, Some(ALL));
+            period(&case, &mut state, &waves, None, Wants::ALL, &mut tally);
+            ledger.close(&tally, STEPS, Some(Wants::ALL));
             tally.next_period();
             unmeasured_period(&case, &mut alone, &waves[0]);
         }
@@ -157,12 +161,19 @@ fn stepped<L: Lane, I: Interaction<L>>(law: &[&dyn Fn(f64) -> f64]) -> Vec<u64> 
     out
 }
 
-fn laws<L: Lane>() -> [Vec<u64>; 3] {
-    [
-        stepped::<L, Hertz<L>>(&[&|scale| scale]),
-        stepped::<L, Dmt<L>>(&[&|scale| scale, &|scale| 2.0 * scale, &|_| 5.0]),
-        stepped::<L, Jkr<L>>(&[&|scale| scale, &|_| 3.0]),
-    ]
+struct Stepped;
+
+impl<L: Lane> WithLaw<L> for Stepped {
+    type Output = Vec<u64>;
+
+    fn with<I: Interaction<L>>(self) -> Vec<u64> {
+        stepped::<L, I>()
+    }
+}
+
+/// By law, of those that act.
+fn laws<L: Lane>() -> Vec<Vec<u64>> {
+    Law::ALL.into_iter().filter(|law| law.acts()).map(|law| law.with::<L, _>(Stepped)).collect()
 }
 
 #[test]

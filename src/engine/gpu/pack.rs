@@ -141,9 +141,7 @@ fn drive_row(plan: &Plan, spec: &ShaderSpec, member: Member) -> Vec<f64> {
 
 /// Sums that the tally of a part of a period leaves in the state.
 fn tally_sums(spec: &ShaderSpec) -> usize {
-    let wants = spec.wants;
-    let groups = [(wants.extremes, 3), (wants.contact, 4), (wants.energy, 3)];
-    2 * wants.harmonics + groups.iter().map(|(wanted, count)| usize::from(*wanted) * count).sum::<usize>()
+    2 * spec.wants.harmonics + spec.wants.kept().count()
 }
 
 /// In the order of [`ShaderSpec::state_fields`]; the tally's own sums begin anew with a period.
@@ -159,16 +157,8 @@ fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
     for n in 0..wants.harmonics {
         out.extend([ledger.cosine[n], ledger.sine[n]]);
     }
-    if wants.extremes {
-        out.extend([ledger.deepest, ledger.highest, ledger.held]);
-    }
-    if wants.contact {
-        out.extend([ledger.time, ledger.begun, ledger.ended, ledger.apart]);
-    }
-    if wants.energy {
-        out.extend([ledger.impulse, ledger.work, ledger.virial]);
-    }
-    if wants.extremes || wants.contact {
+    out.extend(ledger.sums.kept(wants));
+    if wants.looks_back() {
         out.extend([place.last[0], place.last[1], place.touched]);
     }
     out.extend([ledger.last_cosine, ledger.last_sine]);
@@ -208,17 +198,9 @@ fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Save
         (cosine[n], sine[n]) = (next(), next());
     }
     (ledger.cosine, ledger.sine) = (cosine, sine);
-    if wants.extremes {
-        (ledger.deepest, ledger.highest, ledger.held) = (next(), next(), next());
-    }
-    if wants.contact {
-        (ledger.time, ledger.begun, ledger.ended, ledger.apart) = (next(), next(), next(), next());
-    }
-    if wants.energy {
-        (ledger.impulse, ledger.work, ledger.virial) = (next(), next(), next());
-    }
+    ledger.sums.kept_places(wants).for_each(|place| *place = next());
     let (mut last, mut touched) = ([0.0; 2], touching);
-    if wants.extremes || wants.contact {
+    if wants.looks_back() {
         last = [next(), next()];
         touched = next();
     }

@@ -72,9 +72,9 @@ impl Meter {
         }
     }
 
-    /// Takes note of an indentation passed.
-    pub fn see(&mut self, system: &System, delta: f64) {
-        let force = system.force.at(delta, system.touching);
+    /// Takes note of an indentation passed at a rate (m per rad).
+    pub fn see(&mut self, system: &System, delta: f64, rate: impl FnOnce() -> f64) {
+        let force = system.force.at(delta, || rate() * system.omega, system.touching);
         self.deepest = self.deepest.max(delta);
         self.force_min = self.force_min.min(force);
         self.force_max = self.force_max.max(force);
@@ -85,13 +85,14 @@ impl Meter {
     pub fn pass(&mut self, system: &System, piece: &Piece, turns: &[f64], first: f64, last: f64) {
         self.add_waves(system, piece);
         let mut before = first;
-        let inside = turns.iter().map(|u| piece.indentation(system, *u).0);
-        for delta in inside.chain([last]) {
-            self.see(system, delta);
+        let inside = turns.iter().map(|u| (piece.indentation(system, *u).0, *u));
+        for (delta, u) in inside.chain([(last, 1.0)]) {
+            self.see(system, delta, || piece.indentation(system, u).1);
             if let (true, Some(pull)) = (system.touching, system.force.deepest_pull())
                 && (before - pull) * (delta - pull) < 0.0
             {
-                self.see(system, pull);
+                // Of a law that asks for no rate.
+                self.see(system, pull, || 0.0);
             }
             before = delta;
         }

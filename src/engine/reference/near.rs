@@ -3,7 +3,6 @@
 use super::system::{System, far};
 use super::walk::Walk;
 use super::{Reference, integrate};
-use crate::contact::Law;
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::{flown, increments};
 use crate::periodic::{Found, Options, Search, Verdict};
@@ -60,7 +59,7 @@ pub fn solve_near(
     }
     let (all, slow) = unknowns(&system, case, driven, station);
     system.touching = station.touching;
-    let remembers = case.contact.law == Law::Jkr;
+    let remembers = case.contact.law.has_memory();
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { ROUGH } else { SMOOTH };
     let loss = |place: &usize| {

@@ -183,7 +183,8 @@ impl Rates for System {
         let (free, free_rate) = self.free_at(theta);
         let travel = free + x.iter().sum::<f64>();
         let delta = -(self.gap + travel);
-        let force = self.force.at(delta, self.touching);
+        let rate = || free_rate + v.iter().sum::<f64>();
+        let force = self.force.at(delta, || -rate() * self.omega, self.touching);
         out[..n].copy_from_slice(v);
         let bent = out[n..2 * n].iter_mut().zip(x).zip(v);
         let constants = self.stiffness.iter().zip(&self.loss).zip(&self.push);
@@ -191,8 +192,7 @@ impl Rates for System {
             *out = push * force - loss * v - stiffness * x;
         }
         if self.measuring {
-            let rate = free_rate + v.iter().sum::<f64>();
-            out[2 * n..2 * n + 3].copy_from_slice(&[force, force * rate, force * travel]);
+            out[2 * n..2 * n + 3].copy_from_slice(&[force, force * rate(), force * travel]);
         }
         delta
     }

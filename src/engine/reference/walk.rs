@@ -103,7 +103,7 @@ impl Walk {
             if h > 0.0 {
                 self.y[..size].copy_from_slice(&self.stepper.end[..size]);
                 theta = if whole && !crossed { TAU } else { theta + h };
-                self.grow();
+                self.grow(theta);
             }
             if crossed {
                 self.switch(theta, meter.as_deref_mut());
@@ -124,7 +124,8 @@ impl Walk {
         self.stepper.begin(&mut self.system, theta, &self.y[..size]);
         if let Some(meter) = meter {
             meter.touched |= self.system.touching;
-            meter.see(&self.system, self.stepper.seen[0]);
+            let (system, y) = (&self.system, &self.y);
+            meter.see(system, self.stepper.seen[0], || system.indentation_of(theta, y).1);
         }
     }
 
@@ -291,10 +292,11 @@ impl Walk {
     }
 
     /// Lets scales grow with what was met, and remembers the first step after a change.
-    fn grow(&mut self) {
+    fn grow(&mut self, theta: f64) {
         let n = self.system.modes();
         let travel: f64 = self.y[..n].iter().sum();
-        let force = self.system.force.at(self.stepper.seen[12], self.system.touching);
+        let rate = || self.system.indentation_of(theta, &self.y).1 * self.system.omega;
+        let force = self.system.force.at(self.stepper.seen[12], rate, self.system.touching);
         self.length = self.length.max(travel.abs());
         self.force = self.force.max(force.abs());
     }

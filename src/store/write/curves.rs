@@ -1,6 +1,7 @@
 //! Group `force_curves`.
 
 use super::Layout;
+use crate::kernel::Law;
 use crate::store::ForceCurve;
 use hdf5::File;
 
@@ -18,7 +19,7 @@ pub(super) fn write(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
         (
             "law",
             "contact law",
-            ["none", "hertz", "dmt", "jkr"].as_slice(),
+            Law::ALL.map(Law::name).as_slice(),
             curves.iter().map(|curve| curve.law.as_str()).collect::<Vec<_>>(),
         ),
         (

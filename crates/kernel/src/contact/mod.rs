@@ -11,9 +11,13 @@ pub use jkr::Jkr;
 
 use super::Lane;
 use super::constants::{ONE, ZERO};
+use std::marker::PhantomData;
 
 /// The tip at one sample: indentation, its rate of change over the step before the kick, and its
 /// acceleration by everything but the contact force. Kernel units.
+///
+/// A law's force may depend on the indentation, on its rate and on whether there is contact. All of them know the rate: the
+/// step needs it for the piece of path, so that it costs a law that leaves it out nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach<L> {
     pub indentation: L,
@@ -86,9 +90,9 @@ impl<L: Lane> Kick<L> {
 
 /// No sample at all.
 #[derive(Clone, Copy, Debug)]
-pub struct Nothing;
+pub struct Nothing<L>(PhantomData<L>);
 
-impl<L: Lane> Interaction<L> for Nothing {
+impl<L: Lane> Interaction<L> for Nothing<L> {
     const SHADER: &'static LawShader = &LawShader {
         name: "nothing",
         texts: &[include_str!("../../../../shaders/contact/nothing.wgsl")],
@@ -97,7 +101,7 @@ impl<L: Lane> Interaction<L> for Nothing {
     };
 
     fn from_numbers(_: impl FnMut() -> L) -> Self {
-        Self
+        Self(PhantomData)
     }
 
     #[inline(always)]

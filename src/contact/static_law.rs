@@ -1,0 +1,91 @@
+//! What every contact law answers.
+
+/// Points between the far end and the surface (0) of the indentations outside contact that a curve shows, as shares of the
+/// way: 1 is the far end.
+pub(super) type Shares<'a> = &'a [f64];
+
+/// A law with its constants. Only a law with memory looks at `in_contact`.
+///
+/// The first four are the law. Whoever needs to know more of a law (the plan, the engines, the curves) asks for it here,
+/// and what holds for a law without adhesion is the answer where a law gives none of its own.
+///
+/// No input panics; a NaN comes back as NaN.
+pub trait StaticLaw {
+    /// Force on the tip, N, at indentation `delta` (m).
+    fn force(&self, delta: f64, in_contact: bool) -> f64;
+    /// Slope `df/d delta`, N/m; the contact's side of it at a kink. Minus infinity at JKR's fold.
+    fn stiffness(&self, delta: f64, in_contact: bool) -> f64;
+    /// Energy `U`, J, with `dU/d delta = f` and `U = 0` far apart.
+    fn energy(&self, delta: f64, in_contact: bool) -> f64;
+    /// Contact radius `a`, m; 0 out of contact.
+    fn contact_radius(&self, delta: f64, in_contact: bool) -> f64;
+    /// The kernel's constants in its units, in the order of its shader's fields ([`crate::kernel::contact::LawShader`]).
+    fn constants(&self, units: KernelUnits) -> Vec<f64>;
+
+    /// Force on the tip, N, while the indentation changes by `rate` (m/s).
+    fn force_moving(&self, delta: f64, _rate: f64, in_contact: bool) -> f64 {
+        self.force(delta, in_contact)
+    }
+    /// Smallest and largest force (N) on a tip that went there.
+    ///
+    /// This is for a law whose force rises with the indentation, in contact and outside.
+    fn forces(&self, passed: &Passed) -> (f64, f64) {
+        (self.force(passed.highest, true), self.force(passed.deepest, true))
+    }
+    /// Indentation at which a contact ends on retraction, m (0 or below).
+    fn release(&self) -> f64 {
+        0.0
+    }
+    /// Indentation at which the force passes through 0 on the contact branch, m.
+    fn zero_force(&self) -> f64 {
+        0.0
+    }
+    /// Most negative static force, N (0 or below).
+    fn pull_off(&self) -> f64 {
+        0.0
+    }
+    /// Whether the tip is in contact at `delta`, given whether it was just before.
+    fn next_contact(&self, delta: f64, _was_in_contact: bool) -> bool {
+        delta > 0.0
+    }
+    /// Largest slope, N/m, of an attraction that acts outside contact: a tip feels it that never touches.
+    fn attraction_slope(&self) -> f64 {
+        0.0
+    }
+    /// By how much adhesion takes a tip that touches deeper, m, to a factor of about two.
+    fn depth_by_adhesion(&self) -> f64 {
+        0.0
+    }
+    /// Rising indentations outside contact (m) at which a curve down to `deepest` shows the law, by shares that fall to 0.
+    fn outside(&self, deepest: f64, shares: Shares) -> Vec<f64> {
+        shares.iter().map(|share| -0.25 * deepest * share).collect()
+    }
+    /// How densely a curve's points lie at the end of the contact branch: evenly in this root of the distance from it.
+    fn crowding(&self) -> i32 {
+        2
+    }
+}
+
+/// The kernel's units for one instance; that of length is [`crate::kernel::LENGTH`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelUnits {
+    /// Impulse of 1 N: the step's square times the tip's mobility over the unit of length.
+    pub impulse: f64,
+    /// Length of a step, s: the kernel's rates are per step.
+    pub step: f64,
+}
+
+/// Where a tip went, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passed {
+    /// Largest and smallest indentation.
+    pub deepest: f64,
+    pub highest: f64,
+    /// Smallest while in contact.
+    pub held: f64,
+    /// Whether it was ever in contact, and ever out of it.
+    pub touched: bool,
+    pub apart: bool,
+    /// Whether a contact ended.
+    pub let_go: bool,
+}
