@@ -20,7 +20,7 @@ fn scene(law: &str, run: &str) -> Scene {
 /// The plan of every fortieth of its instances.
 fn plan(law: &str, run: &str, precision: Precision) -> Plan {
     let plan = Plan::new(&scene(law, run), precision).expect("the scene can be planned");
-    let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(40).collect();
+    let some: Vec<u32> = (0..plan.len() as u32).step_by(40).collect();
     plan.part(&some)
 }
 
@@ -64,7 +64,7 @@ fn periodic_states(c: &mut Criterion) {
     let mut group = c.benchmark_group("periodic states");
     for law in ["hertz", "dmt", "jkr"] {
         let plan = plan(law, "steady = \"search\"", Precision::F64);
-        group.throughput(Throughput::Elements(plan.cases.len() as u64));
+        group.throughput(Throughput::Elements(plan.len() as u64));
         group.bench_function(law, |b| {
             b.iter(|| steady::run(&plan, &[], &engine, &Progress::default()).expect("the plan can be run"));
         });

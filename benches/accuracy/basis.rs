@@ -53,9 +53,8 @@ fn plan(modes: &str) -> Plan {
 
 /// The largest force of each instance, N, and the seconds it took; not a number where none is found.
 fn forces(plan: &Plan) -> (Vec<f64>, f64) {
-    let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
     let start = Instant::now();
-    let run = steady::run(&plan.stepped(&all, |_| STEPS), &[], &Cpu::default(), &Progress::default());
+    let run = steady::run(&plan.clone().with_steps(|_| STEPS), &[], &Cpu::default(), &Progress::default());
     let results = run.expect("the plan can be run").outcome.results;
     let force = |one: &Finished| if one.status == Status::Ok { one.measured.force_max } else { f64::NAN };
     (results.iter().map(force).collect(), start.elapsed().as_secs_f64())
@@ -65,8 +64,8 @@ fn forces(plan: &Plan) -> (Vec<f64>, f64) {
 pub fn run() -> Vec<Value> {
     println!("\nlargest force by few oscillators: error against all modes");
     let whole = plan("");
-    let all: Vec<u32> = (0..whole.cases.len() as u32).collect();
-    let fine = whole.stepped(&all, |_| STEPS);
+    let all: Vec<u32> = whole.instances().collect();
+    let fine = whole.clone().with_steps(|_| STEPS);
     let run = steady::run(&fine, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run");
     let reference = Reference { tolerance: 1e-12, ..Reference::default() };
     let truth = |i: &u32| {

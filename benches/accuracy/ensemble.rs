@@ -69,10 +69,10 @@ fn waited(wide: &Wide, count: usize, truths: &[Option<Finished>]) -> (usize, usi
         (0..count.min(wide.count) as u32).filter(|i| truths[*i as usize].is_some()).collect();
     let reference = Reference { tolerance: TOLERANCE, ..Reference::default() };
     let results =
-        reference.run(&plan.only(&first), &Progress::default()).expect("the plan can be run").results;
+        reference.run(&plan.part(&first), &Progress::default()).expect("the plan can be run").results;
     let (mut steady, mut same) = (0, 0);
-    for i in first {
-        let (waited, truth) = (&results[i as usize], truths[i as usize].as_ref());
+    for (i, waited) in first.into_iter().zip(&results) {
+        let truth = truths[i as usize].as_ref();
         let Some(truth) = truth.filter(|_| waited.status == Status::Ok) else { continue };
         let scales = Scales::of(&plan, i as usize, &truth.measured);
         let error = worst(&plan.observables, &waited.measured, &truth.measured, &scales);
@@ -165,7 +165,8 @@ pub fn run(ensemble: &Ensemble, only: &Only, count: usize, waits: usize, seed: u
 
 /// The run as the command line makes it, and its seconds.
 fn carried_out(wide: &Wide) -> (Controlled, f64) {
-    let plan = Plan { precision_open: true, ..plan(wide) };
+    let mut plan = plan(wide);
+    plan.precision_open = true;
     let start = Instant::now();
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
     (run, start.elapsed().as_secs_f64())
@@ -174,7 +175,7 @@ fn carried_out(wide: &Wide) -> (Controlled, f64) {
 /// The reference's states next to those of a run, of every instance that it calls ok; where there is none, the
 /// reference's own run as the scene says.
 fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
-    let (count, start) = (run.plan.cases.len(), Instant::now());
+    let (count, start) = (run.plan.len(), Instant::now());
     let audited = control::audit(&run.plan, &run.outcome, &run.found, count, &Progress::default())
         .expect("the plan can be run");
     let mut truths = vec![None; count];
@@ -187,9 +188,8 @@ fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
     }
     println!("    truths in {:.0} s, {} by waiting", start.elapsed().as_secs_f64(), without.len());
     let reference = Reference { tolerance: TOLERANCE, ..Reference::default() };
-    let waited = reference.run(&run.plan.only(&without), &Progress::default()).expect("the plan can be run");
-    for i in without {
-        let truth = &waited.results[i as usize];
+    let waited = reference.run(&run.plan.part(&without), &Progress::default()).expect("the plan can be run");
+    for (i, truth) in without.into_iter().zip(&waited.results) {
         println!(
             "    instance {i} ({}): no state next to the run's, waiting: {}",
             parameters(&run.plan, i as usize),
@@ -204,7 +204,7 @@ fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
 /// it finds a periodic state all the same.
 fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
     let status = |i: &u32| run.outcome.results[*i as usize].status;
-    let all = (0..run.plan.cases.len() as u32).filter(|i| status(i) == Status::NotSteady);
+    let all = (0..run.plan.len() as u32).filter(|i| status(i) == Status::NotSteady);
     let first: Vec<u32> = all.take(count).collect();
     let audited = control::audit_of(&run.plan, &run.outcome, &run.found, &first, &Progress::default())
         .expect("the plan can be run");
@@ -221,7 +221,7 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
     let (mut errors, mut low, mut steps, mut others) = (Vec::new(), 0, 0.0, 0);
     for (i, truth) in truths.iter().enumerate() {
         let ours = &run.outcome.results[i];
-        steps += f64::from(run.plan.cases[i].steps) / count as f64;
+        steps += f64::from(run.plan.steps(i as u32)) / count as f64;
         let Some(truth) = truth.as_ref().filter(|_| ours.status == Status::Ok) else { continue };
         let apart = |truth: &Finished| {
             let scales = Scales::of(&run.plan, i, &truth.measured);
@@ -239,13 +239,13 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
         let (truth, scales) = (&truth, Scales::of(&run.plan, i, &truth.measured));
         low += usize::from(error > 3.0 * run.estimates[i].max(0.1 * accuracy));
         if error > accuracy {
-            let (estimate, steps) = (run.estimates[i], run.plan.cases[i].steps);
+            let (estimate, steps) = (run.estimates[i], run.plan.steps(i as u32));
             let of = |one: &Observable| compare::error(*one, &ours.measured, &truth.measured, &scales);
             let whose = plan.observables.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
             println!(
                 "    instance {i} ({}): {error:.1e}, estimated {estimate:.1e}, {steps} steps, {} oscillators, {}, in contact {:.4} of the period",
                 parameters(&run.plan, i),
-                run.plan.drives[run.plan.cases[i].drive as usize].kept.modes.len(),
+                run.plan.driven(i as u32).kept.modes.len(),
                 whose.map_or("", |one| one.name()),
                 truth.measured.contact_time,
             );
@@ -258,7 +258,7 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
     let with = |status: Status| run.outcome.results.iter().filter(|one| one.status == status).count();
     // Motion without contact is known in closed form, by the run as by the reference.
     let free = (0..count)
-        .filter(|i| run.plan.cases[*i].steps == 0 && run.outcome.results[*i].status == Status::Ok)
+        .filter(|i| run.plan.steps(*i as u32) == 0 && run.outcome.results[*i].status == Status::Ok)
         .count();
     let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
     println!(
@@ -304,7 +304,7 @@ fn beside(run: &Controlled, instance: u32) -> Option<Finished> {
 
 /// What an instance is, to look at it by itself.
 fn parameters(plan: &Plan, i: usize) -> String {
-    let case = &plan.cases[i];
+    let case = plan.case(i as u32);
     let driven = &plan.drives[case.drive as usize];
     let mode = &driven.instrument.modes[0];
     format!(
@@ -315,7 +315,7 @@ fn parameters(plan: &Plan, i: usize) -> String {
         case.contact.modulus,
         case.contact.work,
         1e9 * case.contact.radius,
-        1e9 * driven.free.tip.norm(),
-        case.gap / driven.free.tip.norm()
+        1e9 * driven.free_amplitude(),
+        case.gap / driven.free_amplitude()
     )
 }

@@ -27,15 +27,14 @@ fn random(law: &str, count: usize, seed: u64) -> Scene {
 }
 
 /// The largest error of the instances that both call ok, and how many those are.
-fn largest(plan: &Plan, instances: &[u32], ours: &[Finished], truths: &[Finished]) -> (f64, usize) {
+fn largest(plan: &Plan, ours: &[Finished], truths: &[Finished]) -> (f64, usize) {
     let mut found = (0.0f64, 0);
-    for &i in instances {
-        let (ours, truth) = (&ours[i as usize], &truths[i as usize]);
+    for (i, (ours, truth)) in ours.iter().zip(truths).enumerate() {
         if ours.status == Status::NonFinite || ours.status == Status::OutOfRange {
             found.0 = f64::INFINITY;
         }
         if ours.status == Status::Ok && truth.status == Status::Ok {
-            let scales = Scales::of(plan, i as usize, &truth.measured);
+            let scales = Scales::of(plan, i, &truth.measured);
             let error = worst(&plan.observables, &ours.measured, &truth.measured, &scales);
             found = (found.0.max(error), found.1 + 1);
         }
@@ -68,16 +67,17 @@ fn row(name: &str, mut scene: Scene, count: usize) -> Value {
     let (cpu, progress) = (Cpu::default(), Progress::default());
     let run = control::run(&whole, &cpu, &progress).expect("the plan can be run");
     // What steps cost, with the modes chosen: the reference integrates the same oscillators.
-    let chosen = run.plan.only(&instances);
+    let chosen = run.plan.part(&instances);
     let reference = Reference { tolerance: 1e-9, model: Model::Kept };
     let truths = reference.run(&chosen, &Progress::default()).expect("the plan can be run").results;
-    let (error, ok) = largest(&chosen, &instances, &run.outcome.results, &truths);
+    let ran: Vec<Finished> = instances.iter().map(|i| run.outcome.results[*i as usize]).collect();
+    let (error, ok) = largest(&chosen, &ran, &truths);
     let accuracy = scene.run.accuracy;
     let mut uniform = (0, f64::INFINITY);
     for steps in UNIFORM {
-        let plan = chosen.stepped(&instances, |_| steps);
+        let plan = chosen.clone().with_steps(|_| steps);
         let results = cpu.run(&plan, &Progress::default()).expect("the plan can be run").results;
-        let (error, counted) = largest(&plan, &instances, &results, &truths);
+        let (error, counted) = largest(&plan, &results, &truths);
         if error <= accuracy && counted >= ok {
             uniform = (steps, error);
             break;
@@ -85,7 +85,7 @@ fn row(name: &str, mut scene: Scene, count: usize) -> Value {
     }
     // Over all instances of the scene.
     let stepped: Vec<f64> =
-        run.plan.cases.iter().filter(|case| case.steps > 0).map(|case| f64::from(case.steps)).collect();
+        run.plan.cases().filter(|case| case.steps > 0).map(|case| f64::from(case.steps)).collect();
     let count = stepped.len() as f64;
     let mean = stepped.iter().sum::<f64>() / count;
     let all = progress.steps() as f64 / count / f64::from(whole.run.periods);

@@ -88,16 +88,11 @@ steps_per_period = 256
 
 /// The plan with so many periods. Without a sample nothing would need stepping: there it is told to.
 fn plan(variant: &Variant, instances: usize, precision: Precision) -> Plan {
-    let mut plan = Plan::new(&scene(variant, instances), precision).expect("the scene can be planned");
-    if variant.law == LawChoice::None {
-        for case in &mut plan.cases {
-            case.steps = 256;
-        }
-        for class in &mut plan.classes {
-            (class.steps, class.modes) = (256, variant.modes);
-        }
+    let plan = Plan::new(&scene(variant, instances), precision).expect("the scene can be planned");
+    match variant.law {
+        LawChoice::None => plan.stepping_all(256),
+        _ => plan,
     }
-    plan
 }
 
 /// Share of the periods that is measured.
@@ -225,7 +220,7 @@ fn measure(arguments: &Arguments) {
             rows.push(json!({
                 "precision": precision.name(),
                 "variant": variant.name,
-                "instances": plan.cases.len(),
+                "instances": plan.len(),
                 "instance_steps_per_second": rate,
                 "operations_per_step": operations,
                 "multiply_adds_per_second": peak,

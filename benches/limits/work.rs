@@ -10,7 +10,7 @@ use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 /// former too, where no lane needs them; a GPU does a few more, the fundamental's sums of every step. Loops are not
 /// counted, the kernel has none.
 pub fn operations(plan: &Plan, measured: f64) -> [f64; 2] {
-    let class = &plan.classes[0];
+    let class = &plan.classes()[0];
     let spec = ShaderSpec {
         law: class.law.shader(),
         modes: class.modes,

@@ -6,7 +6,7 @@ use crate::rk4;
 use afmsweep::engine::gpu::Gpu;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Measured;
-use afmsweep::plan::{Plan, Precision};
+use afmsweep::plan::Precision;
 use cpu_time::ProcessTime;
 use serde::Serialize;
 use std::time::Instant;
@@ -144,11 +144,11 @@ fn engines<'a>(problem: &'a Problem, devices: &'a Devices, notes: &mut Vec<Strin
     if let Some(gpu) = &devices.gpu {
         machines.extend([("gpu f32", Precision::F32, gpu as &dyn Engine), ("gpu f64", Precision::F64, gpu)]);
     }
-    let all: Vec<u32> = (0..problem.plan.cases.len() as u32).collect();
+    let all: Vec<u32> = (0..problem.plan.len() as u32).collect();
     let mut entries = Vec::new();
     for (name, precision, engine) in machines {
         // Whether the device can do it at all.
-        let trial = Plan { precision, ..problem.plan.stepped(&all[..1], |_| 32) };
+        let trial = problem.plan.part(&all[..1]).with_steps(|_| 32).in_precision(precision);
         if let Err(error) = engine.run(&trial, &Progress::default()) {
             let note = format!("{name}: not run. {error}");
             if !devices.notes.contains(&note) {
@@ -160,7 +160,7 @@ fn engines<'a>(problem: &'a Problem, devices: &'a Devices, notes: &mut Vec<Strin
         let clock =
             if name.starts_with("cpu") || engine.device().contains("llvmpipe") { "cpu" } else { "wall" };
         for steps in STEPS {
-            let plan = Plan { precision, ..problem.plan.stepped(&all, |_| steps) };
+            let plan = problem.plan.part(&all).with_steps(|_| steps).in_precision(precision);
             let run = move || -> Results {
                 let outcome = engine.run(&plan, &Progress::default()).expect("the plan can be run");
                 let results = outcome.results.iter().enumerate().map(|(i, one)| (i, one.measured)).collect();
@@ -168,7 +168,7 @@ fn engines<'a>(problem: &'a Problem, devices: &'a Devices, notes: &mut Vec<Strin
             };
             let mut entry = entry(name, format!("{steps} steps"), clock, all.len(), run);
             if name.starts_with("gpu") {
-                let one = Plan { precision, ..problem.plan.stepped(&all[..1], |_| steps) };
+                let one = problem.plan.part(&all[..1]).with_steps(|_| steps).in_precision(precision);
                 entry.warm = Some(Box::new(move || {
                     engine.run(&one, &Progress::default()).expect("the plan can be run");
                 }));

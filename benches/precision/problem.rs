@@ -149,9 +149,9 @@ impl Problem {
 
     /// How this problem's answers translate, by instance.
     pub fn measured(&self, instance: usize, answer: &Answer) -> afmsweep::observe::Measured {
-        let case = &self.plan.cases[instance];
+        let case = self.plan.case(instance as u32);
         let driven = &self.plan.drives[case.drive as usize];
-        let (length, omega) = (driven.free.tip.norm(), driven.free.omega);
+        let (length, omega) = (driven.free_amplitude(), driven.free.omega);
         let force = length * omega * omega / driven.kept.mobility();
         let phase = FRAC_PI_2 - driven.free.tip.arg();
         // Travel C cos(theta) + S sin(theta), of which the drive's own angle is `phase` ahead.
@@ -178,14 +178,13 @@ pub fn name(law: Law) -> &'static str {
 fn reduce(law: Law, plan: &Plan, few: usize) -> Reduced {
     assert_eq!(plan.drives.len(), 1, "one lever and one drive");
     let driven = &plan.drives[0];
-    let (length, omega) = (driven.free.tip.norm(), driven.free.omega);
+    let (length, omega) = (driven.free_amplitude(), driven.free.omega);
     let kept = &driven.kept.modes;
     let mobility = driven.kept.mobility();
     // Acceleration per force, without units.
     let push = mobility / (omega * omega * length);
     let samples: Vec<Sample> = plan
-        .cases
-        .iter()
+        .cases()
         .map(|case| {
             let contact = &case.contact;
             let jkr = contact.jkr();

@@ -52,7 +52,7 @@ impl Settled {
 /// Finds it out, in CPU-seconds of this program with one thread.
 pub fn measure(problem: &Problem, repeats: u32) -> Settled {
     let cpu = Cpu::default();
-    let all: Vec<u32> = (0..problem.plan.cases.len() as u32).collect();
+    let all: Vec<u32> = (0..problem.plan.len() as u32).collect();
     let mut fine = problem.searched.clone();
     fine.run.accuracy = FINEST;
     let reference = Reference { tolerance: 1e-13, model: Model::Kept };
@@ -74,7 +74,7 @@ pub fn measure(problem: &Problem, repeats: u32) -> Settled {
     let mut points = Vec::new();
     for accuracy in ASKED {
         for steps in STEPS {
-            let mut plan = problem.searched.stepped(&all, |_| steps);
+            let mut plan = problem.searched.part(&all).with_steps(|_| steps);
             plan.run.accuracy = accuracy;
             let mut seconds = f64::INFINITY;
             let mut results = Vec::new();
@@ -104,7 +104,7 @@ pub fn measure(problem: &Problem, repeats: u32) -> Settled {
 
 /// What the stepping makes of the last ten of so many periods.
 fn waited(problem: &Problem, all: &[u32], periods: u32, engine: &Cpu) -> Vec<Finished> {
-    let mut plan: Plan = problem.plan.stepped(all, |_| WAIT_STEPS);
+    let mut plan: Plan = problem.plan.part(all).with_steps(|_| WAIT_STEPS);
     plan.run.periods = periods;
     engine.run(&plan, &Progress::default()).expect("the plan can be run").results
 }

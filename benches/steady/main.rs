@@ -39,11 +39,11 @@ fn waited(wide: &Wide, most: u32) -> (Vec<Finished>, Vec<Option<u32>>) {
     loop {
         let plan = plan(wide, Steady::Wait, periods);
         let left: Vec<u32> = (0..wide.count as u32).filter(|i| after[*i as usize].is_none()).collect();
-        let results = run(&plan.only(&left)).outcome.results;
-        for i in left {
+        let results = run(&plan.part(&left)).outcome.results;
+        for (i, finished) in left.into_iter().zip(results) {
             let i = i as usize;
-            all[i] = results[i];
-            if results[i].status == Status::Ok || plan.cases[i].steps == 0 {
+            all[i] = finished;
+            if finished.status == Status::Ok || plan.steps(i as u32) == 0 {
                 after[i] = Some(periods);
             }
         }
@@ -83,7 +83,7 @@ fn costs(count: usize, seed: u64) -> Vec<Value> {
                 let most = (60.0 * quality) as u32;
                 let (_, after) = waited(&wide, most);
                 let plan = plan(&wide, Steady::Search, 2000);
-                let stepped = |i: &usize| plan.cases[*i].steps > 0;
+                let stepped = |i: &usize| plan.steps(*i as u32) > 0;
                 let search = run(&plan);
                 let found: Vec<usize> =
                     (0..count).filter(stepped).filter(|i| search.found[*i].is_some()).collect();
@@ -133,7 +133,7 @@ fn same(count: usize, seed: u64) -> Vec<Value> {
         let (truth, after) = waited(&wide, 32_768);
         let plan = plan(&wide, Steady::Search, 2000);
         let search = run(&plan);
-        let stepped: Vec<usize> = (0..part).filter(|i| plan.cases[*i].steps > 0).collect();
+        let stepped: Vec<usize> = (0..part).filter(|i| plan.steps(*i as u32) > 0).collect();
         let found = |i: &usize| search.found[*i].is_some();
         let settled = |i: &usize| after[*i].is_some();
         let both: Vec<usize> = stepped.iter().copied().filter(|i| found(i) && settled(i)).collect();

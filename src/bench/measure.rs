@@ -78,25 +78,25 @@ pub fn measure(
         options.sizes.iter().map(|size| resized(scene, *size)).collect::<Result<_, _>>()?;
     let chosen = choose(&plan, options.compared, 1);
     say(format!("reference: {} instances", chosen.len()));
-    let part = plan.only(&chosen);
+    let part = plan.part(&chosen);
     let truths = Reference::default().run(&part, &Progress::default())?.results;
     let mut all = Vec::new();
     for machine in machines {
         say(format!("{} {}: error", machine.backend, machine.precision.name()));
-        let part = Plan { precision: machine.precision, ..part.clone() };
+        let part = part.clone().in_precision(machine.precision);
         let ours = machine.engine.run(&part, &Progress::default())?.results;
         all.push(Series {
             backend: machine.backend,
             device: machine.engine.device(),
             precision: machine.precision,
             points: Vec::new(),
-            error: error(&plan, &chosen, &ours, &truths),
+            error: error(&part, &ours, &truths),
         });
     }
     for scene in sized {
         let plan = Plan::new(&scene, Precision::F64)?;
         for (machine, series) in machines.iter().zip(&mut all) {
-            let plan = Plan { precision: machine.precision, ..plan.clone() };
+            let plan = plan.clone().in_precision(machine.precision);
             let point = time(&plan, machine.engine.as_ref(), options)?;
             say(format!(
                 "{} {}: {} instances, {} periods, {:.2} s, {:.2e} instance-steps/s",
@@ -180,13 +180,15 @@ fn time(plan: &Plan, engine: &dyn Engine, options: &Options) -> Result<Point, Be
         seconds = seconds.min(run(periods)?);
     }
     let steps = cut(plan, periods).instance_steps() as f64;
-    Ok(Point { instances: plan.cases.len(), periods, seconds, rate: steps / seconds })
+    Ok(Point { instances: plan.len(), periods, seconds, rate: steps / seconds })
 }
 
-fn error(plan: &Plan, chosen: &[u32], ours: &[Finished], truths: &[Finished]) -> Error {
-    let mut errors: Vec<f64> = chosen
+fn error(plan: &Plan, ours: &[Finished], truths: &[Finished]) -> Error {
+    let mut errors: Vec<f64> = ours
         .iter()
-        .map(|&i| (i as usize, &ours[i as usize], &truths[i as usize]))
+        .zip(truths)
+        .enumerate()
+        .map(|(i, (ours, truth))| (i, ours, truth))
         .filter(|(_, ours, truth)| ours.status == Status::Ok && truth.status == Status::Ok)
         .map(|(i, ours, truth)| {
             let scales = Scales::of(plan, i, &truth.measured);
@@ -199,7 +201,7 @@ fn error(plan: &Plan, chosen: &[u32], ours: &[Finished], truths: &[Finished]) ->
         median: errors.get(errors.len() / 2).copied().unwrap_or(none),
         largest: errors.last().copied().unwrap_or(none),
         counted: errors.len(),
-        tried: chosen.len(),
+        tried: plan.len(),
     }
 }
 

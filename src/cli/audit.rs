@@ -42,9 +42,9 @@ pub fn accuracy(scene: &Scene, run: &Controlled, verdict: &Verdict, told_not_to:
 
 /// Why no instance was redone.
 fn nothing_redone(run: &Controlled) -> String {
-    let steps = |n: &usize| run.plan.cases[*n].steps > 0;
+    let steps = |n: &usize| run.plan.steps(*n as u32) > 0;
     let ok = |n: &usize| run.outcome.results[*n].status == Status::Ok;
-    let stepped: Vec<usize> = (0..run.plan.cases.len()).filter(steps).collect();
+    let stepped: Vec<usize> = (0..run.plan.len()).filter(steps).collect();
     if stepped.is_empty() {
         return "nothing to redo: no instance feels the sample, and the free motion is known in closed form"
             .into();

@@ -44,12 +44,12 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
         sound(results, &plan, &args.input)?;
     }
     let instances = choose(&plan, args.instances as usize, args.seed);
-    let free = plan.classes.iter().all(|class| class.steps == 0);
+    let free = plan.stepped().is_empty();
     voice.say(format_args!(
         "{}: {} of {} instances{}, run to the accuracy asked for as `run` does",
         args.input.display(),
         instances.len(),
-        plan.cases.len(),
+        plan.len(),
         if free { ", none of which feels the sample: the free motion is the answer" } else { "" }
     ));
     let part = plan.part(&instances);
@@ -142,11 +142,11 @@ fn from_file(path: &Path) -> anyhow::Result<(Scene, Option<store::Results>)> {
 /// Every instance that the file calls ok has a number for every observable.
 fn sound(results: &store::Results, plan: &Plan, path: &Path) -> anyhow::Result<()> {
     let at = path.display();
-    if results.status.len() != plan.cases.len() {
+    if results.status.len() != plan.len() {
         anyhow::bail!(
             "{at} has {} instances where its scene has {}: it is damaged or was changed; run the scene again",
             results.status.len(),
-            plan.cases.len()
+            plan.len()
         );
     }
     for observable in &plan.observables {
@@ -185,7 +185,7 @@ fn all_numbers(plan: &Plan, measured: &Measured) -> Vec<Vec<f64>> {
 
 /// The same instances by this engine, to the accuracy asked for as far as it can.
 fn column(name: &str, engine: &dyn Engine, plan: &Plan, precision: Precision) -> anyhow::Result<Column> {
-    let plan = Plan { precision, ..plan.clone() };
+    let plan = plan.clone().in_precision(precision);
     let run = control::run(&plan, engine, &Progress::default())?;
     Ok(of_run(format!("{name} {}", precision.name()), &run))
 }

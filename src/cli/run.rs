@@ -140,7 +140,7 @@ impl Observer for Told<'_> {
         voice.say(format_args!(
             "{}: {}, {:.2e} instance-steps on {}, {}",
             self.path.display(),
-            instances(plan.cases.len()),
+            instances(plan.len()),
             plan.instance_steps() as f64,
             engine.device(),
             if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
@@ -158,7 +158,7 @@ impl Observer for Told<'_> {
 /// What a search found.
 fn searched(swept: &Swept, voice: Voice) {
     let Swept { run, others, .. } = swept;
-    let stepped = run.plan.cases.iter().filter(|case| case.steps > 0).count();
+    let stepped = run.plan.cases().filter(|case| case.steps > 0).count();
     let mut spent: Vec<u32> = run
         .found
         .iter()

@@ -7,31 +7,30 @@ use crate::plan::Plan;
 ///
 /// The choice hangs on the plan and `seed` alone.
 pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
-    let mut chosen = ranked(plan, count, seed);
+    let stepped = plan.stepped();
+    let among = if stepped.is_empty() { plan.instances().collect() } else { stepped };
+    let mut chosen = ranked(plan, among, count, seed);
     chosen.sort_unstable();
     chosen
 }
 
-/// The same, those at random and the extreme ones by turns: what is left undone at the end is of both.
-pub fn ranked(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
-    let all = |free: bool| plan.classes.iter().filter(move |class| (class.steps == 0) == free);
-    let some = if all(false).next().is_some() { all(false) } else { all(true) };
-    let mut stepped: Vec<u32> = some.flat_map(|class| class.instances.clone()).collect();
-    stepped.sort_unstable();
-    if stepped.len() <= count {
-        return stepped;
+/// The same of the instances `among`, those at random and the extreme ones by turns: what is left undone at the end is of
+/// both.
+pub fn ranked(plan: &Plan, among: Vec<u32>, count: usize, seed: u64) -> Vec<u32> {
+    if among.len() <= count {
+        return among;
     }
-    let keys: [fn(&Plan, usize) -> f64; 4] = [
+    let keys: [fn(&Plan, u32) -> f64; 4] = [
         |plan, i| plan.expected_depth(i),
-        |plan, i| plan.cases[i].contact.modulus,
-        |plan, i| plan.cases[i].contact.work * plan.cases[i].contact.radius,
-        |plan, i| plan.cases[i].gap,
+        |plan, i| plan.contact(i).modulus,
+        |plan, i| plan.contact(i).work * plan.contact(i).radius,
+        |plan, i| plan.case(i).gap,
     ];
     let mut chosen: Vec<u32> = Vec::new();
     for key in keys {
-        let value = |i: &&u32| key(plan, **i as usize);
+        let value = |i: &&u32| key(plan, **i);
         let by = |a: &&u32, b: &&u32| value(a).total_cmp(&value(b));
-        for extreme in [stepped.iter().min_by(by), stepped.iter().max_by(by)].into_iter().flatten() {
+        for extreme in [among.iter().min_by(by), among.iter().max_by(by)].into_iter().flatten() {
             if chosen.len() < count.div_ceil(2) && !chosen.contains(extreme) {
                 chosen.push(*extreme);
             }
@@ -45,8 +44,8 @@ pub fn ranked(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
         let mut mixed = state;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let place = (mixed ^ (mixed >> 31)) % stepped.len() as u64;
-        let one = stepped[place as usize];
+        let place = (mixed ^ (mixed >> 31)) % among.len() as u64;
+        let one = among[place as usize];
         if !chosen.contains(&one) {
             chosen.push(one);
         }

@@ -23,9 +23,9 @@ pub struct Scales {
 impl Scales {
     /// Of an instance whose true measurements are `truth`.
     pub fn of(plan: &Plan, instance: usize, truth: &Measured) -> Self {
-        let case = &plan.cases[instance];
-        let driven = &plan.drives[case.drive as usize];
-        let length = driven.free.tip.norm();
+        let case = plan.case(instance as u32);
+        let driven = plan.driven(instance as u32);
+        let length = driven.free_amplitude();
         let graze =
             case.contact.modulus * case.contact.radius.sqrt() * (plan.run.accuracy * length).powf(1.5);
         // What was not asked for is NaN, which max leaves aside.

@@ -58,15 +58,14 @@ pub fn audit(
     count: usize,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
-    let chosen = ranked(&plan.only(&counted(plan, outcome)), count, 1);
+    let chosen = ranked(plan, counted(plan, outcome), count, 1);
     audit_of(plan, outcome, found, &chosen, progress)
 }
 
 /// The instances that an audit may choose from.
 pub fn counted(plan: &Plan, outcome: &Outcome) -> Vec<u32> {
-    let counts =
-        |i: &u32| plan.cases[*i as usize].steps > 0 && outcome.results[*i as usize].status == Status::Ok;
-    (0..plan.cases.len() as u32).filter(counts).collect()
+    let counts = |i: &u32| plan.steps(*i) > 0 && outcome.results[*i as usize].status == Status::Ok;
+    plan.instances().filter(counts).collect()
 }
 
 /// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
@@ -76,12 +75,12 @@ pub fn contacts(plan: &Plan, outcome: &Outcome) -> Vec<u32> {
         match () {
             () if plan.wants.contact => measured.contact_time > 0.0,
             () if plan.wants.extremes => !measured.indentation_max.is_nan(),
-            () => plan.expected_depth(*i as usize) > 0.0,
+            () => plan.expected_depth(*i) > 0.0,
         }
     };
     let mut all = counted(plan, outcome);
     all.retain(touches);
-    all.sort_by_key(|i| plan.cases[*i as usize].steps);
+    all.sort_by_key(|i| plan.steps(*i));
     all
 }
 

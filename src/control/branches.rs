@@ -62,18 +62,16 @@ pub fn others(
 ) -> Result<Others, EngineError> {
     progress.stage(&["branches"]);
     let plan: &Plan = &run.plan;
-    let counts = |i: &u32| {
-        plan.cases[*i as usize].steps > 0 && run.outcome.results[*i as usize].status != Status::NotRun
-    };
-    let instances: Vec<u32> = (0..plan.cases.len() as u32).filter(counts).collect();
+    let counts = |i: &u32| plan.steps(*i) > 0 && run.outcome.results[*i as usize].status != Status::NotRun;
+    let instances: Vec<u32> = plan.instances().filter(counts).collect();
     let mut settled = steady::from_rest(plan, &instances, engine, progress)?;
-    let mut hunt = Hunt { run, seconds: (0..plan.cases.len()).map(|_| None).collect() };
+    let mut hunt = Hunt { run, seconds: (0..plan.len()).map(|_| None).collect() };
     for &i in &instances {
         let finished = settled.outcome.results[i as usize];
         hunt.take(i, finished, settled.found[i as usize].take());
     }
     let mut all = Others { from_rest: hunt.count(), notes: settled.outcome.notes, ..Others::default() };
-    if let Some(neighbours) = Neighbours::of(shape, plan.cases.len()) {
+    if let Some(neighbours) = Neighbours::of(shape, plan.len()) {
         all.grid = true;
         hunt.follow(&instances, &neighbours, &mut all, engine, progress)?;
     }
@@ -105,7 +103,7 @@ impl Hunt<'_> {
         let Some(mut place) = place else { return false };
         let n = i as usize;
         let (plan, ours) = (&self.run.plan, &self.run.outcome.results[n]);
-        let apart = difference(plan, n, ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
+        let apart = difference(plan, i, ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
         // Where the first run found no steady state at all, any is another.
         let another = apart || !ours.status.is_steady();
         if another {
@@ -164,8 +162,7 @@ impl Hunt<'_> {
             of.unwrap_or_else(|| Station::free(&part, n as u32))
         };
         let places: Vec<Station> = wave.iter().enumerate().map(place).collect();
-        let every: Vec<u32> = (0..wave.len() as u32).collect();
-        let mut settled = steady::from_places(&part, &every, &places, engine, progress)?;
+        let mut settled = steady::from_places(&part, &places, engine, progress)?;
         let mut found = Vec::new();
         for (n, &i) in numbers.iter().enumerate() {
             if self.take(i, settled.outcome.results[n], settled.found[n].take()) {

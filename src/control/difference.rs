@@ -6,26 +6,21 @@ use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 
 /// How far two results of an instance are apart: the worst observable on its scale.
-pub(super) fn difference(plan: &Plan, i: usize, a: &Finished, b: &Finished) -> f64 {
-    let scales = Scales::of(plan, i, &b.measured);
+pub(super) fn difference(plan: &Plan, i: u32, a: &Finished, b: &Finished) -> f64 {
+    let scales = Scales::of(plan, i as usize, &b.measured);
     worst(&plan.observables, &a.measured, &b.measured, &scales)
 }
 
-/// How far two results of each instance are apart, with its number.
-pub(super) fn differences(
-    plan: &Plan,
-    instances: &[u32],
-    coarse: &[Finished],
-    fine: &[Finished],
-) -> Vec<(u32, f64)> {
-    let apart = |&i: &u32| (i, difference(plan, i as usize, &coarse[i as usize], &fine[i as usize]));
-    instances.par_iter().map(apart).collect()
+/// How far the results of these instances in another run, which was of them alone, are from those in a run of all.
+pub(super) fn differences(plan: &Plan, instances: &[u32], other: &[Finished], all: &[Finished]) -> Vec<f64> {
+    let apart = |(i, other): (&u32, &Finished)| difference(plan, *i, other, &all[*i as usize]);
+    instances.par_iter().zip(other).map(apart).collect()
 }
 
 /// What is left of the difference between two bases in the richer one's error, for the contacts of this instance.
 pub(super) fn left_of_bases(plan: &Plan, i: u32) -> f64 {
     let policy = &plan.policy;
-    let jumps = plan.cases[i as usize].contact.law.has_memory();
+    let jumps = plan.contact(i).law.has_memory();
     let corners = jumps || plan.run.accuracy < policy.corners_below;
     match (corners, is_fast(plan, i)) {
         (true, true) => policy.left_of_fast_corners,

@@ -2,10 +2,10 @@
 
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
-use super::{Members, modes, precision};
+use super::{modes, precision};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
-use crate::plan::{BasisRule, CasePlan, Plan, STEPS_MAX};
+use crate::plan::{BasisRule, Case, Plan, STEPS_MAX};
 use crate::steady::{self, Settled};
 
 /// What is known before the steps are.
@@ -26,35 +26,36 @@ pub(super) struct Begun {
     pub known: Vec<Refinement>,
 }
 
-/// The plan for these instances with half of its steps, which are on the safe side.
-pub(super) fn halved(plan: &Plan, instances: &[u32]) -> Plan {
+/// With half of the plan's steps, which are on the safe side.
+pub(super) fn halved(plan: Plan) -> Plan {
     let fewest = 2 * plan.policy.fewest_steps;
-    plan.stepped(instances, |case| (case.steps / 2).max(fewest))
+    plan.with_steps(|case| (case.steps / 2).max(fewest))
 }
 
-/// The plan for these instances with a quarter of its steps, for the first estimate.
-pub(super) fn quartered(plan: &Plan, instances: &[u32]) -> Plan {
-    halved(plan, instances).stepped(instances, |case| case.steps / 2)
+/// With a quarter of the plan's steps, for the first estimate.
+pub(super) fn quartered(plan: Plan) -> Plan {
+    halved(plan).with_steps(|case| case.steps / 2)
 }
 
-/// Runs the members that need steps with a quarter of the plan's, then all members with half of them. Where the first run
-/// had poorer bases, the difference is of both; of fast contacts a third run tells what of it the bases make.
+/// Runs `stepped`, the instances that need steps, with a quarter of the plan's, then all with half of them. Where the
+/// first run had poorer bases, the difference is of both; of fast contacts a third run tells what of it the bases make.
 pub(super) fn run(
     plan: &Plan,
-    Members { all, stepped }: Members,
+    stepped: &[u32],
     First { poorer, left_out, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Begun, EngineError> {
-    let fine = halved(plan, all);
-    let coarse = match &poorer {
-        None => quartered(plan, stepped),
-        Some(bases) => poorer_and_coarser(plan, stepped, bases),
-    };
+    let fine = halved(plan.clone());
+    let coarse = quartered(match &poorer {
+        None => plan.part(stepped),
+        Some(bases) => poorer_plan(plan, stepped, bases),
+    });
     let rough = steady::run(&coarse, &[], engine, progress)?;
-    let mut settled = steady::run(&fine, &rough.found, engine, progress)?;
+    let near = steady::among(&rough.found, stepped, plan.len());
+    let mut settled = steady::run(&fine, &near, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
-    let begin = |(case, of_modes): (&CasePlan, f64)| Refinement {
+    let begin = |(case, of_modes): (Case, f64)| Refinement {
         of_steps: 0.0,
         of_modes,
         untold: None,
@@ -62,13 +63,13 @@ pub(super) fn run(
         finer_before: false,
         in_vain: false,
     };
-    let known = fine.cases.iter().zip(left_out).map(begin).collect();
+    let known = fine.cases().zip(left_out).map(begin).collect();
     let mut begun = Begun { plan: fine, settled, known };
-    let same_basis = |i: u32| coarse.driven(i).kept.modes == begun.plan.driven(i).kept.modes;
-    for (i, apart) in
-        differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results)
-    {
-        let of_both = rough.outcome.results[i as usize].status == Status::Ok && !same_basis(i);
+    let apart = differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
+    for ((place, rough), apart) in coarse.instances().zip(&rough.outcome.results).zip(apart) {
+        let i = stepped[place as usize];
+        let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
+        let of_both = rough.status == Status::Ok && !same_basis;
         let left = if of_both { left_of_bases(&begun.plan, i) } else { plan.policy.left_of_steps };
         let known = &mut begun.known[i as usize];
         known.of_steps = left * apart;
@@ -81,18 +82,12 @@ pub(super) fn run(
     Ok(begun)
 }
 
-/// The plan of the first run: a quarter of the steps, and poorer bases but for fast contacts. How many oscillators those
+/// The plan of the first run but for its steps: poorer bases, though not for fast contacts. How many oscillators those
 /// have decides what their steps cost, so their bases are told apart by a run of its own.
-fn poorer_and_coarser(plan: &Plan, stepped: &[u32], bases: &[BasisRule]) -> Plan {
+fn poorer_plan(plan: &Plan, stepped: &[u32], bases: &[BasisRule]) -> Plan {
     let first = |i: &u32| if is_fast(plan, *i) { plan.basis_rule(*i) } else { bases[*i as usize] };
     let wanted: Vec<(u32, BasisRule)> = stepped.iter().map(|i| (*i, first(i))).collect();
-    quartered(&with_steps_of(plan.with_bases(&wanted), plan), stepped)
-}
-
-/// The first plan with the second's steps.
-fn with_steps_of(mut plan: Plan, other: &Plan) -> Plan {
-    plan.cases.iter_mut().zip(&other.cases).for_each(|(case, other)| case.steps = other.steps);
-    plan
+    plan.with_bases(&wanted).with_steps_of(plan).part(stepped)
 }
 
 impl Begun {
@@ -121,9 +116,10 @@ impl Begun {
             return Ok(());
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
-        let few = with_steps_of(self.plan.with_bases(&wanted), &self.plan).only(&fast);
-        let poor = steady::run(&few, &self.settled.found, engine, progress)?;
-        for (i, apart) in differences(&self.plan, &fast, &poor.outcome.results, results) {
+        let few = self.plan.with_bases(&wanted).with_steps_of(&self.plan).part(&fast);
+        let poor = steady::run(&few, &steady::of(&self.settled.found, &fast), engine, progress)?;
+        let apart = differences(&self.plan, &fast, &poor.outcome.results, results);
+        for (i, apart) in fast.into_iter().zip(apart) {
             // A run that is cut short has not told.
             self.known[i as usize].of_modes =
                 if progress.stopped() { f64::INFINITY } else { left_of_bases(&self.plan, i) * apart };

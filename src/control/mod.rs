@@ -48,14 +48,6 @@ pub struct Controlled {
     pub arithmetic: Arithmetic,
 }
 
-/// The instances of a plan that a run is of.
-#[derive(Clone, Copy)]
-struct Members<'a> {
-    all: &'a [u32],
-    /// Those that need steps: the others are free of the sample.
-    stepped: &'a [u32],
-}
-
 /// Which arithmetic stepped what, and why.
 #[derive(Clone, Debug)]
 pub struct Arithmetic {
@@ -69,7 +61,7 @@ pub struct Arithmetic {
 impl Arithmetic {
     /// The plan's for all instances.
     pub fn of(plan: &Plan, reason: &str) -> Self {
-        let of = vec![plan.precision; plan.cases.len()];
+        let of = vec![plan.precision; plan.len()];
         Self { of, rounding: f64::NAN, reason: reason.into() }
     }
 
@@ -99,15 +91,11 @@ impl Arithmetic {
 ///
 /// # Errors
 /// What the engine says.
-pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
-    // The plan's classes say which instances run.
-    let all: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.iter().copied()).collect();
-    let classes = plan.classes.iter().filter(|class| class.steps > 0);
-    let mut stepped: Vec<u32> = classes.flat_map(|class| class.instances.iter().copied()).collect();
-    stepped.sort_unstable();
+pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
+    let stepped = planned.stepped();
     if stepped.is_empty() {
-        let outcome = engine.run(plan, progress)?;
-        let (count, plan) = (plan.cases.len(), plan.clone());
+        let outcome = engine.run(planned, progress)?;
+        let (count, plan) = (planned.len(), planned.clone());
         let arithmetic = Arithmetic::of(&plan, "nothing was stepped");
         return Ok(Controlled {
             plan,
@@ -121,7 +109,7 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
     }
     progress.stage(&["trial"]);
     let modes::Choice { mut plan, poorer, left_out, mut notes } =
-        modes::choose(plan, &stepped, engine, progress)?;
+        modes::choose(planned, &stepped, engine, progress)?;
     let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
     notes.append(&mut chosen.notes);
     (plan.precision, plan.precision_open) = (chosen.precision, false);
@@ -131,9 +119,13 @@ pub fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Cont
     }
     let first = first::First { poorer, left_out, chosen: &chosen };
     progress.stage(&["estimate", "run", "refinement"]);
-    let mut all = match all.len() > engine.portions().0 {
-        false => unfinished::marked(plan, Members { all: &all, stepped: &stepped }, first, engine, progress)?,
-        true => portions::run(plan, &all, first, engine, progress)?,
+    let mut all = match plan.len() > engine.portions().0 {
+        false => unfinished::marked(plan, &stepped, first, engine, progress)?,
+        true => {
+            // In the order that the scene's plan runs them.
+            let alike = planned.by_class();
+            portions::run(plan, &alike, first, engine, progress)?
+        }
     };
     all.outcome.notes.splice(0..0, notes);
     if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {
@@ -166,7 +158,7 @@ pub fn once(
         let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
         waits.for_each(|one| one.status = Status::NotRun);
     }
-    let unknown = vec![f64::NAN; plan.cases.len()];
+    let unknown = vec![f64::NAN; plan.len()];
     let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
     Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, arithmetic })
 }

@@ -61,7 +61,7 @@ pub(super) fn choose(
 
 /// The bases that the plan has; the first run of fast contacts, if there are any, is with the next poorer ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> Choice {
-    let count = plan.cases.len();
+    let count = plan.len();
     let poorer = some_fast.then(|| (0..count as u32).map(|i| next_poorer(plan.basis_rule(i))).collect());
     Choice { plan: plan.clone(), poorer, left_out: vec![0.0; count], notes: Vec::new() }
 }
@@ -106,7 +106,7 @@ struct Bases<'a> {
 
 impl<'a> Bases<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let count = plan.cases.len();
+        let count = plan.len();
         let poorer = vec![BasisRule::Shares { accuracy: plan.run.accuracy }; count];
         Self { plan, wanted: Vec::new(), poorer, left_out: vec![0.0; count] }
     }

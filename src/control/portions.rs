@@ -1,15 +1,15 @@
 //! Many instances, portion by portion.
 
 use super::first::First;
-use super::{Arithmetic, Controlled, Members, unfinished};
+use super::{Arithmetic, Controlled, unfinished};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
 use crate::steady::PeriodicState;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// [`refine::run`](super::refine::run) for `all` the plan's instances, in portions of the engine's size, some of them at
-/// once. Whoever stops a run keeps the portions that are done.
+/// [`refine::run`](super::refine::run) for `all` the plan's instances, in this order and in portions of the engine's size,
+/// some of them at once. Whoever stops a run keeps the portions that are done.
 pub(super) fn run(
     plan: Plan,
     all: &[u32],
@@ -18,7 +18,7 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let (size, at_once) = engine.portions();
-    let count = plan.cases.len();
+    let count = plan.len();
     let mut whole = Controlled {
         outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
         estimates: vec![f64::NAN; count],
@@ -31,13 +31,11 @@ pub(super) fn run(
     let held = progress.hold(&["run in portions"], all.len() as u64);
     let one = |plan: &Plan, portion: &[u32]| {
         let part = plan.part(portion);
-        let every: Vec<u32> = (0..portion.len() as u32).collect();
-        let stepped: Vec<u32> = every.iter().copied().filter(|n| part.cases[*n as usize].steps > 0).collect();
+        let stepped = part.stepped();
         let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
         let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
         let first = First { poorer, left_out, chosen };
-        let ran =
-            unfinished::marked(part, Members { all: &every, stepped: &stepped }, first, engine, progress);
+        let ran = unfinished::marked(part, &stepped, first, engine, progress);
         held.done(portion.len() as u64);
         ran
     };
@@ -54,7 +52,6 @@ pub(super) fn run(
             whole.take(portion, part?);
         }
     }
-    whole.plan = whole.plan.only(all);
     Ok(whole)
 }
 
@@ -63,7 +60,7 @@ impl Controlled {
     fn take(&mut self, portion: &[u32], part: Self) {
         let Arithmetic { of, .. } = part.arithmetic;
         if !part.found.is_empty() && self.found.is_empty() {
-            self.found = vec![None; self.plan.cases.len()];
+            self.found = vec![None; self.plan.len()];
         }
         for (place, found) in portion.iter().zip(part.found) {
             // Nobody goes on from it with other steps.
@@ -74,8 +71,7 @@ impl Controlled {
         let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
-            self.plan.cases[i].steps = part.plan.cases[n].steps;
-            self.plan.take_basis(*place, &part.plan, n as u32, &mut taken);
+            self.plan.take_resolution(*place, &part.plan, n as u32, &mut taken);
             self.left_out[i] = part.left_out[n];
             self.outcome.results[i] = part.outcome.results[n];
             self.estimates[i] = part.estimates[n];
@@ -124,15 +120,14 @@ mod tests {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
             let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
             let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
-            let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(83).collect();
+            let some: Vec<u32> = (0..plan.len() as u32).step_by(83).collect();
             let plan = plan.part(&some);
-            let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
+            let all: Vec<u32> = (0..plan.len() as u32).collect();
             let (engine, progress) = (Cpu::default(), Progress::default());
             let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
             let none = vec![0.0; all.len()];
             let first = || First { poorer: None, left_out: none.clone(), chosen: &chosen };
-            let members = Members { all: &all, stepped: &all };
-            let whole = refine::run(plan.clone(), members, first(), &engine, &progress).expect("it runs");
+            let whole = refine::run(plan.clone(), &all, first(), &engine, &progress).expect("it runs");
             let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
             for &i in &all {
                 let i = i as usize;
@@ -140,8 +135,8 @@ mod tests {
                 assert_eq!(format!("{a:?}"), format!("{b:?}"), "{steady}, instance {i}");
                 assert_eq!(whole.estimates[i].to_bits(), parts.estimates[i].to_bits());
                 assert_eq!(
-                    (whole.periods[i], whole.plan.cases[i].steps),
-                    (parts.periods[i], parts.plan.cases[i].steps)
+                    (whole.periods[i], whole.plan.steps(i as u32)),
+                    (parts.periods[i], parts.plan.steps(i as u32))
                 );
                 let place = |all: &Controlled| Some(all.found.get(i)?.as_ref()?.station);
                 assert_eq!(place(&whole), place(&parts));

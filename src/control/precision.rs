@@ -52,9 +52,9 @@ pub(super) fn choose(
         return Ok(Choice::settled(plan, "the device has no other"));
     }
     let part = plan.part(&sample::sample(plan, stepped));
-    let sample: Vec<u32> = (0..part.cases.len() as u32).collect();
-    let trial = halved(&part, &sample);
-    let run = |precision| steady::run(&Plan { precision, ..trial.clone() }, &[], engine, progress);
+    let sample: Vec<u32> = part.instances().collect();
+    let trial = halved(part.clone());
+    let run = |precision| steady::run(&trial.clone().in_precision(precision), &[], engine, progress);
     let (double, single) = (run(Precision::F64)?, run(Precision::F32)?);
     if progress.stopped() {
         return Ok(Choice::settled(plan, "stopped before its trial"));
@@ -62,9 +62,7 @@ pub(super) fn choose(
     let result = |of: &steady::Settled, i: u32| of.outcome.results[i as usize];
     let moved = |i: &u32| apart(&part, *i, &result(&single, *i), &result(&double, *i));
     let rounding = sample.iter().map(moved).fold(0.0, f64::max);
-    let cost = |of: &steady::Settled, i: u32| {
-        f64::from(trial.cases[i as usize].steps) * f64::from(of.periods[i as usize])
-    };
+    let cost = |of: &steady::Settled, i: u32| f64::from(trial.steps(i)) * f64::from(of.periods[i as usize]);
     let again = |i: &&u32| result(&single, **i).status == Status::NotSteady;
     let in_double: f64 = sample.iter().map(|i| cost(&double, *i)).sum();
     let in_single = plan.policy.single_cost * sample.iter().map(|i| cost(&single, *i)).sum::<f64>()
@@ -102,10 +100,8 @@ pub(super) fn add_rounding(
     let sample = sample::spread(&run.plan, &order);
     let cpu = Cpu::default();
     let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
-    let double = Plan { precision: Precision::F64, ..run.plan.part(&sample) };
-    let known = |i: &u32| run.found.get(*i as usize).cloned().flatten();
-    let found: Vec<_> = sample.iter().map(known).collect();
-    let settled = steady::run(&double, &found, engine, progress)?;
+    let double = run.plan.part(&sample).in_precision(Precision::F64);
+    let settled = steady::run(&double, &steady::of(&run.found, &sample), engine, progress)?;
     run.outcome.notes.extend(settled.outcome.notes);
     if progress.stopped() {
         return Ok(());
@@ -133,7 +129,7 @@ pub(super) fn add_rounding(
 /// How far rounding moves a result. What f32 does not call steady goes on in f64 and costs time alone.
 fn apart(plan: &Plan, i: u32, single: &Finished, double: &Finished) -> f64 {
     match (single.status, double.status) {
-        (Status::Ok, Status::Ok) => difference(plan, i as usize, single, double),
+        (Status::Ok, Status::Ok) => difference(plan, i, single, double),
         (a, b) if a == b || a == Status::NotSteady => 0.0,
         _ => f64::INFINITY,
     }

@@ -1,9 +1,9 @@
 //! Steps that the scene prescribes: they are kept, and what they cost is estimated all the same.
 
+use super::Controlled;
 use super::difference::differences;
 use super::first::First;
 use super::truth::gives_way;
-use super::{Controlled, Members};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, STEPS_MAX};
@@ -14,7 +14,7 @@ use crate::steady;
 /// twice the steps says it better.
 pub(super) fn run(
     plan: Plan,
-    Members { stepped, .. }: Members,
+    stepped: &[u32],
     First { mut left_out, chosen, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
@@ -31,14 +31,14 @@ pub(super) fn run(
     let (fewest, left) = (plan.policy.fewest_steps, plan.policy.left_of_steps);
     let estimates = left_out.clone();
     let mut now = Controlled::new(plan, settled, (estimates, left_out), chosen);
-    let half = |i: &u32| now.plan.cases[*i as usize].steps / 2 >= fewest;
+    let half = |i: &u32| now.plan.steps(*i) / 2 >= fewest;
     let (coarse, mut doubtful): (Vec<u32>, Vec<u32>) = stepped.iter().copied().partition(half);
     stepped.iter().for_each(|i| now.estimates[*i as usize] = f64::NAN);
     now.beside(&coarse, (|steps| steps / 2, left), engine, progress)?;
     doubtful.extend(coarse.into_iter().filter(|i| now.estimates[*i as usize] > now.plan.run.accuracy));
     doubtful.retain(|i| {
         let ok = now.outcome.results[*i as usize].status == Status::Ok;
-        ok && now.plan.cases[*i as usize].steps <= STEPS_MAX / 2
+        ok && now.plan.steps(*i) <= STEPS_MAX / 2
     });
     // The difference to a finer run is the coarser one's error but for the finer one's.
     now.beside(&doubtful, (|steps| 2 * steps, 1.0 + left), engine, progress)?;
@@ -59,11 +59,13 @@ impl Controlled {
         if instances.is_empty() || progress.stopped() {
             return Ok(());
         }
-        let other = self.plan.stepped(instances, |case| steps(case.steps));
-        let second = steady::run(&other, &self.found, engine, progress)?.outcome;
-        for (i, apart) in differences(&other, instances, &second.results, &self.outcome.results) {
-            let n = i as usize;
-            if second.results[n].status != Status::NotRun {
+        let other = self.plan.part(instances).with_steps(|case| steps(case.steps));
+        let near = steady::of(&self.found, instances);
+        let second = steady::run(&other, &near, engine, progress)?.outcome;
+        let apart = differences(&self.plan, instances, &second.results, &self.outcome.results);
+        for ((i, apart), other) in instances.iter().zip(apart).zip(&second.results) {
+            let n = *i as usize;
+            if other.status != Status::NotRun {
                 self.estimates[n] = self.left_out[n] + share * apart;
             }
         }

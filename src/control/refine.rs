@@ -1,34 +1,35 @@
 //! Refinement: each instance runs again as long as its estimate asks for it.
 
 use super::decide::{Known, Next, Refinement, next};
-use super::difference::{differences, is_fast, left_of_bases};
+use super::difference::{difference, is_fast, left_of_bases};
 use super::first::{self, Begun, First};
-use super::{Controlled, Members, modes, precision, prescribed, sensitive};
+use super::{Controlled, modes, precision, prescribed, sensitive};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady::{self, SETTLED, Settled};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Runs the members with a quarter and with half of the plan's steps, and then as their estimates ask for. Where the
+/// Runs the plan with a quarter and with half of its steps, and then those of `stepped` again whose estimates ask for it. Where the
 /// choice of precision says so, what f32 does not bring to the accuracy goes on in f64: rounding does not fall with the
 /// steps.
 pub(super) fn run(
     plan: Plan,
-    members: Members,
+    stepped: &[u32],
     first: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     if plan.run.steps_per_period.is_some() {
-        return prescribed::run(plan, members, first, engine, progress);
+        return prescribed::run(plan, stepped, first, engine, progress);
     }
     let chosen = first.chosen;
-    let begun = first::run(&plan, members, first, engine, progress)?;
+    let begun = first::run(&plan, stepped, first, engine, progress)?;
     let mut refining = Refining::new(begun, chosen, engine, progress);
     let mut doubted = Vec::new();
     for round in 0..plan.policy.doublings + plan.policy.richer_bases {
-        let groups = refining.groups(members.stepped);
+        let groups = refining.groups(stepped);
         if round == 0 {
             doubted = groups.all();
         }
@@ -37,7 +38,7 @@ pub(super) fn run(
         }
         refining.carry_out(&groups, round == 0)?;
     }
-    refining.end(members, doubted)
+    refining.end(stepped, doubted)
 }
 
 /// Instances by what they need next.
@@ -111,7 +112,7 @@ impl<'a> Refining<'a> {
             status: self.now.outcome.results[n].status,
             estimate: self.now.estimates[n],
             accuracy: self.now.plan.run.accuracy,
-            steps: self.now.plan.cases[n].steps,
+            steps: self.now.plan.steps(i),
             single: self.mixed && self.is_single(i),
             can_be_richer,
             refinement: &self.known[n],
@@ -142,13 +143,14 @@ impl<'a> Refining<'a> {
         if instances.is_empty() || self.progress.stopped() {
             return Ok(());
         }
-        let mut other = match what {
-            Next::MoreSteps => self.now.plan.stepped(instances, |case| 2 * case.steps),
-            Next::RicherBasis => self.now.plan.with_richer_bases(instances),
-            Next::Double | Next::Accept => self.now.plan.only(instances),
+        let part = self.now.plan.part(instances).in_precision(precision);
+        let other = match what {
+            Next::MoreSteps => part.with_steps(|case| 2 * case.steps),
+            Next::RicherBasis => part.with_richer_bases(),
+            Next::Double | Next::Accept => part,
         };
-        other.precision = precision;
-        let settled = steady::run(&other, &self.now.found, self.engine, self.progress)?;
+        let near = steady::of(&self.now.found, instances);
+        let settled = steady::run(&other, &near, self.engine, self.progress)?;
         // What is cut short has told nothing: the results before it stay.
         if !self.progress.stopped() {
             self.take(instances, what, &other, settled);
@@ -156,47 +158,50 @@ impl<'a> Refining<'a> {
         Ok(())
     }
 
-    /// Takes in another run of these instances: by the difference to the last one it estimates, then it stands for that.
+    /// Takes in another run, of these instances alone: by the difference to the last one it estimates, then it stands for
+    /// that.
     fn take(&mut self, instances: &[u32], what: Next, other: &Plan, settled: Settled) {
         let Settled { outcome, mut found, periods } = settled;
         let mut taken = HashMap::new();
-        for (i, apart) in differences(other, instances, &self.now.outcome.results, &outcome.results) {
-            let n = i as usize;
+        let results = &self.now.outcome.results;
+        let moved = |(i, new): (&u32, &Finished)| difference(&self.now.plan, *i, &results[*i as usize], new);
+        let apart: Vec<f64> = instances.par_iter().zip(&outcome.results).map(moved).collect();
+        for ((there, &i), apart) in other.instances().zip(instances).zip(apart) {
+            let (n, place) = (i as usize, there as usize);
             let before = self.now.estimates[n];
-            self.estimate(other, i, what, apart, &outcome.results[n]);
+            self.estimate((other, there), i, what, apart, &outcome.results[place]);
             let known = &mut self.known[n];
-            let fast = is_fast(other, i);
+            let fast = is_fast(other, there);
             let gained_little = self.now.estimates[n] > before / other.policy.least_gain;
             known.in_vain = fast && known.finer_before && gained_little;
             known.finer_before |= fast;
             let now = &mut self.now;
-            now.outcome.results[n] = outcome.results[n];
-            now.plan.cases[n].steps = other.cases[n].steps;
-            now.plan.take_basis(i, other, i, &mut taken);
-            now.periods[n] = periods[n];
+            now.outcome.results[n] = outcome.results[place];
+            now.plan.take_resolution(i, other, there, &mut taken);
+            now.periods[n] = periods[place];
             now.arithmetic.of[n] = other.precision;
-            if let (Some(place), Some(new)) = (now.found.get_mut(n), found.get_mut(n)) {
-                *place = new.take();
+            if let (Some(known), Some(new)) = (now.found.get_mut(n), found.get_mut(place)) {
+                *known = new.take();
             }
         }
         self.now.outcome.notes.extend(outcome.notes);
     }
 
-    /// The estimate of an instance whose other run is so far from its last.
-    fn estimate(&mut self, other: &Plan, i: u32, what: Next, apart: f64, result: &Finished) {
+    /// The estimate of an instance whose other run, number `there` of its plan, is so far from its last.
+    fn estimate(&mut self, (other, there): (&Plan, u32), i: u32, what: Next, apart: f64, result: &Finished) {
         let n = i as usize;
         let (known, policy) = (&mut self.known[n], &other.policy);
         match what {
             Next::MoreSteps => {
                 if let Some(first) = known.untold.take() {
-                    let of_bases = left_of_bases(other, i) * (first - policy.steepest * apart);
+                    let of_bases = left_of_bases(other, there) * (first - policy.steepest * apart);
                     known.of_modes = known.of_modes.max(of_bases);
                 }
                 known.of_steps = policy.left_of_steps * apart;
             }
             Next::RicherBasis => {
-                let unbent = modes::unbent(other, i, &result.measured);
-                known.of_modes = left_of_bases(other, i) * apart + unbent;
+                let unbent = modes::unbent(other, there, &result.measured);
+                known.of_modes = left_of_bases(other, there) * apart + unbent;
             }
             Next::Double => {
                 // The same steps in another precision teach nothing of the steps: that is still to come.
@@ -212,10 +217,9 @@ impl<'a> Refining<'a> {
     }
 
     /// The run as it is now. Those that were in doubt after the first two runs are tried with a start moved a little.
-    fn end(self, members: Members, mut doubted: Vec<u32>) -> Result<Controlled, EngineError> {
+    fn end(self, stepped: &[u32], mut doubted: Vec<u32>) -> Result<Controlled, EngineError> {
         let Self { mut now, mixed, rounding, engine, progress, .. } = self;
-        now.plan = now.plan.only(members.all);
-        for &i in members.stepped {
+        for &i in stepped {
             now.add_unsettled(i);
             let n = i as usize;
             if mixed && now.arithmetic.of[n] == Precision::F32 {
@@ -226,7 +230,7 @@ impl<'a> Refining<'a> {
         for precision in [Precision::F32, Precision::F64] {
             let of = |i: &u32| now.arithmetic.of[*i as usize] == precision;
             let alike: Vec<u32> = doubted.iter().copied().filter(of).collect();
-            let plan = Plan { precision, ..now.plan.clone() };
+            let plan = now.plan.clone().in_precision(precision);
             sensitive::mark(&plan, &alike, &mut now.outcome.results, engine, progress)?;
         }
         Ok(now)
@@ -241,7 +245,7 @@ impl Controlled {
         (estimates, left_out): (Vec<f64>, Vec<f64>),
         chosen: &precision::Choice,
     ) -> Self {
-        let arithmetic = chosen.arithmetic(plan.cases.len());
+        let arithmetic = chosen.arithmetic(plan.len());
         Self { plan, outcome, estimates, left_out, found, periods, arithmetic }
     }
 
@@ -258,7 +262,6 @@ impl Controlled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::difference::difference;
     use crate::engine::Cpu;
     use crate::plan::BasisRule;
     use crate::scene::Scene;
@@ -273,15 +276,15 @@ mod tests {
         let whole = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let (engine, progress) = (Cpu::default(), Progress::default());
         let chosen = precision::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
-        let rich = whole.richer(&[0], 1e-2 * scene.run.accuracy).stepped(&[0], |case| 4 * case.steps);
+        let rich = whole.clone().with_shares(1e-2 * scene.run.accuracy).with_steps(|case| 4 * case.steps);
         let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
         let with = |accuracy| whole.with_bases(&[(0, BasisRule::Shares { accuracy })]);
         let run = |poorer| {
             let first = First { poorer, left_out: vec![0.0], chosen: &chosen };
-            run(with(0.1), Members { all: &[0], stepped: &[0] }, first, &engine, &progress).expect("it runs")
+            run(with(0.1), &[0], first, &engine, &progress).expect("it runs")
         };
         let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);
-        let modes = |of: &Controlled| of.plan.drives[of.plan.cases[0].drive as usize].kept.modes.len();
+        let modes = |of: &Controlled| of.plan.driven(0).kept.modes.len();
         let (alike, apart) = (run(None), run(Some(vec![BasisRule::Shares { accuracy: 0.3 }])));
         let asked = scene.run.accuracy;
         // By steps alone nothing is seen of it.

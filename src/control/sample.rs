@@ -30,14 +30,14 @@ pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
 /// The contact's stiffness at the deepest indentation to expect, over the lever's; under DMT at least the slope of the
 /// attraction just outside, which a tip feels that never touches.
 pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
-    let case = &plan.cases[instance as usize];
+    let case = plan.case(instance);
     let (contact, flexibility) = (&case.contact, plan.driven(instance).kept.flexibility);
-    let pressed = contact.stiffness(plan.expected_depth(instance as usize), true).abs();
+    let pressed = contact.stiffness(plan.expected_depth(instance), true).abs();
     pressed.max(contact.law().attraction_slope()) * flexibility
 }
 
 pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
-    plan.cases[instance as usize].contact.law
+    plan.contact(instance).law
 }
 
 /// By law, then stiffness.

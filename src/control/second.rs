@@ -5,7 +5,7 @@ use super::branches::{Other, Second};
 use super::difference::difference;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, STEPS_MAX, Station};
+use crate::plan::{Case, Plan, STEPS_MAX, Station};
 use crate::steady::{self, PeriodicState};
 use std::collections::HashMap;
 
@@ -28,7 +28,7 @@ pub(super) fn estimated(
         }
     }
     let plan = run.plan.part(&numbers);
-    let others = numbers.iter().zip(&all).zip(&plan.cases).map(|((i, second), case)| Other {
+    let others = numbers.iter().zip(&all).zip(plan.cases()).map(|((i, second), case)| Other {
         instance: *i,
         finished: second.finished,
         multiplier: second.place.spectrum.multiplier,
@@ -70,46 +70,48 @@ struct Sight {
 impl Sight {
     fn look(&mut self, known: &[u32], engine: &dyn Engine, progress: &Progress) -> Result<(), EngineError> {
         let (fewest, left) = (self.plan.policy.fewest_steps, self.plan.policy.left_of_steps);
-        let coarse = self.plan.stepped(known, |case| (case.steps / 2).max(fewest.min(case.steps)));
+        let halved = |case: &Case| (case.steps / 2).max(fewest.min(case.steps));
+        let coarse = self.plan.part(known).with_steps(halved);
         for (n, found) in self.again(&coarse, known, engine, progress)? {
             self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
         }
         let (poor, _) = self.plan.can_be_richer(known.to_vec());
-        let rich = self.plan.with_richer_bases(&poor);
+        let rich = self.plan.part(&poor).with_richer_bases();
         let mut taken = HashMap::new();
-        for (n, found) in self.again(&rich, &poor, engine, progress)? {
+        for (there, (n, found)) in self.again(&rich, &poor, engine, progress)?.into_iter().enumerate() {
             self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| left * apart);
             if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
-                self.put(n, finished, *place, &rich);
-                self.plan.take_basis(n as u32, &rich, n as u32, &mut taken);
+                self.put(n, finished, *place);
+                self.plan.take_resolution(n as u32, &rich, there as u32, &mut taken);
             }
         }
         for _ in 0..self.plan.policy.doublings {
             let leads = |n: usize| self.of_steps[n] >= self.of_modes[n];
             let doubtful = |n: &&u32| {
                 let n = **n as usize;
-                self.estimate(n) > self.aim() && leads(n) && self.plan.cases[n].steps <= STEPS_MAX / 2
+                self.estimate(n) > self.aim() && leads(n) && self.plan.steps(n as u32) <= STEPS_MAX / 2
             };
             let rough: Vec<u32> = known.iter().filter(doubtful).copied().collect();
             if rough.is_empty() || progress.stopped() {
                 break;
             }
-            let finer = self.plan.stepped(&rough, |case| 2 * case.steps);
-            for (n, found) in self.again(&finer, &rough, engine, progress)? {
+            let finer = self.plan.part(&rough).with_steps(|case| 2 * case.steps);
+            let mut taken = HashMap::new();
+            for (there, (n, found)) in self.again(&finer, &rough, engine, progress)?.into_iter().enumerate() {
                 let Some((apart, finished, place)) = found else { continue };
                 self.of_steps[n] = left * apart;
-                self.put(n, finished, *place, &finer);
+                self.put(n, finished, *place);
+                self.plan.take_resolution(n as u32, &finer, there as u32, &mut taken);
             }
         }
         Ok(())
     }
 
-    /// Takes the state as that plan has it.
-    fn put(&mut self, n: usize, finished: Finished, place: PeriodicState, plan: &Plan) {
-        let steps = plan.cases[n].steps;
+    /// Takes a state as another plan has it.
+    fn put(&mut self, n: usize, finished: Finished, place: PeriodicState) {
         let other = &mut self.others[n];
-        (other.finished, other.multiplier, other.steps) = (finished, place.spectrum.multiplier, steps);
-        (self.places[n], self.plan.cases[n].steps) = (place, steps);
+        (other.finished, other.multiplier, other.steps) = (finished, place.spectrum.multiplier, place.steps);
+        self.places[n] = place;
     }
 
     fn aim(&self) -> f64 {
@@ -120,8 +122,8 @@ impl Sight {
         self.of_steps[n] + self.of_modes[n]
     }
 
-    /// These states as another plan for the same instances has them, and how far they are from what is known; none where
-    /// it has no such state.
+    /// The states of these instances as another plan has them, which is of them alone, and how far they are from what is
+    /// known; none where it has no such state.
     fn again(
         &self,
         plan: &Plan,
@@ -129,20 +131,21 @@ impl Sight {
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<Vec<Again>, EngineError> {
-        let place = |n: usize| steady::carried((&self.plan, n as u32, &self.places[n]), plan, n as u32);
-        let mut places = vec![Station::FREE; self.others.len()];
-        instances.iter().for_each(|n| places[*n as usize] = place(*n as usize));
-        let mut settled = steady::from_places(plan, instances, &places, engine, progress)?;
-        let again = |n: &u32| {
+        let place = |(there, n): (usize, &u32)| {
+            steady::carried((&self.plan, *n, &self.places[*n as usize]), plan, there as u32)
+        };
+        let places: Vec<Station> = instances.iter().enumerate().map(place).collect();
+        let mut settled = steady::from_places(plan, &places, engine, progress)?;
+        let again = |(there, n): (usize, &u32)| {
             let n = *n as usize;
-            let finished = settled.outcome.results[n];
-            let apart = difference(plan, n, &self.others[n].finished, &finished);
-            let place = settled.found[n].take();
+            let finished = settled.outcome.results[there];
+            let apart = difference(plan, there as u32, &self.others[n].finished, &finished);
+            let place = settled.found[there].take();
             let another = SAME.max(plan.policy.branches_apart * plan.run.accuracy);
             let same = |place| (apart <= another).then_some((apart, finished, place));
             (n, place.and_then(same))
         };
-        Ok(instances.iter().map(again).collect())
+        Ok(instances.iter().enumerate().map(again).collect())
     }
 }
 

@@ -27,7 +27,7 @@ fn modes(plan: &Plan) -> Vec<Vec<KeptMode>> {
 
 /// Whether no basis of this sample could be any richer.
 pub(super) fn is_richest(sample: &Plan) -> bool {
-    modes(sample) == modes(&sample.richer(&[], RICHEST * sample.run.accuracy))
+    modes(sample) == modes(&sample.clone().with_shares(RICHEST * sample.run.accuracy))
 }
 
 /// What a basis for `accuracy` may cost the sample.
@@ -45,31 +45,30 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<Trials, EngineError> {
     let policy = &sample.policy;
-    let members: Vec<u32> = (0..sample.cases.len() as u32).collect();
     // What the bases cost is not to be mistaken for rounding.
     let open = sample.precision_settled().is_none() && engine.double();
     let precision = if open { Precision::F64 } else { sample.precision };
     let mut trials = Trials::default();
     let mut run = |accuracy: f64| {
-        let trial = Plan { precision, ..sample.richer(&members, accuracy) };
+        let trial = sample.clone().with_shares(accuracy).in_precision(precision);
         let settled = steady::run(&trial, &[], engine, progress)?;
         trials.notes.extend(settled.outcome.notes);
         Ok::<_, EngineError>(settled.outcome.results)
     };
     let richest = RICHEST * sample.run.accuracy;
     let truths = run(richest)?;
-    let mut tried = vec![modes(&sample.richer(&[], richest))];
+    let mut tried = vec![modes(&sample.clone().with_shares(richest))];
     let poorer: &[f64] = if count > policy.many { &policy.poorer } else { &[] };
     for factor in poorer.iter().chain(&policy.richer) {
         let accuracy = (factor * sample.run.accuracy).min(policy.poorest);
-        let basis = modes(&sample.richer(&[], accuracy));
+        let basis = modes(&sample.clone().with_shares(accuracy));
         if tried.contains(&basis) {
             continue;
         }
         tried.push(basis);
         let results = run(accuracy)?;
-        let apart = |i: &u32| apart(sample, *i, &results, &truths);
-        let trial = Trial { accuracy, differences: members.iter().map(apart).collect() };
+        let apart = |i: u32| apart(sample, i, &results, &truths);
+        let trial = Trial { accuracy, differences: sample.instances().map(apart).collect() };
         let below = |trial: &Trial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
         let first = policy.first_basis_share * sample.run.accuracy;
         let before = trials.all.last().is_none_or(|before| below(before, first));
@@ -86,7 +85,7 @@ fn apart(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 
     let (a, b) = (&results[i as usize], &truths[i as usize]);
     // What does not repeat has no difference to speak of.
     let ok = a.status == Status::Ok && b.status == Status::Ok;
-    if ok { difference(plan, i as usize, a, b) } else { 0.0 }
+    if ok { difference(plan, i, a, b) } else { 0.0 }
 }
 
 /// What a basis costs the members of the sample under one law, softest contact first.

@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Controlled, first};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
-use crate::observe::{Measured, Status, Wants};
+use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Precision, Station};
 use crate::scene::{Start, Steady};
 use crate::steady::{self, PeriodicState, Settled};
@@ -19,20 +19,21 @@ pub fn by_reference(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     progress.stage(&["reference"]);
-    let count = plan.cases.len();
+    let count = plan.len();
     let search = plan.run.steady == Steady::Search;
-    let stepped: Vec<u32> = (0..count as u32).filter(|i| plan.cases[*i as usize].steps > 0).collect();
+    let stepped = plan.stepped();
     let Settled { mut outcome, found, periods } = match search {
         true => {
             // By the same way as a controlled run, so that of two states it is the same one.
-            let plan = Plan { precision: Precision::F64, ..plan.clone() };
+            let plan = plan.clone().in_precision(Precision::F64);
             let rough = match plan.run.steps_per_period {
                 Some(_) => Vec::new(),
                 None => {
-                    steady::run(&first::quartered(&plan, &stepped), &[], &Cpu::default(), progress)?.found
+                    let coarse = first::quartered(plan.part(&stepped));
+                    steady::run(&coarse, &[], &Cpu::default(), progress)?.found
                 }
             };
-            steady::run(&plan, &rough, &Cpu::default(), progress)?
+            steady::run(&plan, &steady::among(&rough, &stepped, count), &Cpu::default(), progress)?
         }
         false => steady::run(plan, &[], reference, progress)?,
     };
@@ -53,7 +54,7 @@ pub fn by_reference(
         found,
         periods,
         arithmetic: Arithmetic::of(
-            &Plan { precision: Precision::F64, ..plan.clone() },
+            &plan.clone().in_precision(Precision::F64),
             "the reference engine has no other",
         ),
     })
@@ -76,10 +77,8 @@ fn stations(
     if !waiting.is_empty() {
         let mut trial = plan.trial(&waiting, plan.run.periods, plan.run.measure);
         trial.precision = Precision::F64;
-        trial.stations = Some(std::sync::Arc::new(
-            (0..trial.cases.len() as u32).map(|i| Station::free(&trial, i)).collect(),
-        ));
-        let ended = Cpu::default().run(&trial, progress)?.ends;
+        let starts = trial.instances().map(|i| Station::free(&trial, i).into()).collect();
+        let ended = Cpu::default().run(&trial.starting_at(starts), progress)?.ends;
         ends.extend(waiting.into_iter().zip(ended));
     }
     let end = |i: u32| ends.get(&i)?.as_deref().copied().filter(|station| station.finite);
@@ -160,8 +159,9 @@ fn whole(
 
 /// These instances alone, with the contact time measured.
 fn with_contact(plan: &Plan, instances: &[u32]) -> Plan {
-    let part = plan.part(instances);
-    Plan { wants: Wants { contact: true, ..part.wants }, ..part }
+    let mut part = plan.part(instances);
+    part.wants.contact = true;
+    part
 }
 
 /// How the reference came to a result.
@@ -195,7 +195,7 @@ pub fn beside(
     progress: &Progress,
 ) -> Result<Vec<(Finished, Way)>, EngineError> {
     let plan = &run.plan;
-    let all: Vec<u32> = (0..plan.cases.len() as u32).collect();
+    let all: Vec<u32> = plan.instances().collect();
     let search = plan.run.steady == Steady::Search;
     let first: Vec<Option<(Finished, Way)>> = match search {
         true => {
@@ -244,8 +244,7 @@ const NEAREST: f64 = 100.0;
 /// What the reference itself may be off by, at the most: the modes that it leaves out give way to the contact like a spring
 /// of their flexibility in series with it, unless they are many enough to be an oscillator; and its steps have a tolerance.
 pub fn blind(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
-    let case = &plan.cases[instance];
-    let modes = &plan.drives[case.drive as usize].instrument.modes;
+    let modes = &plan.driven(instance as u32).instrument.modes;
     let mut shares: Vec<f64> =
         modes.iter().map(|mode| (mode.mobility() / (mode.omega * mode.omega)).abs()).collect();
     shares.sort_by(f64::total_cmp);
@@ -265,9 +264,9 @@ pub fn blind(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
 /// About what it costs to leave out `flexibility` (m/N) of the tip: it is a spring in series with the contact, as stiff as
 /// that is at the deepest indentation measured, or else expected.
 pub(super) fn gives_way(plan: &Plan, instance: usize, measured: &Measured, flexibility: f64) -> f64 {
-    let contact = &plan.cases[instance].contact;
+    let contact = plan.contact(instance as u32);
     let depth = match measured.indentation_max.is_nan() {
-        true => plan.expected_depth(instance),
+        true => plan.expected_depth(instance as u32),
         false => measured.indentation_max,
     };
     flexibility * contact.stiffness(depth, true).abs()

@@ -1,7 +1,7 @@
 //! What a stopped run has not brought to its end.
 
 use super::first::{First, halved};
-use super::{Controlled, Members, precision, refine};
+use super::{Controlled, precision, refine};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
@@ -10,15 +10,15 @@ use crate::scene::Steady;
 /// [`refine::run`]; where it was stopped, what it would have gone on with is marked.
 pub(super) fn marked(
     plan: Plan,
-    members: Members,
+    stepped: &[u32],
     first: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let (before, chosen) = (plan.clone(), first.chosen);
-    let mut done = refine::run(plan, members, first, engine, progress)?;
+    let mut done = refine::run(plan, stepped, first, engine, progress)?;
     if progress.stopped() {
-        done.mark_unfinished(&before, members.stepped, chosen);
+        done.mark_unfinished(&before, stepped, chosen);
     }
     Ok(done)
 }
@@ -26,7 +26,7 @@ pub(super) fn marked(
 impl Controlled {
     /// Stopped before anything.
     pub(super) fn not_begun(plan: Plan, chosen: &precision::Choice) -> Self {
-        let count = plan.cases.len();
+        let count = plan.len();
         Self {
             outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
             estimates: vec![f64::NAN; count],
@@ -45,10 +45,10 @@ impl Controlled {
         let Self { plan, outcome, estimates, arithmetic, .. } = self;
         let told = before.run.steps_per_period.is_some();
         let search = before.run.steady == Steady::Search;
-        let first = halved(before, stepped);
+        let first = halved(before.clone());
         let modes = |plan: &Plan, i: usize| plan.driven(i as u32).kept.modes.clone();
         for i in stepped.iter().map(|i| *i as usize) {
-            let once = plan.cases[i].steps == first.cases[i].steps
+            let once = plan.steps(i as u32) == first.steps(i as u32)
                 && modes(plan, i) == modes(&first, i)
                 && arithmetic.of[i] == chosen.precision;
             let waited = !search && (arithmetic.of[i] == Precision::F64 || !chosen.mixed);
@@ -112,7 +112,7 @@ mod tests {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
             let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
             let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
-            let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(251).collect();
+            let some: Vec<u32> = (0..plan.len() as u32).step_by(251).collect();
             let mut plan = plan.part(&some);
             // So many of them have to be refined.
             plan.run.accuracy = 2e-4;

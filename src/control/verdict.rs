@@ -44,7 +44,7 @@ impl Verdict {
         let compared = || audited.iter().filter(|one| one.worst.is_some());
         let told = |n: usize| {
             let redone = || compared().any(|one| one.instance as usize == n);
-            exact || plan.cases[n].steps == 0 || !run.estimates[n].is_nan() || redone()
+            exact || plan.steps(n as u32) == 0 || !run.estimates[n].is_nan() || redone()
         };
         let unknown = (0..results.len()).filter(|n| results[*n].status == Status::Ok && !told(*n));
         let largest =

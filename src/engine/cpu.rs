@@ -8,7 +8,7 @@ use super::saved::Saved;
 use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station, threads};
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, MODES_MAX, Real, Rounding, Stepper, Wave, instructions};
-use crate::plan::{Class, Driven, Plan, Precision, Station};
+use crate::plan::{Class, Driven, Plan, Precision, StartState};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -45,8 +45,8 @@ impl Engine for Cpu {
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         let mut outcome = Outcome::of(plan);
-        for class in &plan.classes {
-            let from = plan.stations.as_ref().map(|stations| Resume::Stations(stations, &class.instances));
+        for class in &plan.classes() {
+            let from = plan.starts.as_ref().map(|starts| Resume::Starts(starts, &class.instances));
             let ended = resume(plan, class, from, Rounding::new(self.strict), progress)?;
             outcome.put(&class.instances, ended);
         }
@@ -70,8 +70,8 @@ pub(super) enum Resume<'a> {
     /// As a device left them after so many periods.
     #[cfg(feature = "gpu")]
     Saved(&'a [Saved], u32),
-    /// At these stations of theirs: by instance of the plan, and which instances they are.
-    Stations(&'a [Station], &'a [u32]),
+    /// Where the plan says: by instance of the plan, and which instances they are.
+    Starts(&'a [StartState], &'a [u32]),
 }
 
 impl Resume<'_> {
@@ -80,7 +80,7 @@ impl Resume<'_> {
         match self {
             #[cfg(feature = "gpu")]
             Self::Saved(_, done) => *done,
-            Self::Stations(..) => 0,
+            Self::Starts(..) => 0,
         }
     }
 }
@@ -135,9 +135,9 @@ fn instances<E: Real>(
             None => begin(some[i], plan.run.start),
             #[cfg(feature = "gpu")]
             Some(Resume::Saved(saved, _)) => saved[first + i],
-            Some(Resume::Stations(stations, instances)) => {
+            Some(Resume::Starts(starts, instances)) => {
                 let instance = instances[first + i];
-                station::saved(plan, instance, &stations[instance as usize])
+                station::saved(plan, instance, &starts[instance as usize].station)
             }
         };
         Batch::new(stepper, some, &levers, plan.run.start, saved, done)
@@ -195,7 +195,7 @@ fn steady<E: Real>(
 }
 
 fn finish_batch<E: Real>(plan: &Plan, members: &[Member], batch: &Batch<E>) -> Vec<Ended> {
-    let tell = plan.stations.is_some();
+    let tell = plan.starts.is_some();
     members
         .iter()
         .zip(batch.sums(&plan.run, members[0].0.steps))

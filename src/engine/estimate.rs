@@ -22,17 +22,16 @@ pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
         return Ok(0.0);
     }
     let tried: Vec<u32> = plan
-        .classes
-        .iter()
+        .classes()
+        .into_iter()
         .filter(|class| class.steps > 0)
         .flat_map(|class| {
             let every = class.instances.len().div_ceil(INSTANCES);
-            class.instances.iter().copied().step_by(every)
+            class.instances.into_iter().step_by(every)
         })
         .collect();
     let mut trial = plan.part(&tried);
-    let per_period: f64 =
-        trial.classes.iter().map(|class| f64::from(class.steps) * class.instances.len() as f64).sum();
+    let per_period = trial.instance_steps() as f64 / f64::from(trial.run.periods);
     trial.run.periods = ((STEPS / per_period) as u32).clamp(1, plan.run.periods);
     let share = u64::from(trial.run.periods) * u64::from(plan.run.measure) / u64::from(plan.run.periods);
     trial.run.measure = (share as u32).clamp(1, trial.run.periods);

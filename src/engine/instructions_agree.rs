@@ -19,7 +19,7 @@ fn run(plan: &Plan, rounding: Rounding) -> Vec<Vec<u64>> {
         bits
     };
     let class = |class| cpu::resume(plan, class, None, rounding, &Progress::default()).unwrap();
-    plan.classes
+    plan.classes()
         .iter()
         .flat_map(|one| class(one).iter().map(|one| bits(&one.finished)).collect::<Vec<_>>())
         .collect()

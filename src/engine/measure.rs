@@ -6,7 +6,7 @@ use super::start;
 use crate::contact::Passed;
 use crate::kernel::{LENGTH, Ledger};
 use crate::observe::{Measured, Status, Wants};
-use crate::plan::{CasePlan, Driven};
+use crate::plan::{Case, Driven};
 use crate::scene::Run;
 use nalgebra::Complex;
 
@@ -57,7 +57,7 @@ fn unsettled(change: f64, least_change: Option<f64>, driven: &Driven) -> f64 {
 /// Whether what such a change leaves to come is within the accuracy asked for.
 pub(super) fn settled(change: f64, least_change: Option<f64>, driven: &Driven, run: &Run) -> bool {
     // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
-    let scale = driven.free.tip.norm().max(1e-15);
+    let scale = driven.free_amplitude().max(1e-15);
     // A change that is no number leaves it to the state to say so.
     let left = unsettled(change, least_change, driven);
     left <= run.accuracy * scale || left.is_nan()
@@ -70,7 +70,7 @@ pub(super) fn first_seen(run: &Run) -> u32 {
 }
 
 /// Measurements of an instance that was stepped.
-pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, wants: Wants) -> Finished {
+pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants: Wants) -> Finished {
     if !sums.finite {
         return Finished { measured: Measured::NONE, status: Status::NonFinite };
     }
@@ -111,7 +111,7 @@ pub(super) fn finish(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, w
 pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
     let mut measured = Measured::NONE;
     measured.harmonics[..wants.harmonics].fill(0.0);
-    measured.harmonics[0] = driven.free.tip.norm();
+    measured.harmonics[0] = driven.free_amplitude();
     measured.phase = lag(driven.free.tip);
     if wants.contact {
         (measured.contact_time, measured.contacts) = (0.0, 0.0);
@@ -132,7 +132,7 @@ pub(super) fn lag(travel: Complex<f64>) -> f64 {
     if lag < 360.0 { lag + 0.0 } else { 0.0 }
 }
 
-fn judge(sums: &Sums, case: &CasePlan, driven: &Driven, run: &Run, force: f64) -> Status {
+fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> Status {
     let deepest = sums.ledger.sums.deepest * LENGTH;
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;

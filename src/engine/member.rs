@@ -4,7 +4,7 @@ use super::saved::Saved;
 use super::start;
 use crate::contact::KernelUnits;
 use crate::kernel::{LENGTH, Ledger, Lever, MODES_MAX, flown};
-use crate::plan::{CasePlan, Driven, Plan};
+use crate::plan::{Case, Driven, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -21,12 +21,11 @@ pub(super) fn force_scale(driven: &Driven, steps: u32) -> f64 {
 }
 
 /// An instance and its driven instrument.
-pub(super) type Member<'a> = (&'a CasePlan, &'a Driven);
+pub(super) type Member<'a> = (Case, &'a Driven);
 
 /// Instance `instance` of the plan.
 pub(super) fn member(plan: &Plan, instance: u32) -> Member<'_> {
-    let case = &plan.cases[instance as usize];
-    (case, &plan.drives[case.drive as usize])
+    (plan.case(instance), plan.driven(instance))
 }
 
 /// The lever of an instance for its step, filled up to `modes`.

@@ -40,7 +40,7 @@ pub trait Engine: Send + Sync {
         true
     }
 
-    /// Whether it can start at the plan's stations.
+    /// Whether it can begin where a plan says.
     fn resumes(&self) -> bool {
         true
     }
@@ -85,8 +85,8 @@ pub enum EngineError {
     Gpu(#[from] gpu::GpuError),
     #[error("the reference engine's tolerance is {0:e}: give one from 1e-14 to 1e-3")]
     Tolerance(f64),
-    #[error("the reference engine starts where the scene says, not at stations")]
-    Stations,
+    #[error("the reference engine starts where the scene says, not where it is told to")]
+    Starts,
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
 }
@@ -103,9 +103,9 @@ pub struct Outcome {
 
 impl Outcome {
     /// Before anything has run.
-    fn of(plan: &Plan) -> Self {
-        let count = plan.cases.len();
-        let ends = if plan.stations.is_some() { vec![None; count] } else { Vec::new() };
+    pub fn of(plan: &Plan) -> Self {
+        let count = plan.len();
+        let ends = if plan.starts.is_some() { vec![None; count] } else { Vec::new() };
         Self { results: vec![Finished::NOT_RUN; count], ends, notes: Vec::new() }
     }
 

@@ -29,8 +29,9 @@ impl Map {
     pub fn new(plan: &Plan, instances: &[u32], rounding: Rounding) -> Result<Self, EngineError> {
         let part = plan.trial(instances, 1, 1);
         let mut places = vec![(0, 0); instances.len()];
-        let mut tables = Vec::with_capacity(part.classes.len());
-        for (number, class) in part.classes.iter().enumerate() {
+        let classes = part.classes();
+        let mut tables = Vec::with_capacity(classes.len());
+        for (number, class) in classes.iter().enumerate() {
             for (row, instance) in class.instances.iter().enumerate() {
                 places[*instance as usize] = (number as u32, row as u32);
             }

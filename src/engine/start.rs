@@ -19,7 +19,7 @@ pub(super) fn phase(driven: &Driven, start: Start) -> f64 {
 pub(super) fn amplitudes(driven: &Driven, start: Start) -> (f64, f64) {
     match start {
         Start::Rest => (driven.free.tip.im, driven.free.tip.re),
-        Start::Steady => (driven.free.tip.norm(), 0.0),
+        Start::Steady => (driven.free_amplitude(), 0.0),
     }
 }
 

@@ -10,8 +10,9 @@ use std::f64::consts::PI;
 /// Where these instances start, if the plan says so.
 #[cfg(feature = "gpu")]
 pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<Saved>> {
-    let stations = plan.stations.as_ref()?;
-    Some(instances.iter().map(|&instance| saved(plan, instance, &stations[instance as usize])).collect())
+    let starts = plan.starts.as_ref()?;
+    let at = |&instance: &u32| saved(plan, instance, &starts[instance as usize].station);
+    Some(instances.iter().map(at).collect())
 }
 
 pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {

@@ -52,9 +52,9 @@ pub fn trace(
     periods: u32,
     keep: u32,
 ) -> Result<Trace, EngineError> {
-    let mut case = plan.cases[instance];
+    let mut case = plan.case(instance as u32);
     case.steps = case.steps.max(crate::plan::STEPS_MIN);
-    let driven = &plan.drives[case.drive as usize];
+    let driven = plan.driven(instance as u32);
     match driven.kept.modes.len() {
         0 => return Err(EngineError::NoModes),
         modes if modes > MODES_MAX => {
@@ -62,7 +62,7 @@ pub fn trace(
         }
         _ => {}
     }
-    let (member, start) = ((&case, driven), plan.run.start);
+    let (member, start) = ((case, driven), plan.run.start);
     let modes = driven.kept.modes.len();
     let saved =
         from.map_or_else(|| begin(member, start), |place| station::saved(plan, instance as u32, place));

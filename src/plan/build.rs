@@ -1,7 +1,9 @@
 //! From a scene to its plan.
 
-use super::{CasePlan, Class, Driven, Plan, Policy, Precision, ReducedBasis, steps};
-use crate::contact::{Contact, Law};
+use super::{
+    Drive, Driven, Ensemble, Instance, InstanceId, Plan, Policy, Precision, ReducedBasis, Resolution, steps,
+};
+use crate::contact::Contact;
 use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::{Wants, wants};
 use crate::scene::{DriveFrequency, Params, Run, Scene, Start, Steady};
@@ -25,24 +27,24 @@ const STEPS_FOR_MODES: f64 = 2048.0;
 impl Plan {
     /// Plans every instance. Each distinct instrument is reduced once.
     pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
-        let (mut drives, mut drive_of) = reduce(scene)?;
+        let (mut drives, drive_of) = driven(scene)?;
+        let ensemble = Arc::new(ensemble(scene, &drives, &drive_of));
+        let mut basis_of = drive_of;
         // Prescribed steps are for the modes that they can step.
         if scene.run.modes.is_none() && scene.run.steps_per_period.is_none() {
-            fast_contacts(scene, &mut drives, &mut drive_of);
+            fast_contacts(&ensemble, &scene.run, &mut drives, &mut basis_of);
         }
-        let cases: Vec<CasePlan> = (0..scene.len())
-            .into_par_iter()
-            .map(|index| {
-                let drive = drive_of[index];
-                plan_case(scene, &scene.instance(index), drive, &drives[drive as usize])
-            })
-            .collect();
-        let classes = classify(&cases, &drives, 0..cases.len() as u32);
+        let resolution = |(one, drive): (&Instance, &u32)| Resolution {
+            drive: *drive,
+            steps: steps_of(&scene.run, one, &drives[*drive as usize]),
+        };
+        let resolution = ensemble.instances.par_iter().zip(&basis_of).map(resolution).collect();
         let asked = wants(&scene.output.observables);
         Ok(Self {
+            ids: (0..ensemble.instances.len() as u32).map(InstanceId).collect(),
+            resolution,
+            ensemble,
             drives,
-            cases,
-            classes,
             observables: scene.output.observables.clone(),
             wants: Wants {
                 // The branch of a state is told by its mean force.
@@ -56,25 +58,18 @@ impl Plan {
             precision_open: false,
             policy: Policy::STANDARD,
             waveforms: scene.output.waveforms.clone(),
-            stations: None,
+            starts: None,
         })
     }
 }
 
 /// Gives instances whose contacts are too fast for the modes with the largest shares a basis that is made for them.
-fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) {
-    let rungs: Vec<(u32, u32)> = drive_of
-        .par_iter()
-        .enumerate()
-        .map(|(index, drive)| {
-            let params = scene.instance(index);
-            (*drive, drives[*drive as usize].rung(&Contact::new(&params), params.approach.gap))
-        })
-        .collect();
+fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>, basis_of: &mut [u32]) {
+    let rung = |one: &Instance| (one.drive, drives[one.drive as usize].rung(&one.contact, one.gap));
+    let rungs: Vec<(u32, u32)> = ensemble.instances.par_iter().map(rung).collect();
     let mut distinct = rungs.clone();
     distinct.par_sort_unstable();
     distinct.dedup();
-    let run = &scene.run;
     let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
         .map(|(drive, rung)| {
@@ -91,7 +86,7 @@ fn fast_contacts(scene: &Scene, drives: &mut Vec<Driven>, drive_of: &mut [u32]) 
     }
     if !made.is_empty() {
         let own = |(drive, key): (&mut u32, &(u32, u32))| *drive = made.get(key).copied().unwrap_or(*drive);
-        drive_of.iter_mut().zip(&rungs).for_each(own);
+        basis_of.iter_mut().zip(&rungs).for_each(own);
     }
 }
 
@@ -121,68 +116,76 @@ fn moves_drive(path: &str) -> bool {
     path.starts_with("drive.") && path != "drive.on"
 }
 
-/// The distinct driven instruments, and which one each instance has.
-fn reduce(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
-    let axes = &scene.sweep.axes;
-    let relevant: Vec<usize> = (0..axes.len()).filter(|&a| moves_instrument(&axes[a].path)).collect();
-    let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
-    let mut first = Vec::new();
-    if relevant.is_empty() {
-        // One instrument for all, as in the largest sweeps: nothing to look up for each instance.
-        first.push(0);
-    }
-    let looked_up = if relevant.is_empty() { 0 } else { scene.len() };
-    let mut drive_of: Vec<u32> = (0..looked_up)
-        .map(|instance| {
+/// Numbers of things that several instances share, as they are met.
+struct Distinct {
+    /// Of each number, the first instance that has it.
+    first: Vec<usize>,
+    /// Of each of the instances looked at, its number.
+    of: Vec<u32>,
+}
+
+impl Distinct {
+    /// Of these instances, told apart by their values along these axes of the scene's sweep.
+    fn along(axes: &[usize], scene: &Scene, instances: impl Iterator<Item = usize>) -> Self {
+        let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
+        let mut first = Vec::new();
+        let number = |instance: usize| {
             let indices = scene.sweep.indices(instance);
-            let key = relevant.iter().map(|&a| axes[a].values[indices[a]].to_bits()).collect();
-            *numbers.entry(key).or_insert_with(|| {
+            let value = |axis: &usize| scene.sweep.axes[*axis].values[indices[*axis]].to_bits();
+            *numbers.entry(axes.iter().map(value).collect()).or_insert_with(|| {
                 first.push(instance);
                 first.len() as u32 - 1
             })
-        })
-        .collect();
-    drive_of.resize(scene.len(), 0);
+        };
+        let of = match axes.is_empty() {
+            // The same for all, as in the largest sweeps: nothing to look up for each instance.
+            true => vec![0; instances.count()],
+            false => instances.map(number).collect(),
+        };
+        if axes.is_empty() {
+            first.push(0);
+        }
+        Self { first, of }
+    }
+}
 
+/// The distinct drives with the modes that have the largest shares, and which one each instance has.
+fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
+    let axes = &scene.sweep.axes;
+    let relevant: Vec<usize> = (0..axes.len()).filter(|&a| moves_instrument(&axes[a].path)).collect();
+    let drives = Distinct::along(&relevant, scene, 0..scene.len());
     // Levers and rods without the drive: fewer still.
     let bodies: Vec<usize> = relevant.into_iter().filter(|&a| !moves_drive(&axes[a].path)).collect();
-    let mut body_numbers: HashMap<Vec<u64>, usize> = HashMap::new();
-    let mut body_first = Vec::new();
-    let body_of: Vec<usize> = first
-        .iter()
-        .map(|&instance| {
-            let indices = scene.sweep.indices(instance);
-            let key = bodies.iter().map(|&a| axes[a].values[indices[a]].to_bits()).collect();
-            *body_numbers.entry(key).or_insert_with(|| {
-                body_first.push(instance);
-                body_first.len() - 1
-            })
-        })
-        .collect();
-
+    let bodies = Distinct::along(&bodies, scene, drives.first.iter().copied());
     let fail = |instance: usize| {
         let values = scene.described(instance);
         move |source| PlanError::Instrument { instance, values, source }
     };
-    let instruments: Vec<Arc<Instrument>> = body_first
-        .par_iter()
-        .map(|&instance| {
-            let params = scene.instance(instance);
-            let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
-            Instrument::reduce(&params.instrument, params.drive.on, tolerance)
-                .map(Arc::new)
-                .map_err(fail(instance))
-        })
-        .collect::<Result<_, _>>()?;
-    let drives = first
-        .par_iter()
-        .zip(&body_of)
-        .map(|(&instance, &body)| {
-            let params = scene.instance(instance);
-            drive(scene, &params, &instruments[body]).map_err(fail(instance))
-        })
-        .collect::<Result<_, _>>()?;
-    Ok((drives, drive_of))
+    let instrument = |&instance: &usize| {
+        let params = scene.instance(instance);
+        let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
+        let reduced = Instrument::reduce(&params.instrument, params.drive.on, tolerance);
+        reduced.map(Arc::new).map_err(fail(instance))
+    };
+    let instruments: Vec<Arc<Instrument>> =
+        bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;
+    let one = |(&instance, &body): (&usize, &u32)| {
+        drive(scene, &scene.instance(instance), &instruments[body as usize]).map_err(fail(instance))
+    };
+    let all = drives.first.par_iter().zip(&bodies.of).map(one).collect::<Result<_, _>>()?;
+    Ok((all, drives.of))
+}
+
+/// The scene's instances.
+fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
+    let instance = |(index, drive): (usize, &u32)| {
+        let params = scene.instance(index);
+        Instance { drive: *drive, contact: Contact::new(&params), gap: params.approach.gap }
+    };
+    Ensemble {
+        drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
+        instances: drive_of.par_iter().enumerate().map(instance).collect(),
+    }
 }
 
 fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result<Driven, InstrumentError> {
@@ -193,72 +196,17 @@ fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result
     let free = instrument.free_motion(params.drive.level, frequency)?;
     let steps_max = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
     let kept = ReducedBasis::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
-    Ok(Driven { instrument: Arc::clone(instrument), free, kept: Arc::new(kept) })
+    let drive = Arc::new(Drive { instrument: Arc::clone(instrument), free });
+    Ok(Driven { drive, kept: Arc::new(kept) })
 }
 
-fn plan_case(scene: &Scene, params: &Params, drive: u32, driven: &Driven) -> CasePlan {
-    let contact = Contact::new(params);
-    let gap = params.approach.gap;
-    let amplitude = driven.free.tip.norm();
-    let settled = scene.run.start == Start::Steady;
-    let free = settled && contact.is_out_of_reach(amplitude, gap);
-    let steps = if free {
-        0
-    } else {
-        scene.run.steps_per_period.unwrap_or_else(|| {
-            steps::steps(&contact, &driven.kept, driven.free.omega, amplitude, gap, scene.run.accuracy)
-        })
-    };
-    CasePlan { drive, contact, gap, steps, least_change: None }
-}
-
-/// Groups these instances by shape; within a class by drive, then gap, then stiffness.
-pub(super) fn classify(
-    cases: &[CasePlan],
-    drives: &[Driven],
-    instances: impl Iterator<Item = u32>,
-) -> Vec<Class> {
-    let mut all: Vec<Placed> = instances.map(|index| Placed::new(index, cases, drives)).collect();
-    // In place: a stable sort would hold them twice.
-    all.par_sort_unstable_by(|a, b| {
-        let order = a.shape().cmp(&b.shape()).then(a.drive.cmp(&b.drive));
-        let order = order.then(a.gap.total_cmp(&b.gap)).then(a.stiffness.total_cmp(&b.stiffness));
-        order.then(a.index.cmp(&b.index))
-    });
-    all.chunk_by(|a, b| a.shape() == b.shape())
-        .map(|class| {
-            let (steps, law, modes) = class[0].shape();
-            Class { law, modes, steps, instances: class.iter().map(|one| one.index).collect() }
-        })
-        .collect()
-}
-
-/// What decides an instance's place in the classes.
-struct Placed {
-    index: u32,
-    steps: u32,
-    law: Law,
-    modes: usize,
-    drive: u32,
-    gap: f64,
-    stiffness: f64,
-}
-
-impl Placed {
-    fn new(index: u32, cases: &[CasePlan], drives: &[Driven]) -> Self {
-        let CasePlan { drive, steps, gap, contact, .. } = &cases[index as usize];
-        Self {
-            index,
-            steps: *steps,
-            law: contact.law,
-            modes: drives[*drive as usize].kept.modes.len(),
-            drive: *drive,
-            gap: *gap,
-            stiffness: contact.modulus * contact.radius.sqrt(),
-        }
+/// Steps per period of an instance; 0 where it never feels the sample.
+fn steps_of(run: &Run, one: &Instance, driven: &Driven) -> u32 {
+    let amplitude = driven.free_amplitude();
+    if run.start == Start::Steady && one.contact.is_out_of_reach(amplitude, one.gap) {
+        return 0;
     }
-
-    fn shape(&self) -> (u32, Law, usize) {
-        (self.steps, self.law, self.modes)
-    }
+    run.steps_per_period.unwrap_or_else(|| {
+        steps::steps(&one.contact, &driven.kept, driven.free.omega, amplitude, one.gap, run.accuracy)
+    })
 }

@@ -24,7 +24,6 @@ pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<
     if count == 0 || modes.iter().any(|mode| mode.mobility() < 0.0) {
         return None;
     }
-    let square = |mode: &Mode| mode.omega * mode.omega;
     let push = DVector::from_iterator(modes.len(), modes.iter().map(|mode| mode.mobility().sqrt()));
     let mut basis: Vec<DVector<f64>> = Vec::with_capacity(count);
     for n in 0..count {
@@ -46,16 +45,26 @@ pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<
         }
         basis.push(answer);
     }
-    let basis = DMatrix::from_columns(&basis);
+    projected(modes, &push, &DMatrix::from_columns(&basis))
+}
+
+fn square(mode: &Mode) -> f64 {
+    mode.omega * mode.omega
+}
+
+/// The modes seen through a basis of their amplitudes over the square root of their mass (Galerkin's projection), as
+/// oscillators; `push` is what a force on the tip does to each mode.
+fn projected(modes: &[&Mode], push: &DVector<f64>, basis: &DMatrix<f64>) -> Option<Vec<KeptMode>> {
+    let count = basis.ncols();
     let stiffness = DMatrix::from_fn(count, count, |i, j| {
         (0..modes.len()).map(|k| basis[(k, i)] * square(modes[k]) * basis[(k, j)]).sum()
     });
     let solved = SymmetricEigen::try_new(stiffness, f64::EPSILON, 100 * count)?;
-    let shapes = &basis * &solved.eigenvectors;
+    let shapes = basis * &solved.eigenvectors;
     let mut oscillators: Vec<KeptMode> = (0..count)
         .map(|j| {
             let shape = shapes.column(j);
-            let tip = shape.dot(&push);
+            let tip = shape.dot(push);
             let square_of = solved.eigenvalues[j];
             // Strain energy decides whose loss an oscillator has.
             let loss: f64 = modes

@@ -1,7 +1,10 @@
-//! What a scene needs: modes, steps, laws and observables, as plain data that can be printed.
+//! What a scene needs, as plain data that can be printed: the ensemble of its instances, which never changes, and plans,
+//! which say what of it runs and how finely.
 
 mod build;
+mod classes;
 mod compliance;
+mod ensemble;
 mod modes;
 mod policy;
 mod precision;
@@ -13,7 +16,9 @@ mod summary;
 mod variants;
 
 pub use build::PlanError;
+pub use classes::Class;
 pub use compliance::{compliance, reduced};
+pub use ensemble::{Drive, Ensemble, Instance, InstanceId};
 pub use modes::{BasisRule, KeptMode, ReducedBasis};
 pub use policy::Policy;
 pub use precision::Precision;
@@ -21,22 +26,26 @@ pub(crate) use rate::RICHEST;
 pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
 
-use crate::contact::{Contact, Law};
-use crate::instrument::{FreeMotion, Instrument};
+use crate::contact::Contact;
 use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
+use std::ops::Deref;
 use std::sync::Arc;
 
-/// Everything an engine needs to run a scene.
+/// Some instances of an ensemble and how they are to run: what an engine is given. A scene's first plan has all
+/// instances; refinements, samples, portions and audits are plans of some of them, with steps, bases and starts of their
+/// own. Everything that is told by instance is in the order of the plan's: its instance `i` is the ensemble's
+/// `plan.id(i)`.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Distinct instruments under their drive.
+    pub ensemble: Arc<Ensemble>,
+    /// Which instances run.
+    ids: Vec<InstanceId>,
+    /// How finely each of them does.
+    resolution: Vec<Resolution>,
+    /// Drives with the bases that they are stepped by.
     pub drives: Vec<Driven>,
-    /// One per instance, in the scene's order.
-    pub cases: Vec<CasePlan>,
-    /// Instances that run in lockstep: one law, one number of modes, one number of steps.
-    pub classes: Vec<Class>,
     pub observables: Vec<Observable>,
     pub wants: Wants,
     pub run: Run,
@@ -48,7 +57,31 @@ pub struct Plan {
     /// Waveforms asked for.
     pub waveforms: Option<WaveformRequest>,
     /// Where each instance starts, in place of the scene's start; where they end is then told too.
-    pub stations: Option<Arc<Vec<Station>>>,
+    pub starts: Option<Arc<Vec<StartState>>>,
+}
+
+/// How finely an instance runs.
+#[derive(Clone, Copy, Debug)]
+struct Resolution {
+    /// Index into [`Plan::drives`].
+    drive: u32,
+    /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
+    steps: u32,
+}
+
+/// Where an instance of a plan starts.
+#[derive(Clone, Copy, Debug)]
+pub struct StartState {
+    pub station: Station,
+    /// A change from one period to the next is at least so large a share of the distance to the periodic
+    /// state; where nothing is known of it, the slowest mode's damping stands for it.
+    pub least_change: Option<f64>,
+}
+
+impl From<Station> for StartState {
+    fn from(station: Station) -> Self {
+        Self { station, least_change: None }
+    }
 }
 
 /// Where an instance stands at the start of a period of its drive: half a step into it, before the kick.
@@ -69,32 +102,31 @@ impl Station {
 
     /// The free oscillation of an instance with its sample just there.
     pub fn free(plan: &Plan, instance: u32) -> Self {
-        let case = &plan.cases[instance as usize];
-        let amplitude = plan.drives[case.drive as usize].free.tip.norm();
+        let case = plan.case(instance);
+        let amplitude = plan.driven(instance).free_amplitude();
         Self { touching: case.contact.next_contact(-(case.gap + amplitude), false), ..Self::FREE }
     }
 }
 
-/// One instrument at one drive.
+/// A drive, and the basis by which its instrument is stepped.
 #[derive(Clone, Debug)]
 pub struct Driven {
-    pub instrument: Arc<Instrument>,
-    /// Motion without a sample.
-    pub free: FreeMotion,
+    pub drive: Arc<Drive>,
     /// The modes that carry the contact force's effect on the tip.
     pub kept: Arc<ReducedBasis>,
 }
 
-impl Driven {
-    /// Drive frequency, Hz.
-    pub fn frequency(&self) -> f64 {
-        self.free.omega / std::f64::consts::TAU
+impl Deref for Driven {
+    type Target = Drive;
+
+    fn deref(&self) -> &Drive {
+        &self.drive
     }
 }
 
-/// One instance.
+/// One instance of a plan.
 #[derive(Clone, Copy, Debug)]
-pub struct CasePlan {
+pub struct Case {
     /// Index into [`Plan::drives`].
     pub drive: u32,
     pub contact: Contact,
@@ -102,39 +134,73 @@ pub struct CasePlan {
     pub gap: f64,
     /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
     pub steps: u32,
-    /// A change from one period to the next is at least so large a share of the distance to the periodic
-    /// state; where nothing is known of it, the slowest mode's damping stands for it.
+    /// See [`StartState`].
     pub least_change: Option<f64>,
 }
 
-/// Instances of one shape.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Class {
-    pub law: Law,
-    pub modes: usize,
-    pub steps: u32,
-    /// Instance numbers, ordered so that neighbours touch the sample at about the same time.
-    pub instances: Vec<u32>,
-}
-
 impl Plan {
+    /// Number of instances.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Whether it has no instance.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// Its instances' numbers.
+    pub fn instances(&self) -> impl Iterator<Item = u32> + use<> {
+        0..self.ids.len() as u32
+    }
+
+    /// Which instance of the ensemble that is.
+    pub fn id(&self, instance: u32) -> InstanceId {
+        self.ids[instance as usize]
+    }
+
+    /// Everything about one instance.
+    pub fn case(&self, instance: u32) -> Case {
+        let Instance { contact, gap, .. } = self.ensemble[self.id(instance)];
+        let Resolution { drive, steps } = self.resolution[instance as usize];
+        let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
+        Case { drive, contact, gap, steps, least_change }
+    }
+
+    /// All of them, in their order.
+    pub fn cases(&self) -> impl Iterator<Item = Case> + '_ {
+        self.instances().map(|instance| self.case(instance))
+    }
+
+    /// An instance's contact.
+    pub fn contact(&self, instance: u32) -> &Contact {
+        &self.ensemble[self.id(instance)].contact
+    }
+
+    /// Steps per drive period of an instance.
+    pub fn steps(&self, instance: u32) -> u32 {
+        self.resolution[instance as usize].steps
+    }
+
+    /// An instance's instrument, drive and basis.
+    pub fn driven(&self, instance: u32) -> &Driven {
+        &self.drives[self.resolution[instance as usize].drive as usize]
+    }
+
+    /// Instances that need steps: the others are free of the sample.
+    pub fn stepped(&self) -> Vec<u32> {
+        self.instances().filter(|instance| self.steps(*instance) > 0).collect()
+    }
+
     /// Steps of the whole run, all instances together.
     pub fn instance_steps(&self) -> u64 {
-        let per_period: u64 =
-            self.classes.iter().map(|class| class.instances.len() as u64 * u64::from(class.steps)).sum();
+        let per_period: u64 = self.resolution.iter().map(|one| u64::from(one.steps)).sum();
         per_period * u64::from(self.run.periods)
     }
 
-    /// An instance's instrument, drive and lever.
-    pub fn driven(&self, instance: u32) -> &Driven {
-        &self.drives[self.cases[instance as usize].drive as usize]
-    }
-
     /// Deepest indentation to expect of an instance, m.
-    pub fn expected_depth(&self, instance: usize) -> f64 {
-        let case = &self.cases[instance];
-        let driven = &self.drives[case.drive as usize];
-        let mobility = driven.kept.mobility();
-        steps::deepest(&case.contact, mobility, driven.free.omega, driven.free.tip.norm(), case.gap)
+    pub fn expected_depth(&self, instance: u32) -> f64 {
+        let (Case { contact, gap, .. }, driven) = (self.case(instance), self.driven(instance));
+        steps::deepest(&contact, driven.kept.mobility(), driven.free.omega, driven.free_amplitude(), gap)
     }
 }

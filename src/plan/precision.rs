@@ -27,7 +27,6 @@ const MANY: usize = 1024;
 impl Plan {
     /// Why the precision is settled before anything has run; none where error control is to decide by a sample.
     pub fn precision_settled(&self) -> Option<&'static str> {
-        let stepped = self.classes.iter().filter(|class| class.steps > 0);
         if !self.precision_open {
             Some("as told")
         } else if self.run.steps_per_period.is_some() {
@@ -38,7 +37,7 @@ impl Plan {
         } else if self.run.steady == Steady::Search {
             // The period maps are: what is run on from the states found costs little.
             Some("periodic states are searched for in f64")
-        } else if stepped.map(|class| class.instances.len()).sum::<usize>() <= MANY {
+        } else if self.stepped().len() <= MANY {
             Some("too few instances for a trial of f32 to pay")
         } else {
             None

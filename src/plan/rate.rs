@@ -57,7 +57,7 @@ impl Driven {
     /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about
     /// four over its duration.
     pub fn contact_rate(&self, contact: &Contact, gap: f64) -> f64 {
-        contact_rate(contact, &self.instrument, self.free.omega, self.free.tip.norm(), gap)
+        contact_rate(contact, &self.instrument, self.free.omega, self.free_amplitude(), gap)
     }
 
     /// The contact rate of a rung, rad/s.

@@ -34,50 +34,39 @@ const ESTIMATED: &str = "every instance waited for all periods, once";
 impl Plan {
     /// In words and as JSON; `seconds` is the estimated run time, where known.
     pub fn summary(&self, seconds: Option<f64>) -> Summary {
+        let classes = self.classes();
+        let told: Vec<usize> = (0..self.drives.len()).filter(|index| self.tells(*index)).collect();
+        Summary { text: self.text(&classes, &told, seconds), json: self.json(&classes, &told, seconds) }
+    }
+
+    /// Whether the summary tells of that drive.
+    fn tells(&self, index: usize) -> bool {
+        index < TOLD || index + 1 == self.drives.len()
+    }
+
+    fn text(&self, classes: &[Class], told: &[usize], seconds: Option<f64>) -> String {
         let mut text = format!(
             "{} instance{}, {} driven instrument{}, {} class{}, precision {}{}\n",
-            self.cases.len(),
-            plural(self.cases.len(), "s"),
+            self.len(),
+            plural(self.len(), "s"),
             self.drives.len(),
             plural(self.drives.len(), "s"),
-            self.classes.len(),
-            plural(self.classes.len(), "es"),
+            classes.len(),
+            plural(classes.len(), "es"),
             self.precision.name(),
             match self.precision_settled() {
                 None => ", or by a trial of both, whichever serves",
                 Some(_) => "",
             },
         );
-        let mut drives = Vec::new();
-        for (index, drive) in self.drives.iter().enumerate() {
-            if index >= TOLD && index + 1 != self.drives.len() {
-                if index == TOLD {
-                    text += "...\n";
-                }
-                continue;
+        for (place, index) in told.iter().enumerate() {
+            if place != *index {
+                text += "...\n";
             }
-            let kept = &drive.kept;
-            text += &format!(
-                "drive {index}: {:.6} kHz, free amplitude {:.6} nm; {}\n",
-                drive.frequency() / 1e3,
-                drive.free.tip.norm() * 1e9,
-                kept.reason
-            );
-            for mode in &kept.modes {
-                let name = mode.index.map_or("residual".to_owned(), |k| format!("mode {}", k + 1));
-                let share = mode.mobility / (mode.omega * mode.omega) / kept.flexibility;
-                let q = 0.5 / mode.damping;
-                text += &format!(
-                    "  {name:<9} {:>14.6} kHz  Q {:>9}  {:>8.4} % of the tip's flexibility\n",
-                    mode.omega / TAU / 1e3,
-                    if q.is_finite() { format!("{q:.1}") } else { "undamped".into() },
-                    100.0 * share
-                );
-            }
-            drives.push(self.drive_json(index));
+            text += &self.drive_text(*index);
         }
         text += "class  law    modes  steps/period  instances\n";
-        for (index, class) in self.classes.iter().enumerate() {
+        for (index, class) in classes.iter().enumerate() {
             text += &format!(
                 "{index:>5}  {:<5}  {:>5}  {:>12}  {:>9}{}\n",
                 class.law.name(),
@@ -102,8 +91,35 @@ impl Plan {
         if let Some(seconds) = seconds {
             text += &format!("estimated time {seconds:.2} s\n");
         }
-        let json = json!({
-            "instances": self.cases.len(),
+        text
+    }
+
+    fn drive_text(&self, index: usize) -> String {
+        let drive = &self.drives[index];
+        let kept = &drive.kept;
+        let mut text = format!(
+            "drive {index}: {:.6} kHz, free amplitude {:.6} nm; {}\n",
+            drive.frequency() / 1e3,
+            drive.free_amplitude() * 1e9,
+            kept.reason
+        );
+        for mode in &kept.modes {
+            let name = mode.index.map_or("residual".to_owned(), |k| format!("mode {}", k + 1));
+            let share = mode.mobility / (mode.omega * mode.omega) / kept.flexibility;
+            let q = 0.5 / mode.damping;
+            text += &format!(
+                "  {name:<9} {:>14.6} kHz  Q {:>9}  {:>8.4} % of the tip's flexibility\n",
+                mode.omega / TAU / 1e3,
+                if q.is_finite() { format!("{q:.1}") } else { "undamped".into() },
+                100.0 * share
+            );
+        }
+        text
+    }
+
+    fn json(&self, classes: &[Class], told: &[usize], seconds: Option<f64>) -> Value {
+        json!({
+            "instances": self.len(),
             "precision": self.precision.name(),
             "precision_by_trial": self.precision_settled().is_none(),
             "periods": self.run.periods,
@@ -117,14 +133,13 @@ impl Plan {
             "accuracy": self.run.accuracy,
             "observables": self.observables.iter().map(|one| one.name()).collect::<Vec<_>>(),
             "drives_in_all": self.drives.len(),
-            "drives": drives,
-            "classes": self.classes.iter().map(class_json).collect::<Vec<_>>(),
+            "drives": told.iter().map(|index| self.drive_json(*index)).collect::<Vec<_>>(),
+            "classes": classes.iter().map(class_json).collect::<Vec<_>>(),
             "instance_steps": self.instance_steps(),
             "file_bytes": self.file_bytes(),
             "memory_bytes": self.memory_bytes(),
             "estimated_time_s": seconds,
-        });
-        Summary { json, text }
+        })
     }
 
     /// What a search makes of the numbers around it; nothing where the scene waits.
@@ -163,7 +178,7 @@ impl Plan {
             "drive": index,
             "frequency_hz": drive.frequency(),
             "level": drive.free.level,
-            "free_amplitude_m": drive.free.tip.norm(),
+            "free_amplitude_m": drive.free_amplitude(),
             "tip_flexibility_m_per_n": kept.flexibility,
             "residual_share": kept.residual_share,
             "residual_kept": kept.residual_kept,
@@ -183,7 +198,7 @@ impl Plan {
             let samples = u64::from(request.samples_per_period) * u64::from(request.periods);
             8 * samples * (1 + 4 * request.instances.len() as u64)
         });
-        each * self.cases.len() as u64 + waveforms
+        each * self.len() as u64 + waveforms
     }
 
     /// Bytes a run holds in memory at most: the program, plans of the scene and of what runs again, measurements of
@@ -191,9 +206,9 @@ impl Plan {
     pub fn memory_bytes(&self) -> u64 {
         let searching = match self.run.steady {
             Steady::Wait => 0,
-            Steady::Search => HELD_SEARCHING * self.cases.len().min(AT_A_TIME) as u64,
+            Steady::Search => HELD_SEARCHING * self.len().min(AT_A_TIME) as u64,
         };
-        PROGRAM + HELD * self.cases.len() as u64 + searching + 2 * self.file_bytes()
+        PROGRAM + HELD * self.len() as u64 + searching + 2 * self.file_bytes()
     }
 
     /// What speaks against the plan though it can be run, one line each: drives that are too slow for the modes they

@@ -40,14 +40,14 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
         list: scene.sweep.layout == Layout::List,
         variables: variables(plan, &outcome.results),
         status: outcome.results.iter().map(|one| one.status as u8).collect(),
-        steps_per_period: plan.cases.iter().map(|case| case.steps).collect(),
+        steps_per_period: plan.cases().map(|case| case.steps).collect(),
         flags: vec![
             Flags {
                 name: "contact_law".into(),
                 long_name: "contact law used".into(),
                 meanings: Law::ALL.iter().map(|law| law.name().to_owned()).collect(),
                 bits: false,
-                data: plan.cases.iter().map(|case| case.contact.law.code()).collect(),
+                data: plan.cases().map(|case| case.contact.law.code()).collect(),
             },
             Flags {
                 name: "contact_warnings".into(),
@@ -117,7 +117,7 @@ fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
         units: "1".into(),
         long_name: "Tabor's parameter of the contact".into(),
         harmonics: None,
-        data: plan.cases.iter().map(|case| case.contact.tabor).collect(),
+        data: plan.cases().map(|case| case.contact.tabor).collect(),
     });
     variables.extend(drive_work(plan, results));
     variables
@@ -189,12 +189,12 @@ fn bit(warning: &Warning) -> u8 {
 
 /// Warnings of each instance as bits, at the largest indentation measured or else expected.
 fn warnings(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Vec<u8> {
-    (0..plan.cases.len())
+    (0..plan.len())
         .into_par_iter()
         .map(|index| {
             let depth = depth(plan, index, outcome.results[index].measured.indentation_max);
             let params = scene.instance(index);
-            let contact = &plan.cases[index].contact;
+            let contact = plan.contact(index as u32);
             contact.warnings(&params, depth).iter().map(bit).fold(0, |all, one| all | one)
         })
         .collect()
@@ -209,7 +209,7 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Re
             let count = flags.data.iter().filter(|bits| **bits & mask != 0).count();
             let first = flags.data.iter().position(|bits| bits & mask != 0)?;
             let params: Params = scene.instance(first);
-            let contact: &Contact = &plan.cases[first].contact;
+            let contact: &Contact = plan.contact(first as u32);
             let depth = depth(plan, first, outcome.results[first].measured.indentation_max);
             let words = contact
                 .warnings(&params, depth)
@@ -229,14 +229,14 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Re
 fn depth(plan: &Plan, instance: usize, measured: f64) -> Option<f64> {
     match measured.is_nan() {
         false => Some(measured),
-        true if plan.wants.extremes || plan.cases[instance].steps == 0 => None,
-        true => Some(plan.expected_depth(instance)),
+        true if plan.wants.extremes || plan.steps(instance as u32) == 0 => None,
+        true => Some(plan.expected_depth(instance as u32)),
     }
 }
 
 /// Static curves of the instances with waveforms, or of the first, middle and last one; one contact once.
 fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
-    let count = plan.cases.len();
+    let count = plan.len();
     let mut chosen = match &scene.output.waveforms {
         Some(request) => request.instances.clone(),
         None => vec![0, count / 2, count - 1],
@@ -245,11 +245,11 @@ fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
     let mut seen: Vec<Contact> = Vec::new();
     let mut curves = Vec::new();
     for instance in chosen {
-        let contact = plan.cases[instance].contact;
-        if !contact.law.acts() || seen.contains(&contact) {
+        let contact = plan.contact(instance as u32);
+        if !contact.law.acts() || seen.contains(contact) {
             continue;
         }
-        seen.push(contact);
+        seen.push(*contact);
         for curve in contact.curves().curves {
             let values = |list: Vec<Option<f64>>| list.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
             curves.push(ForceCurve {

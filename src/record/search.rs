@@ -49,7 +49,7 @@ pub fn search(
 
 /// Second states over all instances.
 fn branches(plan: &Plan, others: &[Other]) -> Branch {
-    let count = plan.cases.len();
+    let count = plan.len();
     let finished: Vec<Finished> = others.iter().map(|other| other.finished).collect();
     let mut variables = observables(plan, &finished);
     variables.push(estimate_of(others.iter().map(|other| other.estimate).collect()));

@@ -59,8 +59,8 @@ fn instance_rows(
     from: Option<&Station>,
     request: &WaveformRequest,
 ) -> Result<Rows, EngineError> {
-    let case = &plan.cases[instance];
-    let driven = &plan.drives[case.drive as usize];
+    let case = plan.case(instance as u32);
+    let driven = plan.driven(instance as u32);
     let free = &driven.free;
     let rest = plan.run.start == Start::Rest;
     // One period beyond the run, because the drive's zero lies between two of the run's periods.

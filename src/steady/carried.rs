@@ -2,7 +2,7 @@
 
 use super::PeriodicState;
 use crate::kernel::MODES_MAX;
-use crate::plan::{CasePlan, Driven, KeptMode, Plan, Station};
+use crate::plan::{Driven, KeptMode, Plan, Station};
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,8 +14,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// `from` is the plan that has the neighbour's drive and gap, its number there, and its state.
 pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Station {
     let (plan_there, number, state) = from;
-    let (there, here) = (&plan_there.cases[number as usize], &plan.cases[to as usize]);
-    let (driven_there, driven) = (driven_of(plan_there, there), driven_of(plan, here));
+    let (there, here) = (plan_there.case(number), plan.case(to));
+    let (driven_there, driven) = (plan_there.driven(number), plan.driven(to));
     // Stations stand half a step after the top of the free swing.
     let (before, now) = (angle(driven_there, state.steps), angle(driven, here.steps));
     let late = Complex::from_polar(1.0, now - before);
@@ -27,7 +27,7 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
             + Complex::new(state.station.u[k] / stretch, state.station.x[k])
     };
     let size: f64 = (0..count).map(whole).sum::<Complex<f64>>().norm();
-    let most = size.max(driven.free.tip.norm());
+    let most = size.max(driven.free_amplitude());
     let factor = match size > 0.0 {
         true => ((size + here.gap - there.gap) / size).clamp(0.0, most / size),
         false => 1.0,
@@ -58,10 +58,6 @@ fn swing(driven: &Driven, mode: &KeptMode, angle: f64) -> Complex<f64> {
     driven.free.modes[index] * Complex::from_polar(1.0, angle) * driven.instrument.modes[index].tip
 }
 
-fn driven_of<'a>(plan: &'a Plan, case: &CasePlan) -> &'a Driven {
-    &plan.drives[case.drive as usize]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,7 +80,7 @@ mod tests {
             station,
             spectrum: Spectrum { multiplier: 0.9, least_change: 0.1 },
             steps,
-            kept: Arc::clone(&plan.drives[plan.cases[8].drive as usize].kept),
+            kept: Arc::clone(&plan.driven(8).kept),
             slope: Box::default(),
         }
     }
@@ -92,7 +88,7 @@ mod tests {
     #[test]
     fn to_itself_a_state_is_carried_as_it_is() {
         let plan = bistable();
-        let state = state(&plan, plan.cases[8].steps);
+        let state = state(&plan, plan.steps(8));
         let station = carried((&plan, 8, &state), &plan, 8);
         assert!((station.x[0] + 1e-9).abs() < 1e-21 && (station.u[0] - 5e-10).abs() < 1e-21, "{station:?}");
     }
@@ -101,14 +97,14 @@ mod tests {
     #[test]
     fn at_a_wider_gap_the_tip_comes_as_close() {
         let plan = bistable();
-        let state = state(&plan, plan.cases[9].steps);
+        let state = state(&plan, plan.steps(9));
         let station = carried((&plan, 8, &state), &plan, 9);
-        let amplitude = plan.drives[0].free.tip.norm();
+        let amplitude = plan.drives[0].free_amplitude();
         let size = |station: &Station| {
-            let angle = PI / f64::from(plan.cases[9].steps);
+            let angle = PI / f64::from(plan.steps(9));
             (station.x[0] + amplitude * angle.cos()).hypot(station.u[0] - amplitude * angle.sin())
         };
-        let wider = plan.cases[9].gap - plan.cases[8].gap;
+        let wider = plan.case(9).gap - plan.case(8).gap;
         assert!((size(&station) - size(&state.station) - wider).abs() < 1e-3 * wider, "{station:?}");
     }
 }

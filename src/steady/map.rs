@@ -4,7 +4,7 @@ use super::PeriodicState;
 use crate::engine::{Engine, EngineError, Progress, ReturnMap};
 use crate::kernel::{MODES_MAX, flown, increments};
 use crate::periodic::{Memory, Size};
-use crate::plan::{KeptMode, Plan, Precision, Station};
+use crate::plan::{KeptMode, Plan, Precision, StartState, Station};
 use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -69,16 +69,18 @@ impl<'a> PeriodMap<'a> {
         periods: u32,
     ) -> Result<Vec<Option<Station>>, EngineError> {
         if let Some(map) = &self.quick {
-            let steps = |slot: u32| self.plan.cases[self.instances[slot as usize] as usize].steps;
+            let steps = |slot: u32| self.plan.steps(self.instances[slot as usize]);
             let all: u64 = starts.iter().map(|(slot, _)| u64::from(steps(*slot))).sum();
             self.progress.foresee(all * u64::from(periods));
             return Ok(map.after(starts, periods, self.progress));
         }
-        let (instances, stations): (Vec<u32>, Vec<Station>) =
-            starts.iter().map(|(slot, place)| (self.instances[*slot as usize], *place)).unzip();
+        let (instances, places): (Vec<u32>, Vec<StartState>) = starts
+            .iter()
+            .map(|(slot, place)| (self.instances[*slot as usize], StartState::from(*place)))
+            .unzip();
         let mut trial = self.plan.trial(&instances, periods, 1);
         trial.precision = Precision::F64;
-        trial.stations = Some(Arc::new(stations));
+        trial.starts = Some(Arc::new(places));
         self.progress.foresee(trial.instance_steps());
         let outcome = self.engine.run(&trial, self.progress)?;
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(outcome.notes);
@@ -88,8 +90,8 @@ impl<'a> PeriodMap<'a> {
 
 /// At rest but for the modes that are not kept, with the sample just there: a swing that grows from nothing.
 pub(super) fn still(plan: &Plan, instance: u32) -> Station {
-    let case = &plan.cases[instance as usize];
-    let driven = &plan.drives[case.drive as usize];
+    let case = plan.case(instance);
+    let driven = plan.driven(instance);
     let free = &driven.free;
     // The run begins at the top of the free swing; stations stand half a step later.
     let angle = FRAC_PI_2 - free.tip.arg() + PI / f64::from(case.steps);
@@ -115,8 +117,8 @@ pub(super) fn as_its_own<D: Size + DimName>(
 where
     DefaultAllocator: Memory<D>,
 {
-    let case = &plan.cases[instance as usize];
-    let driven = &plan.drives[case.drive as usize];
+    let case = plan.case(instance);
+    let driven = plan.driven(instance);
     let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(place.steps));
     let mut moved = Station { touching: place.station.touching, ..Station::FREE };
     // A slope has a row and a column for each number of a state, of which many may be at rest.
@@ -159,7 +161,7 @@ pub(super) fn free_slope<D: Size + DimName>(plan: &Plan, instance: u32) -> (OMat
 where
     DefaultAllocator: Memory<D>,
 {
-    let driven = &plan.drives[plan.cases[instance as usize].drive as usize];
+    let driven = plan.driven(instance);
     let mut slope = OMatrix::<f64, D, D>::zeros();
     let (mut columns, modes) = (Vec::new(), D::DIM / 2);
     let angle = |omega: f64| TAU * omega / driven.free.omega;

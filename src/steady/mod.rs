@@ -10,7 +10,7 @@ pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
 use crate::periodic::Spectrum;
-use crate::plan::{Plan, Precision, ReducedBasis, Station};
+use crate::plan::{Plan, Precision, ReducedBasis, StartState, Station};
 use crate::scene::Steady;
 use search::Begin;
 use std::sync::Arc;
@@ -53,27 +53,25 @@ const ON: u32 = 5;
 /// What the engine says.
 pub fn run(
     plan: &Plan,
-    near: &[Option<Box<PeriodicState>>],
+    near: &[Option<&PeriodicState>],
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     progress.part();
-    let stepped = stepped(plan);
+    let stepped = plan.stepped();
     if plan.run.steady == Steady::Wait || stepped.is_empty() {
-        return wait::run(plan, &stepped, engine, progress);
+        return wait::run(plan, engine, progress);
     }
     let mut settled = found(plan, &stepped, Begin::Near(near), engine, progress)?;
     let rest = stepped.into_iter().filter(|i| settled.found[*i as usize].is_none());
-    let rest: Vec<u32> = rest.collect();
     // What is free of the sample is finished beside those that wait.
-    let free = plan.classes.iter().filter(|class| class.steps == 0);
-    let others: Vec<u32> = free.flat_map(|class| &class.instances).chain(&rest).copied().collect();
+    let others: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0).chain(rest).collect();
     if !others.is_empty() && !progress.stopped() {
-        let waited = wait::run(&plan.only(&others), &rest, engine, progress)?;
-        others
-            .iter()
-            .for_each(|i| settled.outcome.results[*i as usize] = waited.outcome.results[*i as usize]);
-        rest.iter().for_each(|i| settled.periods[*i as usize] += waited.periods[*i as usize]);
+        let waited = wait::run(&plan.part(&others), engine, progress)?;
+        for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
+            settled.outcome.results[i] = waited.outcome.results[place];
+            settled.periods[i] += waited.periods[place];
+        }
         settled.outcome.notes.extend(waited.outcome.notes);
     }
     Ok(settled)
@@ -94,25 +92,37 @@ pub fn from_rest(
     found(plan, instances, Begin::Still, engine, progress)
 }
 
-/// States that are found from these places, by instance of the plan, in place of its free oscillation; the results of
-/// instances that are not asked for are not run.
+/// States that are found from these places, one for each instance of the plan, in place of its free oscillation.
 ///
 /// # Errors
 /// What the engine says.
 pub fn from_places(
     plan: &Plan,
-    instances: &[u32],
     places: &[Station],
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    found(plan, instances, Begin::At(places), engine, progress)
+    let all: Vec<u32> = plan.instances().collect();
+    found(plan, &all, Begin::At(places), engine, progress)
 }
 
-/// The plan's instances that need steps, in the classes' order.
-fn stepped(plan: &Plan) -> Vec<u32> {
-    let classes = plan.classes.iter().filter(|class| class.steps > 0);
-    classes.flat_map(|class| class.instances.iter().copied()).collect()
+/// The states of these instances, for a plan of them alone; nothing where none were searched for.
+pub fn of<'a>(found: &'a [Option<Box<PeriodicState>>], instances: &[u32]) -> Vec<Option<&'a PeriodicState>> {
+    match found.is_empty() {
+        true => Vec::new(),
+        false => instances.iter().map(|i| found[*i as usize].as_deref()).collect(),
+    }
+}
+
+/// The other way: states of a plan of `instances` alone, for the plan of which they are some, and which has `count`.
+pub fn among<'a>(
+    found: &'a [Option<Box<PeriodicState>>],
+    instances: &[u32],
+    count: usize,
+) -> Vec<Option<&'a PeriodicState>> {
+    let mut all = vec![None; if found.is_empty() { 0 } else { count }];
+    instances.iter().zip(found).for_each(|(i, state)| all[*i as usize] = state.as_deref());
+    all
 }
 
 /// What a search finds and running on confirms.
@@ -126,12 +136,17 @@ fn found(
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     progress.task("search", instances.len() as u64);
-    let searched = search::all(plan, instances, begin, double, progress)?;
+    let alike = alike(plan, instances);
+    let searched = search::all(plan, &alike, begin, double, progress)?;
     let (mut found, mut periods) = (searched.found, searched.periods);
     let chosen: Vec<u32> = instances.iter().copied().filter(|i| found[*i as usize].is_some()).collect();
-    let mut outcome = run_on(plan, &chosen, &found, engine, progress)?;
-    outcome.notes.splice(0..0, searched.notes);
-    chosen.iter().for_each(|i| periods[*i as usize] += ON);
+    let on = run_on(plan.part(&chosen), &of(&found, &chosen), engine, progress)?;
+    let mut outcome = Outcome::of(plan);
+    outcome.notes = [searched.notes, on.notes].concat();
+    for (i, finished) in chosen.iter().zip(on.results) {
+        outcome.results[*i as usize] = finished;
+        periods[*i as usize] += ON;
+    }
     let left = |outcome: &Outcome| -> Vec<u32> {
         let stays = |i: u32| outcome.results[i as usize].status.is_steady();
         chosen.iter().copied().filter(|i| !stays(*i)).collect()
@@ -139,10 +154,10 @@ fn found(
     let rough = left(&outcome);
     if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
         // A weakly damped state drifts in f32 by more than it may.
-        let finer = Plan { precision: Precision::F64, ..plan.only(&rough) };
-        let again = run_on(&finer, &rough, &found, double, progress)?;
-        for i in rough {
-            outcome.results[i as usize] = again.results[i as usize];
+        let finer = plan.part(&rough).in_precision(Precision::F64);
+        let again = run_on(finer, &of(&found, &rough), double, progress)?;
+        for (i, finished) in rough.into_iter().zip(again.results) {
+            outcome.results[i as usize] = finished;
             periods[i as usize] += ON;
         }
     }
@@ -150,24 +165,24 @@ fn found(
     Ok(Settled { outcome, found, periods })
 }
 
-/// Measures these instances from the states found.
+/// These instances in the order of their classes: neighbours are alike, and searched for together.
+fn alike(plan: &Plan, instances: &[u32]) -> Vec<u32> {
+    plan.part(instances).by_class().into_iter().map(|place| instances[place as usize]).collect()
+}
+
+/// Measures the plan's instances from the states found of them.
 fn run_on(
-    plan: &Plan,
-    chosen: &[u32],
-    found: &[Option<Box<PeriodicState>>],
+    plan: Plan,
+    found: &[Option<&PeriodicState>],
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Outcome, EngineError> {
-    let mut from = plan.only(chosen);
-    (from.run.periods, from.run.measure) = (ON, plan.run.measure.min(ON - 1));
-    let mut stations = vec![Station::FREE; plan.cases.len()];
-    for ((case, station), place) in from.cases.iter_mut().zip(&mut stations).zip(found) {
-        if let Some(place) = place {
-            *station = place.station;
-            case.least_change = Some(place.spectrum.least_change);
-        }
-    }
-    from.stations = Some(Arc::new(stations));
+    let start = |state: &Option<&PeriodicState>| match state {
+        Some(state) => StartState { station: state.station, least_change: Some(state.spectrum.least_change) },
+        None => Station::FREE.into(),
+    };
+    let mut from = plan.starting_at(found.iter().map(start).collect());
+    (from.run.periods, from.run.measure) = (ON, from.run.measure.min(ON - 1));
     progress.task("running on", 0);
     progress.foresee(from.instance_steps());
     let mut outcome = engine.run(&from, progress)?;

@@ -5,7 +5,7 @@ use super::map::{PeriodMap, as_its_own, free_slope, station, still, vector};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
-use crate::plan::{CasePlan, Plan, Station};
+use crate::plan::{Case, Plan, Station};
 use nalgebra::{Const, DefaultAllocator, DimName, OVector};
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub(super) enum Begin<'a> {
     /// At rest.
     Still,
     /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
-    Near(&'a [Option<Box<PeriodicState>>]),
+    Near(&'a [Option<&'a PeriodicState>]),
     /// At these places, by instance, which are thought to be next to a state.
     At(&'a [Station]),
 }
@@ -53,7 +53,7 @@ impl Begin<'_> {
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
             Self::Near(near) => {
-                near.get(instance as usize)?.as_deref().filter(|place| !place.slope.is_empty())
+                near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
             }
             Self::Still | Self::At(_) => None,
         }
@@ -77,13 +77,10 @@ pub(super) fn all(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Searched, EngineError> {
-    let mut done = Searched {
-        found: vec![None; plan.cases.len()],
-        periods: vec![0; plan.cases.len()],
-        notes: Vec::new(),
-    };
+    let mut done =
+        Searched { found: vec![None; plan.len()], periods: vec![0; plan.len()], notes: Vec::new() };
     let modes = |i: &u32| {
-        let kept = &plan.drives[plan.cases[*i as usize].drive as usize].kept;
+        let kept = &plan.driven(*i).kept;
         kept.modes.len().clamp(1, MODES_MAX)
     };
     // Where a lever has fewer modes than its search, the others are at rest.
@@ -147,8 +144,8 @@ struct Batch<'a> {
 type Left = (u32, u32, Station);
 
 impl Batch<'_> {
-    fn case(&self, slot: u32) -> &CasePlan {
-        &self.plan.cases[self.instances[slot as usize] as usize]
+    fn case(&self, slot: u32) -> Case {
+        self.plan.case(self.instances[slot as usize])
     }
 
     fn run<D: Size + DimName>(self, slots: Range<u32>) -> Result<Vec<End>, EngineError>
@@ -242,7 +239,7 @@ impl Batch<'_> {
                 station: station::<D>(&found.state, one.start.touching),
                 spectrum: found.spectrum,
                 steps: case.steps,
-                kept: Arc::clone(&self.plan.drives[case.drive as usize].kept),
+                kept: Arc::clone(&self.plan.driven(self.instances[one.slot as usize]).kept),
                 slope: found.slope.as_slice().into(),
             })),
         }
@@ -310,11 +307,11 @@ where
 
 /// Whether contact is a memory, and how a search for the instance's state goes about.
 fn options(plan: &Plan, instance: u32) -> (bool, Options) {
-    let case = &plan.cases[instance as usize];
+    let case = plan.case(instance);
     let remembers = case.contact.law.has_memory();
     let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
     let options = Options {
-        scale: plan.drives[case.drive as usize].free.tip.norm().max(1e-15),
+        scale: plan.driven(instance).free_amplitude().max(1e-15),
         tolerance: NEAR * plan.run.accuracy,
         enough: ENOUGH * plan.run.accuracy,
         step,

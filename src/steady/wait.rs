@@ -3,86 +3,107 @@
 use super::Settled;
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, Station};
+use crate::plan::{Plan, StartState, Station};
 use crate::scene::Start;
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// Share of the accuracy to which an instance has settled when it waits no longer.
 pub const SETTLED: f64 = 0.03;
 /// A look is worth its while if so much longer a run is asked for; the next looks are that much later.
 const LATER: f64 = 1.5;
 
-/// Runs the plan, of which `stepped` need steps. Where many more periods are asked for than the slowest mode takes
-/// to die out, it looks on the way which instances have settled, and leaves them at that.
-pub(super) fn run(
-    plan: &Plan,
-    stepped: &[u32],
-    engine: &dyn Engine,
-    progress: &Progress,
-) -> Result<Settled, EngineError> {
-    let looks = if engine.resumes() { looks(plan, stepped) } else { Vec::new() };
+/// Runs the plan. Where many more periods are asked for than the slowest mode takes to die out, it looks on the way which
+/// instances have settled, and leaves them at that.
+pub(super) fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Settled, EngineError> {
+    let looks = if engine.resumes() { looks(plan) } else { Vec::new() };
     if looks.is_empty() {
         progress.task("stepping", 0);
         progress.foresee(plan.instance_steps());
-        let mut periods = vec![0; plan.cases.len()];
-        stepped.iter().for_each(|i| periods[*i as usize] = plan.run.periods);
+        let of = |i| if plan.steps(i) > 0 { plan.run.periods } else { 0 };
+        let periods = plan.instances().map(of).collect();
         return Ok(Settled { outcome: engine.run(plan, progress)?, found: Vec::new(), periods });
     }
-    let mut periods = vec![0; plan.cases.len()];
-    let mut whole: Option<Outcome> = None;
-    let mut now = plan.clone();
-    let mut stations: Vec<Station> = (0..plan.cases.len() as u32).map(|i| Station::free(plan, i)).collect();
-    let mut done = 0;
-    let mut left = stepped.to_vec();
+    let mut waiting = Waiting::new(plan);
     let count = looks.len() + 1;
     for (number, until) in (1..).zip(looks.into_iter().chain([plan.run.periods])) {
-        let last = until == plan.run.periods;
-        now.run.periods = until - done;
-        now.run.accuracy = if last { plan.run.accuracy } else { SETTLED * plan.run.accuracy };
-        now.stations = Some(Arc::new(std::mem::take(&mut stations)));
         progress.task(format!("waiting {number}/{count}"), 0);
-        progress.foresee(now.instance_steps());
-        let mut outcome = engine.run(&now, progress)?;
-        let ends = std::mem::take(&mut outcome.ends);
-        stations = ends.into_iter().map(|end| end.map_or(Station::FREE, |end| *end)).collect();
-        left.iter().for_each(|i| periods[*i as usize] = until);
-        left.retain(|i| matches!(outcome.results[*i as usize].status, Status::NotSteady | Status::NotRun));
-        match &mut whole {
-            None => whole = Some(outcome),
-            Some(whole) => {
-                for class in &now.classes {
-                    for &i in &class.instances {
-                        whole.results[i as usize] = outcome.results[i as usize];
-                    }
-                }
-                whole.notes.extend(outcome.notes);
-            }
-        }
-        if progress.stopped() && !last {
-            // Who waits is not done.
-            if let Some(whole) = &mut whole {
-                left.iter().for_each(|i| whole.results[*i as usize] = Finished::NOT_RUN);
-            }
-        }
-        if left.is_empty() || progress.stopped() {
+        waiting.step(plan, until, engine, progress)?;
+        if waiting.left.is_empty() || progress.stopped() {
             break;
         }
-        now = plan.only(&left);
-        done = until;
     }
-    let outcome = whole.map_or_else(|| engine.run(plan, progress), Ok)?;
-    Ok(Settled { outcome, found: Vec::new(), periods })
+    Ok(Settled { outcome: waiting.outcome, found: Vec::new(), periods: waiting.periods })
+}
+
+/// A plan on its way from look to look.
+struct Waiting {
+    outcome: Outcome,
+    /// Periods stepped of each instance.
+    periods: Vec<u32>,
+    /// Those that have not settled, and where they are.
+    left: Vec<u32>,
+    starts: Vec<StartState>,
+    /// Periods done of these.
+    done: u32,
+}
+
+impl Waiting {
+    /// All instances, in free oscillation.
+    fn new(plan: &Plan) -> Self {
+        Self {
+            outcome: Outcome::of(plan),
+            periods: vec![0; plan.len()],
+            left: plan.instances().collect(),
+            starts: plan.instances().map(|i| Station::free(plan, i).into()).collect(),
+            done: 0,
+        }
+    }
+
+    /// Steps those that are left until so many periods are done, and leaves those that have settled.
+    fn step(
+        &mut self,
+        plan: &Plan,
+        until: u32,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let last = until == plan.run.periods;
+        let mut now = plan.part(&self.left).starting_at(std::mem::take(&mut self.starts));
+        now.run.periods = until - self.done;
+        now.run.accuracy = if last { plan.run.accuracy } else { SETTLED * plan.run.accuracy };
+        progress.foresee(now.instance_steps());
+        let Outcome { results, ends, notes } = engine.run(&now, progress)?;
+        self.outcome.notes.extend(notes);
+        let cut_short = progress.stopped() && !last;
+        for ((i, finished), end) in std::mem::take(&mut self.left).into_iter().zip(results).zip(ends) {
+            self.outcome.results[i as usize] = finished;
+            if plan.steps(i) == 0 {
+                continue;
+            }
+            self.periods[i as usize] = until;
+            if !matches!(finished.status, Status::NotSteady | Status::NotRun) {
+                continue;
+            }
+            self.left.push(i);
+            self.starts.push(end.map_or(Station::FREE, |end| *end).into());
+            if cut_short {
+                // Who waits is not done.
+                self.outcome.results[i as usize] = Finished::NOT_RUN;
+            }
+        }
+        self.done = until;
+        Ok(())
+    }
 }
 
 /// Numbers of periods after which to look, all below the scene's.
-fn looks(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
+fn looks(plan: &Plan) -> Vec<u32> {
+    let stepped = plan.stepped();
     if plan.run.start == Start::Rest || stepped.is_empty() {
         return Vec::new();
     }
     let settling = |i: &u32| {
-        let case = &plan.cases[*i as usize];
-        let driven = &plan.drives[case.drive as usize];
+        let driven = plan.driven(*i);
         let rate = |damping: f64, omega: f64| TAU * damping * omega / driven.free.omega;
         let slowest = driven.kept.modes.iter().map(|mode| rate(mode.damping, mode.omega));
         let slowest = slowest.fold(f64::INFINITY, f64::min);

@@ -81,10 +81,10 @@ fn chosen_instances_hold_the_extremes_and_are_the_same_each_time() {
     assert!(chosen.is_sorted() && chosen.windows(2).all(|pair| pair[0] != pair[1]));
     assert_eq!(chosen, choose(&plan, 8, 1));
     assert_ne!(chosen, choose(&plan, 8, 2));
-    let modulus = |i: u32| plan.cases[i as usize].contact.modulus;
-    let stiffest = plan.cases.iter().map(|case| case.contact.modulus).fold(0.0, f64::max);
+    let modulus = |i: u32| plan.contact(i).modulus;
+    let stiffest = plan.cases().map(|case| case.contact.modulus).fold(0.0, f64::max);
     assert!(chosen.iter().any(|i| modulus(*i) == stiffest));
-    assert_eq!(choose(&plan, 10_000, 1).len(), plan.cases.len());
+    assert_eq!(choose(&plan, 10_000, 1).len(), plan.len());
 }
 
 /// A scale that is measured does not depend on what else is asked for.
@@ -100,7 +100,7 @@ fn the_mean_force_counts_on_the_largest_one() {
         let plan = Plan::new(&scene, Precision::F64).unwrap();
         let run = control::run(&plan, &Cpu::default(), &Progress::default()).unwrap();
         let of = |i: usize| Scales::of(&run.plan, i, &run.outcome.results[i].measured).force;
-        (0..run.plan.cases.len()).map(of).collect::<Vec<_>>()
+        (0..run.plan.len()).map(of).collect::<Vec<_>>()
     };
     let (alone, beside) = (scales("\"force_mean\""), scales("\"force_mean\", \"force_max\", \"force_min\""));
     for (alone, beside) in alone.iter().zip(&beside) {

@@ -34,7 +34,7 @@ fn the_accuracy_asked_for_is_met_under_every_law() {
             assert_eq!((ours.status, truth.status), (Status::Ok, Status::Ok));
             let scales = Scales::of(&run.plan, 0, &truth.measured);
             let error = worst(&plan.observables, &ours.measured, &truth.measured, &scales);
-            let (estimate, steps) = (run.estimates[0], run.plan.cases[0].steps);
+            let (estimate, steps) = (run.estimates[0], run.plan.steps(0));
             println!("{law:?} {accuracy:e}: {error:.1e}, estimated {estimate:.1e}, {steps} steps");
             assert!(error < accuracy && estimate <= accuracy, "{law:?}: {error:e}, {estimate:e}");
             assert!(error < 3.0 * estimate, "{law:?}: {error:e}, {estimate:e}");
@@ -51,7 +51,7 @@ fn modes_that_matter_are_kept() {
     let plan = checks::plan(&scene, None);
     let run = controlled(&plan);
     let kept = |plan: &afmsweep::plan::Plan, drive: u32| plan.drives[drive as usize].kept.modes.len();
-    assert!(kept(&run.plan, run.plan.cases[0].drive) > kept(&plan, 0));
+    assert!(kept(&run.plan, run.plan.case(0).drive) > kept(&plan, 0));
     assert!(run.estimates[0] <= scene.run.accuracy);
     assert_eq!(run.outcome.results[0].status, Status::Ok);
 }
@@ -64,7 +64,7 @@ fn what_the_scene_prescribes_is_kept() {
     assert_eq!(run.plan.drives[0].kept.modes.len(), 2);
     assert!(run.estimates[0] > 0.0);
     let run = controlled(&checks::plan(&scene, Some(100)));
-    assert_eq!(run.plan.cases[0].steps, 100);
+    assert_eq!(run.plan.steps(0), 100);
     assert!(run.estimates[0] > 0.0, "prescribed steps are estimated too");
 }
 
@@ -90,14 +90,14 @@ fn an_instance_alone_equals_itself_among_others() {
     for gap in [12e-9, 19.9e-9] {
         scene.base.approach.gap = gap;
         let run = controlled(&checks::plan(&scene, None));
-        results.push((run.outcome.results[0], run.plan.cases[0].steps, run.estimates[0]));
+        results.push((run.outcome.results[0], run.plan.steps(0), run.estimates[0]));
     }
     let text = scene.resolved_toml() + "\n[samples]\n\"approach.gap\" = [\"12 nm\", \"19.9 nm\"]\n";
     let both = Scene::parse(Path::new("both.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     let run = controlled(&checks::plan(&both, None));
     for (i, (alone, steps, estimate)) in results.iter().enumerate() {
         assert_eq!(run.outcome.results[i].measured.harmonics, alone.measured.harmonics);
-        assert_eq!((run.plan.cases[i].steps, run.estimates[i]), (*steps, *estimate));
+        assert_eq!((run.plan.steps(i as u32), run.estimates[i]), (*steps, *estimate));
     }
 }
 

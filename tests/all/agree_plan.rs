@@ -73,12 +73,12 @@ fn survey(accuracy: f64, count: u64) -> Vec<Row> {
         .filter_map(|seed| {
             let (name, scene) = case(seed, accuracy);
             let plan = checks::plan(&scene, None);
-            let steps = plan.cases[0].steps;
+            let steps = plan.steps(0);
             if steps == 0 {
                 return None;
             }
             // The same lever: prescribed steps would bring the one that they can step.
-            let fine = plan.stepped(&[0], |case| 8 * case.steps);
+            let fine = plan.clone().with_steps(|case| 8 * case.steps);
             let [own, best] = [checks::run(&plan)[0], checks::run(&fine)[0]];
             if own.status != Status::Ok || best.status != Status::Ok {
                 return None;
@@ -126,7 +126,7 @@ fn contacts_that_are_not_fast_pay_nothing_for_those_that_are() {
     let scene = Scene::parse(Path::new("quickstart.toml"), text).expect("the scene is whole");
     let plan = checks::plan(&scene, None);
     assert_eq!(plan.drives.len(), 1, "every contact has the lever of the instrument");
-    let most = plan.cases.iter().map(|case| case.steps).max();
+    let most = plan.cases().map(|case| case.steps).max();
     assert!(most <= Some(256), "{most:?} steps");
     // Of a lever made for a contact the modes kept as they are move the tip as the lever's do: the rod's would fill
     // their places.

@@ -25,7 +25,9 @@ fn sweep(quality_factor: f64, accuracy: f64) -> String {
 
 fn plan(text: &str, precision: Precision, open: bool) -> Plan {
     let scene = Scene::parse(Path::new("sweep.toml"), text).unwrap_or_else(|error| panic!("{error}"));
-    Plan { precision_open: open, ..Plan::new(&scene, precision).unwrap() }
+    let mut plan = Plan::new(&scene, precision).unwrap();
+    plan.precision_open = open;
+    plan
 }
 
 fn run(plan: &Plan) -> Controlled {
@@ -43,7 +45,7 @@ fn single_where_its_rounding_is_small() {
     assert_eq!(ours.plan.precision, Precision::F32, "{}", ours.arithmetic.reason);
     assert!(ours.arithmetic.rounding > 0.0 && ours.arithmetic.rounding < 1e-4);
     // Grazes need more than one refinement.
-    let (single, count) = (in_single(&ours), ours.plan.cases.len());
+    let (single, count) = (in_single(&ours), ours.plan.len());
     assert!(single > count / 2 && single < count, "{single} of {count}");
     assert_eq!(ours.arithmetic.name(), "mixed");
     let double = run(&plan(&text, Precision::F64, false));

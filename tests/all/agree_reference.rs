@@ -152,7 +152,7 @@ fn from_rest(name: &str, scene: &Scene) {
         let travel = system.travel(state.phase, &state.x).0;
         off = off.max((trace.samples[sample].travel - travel).abs());
     }
-    let scale = driven.free.tip.norm();
+    let scale = driven.free_amplitude();
     println!("{name}: travel off by {:.1e} of {scale:.3e} m", off / scale);
     assert!(off <= bounds::TRAVEL * scale, "{name}: travel off by {:e}", off / scale);
     hold(name, scene, None, Twin::Whole, bounds::REDUCTION_REST);

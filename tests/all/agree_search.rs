@@ -46,12 +46,14 @@ fn a_state_found_with_another_lever_leads_to_the_one_found_without() {
         });
         let plan = checks::plan(&scene, None);
         let with =
-            |accuracy: f64| plan.with_bases(&[(0, BasisRule::Shares { accuracy })]).stepped(&[0], |_| 512);
-        let run = |plan: &Plan, near: &Settled| steady::run(plan, &near.found, &engine, &progress).unwrap();
+            |accuracy: f64| plan.with_bases(&[(0, BasisRule::Shares { accuracy })]).with_steps(|_| 512);
+        let run = |plan: &Plan, near: &Settled| {
+            steady::run(plan, &steady::of(&near.found, &[0]), &engine, &progress).unwrap()
+        };
         let alone = |plan: &Plan| steady::run(plan, &[], &engine, &progress).unwrap();
         for (from, to) in [(0.1, 1e-4), (1e-4, 0.1)] {
             let (first, second) = (with(from), with(to));
-            let count = |plan: &Plan| plan.drives[plan.cases[0].drive as usize].kept.modes.len();
+            let count = |plan: &Plan| plan.driven(0).kept.modes.len();
             assert_ne!(count(&first), count(&second));
             let (near, far) = (run(&second, &alone(&first)), alone(&second));
             let what = format!("{law:?}, {} to {} oscillators", count(&first), count(&second));

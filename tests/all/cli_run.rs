@@ -56,7 +56,7 @@ fn agrees(results: &Results, path: &Path, precision: Precision, steps: Option<u3
     }
     let statuses: Vec<u8> = finished.iter().map(|one| one.status as u8).collect();
     assert_eq!(results.status, statuses, "{}", path.display());
-    let steps: Vec<u32> = plan.cases.iter().map(|case| case.steps).collect();
+    let steps: Vec<u32> = plan.cases().map(|case| case.steps).collect();
     assert_eq!(results.steps_per_period, steps, "{}", path.display());
 }
 

@@ -231,7 +231,7 @@ impl Engine for Noting {
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
-        self.1.fetch_max(plan.cases.len(), Ordering::Relaxed);
+        self.1.fetch_max(plan.len(), Ordering::Relaxed);
         self.0.run(plan, progress)
     }
 }
@@ -247,9 +247,9 @@ fn the_trial_of_an_estimate_has_few_instances_however_many_there_are() {
     assert!(estimate(&plan, &engine).unwrap() > 0.0);
     let tried = engine.1.load(Ordering::Relaxed);
     assert!(
-        (1..=64 * plan.classes.len()).contains(&tried),
+        (1..=64 * plan.classes().len()).contains(&tried),
         "{tried} instances, {} classes",
-        plan.classes.len()
+        plan.classes().len()
     );
 }
 

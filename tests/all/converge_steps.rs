@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 fn swing_errors(scene: &Scene, counts: &[u32]) -> Vec<f64> {
     let plan = checks::plan(scene, None);
     let truth = checks::reference(&plan, 0, Twin::Whole);
-    let free = plan.drives[0].free.tip.norm();
+    let free = plan.drives[0].free_amplitude();
     let point = |amplitude: f64, degree: f64| {
         let (sine, cosine) = degree.to_radians().sin_cos();
         [amplitude * cosine, amplitude * sine]

@@ -37,14 +37,17 @@ fn jkr_loss_per_tap() {
         .collect();
     let mut taps = 0;
     for (result, plan) in &rows {
-        let contact = &plan.cases[0].contact;
+        let contact = plan.contact(0);
         let (k, r, w) = (contact.modulus, contact.radius, contact.work);
         let area = 1.2749410291014 * PI * w * r * ((PI * w / k).powi(2) * r).cbrt();
         let m = result.measured;
         let error = (m.dissipation / area - 1.0).abs();
         println!(
             "K {k:.2e}, R {r:.0e}, gap {:.1e}, {} steps, {:?}, {} contacts a period: loss off by {error:.1e}",
-            plan.cases[0].gap, plan.cases[0].steps, result.status, m.contacts
+            plan.case(0).gap,
+            plan.steps(0),
+            result.status,
+            m.contacts
         );
         if result.status == Status::Ok && m.contacts == 1.0 {
             taps += 1;
@@ -88,11 +91,12 @@ fn books_balance(name: &str, scene: &Scene) -> bool {
     let Account { loss, whole, beside } = account(&plan, result.measured.dissipation);
     println!(
         "{name}, {} steps, {:.2} contacts a period: loss {loss:.3e} of the drive's work, books off by {whole:?} and {beside:.1e}",
-        plan.cases[0].steps, result.measured.contacts
+        plan.steps(0),
+        result.measured.contacts
     );
     assert!(whole.unwrap_or(0.0).abs() <= bounds::BOOKS, "{name}: drive less modes less sample {whole:?}");
     assert!(beside.abs() <= bounds::BOOKS, "{name}: beside the free motion {beside:e}");
-    if plan.cases[0].contact.law != Law::Jkr {
+    if plan.contact(0).law != Law::Jkr {
         assert!(loss.abs() <= bounds::NO_LOSS, "{name}: a law without memory loses {loss:e}");
     }
     true

@@ -33,7 +33,7 @@ fn hertz_collision() {
         (scene.run.periods, scene.run.measure) = (1, 1);
     });
     let plan = checks::plan(&scene, None);
-    let contact = &plan.cases[0].contact;
+    let contact = plan.contact(0);
     let kappa = contact.modulus * contact.radius.sqrt();
     let omega = TAU * frequency;
     let (mass, speed) = (k / (omega * omega), a0 * omega);
@@ -85,7 +85,7 @@ fn contact_resonance() {
         (scene.run.periods, scene.run.measure) = (70, 2);
     });
     let plan = checks::plan(&scene, None);
-    let (driven, case) = (&plan.drives[0], &plan.cases[0]);
+    let (driven, case) = (&plan.drives[0], plan.case(0));
     let kappa = case.contact.modulus * case.contact.radius.sqrt();
     let (modes, omega) = (&driven.instrument.modes, driven.free.omega);
     let answer = |omega: f64| -> Complex<f64> {
@@ -124,7 +124,7 @@ fn jkr_loss_per_cycle() {
             sample(scene, LawChoice::Jkr, modulus, 0.05, 20e-9);
         });
         let plan = checks::plan(&scene, None);
-        let contact = &plan.cases[0].contact;
+        let contact = plan.contact(0);
         let (k, r, w) = (contact.modulus, contact.radius, contact.work);
         let (finished, work) = solved(&plan, 1e-13);
         println!("{work:?}");

@@ -185,13 +185,13 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
     let reference = (!alone).then(|| truth(&double));
     let mut line = format!("{name:<20}");
     for precision in [Precision::F64, Precision::F32] {
-        let run = controlled(&Plan { precision, ..double.clone() });
+        let run = controlled(&double.clone().in_precision(precision));
         let (plan, finished, estimate) = (run.plan, run.outcome.results[0], run.estimates[0]);
         let mut say = |text: String| wrong.push(format!("{name}, {}: {text}", precision.name()));
         let found = reference.as_ref().map(|truth| errors(&plan, &finished, truth));
         if precision == Precision::F64 {
             let theirs = reference.as_ref().map_or("-", |truth| truth.status.meaning());
-            let (ours, steps) = (finished.status.meaning(), plan.cases[0].steps);
+            let (ours, steps) = (finished.status.meaning(), plan.steps(0));
             line += &format!(" {ours:<13}{theirs:<12}{steps:>5} {estimate:>8.1e} ");
         }
         let (error, which) = found.unwrap_or((f64::NAN, None));

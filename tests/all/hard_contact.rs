@@ -106,7 +106,7 @@ fn ok_means_as_accurate_as_asked() {
     let mut wrong = Vec::new();
     let mut compared = 0;
     for (name, plan, result, errors) in &rows {
-        let steps = plan.cases[0].steps;
+        let steps = plan.steps(0);
         let Some(errors) = errors else {
             println!("{name}: {:?}, {steps} steps", result.status);
             continue;

@@ -19,7 +19,7 @@ fn scene(steady: &str) -> Scene {
 /// Every phase seen during a run, and the shares seen in it.
 fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
     let plan = Plan::new(&scene(steady), Precision::F64).unwrap();
-    let some: Vec<u32> = (0..plan.cases.len() as u32).step_by(plan.cases.len().div_ceil(40)).collect();
+    let some: Vec<u32> = (0..plan.len() as u32).step_by(plan.len().div_ceil(40)).collect();
     let plan = plan.part(&some);
     let (engine, progress, over) = (Cpu::default(), Progress::default(), AtomicBool::new(false));
     let mut seen: Vec<(Phase, Vec<f64>)> = Vec::new();
@@ -39,7 +39,7 @@ fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
             seen
         });
         let run = control::run(&plan, &engine, &progress).unwrap();
-        control::others(&run, &[plan.cases.len()], &engine, &progress).unwrap();
+        control::others(&run, &[plan.len()], &engine, &progress).unwrap();
         control::audit(&run.plan, &run.outcome, &run.found, 2, &progress).unwrap();
         over.store(true, Ordering::Relaxed);
         seen = watcher.join().unwrap();

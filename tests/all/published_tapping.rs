@@ -59,7 +59,7 @@ fn check(point: &Point, steps: Option<u32>, bounds: &Bounds) {
     let result = checks::run(&plan)[0];
     assert_eq!(result.status, Status::Ok);
     let m: Measured = result.measured;
-    println!("{} at {} steps a period", scene.title, plan.cases[0].steps);
+    println!("{} at {} steps a period", scene.title, plan.steps(0));
     let hold = |name: &str, value: f64, expected: f64, scale: f64, bound: f64| {
         let error = (value - expected).abs() / scale;
         println!("  {name}: {value:.9} (confirmed {expected}), off by {error:.1e}, bound {bound:.0e}");

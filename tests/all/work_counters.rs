@@ -33,7 +33,7 @@ fn runs_to_an_accuracy_take_as_many_steps_as_before() {
     ] {
         let progress = Progress::default();
         let run = control::run(&plan(name), &Cpu { strict: true }, &progress).unwrap();
-        let steps = run.plan.cases.iter().map(|case| f64::from(case.steps)).sum();
+        let steps = run.plan.cases().map(|case| f64::from(case.steps)).sum();
         let periods = run.periods.iter().copied().map(f64::from).sum();
         same(name, &[progress.steps() as f64, steps, periods], &frozen);
     }

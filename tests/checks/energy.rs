@@ -54,7 +54,7 @@ pub fn force_harmonics(plan: &Plan, instance: usize) -> Vec<Complex<f64>> {
 }
 
 pub fn balance(plan: &Plan, instance: usize) -> Balance {
-    let driven = &plan.drives[plan.cases[instance].drive as usize];
+    let driven = plan.driven(instance as u32);
     let (free, instrument) = (&driven.free, &driven.instrument);
     let omega = free.omega;
     let force = force_harmonics(plan, instance);

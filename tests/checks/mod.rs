@@ -109,7 +109,7 @@ pub enum Twin {
 
 /// The contact law in the independent program's words.
 pub fn force_law(plan: &Plan, instance: usize) -> Force {
-    let contact = &plan.cases[instance].contact;
+    let contact = plan.contact(instance as u32);
     let (k, r, w) = (contact.modulus, contact.radius, contact.work);
     match contact.law {
         Law::None => Force::None,
@@ -123,7 +123,7 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
 /// The instance as the independent integrator takes it, its start, and by how many degrees its
 /// phases lag behind the drive's.
 pub fn twin(plan: &Plan, instance: usize, what: Twin) -> (System, State, f64) {
-    let case = &plan.cases[instance];
+    let case = plan.case(instance as u32);
     let driven = &plan.drives[case.drive as usize];
     let (free, instrument) = (&driven.free, &driven.instrument);
     let law = force_law(plan, instance);
@@ -199,9 +199,9 @@ pub type Errors = Vec<(&'static str, f64)>;
 
 /// The scales of an instance whose true measurements are `truth`.
 pub fn scales(plan: &Plan, instance: usize, truth: &Outcome) -> Scales {
-    let case = &plan.cases[instance];
+    let case = plan.case(instance as u32);
     let driven = &plan.drives[case.drive as usize];
-    let length = driven.free.tip.norm();
+    let length = driven.free_amplitude();
     // A graze shallower than lengths are accurate to has no force to speak of.
     let graze = case.contact.modulus * case.contact.radius.sqrt() * (plan.run.accuracy * length).powf(1.5);
     let force = truth.force_max.abs().max(truth.force_min.abs()).max(graze);
@@ -260,7 +260,7 @@ pub fn compare(scene: &Scene, steps: Option<u32>, what: Twin) -> (Status, u32, E
     let truth = reference(&plan, 0, what);
     let finished = run(&plan)[0];
     let scales = scales(&plan, 0, &truth);
-    (finished.status, plan.cases[0].steps, errors(&finished.measured, &truth, &scales))
+    (finished.status, plan.steps(0), errors(&finished.measured, &truth, &scales))
 }
 
 /// The engine's own measurements as a truth for coarser ones.

@@ -71,14 +71,14 @@ impl Table {
             *text += &format!("  {first:<18}{second:>14}{rest}\n");
         };
         for (i, &instance) in self.instances.iter().enumerate() {
-            let case = &self.plan.cases[i];
+            let case = self.plan.case(i as u32);
             let place = values(scene, instance as usize);
             let (truth, way) = &self.truths[i];
             text += &format!(
                 "instance {instance}: {place}{}{}, {} modes, {} steps per period; reference: {}{}\n",
                 if place.is_empty() { "" } else { "; " },
                 case.contact.law.name(),
-                self.plan.drives[case.drive as usize].kept.modes.len(),
+                self.plan.driven(i as u32).kept.modes.len(),
                 case.steps,
                 if case.steps == 0 { "free motion" } else { way.words() },
                 if touches(truth) { "" } else { ", no contact" },
@@ -146,7 +146,7 @@ impl Table {
                 });
                 json!({
                     "instance": instance,
-                    "steps_per_period": plan.cases[i].steps,
+                    "steps_per_period": plan.steps(i as u32),
                     "reference": {
                         "status": truth.status.meaning(),
                         "by": way.words(),

@@ -208,7 +208,7 @@ impl Gpu {
 }
 
 fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) -> Vec<Ended> {
-    let tell = plan.stations.is_some();
+    let tell = plan.starts.is_some();
     instances
         .par_iter()
         .zip(saved)
@@ -216,7 +216,7 @@ fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) ->
             let (case, driven) = member(plan, *instance);
             let sums = Sums::new(saved.ledger, saved.finite, plan.run.measure, class.steps);
             Ended {
-                finished: finish(&sums, case, driven, &plan.run, plan.wants),
+                finished: finish(&sums, &case, driven, &plan.run, plan.wants),
                 end: tell.then(|| Box::new(station::station(saved))),
             }
         })
@@ -262,7 +262,7 @@ impl Engine for Gpu {
         let pace = Pace::new(self.report.software());
         let mut opened = Opened { session: Some(session), pace, notes: Vec::new() };
         let mut outcome = Outcome::of(plan);
-        for class in &plan.classes {
+        for class in &plan.classes() {
             let finished = match class.steps {
                 0 => cpu::free_class(plan, class),
                 _ if progress.stopped() => continue,

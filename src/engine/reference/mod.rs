@@ -18,7 +18,7 @@ pub use near::solve_near;
 use super::measure::{finish_free, first_seen, lag, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
-use crate::plan::{CasePlan, Driven, Plan};
+use crate::plan::{Case, Driven, Plan};
 use crate::scene::Run;
 use meter::Meter;
 use rayon::prelude::*;
@@ -84,18 +84,12 @@ impl Engine for Reference {
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
-        if plan.stations.is_some() {
-            return Err(EngineError::Stations);
+        if plan.starts.is_some() {
+            return Err(EngineError::Starts);
         }
-        // The plan's classes say which instances run: a trial has fewer than the plan has cases.
-        let instances: Vec<u32> = plan.classes.iter().flat_map(|class| class.instances.clone()).collect();
-        let each: Vec<(u32, Finished)> = instances
-            .par_iter()
-            .map(|&index| Ok((index, self.instance(plan, index as usize, progress)?.0)))
-            .collect::<Result<_, EngineError>>()?;
-        let mut outcome = Outcome::of(plan);
-        each.into_iter().for_each(|(index, finished)| outcome.results[index as usize] = finished);
-        Ok(outcome)
+        let one = |index| Ok(self.instance(plan, index, progress)?.0);
+        let results = (0..plan.len()).into_par_iter().map(one).collect::<Result<_, EngineError>>()?;
+        Ok(Outcome { results, ..Outcome::of(plan) })
     }
 }
 
@@ -108,17 +102,14 @@ pub fn solve(plan: &Plan, instance: usize, options: &Reference) -> Result<(Finis
 }
 
 impl Reference {
-    fn checked<'a>(
-        &self,
-        plan: &'a Plan,
-        instance: usize,
-    ) -> Result<(&'a CasePlan, &'a Driven), EngineError> {
+    fn checked<'a>(&self, plan: &'a Plan, instance: usize) -> Result<(Case, &'a Driven), EngineError> {
         if !(1e-14..=1e-3).contains(&self.tolerance) {
             return Err(EngineError::Tolerance(self.tolerance));
         }
-        let case = plan.cases.get(instance);
-        let case = case.ok_or(EngineError::NoInstance { instance, count: plan.cases.len() })?;
-        Ok((case, &plan.drives[case.drive as usize]))
+        if instance >= plan.len() {
+            return Err(EngineError::NoInstance { instance, count: plan.len() });
+        }
+        Ok((plan.case(instance as u32), plan.driven(instance as u32)))
     }
 
     fn instance(
@@ -131,12 +122,12 @@ impl Reference {
         if case.steps == 0 {
             return Ok((finish_free(driven, plan.wants), Work::default()));
         }
-        let system = System::new(case, driven, plan.run.start, self.model, None);
+        let system = System::new(&case, driven, plan.run.start, self.model, None);
         if system.modes() == 0 {
             return Err(EngineError::NoModes);
         }
         let mut walk = Walk::new(system, self.tolerance);
-        let finished = integrate(&mut walk, (&plan.run, plan.wants), case, driven, progress);
+        let finished = integrate(&mut walk, (&plan.run, plan.wants), &case, driven, progress);
         Ok((finished, Work { modes: walk.system.modes(), left_out: walk.system.left_out, ..walk.work }))
     }
 }
@@ -144,7 +135,7 @@ impl Reference {
 fn integrate(
     walk: &mut Walk,
     (run, wants): (&Run, Wants),
-    case: &CasePlan,
+    case: &Case,
     driven: &Driven,
     progress: &Progress,
 ) -> Finished {

@@ -6,7 +6,7 @@ use super::{Reference, integrate};
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::{flown, increments};
 use crate::periodic::{Found, Options, Search, Verdict};
-use crate::plan::{CasePlan, Driven, KeptMode, Plan, Station};
+use crate::plan::{Case, Driven, KeptMode, Plan, Station};
 use crate::scene::{Run, Start};
 use nalgebra::{DVector, Dyn};
 use std::f64::consts::{PI, TAU};
@@ -53,11 +53,11 @@ pub fn solve_near(
     progress: &Progress,
 ) -> Result<Option<Finished>, EngineError> {
     let (case, driven) = options.checked(plan, instance)?;
-    let mut system = System::new(case, driven, Start::Steady, options.model, far(options.tolerance));
+    let mut system = System::new(&case, driven, Start::Steady, options.model, far(options.tolerance));
     if system.modes() == 0 {
         return Err(EngineError::NoModes);
     }
-    let (all, slow) = unknowns(&system, case, driven, station);
+    let (all, slow) = unknowns(&system, &case, driven, station);
     system.touching = station.touching;
     let remembers = case.contact.law.has_memory();
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
@@ -107,19 +107,14 @@ pub fn solve_near(
     map.begin(&map.with_slow(&map.after, &found.state));
     // The first period's predecessor is not known, the second one's is not looked at.
     let run = Run { periods: MEASURED + 2, measure: MEASURED, start: Start::Steady, ..plan.run.clone() };
-    let case = CasePlan { least_change: Some(found.spectrum.least_change), ..*case };
+    let case = Case { least_change: Some(found.spectrum.least_change), ..case };
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
 
 /// The station as unknowns at the period's very start, half a step earlier, and which of all unknowns are the station's
 /// own modes. What its other oscillators move the tip by, the reference's other modes share as they would bend under a
 /// static force: without it a tip that is held in contact would begin beside the sample.
-fn unknowns(
-    system: &System,
-    case: &CasePlan,
-    driven: &Driven,
-    station: &Station,
-) -> (DVector<f64>, Vec<usize>) {
+fn unknowns(system: &System, case: &Case, driven: &Driven, station: &Station) -> (DVector<f64>, Vec<usize>) {
     let modes = system.modes();
     let half = PI / (driven.free.omega * f64::from(case.steps));
     let mut state = DVector::zeros(2 * modes);

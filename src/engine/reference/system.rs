@@ -5,7 +5,7 @@ use super::dop853::Rates;
 use super::force::Force;
 use crate::engine::start;
 use crate::instrument::Mode;
-use crate::plan::{CasePlan, Driven, compliance, reduced};
+use crate::plan::{Case, Driven, compliance, reduced};
 use crate::scene::Start;
 use std::f64::consts::TAU;
 
@@ -61,7 +61,7 @@ pub fn far(tolerance: f64) -> Option<f64> {
 impl System {
     /// `far`: modes that are faster than the contact by more are not resolved one by one, which leaves the tip's compliance
     /// at the contact's rates as it is to some 1e-7; see [`far`].
-    pub fn new(case: &CasePlan, driven: &Driven, start: Start, model: Model, far: Option<f64>) -> Self {
+    pub fn new(case: &Case, driven: &Driven, start: Start, model: Model, far: Option<f64>) -> Self {
         let omega = driven.free.omega;
         let (indices, modes, left_out) = oscillators(case, driven, model, far);
         let mut system = Self {
@@ -205,7 +205,7 @@ fn turned(mode: &Mode, time: f64, [x, v]: [f64; 2]) -> [f64; 2] {
 
 /// Which mode, and frequency, frequency over quality factor, and mobility of each oscillator; the share left out.
 fn oscillators(
-    case: &CasePlan,
+    case: &Case,
     driven: &Driven,
     model: Model,
     far: Option<f64>,

@@ -89,7 +89,7 @@ impl Map {
             masses: masses.collect(),
             lever: lever_mass(&ran.scene.base.instrument),
             frequencies: frequencies.clone(),
-            tips: ran.plan.cases.iter().map(|case| ran.plan.drives[case.drive as usize].free.tip).collect(),
+            tips: ran.plan.instances().map(|i| ran.plan.driven(i).free.tip).collect(),
         }
     }
 

@@ -155,8 +155,8 @@ fn line(ran: &Ran, modulus: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
 /// Where the fold lies as high as the tip comes: `3 a_s^2/R = reach`, `a_s^3 = pi w R^2/(6K)`.
 fn fold(ran: &Ran, radius: f64) -> Vec<(f64, f64)> {
     let (first, _) = slice(ran, radius);
-    let case = &ran.plan.cases[first];
-    let flexibility = ran.plan.drives[case.drive as usize].kept.flexibility;
+    let case = ran.plan.case(first as u32);
+    let flexibility = ran.plan.driven(first as u32).kept.flexibility;
     let free = reach(ran, first) + 5.0 / 6.0 * PI * case.contact.work * radius * flexibility;
     line(ran, |work| {
         let reach = free - 5.0 / 6.0 * PI * work * radius * flexibility;

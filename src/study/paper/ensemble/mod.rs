@@ -82,7 +82,7 @@ fn summary(numbers: &mut Numbers, ran: &Ran, law: &str, name: &str) {
 /// Where on the grid which law belongs, and what taking another one does.
 fn regimes(numbers: &mut Numbers, runs: &[Ran]) {
     let jkr = &runs[2];
-    let contacts: Vec<Contact> = jkr.plan.cases.iter().map(|case| case.contact).collect();
+    let contacts: Vec<Contact> = jkr.plan.cases().map(|case| case.contact).collect();
     let share = |count: usize| count as f64 / contacts.len() as f64;
     let of = |fits: &dyn Fn(f64) -> bool| share(contacts.iter().filter(|one| fits(one.tabor)).count());
     numbers.add("regime.dmt", "share of the grid where DMT fits, μ < 0.1", of(&|mu| mu < DMT_BELOW), "1");
@@ -107,10 +107,10 @@ fn regimes(numbers: &mut Numbers, runs: &[Ran]) {
 /// How far the free tip comes up above the sample less what the pull at the fold takes it down, m: a contact
 /// whose fold lies higher never ends.
 fn reach(ran: &Ran, instance: usize) -> f64 {
-    let case = &ran.plan.cases[instance];
-    let driven = &ran.plan.drives[case.drive as usize];
+    let case = ran.plan.case(instance as u32);
+    let driven = ran.plan.driven(instance as u32);
     let pull = 5.0 / 6.0 * PI * case.contact.work * case.contact.radius;
-    driven.free.tip.norm() + case.gap - pull * driven.kept.flexibility
+    driven.free_amplitude() + case.gap - pull * driven.kept.flexibility
 }
 
 /// Whether JKR lets go, against its closed forms: where the fold lies, and what a tap loses.
@@ -119,7 +119,7 @@ fn letting_go(numbers: &mut Numbers, ran: &Ran) {
     let (mut held, mut agreed, mut taps, mut close, mut worst) = (0, 0, 0, 0, 0.0f64);
     let mut errors = Vec::new();
     for (instance, one) in all.iter().enumerate() {
-        let Some(jkr) = ran.plan.cases[instance].contact.jkr() else { continue };
+        let Some(jkr) = ran.plan.contact(instance as u32).jkr() else { continue };
         let never = one.measured.contacts == 0.0;
         held += usize::from(never);
         agreed += usize::from(never == (-jkr.release() > reach(ran, instance)));
