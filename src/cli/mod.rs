@@ -4,6 +4,7 @@ mod audit;
 mod backend;
 mod bench;
 mod check;
+mod cite;
 mod devices;
 mod explain;
 mod force;
@@ -63,6 +64,8 @@ enum Command {
     Init(init::InitArgs),
     /// What a word of a scene, of a results file or of a message means
     Explain(explain::ExplainArgs),
+    /// What to cite for a results file, as BibTeX
+    Cite(cite::CiteArgs),
     /// A question answered by one command and one page
     Study(study::StudyArgs),
 }
@@ -119,6 +122,7 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::main(&args, voice),
         Command::Init(args) => init::main(&args),
         Command::Explain(args) => explain::main(&args),
+        Command::Cite(args) => cite::main(&args),
         Command::Study(args) => study::main(&args, voice),
     };
     match outcome {

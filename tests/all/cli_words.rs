@@ -30,6 +30,43 @@ fn the_first_scene_runs_and_is_met() {
     desk.works(&["run", "scene.toml", "-o", "scene.h5", "--strict"]);
 }
 
+/// What was used is cited, and nothing else.
+#[test]
+fn citations_are_those_of_the_laws_and_the_instrument_that_ran() {
+    let desk = Desk::new();
+    for (kind, keys) in [
+        (&["--lever"][..], &["afmsweep", "derjaguin1975effect"][..]),
+        (&["--liquid"], &["afmsweep", "hertz1882contact"]),
+        (&["--paper"], &["afmsweep", "ha2005afm"]),
+    ] {
+        let text = desk.works(&[&["init"], kind].concat()).out;
+        std::fs::write(desk.path("scene.toml"), text).unwrap();
+        desk.works(&[
+            "run",
+            "scene.toml",
+            "-o",
+            "scene.h5",
+            "-q",
+            "--no-estimate",
+            "--no-audit",
+            "--overwrite",
+        ]);
+        let said = desk.works(&["cite", "scene.h5"]).out;
+        let cited: Vec<&str> = said
+            .lines()
+            .filter_map(|line| line.strip_prefix('@')?.split_once('{'))
+            .map(|(_, key)| key.trim_end_matches(','))
+            .collect();
+        assert!(keys.iter().all(|key| cited.contains(key)), "{kind:?}: {cited:?}");
+        assert_eq!(said.matches('{').count(), said.matches('}').count(), "{said}");
+        let laws = cited
+            .iter()
+            .filter(|key| ["hertz1882contact", "derjaguin1975effect", "johnson1971surface"].contains(key));
+        assert_eq!(laws.count(), 1, "{cited:?}");
+    }
+    assert!(desk.call(&["cite", "scene.toml"]).err.starts_with("error: "));
+}
+
 #[test]
 fn every_key_observable_and_status_is_explained() {
     let desk = Desk::new();
