@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("static stiffness of the tip: {:.4} N/m", 1.0 / lever.flexibility());
     println!("mode   frequency, kHz   Q        share of the compliance");
     for (n, mode) in lever.modes.iter().take(6).enumerate() {
-        let share = mode.mobility() / mode.omega.powi(2) / lever.flexibility();
+        let share = mode.inverse_mass() / mode.omega.powi(2) / lever.flexibility();
         let frequency = mode.omega / std::f64::consts::TAU / 1e3;
         println!("{:4} {frequency:16.3} {:8.1} {share:14.2e}", n + 1, mode.quality_factor);
     }

@@ -152,7 +152,7 @@ impl Problem {
         let case = self.plan.case(instance as u32);
         let driven = &self.plan.drives[case.drive as usize];
         let (length, omega) = (driven.free_amplitude(), driven.free.omega);
-        let force = length * omega * omega / driven.kept.mobility();
+        let force = length * omega * omega / driven.kept.inverse_mass();
         let phase = FRAC_PI_2 - driven.free.tip.arg();
         // Travel C cos(theta) + S sin(theta), of which the drive's own angle is `phase` ahead.
         let ahead = answer.cosine.atan2(answer.sine) - phase;
@@ -180,9 +180,9 @@ fn reduce(law: Law, plan: &Plan, few: usize) -> Reduced {
     let driven = &plan.drives[0];
     let (length, omega) = (driven.free_amplitude(), driven.free.omega);
     let kept = &driven.kept.modes;
-    let mobility = driven.kept.mobility();
+    let inverse_mass = driven.kept.inverse_mass();
     // Acceleration per force, without units.
-    let push = mobility / (omega * omega * length);
+    let push = inverse_mass / (omega * omega * length);
     let samples: Vec<Sample> = plan
         .cases()
         .map(|case| {
@@ -205,7 +205,7 @@ fn reduce(law: Law, plan: &Plan, few: usize) -> Reduced {
         measure: plan.run.measure,
         stiffness: std::array::from_fn(|k| (kept[k].omega / omega).powi(2)),
         loss: std::array::from_fn(|k| 2.0 * kept[k].damping * kept[k].omega / omega),
-        share: std::array::from_fn(|k| kept[k].mobility / mobility),
+        share: std::array::from_fn(|k| kept[k].inverse_mass / inverse_mass),
         few: (0..samples.len()).step_by(every).take(few).collect(),
         samples,
     }

@@ -69,7 +69,7 @@ pub trait StaticLaw {
 /// The kernel's units for one instance; that of length is [`crate::kernel::LENGTH`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelUnits {
-    /// Impulse of 1 N: the step's square times the tip's mobility over the unit of length.
+    /// Impulse of 1 N: the step's square times the tip's inverse mass over the unit of length.
     pub impulse: f64,
     /// Length of a step, s: the kernel's rates are per step.
     pub step: f64,

@@ -246,7 +246,7 @@ const NEAREST: f64 = 100.0;
 pub fn blind(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
     let modes = &plan.driven(instance as u32).instrument.modes;
     let mut shares: Vec<f64> =
-        modes.iter().map(|mode| (mode.mobility() / (mode.omega * mode.omega)).abs()).collect();
+        modes.iter().map(|mode| (mode.inverse_mass() / (mode.omega * mode.omega)).abs()).collect();
     shares.sort_by(f64::total_cmp);
     let whole: f64 = shares.iter().sum();
     let mut left = 0.0;

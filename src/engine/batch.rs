@@ -3,7 +3,7 @@
 use super::measure::{Sums, first_seen};
 use super::member::{Levers, Member, constants};
 use super::saved::Saved;
-use crate::kernel::{Decay, LENGTH, Ledger, Real, Span, Stepper, Wants, Wave};
+use crate::kernel::{Decay, LENGTH, Real, RunSums, Span, Stepper, Wants, Wave};
 use crate::plan::Station;
 use crate::scene::{Run, Start};
 
@@ -33,7 +33,7 @@ impl<E: Real> Batch<E> {
         let (width, modes) = (stepper.width, stepper.modes);
         let fields = constants(members[0], levers.get(members[0]), start).count();
         let zeros = |fields: usize| vec![E::element(0.0); fields * width];
-        let sums = 3 + Ledger::<f64>::new().numbers().count();
+        let sums = 3 + RunSums::<f64>::new().numbers().count();
         let mut batch = Self {
             stepper: *stepper,
             constants: zeros(fields),
@@ -58,7 +58,7 @@ impl<E: Real> Batch<E> {
         put(&mut self.constants, width, lane, constants(member, levers.get(member), start));
         let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);
         put(&mut self.state, width, lane, state.copied());
-        let sums = saved.last.iter().chain([&saved.touched]).chain(saved.ledger.numbers());
+        let sums = saved.last.iter().chain([&saved.touched]).chain(saved.run_sums.numbers());
         put(&mut self.sums, width, lane, sums.copied());
     }
 
@@ -113,10 +113,10 @@ impl<E: Real> Batch<E> {
     /// What has been measured of each member, with `steps` steps a period.
     pub fn sums(&self, run: &Run, steps: u32) -> Vec<Sums> {
         let sums = |(lane, finite): (usize, &bool)| {
-            let mut ledger = Ledger::new();
+            let mut run_sums = RunSums::new();
             let numbers = lane_of(&self.sums, self.stepper.width, lane).skip(3);
-            ledger.places().zip(numbers).for_each(|(place, value)| *place = value);
-            Sums::new(ledger, *finite, run.measure, steps)
+            run_sums.places().zip(numbers).for_each(|(place, value)| *place = value);
+            Sums::new(run_sums, *finite, run.measure, steps)
         };
         self.finite.iter().enumerate().map(sums).collect()
     }

@@ -4,20 +4,20 @@ use super::Finished;
 use super::member::force_scale;
 use super::start;
 use crate::contact::Passed;
-use crate::kernel::{LENGTH, Ledger};
+use crate::kernel::{LENGTH, RunSums};
 use crate::observe::{Measured, Status, Wants};
 use crate::plan::{Case, Driven};
 use crate::scene::Run;
 use nalgebra::Complex;
 
-/// One instance's ledger in f64, and whether its state stayed a number.
+/// One instance's run sums in f64, and whether its state stayed a number.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
     /// False once the state is no number any more, or beyond f32's range.
     pub finite: bool,
     periods: f64,
     steps: f64,
-    ledger: Ledger<f64>,
+    run_sums: RunSums<f64>,
 }
 
 /// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer
@@ -25,15 +25,15 @@ pub(super) struct Sums {
 const UNRESOLVED: f64 = 0.7;
 
 impl Sums {
-    /// A ledger over `periods` measured periods of `steps` steps.
-    pub fn new(ledger: Ledger<f64>, finite: bool, periods: u32, steps: u32) -> Self {
+    /// Run sums over `periods` measured periods of `steps` steps.
+    pub fn new(run_sums: RunSums<f64>, finite: bool, periods: u32, steps: u32) -> Self {
         let periods = f64::from(periods);
-        Self { finite, periods, steps: periods * f64::from(steps), ledger }
+        Self { finite, periods, steps: periods * f64::from(steps), run_sums }
     }
 
     /// Largest change (m) of the fundamental, of the latest ones and of those into a measured period.
     fn change(&self) -> f64 {
-        self.ledger.changes.iter().copied().fold(self.ledger.largest, f64::max) * LENGTH
+        self.run_sums.changes.iter().copied().fold(self.run_sums.largest, f64::max) * LENGTH
     }
 }
 
@@ -74,15 +74,19 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
     if !sums.finite {
         return Finished { measured: Measured::NONE, status: Status::NonFinite };
     }
-    let ledger = &sums.ledger;
+    let run_sums = &sums.run_sums;
     let phase = start::phase(driven, run.start);
     let (cosine, sine) = start::amplitudes(driven, run.start);
     let mut measured = Measured::NONE;
     let scale = 2.0 / sums.steps * LENGTH;
     for n in 0..wants.harmonics {
         let free = if n == 0 { (cosine, sine) } else { (0.0, 0.0) };
-        let travel =
-            start::phasor(free.0 + scale * ledger.cosine[n], free.1 + scale * ledger.sine[n], n + 1, phase);
+        let travel = start::phasor(
+            free.0 + scale * run_sums.cosine[n],
+            free.1 + scale * run_sums.sine[n],
+            n + 1,
+            phase,
+        );
         measured.harmonics[n] = travel.norm();
         if n == 0 {
             measured.phase = lag(travel);
@@ -90,16 +94,16 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
     }
     let force = force_scale(driven, case.steps);
     if wants.contact {
-        measured.contact_time = ledger.sums.time / sums.steps;
-        measured.contacts = ledger.sums.begun / sums.periods;
+        measured.contact_time = run_sums.sums.time / sums.steps;
+        measured.contacts = run_sums.sums.begun / sums.periods;
     }
     if wants.energy {
-        measured.force_mean = ledger.sums.impulse / sums.steps / force;
-        measured.dissipation = -ledger.sums.work / sums.periods / force * LENGTH;
-        measured.virial = ledger.sums.virial / sums.steps / force * LENGTH;
+        measured.force_mean = run_sums.sums.impulse / sums.steps / force;
+        measured.dissipation = -run_sums.sums.work / sums.periods / force * LENGTH;
+        measured.virial = run_sums.sums.virial / sums.steps / force * LENGTH;
     }
     if wants.extremes {
-        let passed = passed(ledger);
+        let passed = passed(run_sums);
         (measured.force_min, measured.force_max) = case.contact.law().forces(&passed);
         measured.indentation_max = if passed.touched { passed.deepest } else { f64::NAN };
     }
@@ -133,7 +137,7 @@ pub(super) fn lag(travel: Complex<f64>) -> f64 {
 }
 
 fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> Status {
-    let deepest = sums.ledger.sums.deepest * LENGTH;
+    let deepest = sums.run_sums.sums.deepest * LENGTH;
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }
@@ -144,8 +148,8 @@ fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> St
 }
 
 /// Where the tip went.
-fn passed(ledger: &Ledger<f64>) -> Passed {
-    let sums = &ledger.sums;
+fn passed(run_sums: &RunSums<f64>) -> Passed {
+    let sums = &run_sums.sums;
     Passed {
         deepest: sums.deepest * LENGTH,
         highest: sums.highest * LENGTH,

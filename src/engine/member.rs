@@ -3,7 +3,7 @@
 use super::saved::Saved;
 use super::start;
 use crate::contact::KernelUnits;
-use crate::kernel::{LENGTH, Ledger, Lever, MODES_MAX, flown};
+use crate::kernel::{LENGTH, Lever, MODES_MAX, RunSums, flown};
 use crate::plan::{Case, Driven, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -15,9 +15,9 @@ pub(super) fn step_length(driven: &Driven, steps: u32) -> f64 {
     TAU / (driven.free.omega * f64::from(steps))
 }
 
-/// Impulse per N: h^2 times the tip's mobility, in units of length.
+/// Impulse per N: h^2 times the tip's inverse mass, in units of length.
 pub(super) fn force_scale(driven: &Driven, steps: u32) -> f64 {
-    step_length(driven, steps).powi(2) * driven.kept.mobility() / LENGTH
+    step_length(driven, steps).powi(2) * driven.kept.inverse_mass() / LENGTH
 }
 
 /// An instance and its driven instrument.
@@ -92,7 +92,7 @@ pub(super) fn begin(member: Member, start: Start) -> Saved {
     }
     let first = first_indentation(member, start);
     let touching = f64::from(u8::from(member.0.contact.law.touches_at(first)));
-    Saved { x, u, touching, last: [first; 2], touched: touching, ledger: Ledger::new(), finite: true }
+    Saved { x, u, touching, last: [first; 2], touched: touching, run_sums: RunSums::new(), finite: true }
 }
 
 /// Decaying part of a kept mode half a step after a start from rest: travel and rate over omega.

@@ -1,6 +1,6 @@
 //! Where an instance is between two periods: what it takes to go on elsewhere.
 
-use crate::kernel::{Ledger, MODES_MAX};
+use crate::kernel::{MODES_MAX, RunSums};
 
 /// One instance after a whole number of periods, kernel units.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ pub(super) struct Saved {
     /// Indentation at the last two samples, and contact at the last one, as the tally keeps them.
     pub last: [f64; 2],
     pub touched: f64,
-    pub ledger: Ledger<f64>,
+    pub run_sums: RunSums<f64>,
     /// False once the state was no number at the end of a period.
     pub finite: bool,
 }

@@ -3,7 +3,7 @@
 use super::member::member;
 use super::saved::Saved;
 use super::start;
-use crate::kernel::{LENGTH, Ledger};
+use crate::kernel::{LENGTH, RunSums};
 use crate::plan::{Plan, Station};
 use std::f64::consts::PI;
 
@@ -27,7 +27,7 @@ pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
         touching,
         last: [-(case.gap + travel) / LENGTH; 2],
         touched: touching,
-        ledger: Ledger::new(),
+        run_sums: RunSums::new(),
         finite: station.finite,
     }
 }

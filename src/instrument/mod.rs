@@ -67,7 +67,7 @@ pub struct Mode {
 
 impl Mode {
     /// Acceleration of the tip per tip force through this mode, c_k b_k, 1/kg.
-    pub fn mobility(&self) -> f64 {
+    pub fn inverse_mass(&self) -> f64 {
         self.tip * self.force
     }
 }
@@ -112,7 +112,7 @@ pub struct FreeMotion {
 impl Instrument {
     /// Static travel of the tip per force on it, sum of c_k b_k / omega_k^2 over all modes, m/N.
     pub fn flexibility(&self) -> f64 {
-        self.modes.iter().map(|m| m.mobility() / (m.omega * m.omega)).sum()
+        self.modes.iter().map(|m| m.inverse_mass() / (m.omega * m.omega)).sum()
     }
 
     /// Each mode's c_k^2/omega_k^2 over the sum of all.

@@ -12,19 +12,19 @@ use crate::instrument::Mode;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Travel of the tip per force on it that changes at the rate `s` (rad/s), by these oscillators: frequency (rad/s) and
-/// mobility (1/kg) of each; m/N.
+/// inverse mass (1/kg) of each; m/N.
 pub fn compliance(oscillators: impl Iterator<Item = (f64, f64)>, s: f64) -> f64 {
-    oscillators.map(|(omega, mobility)| mobility / (omega * omega + s * s)).sum()
+    oscillators.map(|(omega, inverse_mass)| inverse_mass / (omega * omega + s * s)).sum()
 }
 
 /// `count` oscillators for the compliance of these modes at rates from `from` to `to` (rad/s); none where a mode
 /// answers against the force, as it may where the rod does not feel the lever.
 pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<KeptMode>> {
     let count = count.min(modes.len());
-    if count == 0 || modes.iter().any(|mode| mode.mobility() < 0.0) {
+    if count == 0 || modes.iter().any(|mode| mode.inverse_mass() < 0.0) {
         return None;
     }
-    let push = DVector::from_iterator(modes.len(), modes.iter().map(|mode| mode.mobility().sqrt()));
+    let push = DVector::from_iterator(modes.len(), modes.iter().map(|mode| mode.inverse_mass().sqrt()));
     let mut basis: Vec<DVector<f64>> = Vec::with_capacity(count);
     for n in 0..count {
         let place = if count == 1 { 0.5 } else { n as f64 / (count - 1) as f64 };
@@ -81,7 +81,7 @@ fn projected(modes: &[&Mode], push: &DVector<f64>, basis: &DMatrix<f64>) -> Opti
                 index: None,
                 omega: square_of.sqrt(),
                 damping: 0.5 * loss / square_of,
-                mobility: tip * tip,
+                inverse_mass: tip * tip,
                 top: top / tip,
             }
         })

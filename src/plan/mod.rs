@@ -201,6 +201,6 @@ impl Plan {
     /// Deepest indentation to expect of an instance, m.
     pub fn expected_depth(&self, instance: u32) -> f64 {
         let (Case { contact, gap, .. }, driven) = (self.case(instance), self.driven(instance));
-        steps::deepest(&contact, driven.kept.mobility(), driven.free.omega, driven.free_amplitude(), gap)
+        steps::deepest(&contact, driven.kept.inverse_mass(), driven.free.omega, driven.free_amplitude(), gap)
     }
 }

@@ -27,7 +27,7 @@ pub struct KeptMode {
     /// Damping ratio 1/(2Q).
     pub damping: f64,
     /// Acceleration of the tip per tip force through this mode, c_k b_k, 1/kg.
-    pub mobility: f64,
+    pub inverse_mass: f64,
     /// Travel of the rod's top per travel of the tip, in this mode under a tip force.
     pub top: f64,
 }
@@ -121,7 +121,7 @@ impl ReducedBasis {
     ) -> Self {
         let share = |k: usize| {
             let mode = &instrument.modes[k];
-            mode.mobility() / (mode.omega * mode.omega)
+            mode.inverse_mass() / (mode.omega * mode.omega)
         };
         let flexibility: f64 = (0..instrument.modes.len()).map(share).sum();
         let mut order: Vec<usize> = (0..instrument.modes.len()).collect();
@@ -153,7 +153,7 @@ impl ReducedBasis {
                 index: Some(k),
                 omega: mode.omega,
                 damping: 0.5 / mode.quality_factor,
-                mobility: mode.mobility(),
+                inverse_mass: mode.inverse_mass(),
                 top: mode.top / mode.tip,
             });
         }
@@ -171,14 +171,14 @@ impl ReducedBasis {
     /// the modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of
     /// the others. None where there are too few modes to reduce, or a mode that answers against the force.
     pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
-        let share = |mode: &Mode| mode.mobility() / (mode.omega * mode.omega);
+        let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and everything above; slower modes of a rod, each a share of 1e-4 or less, are no
         // spring at the rates of a contact and stay out.
         let first = (0..instrument.modes.len())
             .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
         let moved: Vec<usize> =
-            (first..instrument.modes.len()).filter(|k| instrument.modes[*k].mobility() != 0.0).collect();
+            (first..instrument.modes.len()).filter(|k| instrument.modes[*k].inverse_mass() != 0.0).collect();
         // All of a list of modes; of a beam's finite elements the fastest are too fast to be stepped.
         let fastest = moved.iter().map(|k| instrument.modes[*k].omega).fold(0.0, f64::max);
         let all = moved.len() <= count && fastest <= FASTEST * rate;
@@ -194,7 +194,7 @@ impl ReducedBasis {
                     index: Some(k),
                     omega: mode.omega,
                     damping: 0.5 / mode.quality_factor,
-                    mobility: mode.mobility(),
+                    inverse_mass: mode.inverse_mass(),
                     top: mode.top / mode.tip,
                 }
             })
@@ -208,7 +208,7 @@ impl ReducedBasis {
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
         let left =
-            1.0 - modes.iter().map(|mode| mode.mobility / mode.omega.powi(2)).sum::<f64>() / flexibility;
+            1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
             false => format!(
@@ -254,8 +254,8 @@ impl ReducedBasis {
     pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
         let error = |times: f64| {
             let s = times * rate;
-            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.mobility())), s);
-            let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.mobility)), s);
+            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
+            let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.inverse_mass)), s);
             (ours / whole - 1.0).abs() / times.max(1.0).powi(2)
         };
         [0.5, 1.0, 2.0, BEYOND].into_iter().map(error).fold(0.0, f64::max)
@@ -270,7 +270,7 @@ impl ReducedBasis {
         let (mut largest, mut omega) = (0.0, f64::NAN);
         for mode in &instrument.modes {
             if mode.omega > kept {
-                let flexibility = mode.mobility() / mode.omega.powi(2);
+                let flexibility = mode.inverse_mass() / mode.omega.powi(2);
                 spring += flexibility;
                 if flexibility > largest {
                     (largest, omega) = (flexibility, mode.omega);
@@ -301,7 +301,7 @@ impl ReducedBasis {
                 index: None,
                 omega,
                 damping: 0.5 * loss / spring,
-                mobility: omega * omega * spring,
+                inverse_mass: omega * omega * spring,
                 top: top / spring,
             });
         }
@@ -315,8 +315,8 @@ impl ReducedBasis {
     }
 
     /// Acceleration of the tip by a unit of tip force at short times, 1/kg.
-    pub fn mobility(&self) -> f64 {
-        self.modes.iter().map(|mode| mode.mobility).sum()
+    pub fn inverse_mass(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.inverse_mass).sum()
     }
 
     /// Angular frequency of the fastest oscillator, rad/s.
@@ -326,13 +326,13 @@ impl ReducedBasis {
 
     /// As the kernel takes them.
     pub fn flow(&self) -> Vec<FlowMode> {
-        let mobility = self.mobility();
+        let inverse_mass = self.inverse_mass();
         self.modes
             .iter()
             .map(|mode| FlowMode {
                 omega: mode.omega,
                 damping: mode.damping,
-                share: mode.mobility / mobility,
+                share: mode.inverse_mass / inverse_mass,
             })
             .collect()
     }

@@ -16,7 +16,7 @@ pub(crate) const RICHEST: f64 = 0.1;
 const ROUNDS: usize = 4;
 
 /// Rate of an instance's contact, rad/s: s with k C(s) = 1, where C is the tip's compliance by all modes and k the
-/// contact's stiffness at the depth of a collision with the mobility s^2 C(s) that the tip has at that rate. It is the
+/// contact's stiffness at the depth of a collision with the inverse mass s^2 C(s) that the tip has at that rate. It is the
 /// contact's own angular frequency: about four over its duration, since a Hertzian collision of depth d and speed v
 /// lasts 2.94 d/v and has the rate 1.37 v/d. 0 where nothing pushes the tip.
 ///
@@ -28,17 +28,18 @@ pub(super) fn contact_rate(
     amplitude: f64,
     gap: f64,
 ) -> f64 {
-    let answer = |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.mobility())), s);
+    let answer =
+        |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
     if !contact.law.acts() {
         return 0.0;
     }
     let pull = contact.law().attraction_slope();
     let mut rate = omega;
     for _ in 0..ROUNDS {
-        let mobility = rate * rate * answer(rate);
-        let depth = super::steps::deepest(contact, mobility, omega, amplitude, gap);
+        let inverse_mass = rate * rate * answer(rate);
+        let depth = super::steps::deepest(contact, inverse_mass, omega, amplitude, gap);
         let stiffness = contact.stiffness(depth, true).abs().max(pull);
-        let next = (mobility * stiffness).sqrt();
+        let next = (inverse_mass * stiffness).sqrt();
         if !next.is_finite() {
             break;
         }

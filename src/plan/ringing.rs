@@ -20,7 +20,7 @@ pub(super) fn left(mode: &Mode, omega: f64) -> f64 {
 
 /// Which modes are the lever's, told from a rod's, which hardly move the tip.
 pub(super) struct Levers {
-    /// Least mobility of one, 1/kg.
+    /// Least inverse mass of one, 1/kg.
     least: f64,
     /// Angular frequency of the drive, rad/s.
     omega: f64,
@@ -29,20 +29,20 @@ pub(super) struct Levers {
 impl Levers {
     /// By the slowest of the modes that move the tip as a lever's do; `omega` is of the drive.
     pub fn of(instrument: &Instrument, omega: f64) -> Self {
-        let weights = || instrument.modes.iter().map(|mode| mode.mobility().abs());
+        let weights = || instrument.modes.iter().map(|mode| mode.inverse_mass().abs());
         let largest = weights().fold(0.0, f64::max);
         let slowest = weights().find(|one| *one > LEVERS * largest).unwrap_or(0.0);
         Self { least: LEVERS * slowest, omega }
     }
 
     pub fn own(&self, mode: &Mode) -> bool {
-        mode.mobility().abs() > self.least
+        mode.inverse_mass().abs() > self.least
     }
 
     /// Whether a mode moves the tip as much as one of the lever once it has gathered what contact after contact leaves in
-    /// it: its mobility over the share that it loses in a period of the drive.
+    /// it: its inverse mass over the share that it loses in a period of the drive.
     pub fn gathers(&self, mode: &Mode) -> bool {
-        mode.mobility().abs() / (1.0 - left(mode, self.omega)) > self.least
+        mode.inverse_mass().abs() / (1.0 - left(mode, self.omega)) > self.least
     }
 }
 

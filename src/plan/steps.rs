@@ -13,7 +13,7 @@ pub const STEPS_MAX: u32 = 65_536;
 /// Steps per period for smooth scenes at accuracy 1e-3, and how fast it grows with accuracy.
 const BASE: f64 = 128.0;
 const ORDER: f64 = 3.0;
-/// Contact stiffness that one step may meet, in units of h^2 times the tip's mobility; what it
+/// Contact stiffness that one step may meet, in units of h^2 times the tip's inverse mass; what it
 /// bounds is the largest force, every other observable is ten times better.
 ///
 /// With the kicks as they were before they knew when within the step the force acts, of 617 random cases
@@ -38,11 +38,11 @@ pub fn steps(
     let base = BASE * (1e-3 / accuracy).powf(1.0 / ORDER);
     let fast = fast(kept, omega);
     let period = TAU / omega;
-    let mobility = kept.mobility();
-    let depth = deepest(contact, mobility, omega, amplitude, gap);
+    let inverse_mass = kept.inverse_mass();
+    let depth = deepest(contact, inverse_mass, omega, amplitude, gap);
     let limit = STIFFNESS * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
-    let stiff = period * (mobility * contact.stiffness(depth, true).max(0.0) / limit).sqrt();
-    let pull = period * (mobility * contact.law().attraction_slope() / ATTRACTION).sqrt();
+    let stiff = period * (inverse_mass * contact.stiffness(depth, true).max(0.0) / limit).sqrt();
+    let pull = period * (inverse_mass * contact.law().attraction_slope() / ATTRACTION).sqrt();
     rung(base.max(fast).max(stiff).max(pull))
 }
 
@@ -75,14 +75,14 @@ fn rung(steps: f64) -> u32 {
 }
 
 /// Deepest indentation to expect, m: as far as the free swing would go, or as far as a Hertzian
-/// collision at the free tip's speed goes (delta_max = (5 v^2/(4 kappa mobility))^(2/5)), whichever is
+/// collision at the free tip's speed goes (delta_max = (5 v^2/(4 kappa inverse mass))^(2/5)), whichever is
 /// less, and what adhesion adds to a resting depth on top.
-pub fn deepest(contact: &Contact, mobility: f64, omega: f64, amplitude: f64, gap: f64) -> f64 {
+pub fn deepest(contact: &Contact, inverse_mass: f64, omega: f64, amplitude: f64, gap: f64) -> f64 {
     let overlap = (amplitude - gap).max(0.0);
     let inside = (amplitude * amplitude - gap * gap).max(0.0).sqrt().max(0.1 * amplitude);
     let speed = omega * inside;
     let kappa = contact.modulus * contact.radius.sqrt();
-    let collision = (1.25 * speed * speed / (kappa * mobility)).powf(0.4);
+    let collision = (1.25 * speed * speed / (kappa * inverse_mass)).powf(0.4);
     let adhesion = contact.law().depth_by_adhesion();
     let resting = (-gap).max(0.0);
     collision.min(overlap) + adhesion + resting.min(overlap)

@@ -105,7 +105,7 @@ impl Plan {
         );
         for mode in &kept.modes {
             let name = mode.index.map_or("residual".to_owned(), |k| format!("mode {}", k + 1));
-            let share = mode.mobility / (mode.omega * mode.omega) / kept.flexibility;
+            let share = mode.inverse_mass / (mode.omega * mode.omega) / kept.flexibility;
             let q = 0.5 / mode.damping;
             text += &format!(
                 "  {name:<9} {:>14.6} kHz  Q {:>9}  {:>8.4} % of the tip's flexibility\n",
@@ -170,7 +170,7 @@ impl Plan {
                     "mode": mode.index.map(|k| k + 1),
                     "frequency_hz": mode.omega / TAU,
                     "quality_factor": q.is_finite().then_some(q),
-                    "tip_share": mode.mobility / (mode.omega * mode.omega) / kept.flexibility,
+                    "tip_share": mode.inverse_mass / (mode.omega * mode.omega) / kept.flexibility,
                 })
             })
             .collect();

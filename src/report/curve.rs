@@ -6,6 +6,7 @@ use super::canvas::{GREY, LINES, picture};
 use super::frame::{DOUBTFUL, Frame, KEY_ROW, Key, NOTHING, State, Tally, key, key_rows, left_margin, title};
 use super::heatmap::short;
 use crate::store::Coordinate;
+use plotters::style::RGBColor;
 
 /// Points of a cloud at most; more would only make ink.
 const MOST_POINTS: usize = 3000;
@@ -30,12 +31,7 @@ pub(super) fn curves(
     let y_axis = values_axis(series, units, long_name);
     let mut order: Vec<usize> = (0..x.values.len()).filter(|&i| x.values[i].is_finite()).collect();
     order.sort_by(|&a, &b| x.values[a].total_cmp(&x.values[b]));
-    let mut entries: Vec<(Key, String)> = Vec::new();
-    if series.len() > 1 {
-        let lines = series.iter().enumerate();
-        entries.extend(lines.map(|(number, one)| (line_key(number), one.name.clone())));
-    }
-    entries.extend(state_entries(series));
+    let entries: Vec<(Key, String)> = line_entries(series).into_iter().chain(state_entries(series)).collect();
     let (width, height, top) = (560.0, 360.0, 40.0);
     let left = left_margin(&y_axis, height);
     let total_width = left + width + 28.0;
@@ -46,40 +42,64 @@ pub(super) fn curves(
         let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
         frame.grid()?;
         for (number, one) in series.iter().enumerate() {
-            let shade = LINES[number % LINES.len()];
-            let mut piece: Vec<(f64, f64)> = Vec::new();
-            for &i in &order {
-                let (value, state) = drawn(one.values[i]);
-                let at = frame.at(x.values[i], value);
-                if (state.has_value() || state == State::Zero) && at.0.is_finite() && at.1.is_finite() {
-                    piece.push(at);
-                    continue;
-                }
-                draw_piece(&frame, &mut piece, number)?;
-                let x = frame.at(x.values[i], f64::NAN).0;
-                if x.is_finite() && number == 0 {
-                    absent(&frame, x, state)?;
-                }
-            }
-            draw_piece(&frame, &mut piece, number)?;
-            for &i in &order {
-                let (value, state) = drawn(one.values[i]);
-                let at = frame.at(x.values[i], value);
-                let shown = state.has_value() || state == State::Zero;
-                if !(shown && at.0.is_finite() && at.1.is_finite()) {
-                    continue;
-                }
-                match state {
-                    State::Doubtful => canvas.ring(at, 3.5, shade)?,
-                    State::Zero => canvas.dot(at, 2.6, GREY)?,
-                    _ if order.len() <= MOST_MARKERS => canvas.dot(at, 2.6, shade)?,
-                    _ => {}
-                }
-            }
+            let points: Vec<Point> = order.iter().map(|&i| Point::of(x.values[i], one.values[i])).collect();
+            draw_line(&frame, &points, number)?;
+            draw_markers(&frame, &points, LINES[number % LINES.len()])?;
         }
         frame.edges(true, true)?;
         key(canvas, (left, key_top), left + width, &entries)
     })
+}
+
+/// One value of a curve.
+struct Point {
+    x: f64,
+    value: f64,
+    state: State,
+}
+
+impl Point {
+    fn of(x: f64, value: (f64, State)) -> Self {
+        let (value, state) = drawn(value);
+        Self { x, value, state }
+    }
+
+    /// Its place on the picture, if it has one.
+    fn place(&self, frame: &Frame) -> Option<(f64, f64)> {
+        let at = frame.at(self.x, self.value);
+        let shown = self.state.has_value() || self.state == State::Zero;
+        (shown && at.0.is_finite() && at.1.is_finite()).then_some(at)
+    }
+}
+
+/// Joins the points that are neighbours; under the first curve, signs stand for those without a place.
+fn draw_line(frame: &Frame, points: &[Point], number: usize) -> Result<(), ReportError> {
+    let mut piece: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if let Some(at) = point.place(frame) {
+            piece.push(at);
+            continue;
+        }
+        draw_piece(frame, &mut piece, number)?;
+        let x = frame.at(point.x, f64::NAN).0;
+        if x.is_finite() && number == 0 {
+            absent(frame, x, point.state)?;
+        }
+    }
+    draw_piece(frame, &mut piece, number)
+}
+
+fn draw_markers(frame: &Frame, points: &[Point], shade: RGBColor) -> Result<(), ReportError> {
+    for point in points {
+        let Some(at) = point.place(frame) else { continue };
+        match point.state {
+            State::Doubtful => frame.canvas.ring(at, 3.5, shade)?,
+            State::Zero => frame.canvas.dot(at, 2.6, GREY)?,
+            _ if points.len() <= MOST_MARKERS => frame.canvas.dot(at, 2.6, shade)?,
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Where a value stands: one that is nothing, at 0.
@@ -120,6 +140,14 @@ fn values_axis(series: &[Series], units: &str, long_name: &str) -> Axis {
     // What is nothing stands at 0, which has no place on a logarithmic axis.
     let zero = series.iter().flat_map(|one| &one.values).any(|(_, state)| *state == State::Zero);
     Axis::over(shown.chain((zero && !log).then_some(0.0)), units, long_name, log, 0.06)
+}
+
+/// Names of the curves where there are several.
+fn line_entries(series: &[Series]) -> Vec<(Key, String)> {
+    if series.len() < 2 {
+        return Vec::new();
+    }
+    series.iter().enumerate().map(|(number, one)| (line_key(number), one.name.clone())).collect()
 }
 
 fn state_entries(series: &[Series]) -> Vec<(Key, String)> {

@@ -14,6 +14,7 @@ mod heatmap;
 mod page;
 mod pictures;
 mod quantity;
+mod variable;
 mod waveform;
 
 pub use chart::{Chart, Field, Look, Mark, Plot};

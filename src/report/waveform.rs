@@ -6,6 +6,14 @@ use super::canvas::{Anchor, INK, LINES, PALE, picture};
 use super::frame::{Frame, KEY_ROW, Key, SMALL, key, left_margin, title};
 use crate::store::Waveforms;
 
+/// One quantity over time.
+struct Panel<'a> {
+    label: &'a str,
+    units: &'a str,
+    /// Names and values.
+    lines: Vec<(&'a str, &'a [f64])>,
+}
+
 /// The picture of row `row` of the waveforms.
 pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<String, ReportError> {
     let nothing = Vec::new();
@@ -14,65 +22,75 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
     let (tip, top_of_rod) = (of(&waveforms.tip_travel), of(&waveforms.actuator_top));
     let (indentation, force) = (of(&waveforms.indentation), of(&waveforms.force));
     let t_axis = Axis::over(time.iter().copied(), "s", "time", false, 0.0);
-    type Lines<'a> = Vec<(&'a str, &'a [f64])>;
-    let panels: [(&str, &str, Lines); 3] = [
-        ("travel", "m", vec![("tip", &tip), ("actuator's top", &top_of_rod)]),
-        ("indentation", "m", vec![("indentation, negative for a gap", &indentation)]),
-        ("force on the tip", "N", vec![("force", &force)]),
+    let panels = [
+        Panel { label: "travel", units: "m", lines: vec![("tip", &tip), ("actuator's top", &top_of_rod)] },
+        Panel {
+            label: "indentation",
+            units: "m",
+            lines: vec![("indentation, negative for a gap", &indentation)],
+        },
+        Panel { label: "force on the tip", units: "N", lines: vec![("force", &force)] },
     ];
-    let axes: Vec<Axis> = panels
-        .iter()
-        .map(|(label, units, lines)| {
-            let values = lines.iter().flat_map(|(_, values)| values.iter().copied());
-            Axis::over(values, units, label, false, 0.08)
-        })
-        .collect();
+    let axes: Vec<Axis> = panels.iter().map(Panel::axis).collect();
     let (width, height, gap, first) = (640.0, 150.0, 16.0, 68.0);
     let left = axes.iter().map(|axis| left_margin(axis, height)).fold(0.0, f64::max);
     let total_width = left + width + 24.0;
     let bottom = first + 3.0 * (height + gap) - gap;
     picture((total_width, bottom + 52.0), |canvas| {
         title(canvas, heading, left, total_width)?;
-        let mut entries: Vec<(Key, String)> = panels[0]
-            .2
-            .iter()
-            .enumerate()
-            .map(|(number, (name, _))| match number {
-                0 => (Key::Line(LINES[0]), (*name).to_owned()),
-                _ => (Key::Dashes(LINES[number]), (*name).to_owned()),
-            })
-            .collect();
-        entries.push((Key::Swatch(PALE), "in contact".to_owned()));
-        key(canvas, (left, first - KEY_ROW), left + width, &entries)?;
-        for (number, ((_, _, lines), y_axis)) in panels.iter().zip(&axes).enumerate() {
+        key(canvas, (left, first - KEY_ROW), left + width, &panels[0].entries())?;
+        for (number, (panel, y_axis)) in panels.iter().zip(&axes).enumerate() {
             let top = first + number as f64 * (height + gap);
             let frame = Frame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
             contact(&frame, time, &indentation)?;
-            frame.grid()?;
-            let zero = y_axis.place(0.0);
-            if (0.0..=1.0).contains(&zero) {
-                let y = top + (1.0 - zero) * height;
-                canvas.line(&[(left, y), (left + width, y)], INK, 0.8)?;
-            }
-            for (number, (_, values)) in lines.iter().enumerate() {
-                let mut piece = Vec::new();
-                for at in time.iter().zip(*values).map(|(&t, &value)| frame.at(t, value)) {
-                    if at.0.is_finite() && at.1.is_finite() {
-                        piece.push(at);
-                    } else {
-                        stroke(&frame, &mut piece, number)?;
-                    }
-                }
-                stroke(&frame, &mut piece, number)?;
-            }
-            if lines.iter().all(|(_, values)| !values.iter().any(|value| value.is_finite())) {
-                let middle = (left + width / 2.0, top + height / 2.0);
-                canvas.text("no values", middle, SMALL, Anchor::Middle, INK)?;
-            }
+            panel.draw(&frame, time)?;
             frame.edges(number == 2, true)?;
         }
         Ok(())
     })
+}
+
+impl Panel<'_> {
+    fn axis(&self) -> Axis {
+        let values = self.lines.iter().flat_map(|(_, values)| values.iter().copied());
+        Axis::over(values, self.units, self.label, false, 0.08)
+    }
+
+    /// What the key says of its lines, and of the shades behind all panels.
+    fn entries(&self) -> Vec<(Key, String)> {
+        let lines = self.lines.iter().enumerate().map(|(number, (name, _))| match number {
+            0 => (Key::Line(LINES[0]), (*name).to_owned()),
+            _ => (Key::Dashes(LINES[number]), (*name).to_owned()),
+        });
+        lines.chain([(Key::Swatch(PALE), "in contact".to_owned())]).collect()
+    }
+
+    /// Draws the grid, the line of zero and the panel's lines.
+    fn draw(&self, frame: &Frame, time: &[f64]) -> Result<(), ReportError> {
+        frame.grid()?;
+        let (left, right) = (frame.left, frame.left + frame.width);
+        let zero = frame.y.place(0.0);
+        if (0.0..=1.0).contains(&zero) {
+            let y = frame.top + (1.0 - zero) * frame.height;
+            frame.canvas.line(&[(left, y), (right, y)], INK, 0.8)?;
+        }
+        for (number, (_, values)) in self.lines.iter().enumerate() {
+            let mut piece = Vec::new();
+            for at in time.iter().zip(*values).map(|(&t, &value)| frame.at(t, value)) {
+                if at.0.is_finite() && at.1.is_finite() {
+                    piece.push(at);
+                } else {
+                    stroke(frame, &mut piece, number)?;
+                }
+            }
+            stroke(frame, &mut piece, number)?;
+        }
+        if self.lines.iter().all(|(_, values)| !values.iter().any(|value| value.is_finite())) {
+            let middle = (left + frame.width / 2.0, frame.top + frame.height / 2.0);
+            frame.canvas.text("no values", middle, SMALL, Anchor::Middle, INK)?;
+        }
+        Ok(())
+    }
 }
 
 fn stroke(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {

@@ -1,5 +1,6 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
+mod drive_rules;
 mod error;
 mod given;
 mod output;

@@ -70,6 +70,23 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
     let Some(table) = known(section, "run", &KEYS)? else {
         return Ok(run);
     };
+    way_to_steady(table, &mut run)?;
+    length(table, &mut run)?;
+    if let Some(value) = table.get("accuracy") {
+        run.accuracy = values::ratio(value, "run.accuracy", 1e-9..=0.5)?;
+    }
+    if let Some(value) = table.get("modes") {
+        let most = match &draft.params.instrument.cantilever.lever {
+            Lever::Modes(modes) => modes.len().min(STEPPED_MODES),
+            _ => STEPPED_MODES,
+        };
+        run.modes = Some(values::count(value, "run.modes", 1..=most as u64)? as usize);
+    }
+    Ok(run)
+}
+
+/// Reads where runs start, and how they come to which periodic states.
+fn way_to_steady(table: &DeTable, run: &mut Run) -> Checked<()> {
     if let Some(value) = table.get("start") {
         run.start = values::keyword(value, "run.start", &STARTS)?;
     }
@@ -91,6 +108,11 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
                 .help("add steady = \"search\", or remove this line"));
         }
     }
+    Ok(())
+}
+
+/// Reads how many steps a period has, and how many periods are run and measured.
+fn length(table: &DeTable, run: &mut Run) -> Checked<()> {
     if let Some(value) = table.get("steps_per_period") {
         run.steps_per_period = Some(values::count(value, "run.steps_per_period", 16..=1_000_000)? as u32);
     }
@@ -112,17 +134,7 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
             fault.help(format!("measure at most the {} periods of the run, or raise periods", run.periods))
         })? as u32;
     }
-    if let Some(value) = table.get("accuracy") {
-        run.accuracy = values::ratio(value, "run.accuracy", 1e-9..=0.5)?;
-    }
-    if let Some(value) = table.get("modes") {
-        let most = match &draft.params.instrument.cantilever.lever {
-            Lever::Modes(modes) => modes.len().min(STEPPED_MODES),
-            _ => STEPPED_MODES,
-        };
-        run.modes = Some(values::count(value, "run.modes", 1..=most as u64)? as usize);
-    }
-    Ok(run)
+    Ok(())
 }
 
 /// Reads `[output]`.

@@ -1,8 +1,9 @@
 //! What must hold between a scene's quantities: one way to say each thing, nothing half said,
-//! a drive that the instrument can follow, a rod that stands.
+//! a rod that stands. The drive's own rules are `drive_rules.rs`'s.
 //!
 //! A swept quantity counts as if the file had written it in its section.
 
+use super::drive_rules;
 use super::error::{Checked, Fault};
 use super::params::*;
 use super::quantity::Address;
@@ -12,7 +13,7 @@ use crate::kernel::{Attraction, Law};
 use std::ops::Range;
 
 const LEVER: &str = "instrument.cantilever.";
-const MODES: &str = "instrument.cantilever.modes";
+pub(super) const MODES: &str = "instrument.cantilever.modes";
 const LEVER_SIZES: [&str; 5] = [
     "instrument.cantilever.youngs_modulus",
     "instrument.cantilever.density",
@@ -20,12 +21,14 @@ const LEVER_SIZES: [&str; 5] = [
     "instrument.cantilever.width",
     "instrument.cantilever.thickness",
 ];
-const CALIBRATION: [&str; 2] = ["instrument.cantilever.stiffness", "instrument.cantilever.frequency"];
+pub(super) const CALIBRATION: [&str; 2] =
+    ["instrument.cantilever.stiffness", "instrument.cantilever.frequency"];
 const LEVER_QUALITY: &str = "instrument.cantilever.quality_factor";
 const PYRAMID: [&str; 3] = ["instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
 const TIP_SHAPE: [&str; 4] =
     ["instrument.tip.half_length", "instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
-const LEVELS: [&str; 4] = ["drive.voltage", "drive.free_amplitude", "drive.force", "drive.base_amplitude"];
+pub(super) const LEVELS: [&str; 4] =
+    ["drive.voltage", "drive.free_amplitude", "drive.force", "drive.base_amplitude"];
 
 /// Checks the draft with its sweep, and completes its base case with the first values of axes
 /// that say something the file does not.
@@ -42,7 +45,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
         }
     }
     lever_is_complete(draft)?;
-    drive_fits(draft)?;
+    drive_rules::check(draft)?;
     adhesion_fits(draft)?;
     axes_matter(draft)?;
     rod_is_stable(draft, sweep)
@@ -58,21 +61,21 @@ pub(super) fn base(draft: &mut Draft) {
 }
 
 /// How to have the rod that such a lever does not have by itself.
-const NAME_ROD: &str = "name the preset's rod by preset = \"ha-fung-chen-2005\" in [instrument]";
+pub(super) const NAME_ROD: &str = "name the preset's rod by preset = \"ha-fung-chen-2005\" in [instrument]";
 
 impl Draft {
-    fn first_of(&self, paths: &[&str]) -> Option<&Said> {
+    pub(super) fn first_of(&self, paths: &[&str]) -> Option<&Said> {
         self.said.iter().find(|said| paths.contains(&said.path.as_str()))
     }
 
-    fn first_under(&self, prefix: &str) -> Option<&Said> {
+    pub(super) fn first_under(&self, prefix: &str) -> Option<&Said> {
         self.said.iter().find(|said| {
             said.path.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         })
     }
 
     /// Where the scene says it, or the fallback.
-    fn place_of(&self, path: &str) -> Range<usize> {
+    pub(super) fn place_of(&self, path: &str) -> Range<usize> {
         self.first_of(&[path]).map_or(0..0, |said| said.key.clone())
     }
 }
@@ -198,79 +201,6 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
         }
     }
     Ok(())
-}
-
-fn drive_fits(draft: &Draft) -> Checked<()> {
-    let level = draft.first_of(&LEVELS);
-    let rigid = draft.params.instrument.actuator.model == ActuatorModel::Rigid;
-    let on_tip = draft.params.drive.on == DriveOn::Tip;
-    let on_place = draft.place_of("drive.on");
-    let chosen = draft.first_of(&["instrument.actuator.model"]);
-    let lever = || draft.first_of(&CALIBRATION).or_else(|| draft.first_under(MODES));
-    let model_place = chosen.or_else(lever).map_or(0..0, |said| said.key.clone());
-    let refuse = |said: &Said, title: &str, expected: &str, help: &str| {
-        Err(Fault::at(said.key.clone(), title)
-            .label(format!("found `{}`", said.path))
-            .expected(expected)
-            .help(help))
-    };
-    const TIP_LEVELS: &str = "force or free_amplitude, as for any drive on the tip";
-    const BASE_LEVELS: &str = "base_amplitude or free_amplitude, as for a rigid base";
-    const ROD_LEVELS: &str = "voltage or free_amplitude, as for a drive by the rod";
-    match (level, level.map(|said| said.path.as_str())) {
-        (None, _) if on_tip => Err(Fault::at(on_place, "the drive on the tip has no strength")
-            .label("the preset's voltage drives the rod, not the tip")
-            .expected("force or free_amplitude in [drive]")
-            .help("add a line such as force = \"2 nN\" or free_amplitude = \"20 nm\"")),
-        (None, _) if rigid => Err(Fault::at(model_place, "the rigid base has no motion")
-            .label(match chosen {
-                Some(_) => "there is no rod for the preset's voltage to drive",
-                None => "this lever stands on a rigid base, as the scene names no rod",
-            })
-            .expected("base_amplitude or free_amplitude in [drive]")
-            .help(match chosen {
-                Some(_) => {
-                    "add a line such as base_amplitude = \"1 nm\", or drive the tip with on = \"tip\"".to_string()
-                }
-                None => format!(
-                    "add a line such as base_amplitude = \"1 nm\", drive the tip with on = \"tip\", or {NAME_ROD}"
-                ),
-            })),
-        (Some(said), Some("drive.voltage")) if on_tip => refuse(
-            said,
-            "a voltage does not drive the tip",
-            TIP_LEVELS,
-            "give force = \"2 nN\", or remove on = \"tip\"",
-        ),
-        (Some(said), Some("drive.base_amplitude")) if on_tip => refuse(
-            said,
-            "a base amplitude does not drive the tip",
-            TIP_LEVELS,
-            "remove on = \"tip\" and take the actuator model \"rigid\"",
-        ),
-        (Some(said), Some("drive.force")) if !on_tip => refuse(
-            said,
-            "a force drives the tip, not the actuator",
-            if rigid { BASE_LEVELS } else { ROD_LEVELS },
-            "add on = \"tip\" to [drive]",
-        ),
-        (Some(said), Some("drive.voltage")) if rigid => refuse(
-            said,
-            "a rigid base has no rod for a voltage",
-            BASE_LEVELS,
-            &match chosen {
-                Some(_) => "give base_amplitude = \"1 nm\", or another actuator model".to_string(),
-                None => format!("give base_amplitude = \"1 nm\", or {NAME_ROD}"),
-            },
-        ),
-        (Some(said), Some("drive.base_amplitude")) if !rigid => refuse(
-            said,
-            "a base amplitude needs a rigid base",
-            ROD_LEVELS,
-            "add model = \"rigid\" to [instrument.actuator]",
-        ),
-        _ => Ok(()),
-    }
 }
 
 fn adhesion_fits(draft: &Draft) -> Checked<()> {

@@ -163,25 +163,37 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
     if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
         return Err(values::unknown_key(key, &format!("sweep.{path}"), &KEYS));
     }
-    if let Some((key, list)) = table.get_key_value("values") {
-        if let Some(other) = table.keys().find(|key| key.get_ref() != "values") {
-            return Err(Fault::at(other.span(), format!("the axis `{path}` is given in two ways"))
-                .label(format!("`{}` belongs to an axis with from and to", other.get_ref()))
-                .related(key.span(), "the values are listed")
-                .expected(AXIS_FORM)
-                .help(format!("remove `values` or `{}`", other.get_ref())));
+    match table.get_key_value("values") {
+        Some((key, list)) => {
+            if let Some(other) = table.keys().find(|key| key.get_ref() != "values") {
+                return Err(Fault::at(other.span(), format!("the axis `{path}` is given in two ways"))
+                    .label(format!("`{}` belongs to an axis with from and to", other.get_ref()))
+                    .related(key.span(), "the values are listed")
+                    .expected(AXIS_FORM)
+                    .help(format!("remove `values` or `{}`", other.get_ref())));
+            }
+            Ok((listed_once(list, address)?, false))
         }
-        let values = listed(list, address)?;
-        if let Some((first, second)) = repeated(&values) {
-            let place =
-                list.get_ref().as_array().and_then(|array| array.get(second)).map_or(0..0, |v| v.span());
-            return Err(Fault::at(place, format!("the axis `{path}` repeats a value"))
-                .label(format!("value {} is the same as value {}", second + 1, first + 1))
-                .expected("values that differ")
-                .help("remove one of the two"));
-        }
-        return Ok((values, false));
+        None => between_ends(value, table, address),
     }
+}
+
+/// A list of values that differ.
+fn listed_once(list: &Value, address: Address) -> Checked<Vec<f64>> {
+    let values = listed(list, address)?;
+    let Some((first, second)) = repeated(&values) else {
+        return Ok(values);
+    };
+    let place = list.get_ref().as_array().and_then(|array| array.get(second)).map_or(0..0, |v| v.span());
+    Err(Fault::at(place, format!("the axis `{}` repeats a value", address.path()))
+        .label(format!("value {} is the same as value {}", second + 1, first + 1))
+        .expected("values that differ")
+        .help("remove one of the two"))
+}
+
+/// The values of an axis from one end to the other, and whether they are spaced in the logarithm.
+fn between_ends(value: &Value, table: &DeTable, address: Address) -> Checked<(Vec<f64>, bool)> {
+    let path = address.path();
     let get = |name: &str| {
         table.get(name).ok_or_else(|| {
             let found: Vec<&str> = table.keys().map(|key| key.get_ref().as_ref()).collect();
@@ -201,19 +213,8 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
         Some(scale) => values::keyword(scale, "scale", &[("lin", false), ("log", true)])?,
         None => false,
     };
-    for (number, place) in [(from, from_value), (to, to_value)] {
-        let trouble = if number.is_infinite() {
-            "infinite"
-        } else if log && number <= 0.0 {
-            "not above zero, as a logarithmic axis needs"
-        } else {
-            continue;
-        };
-        return Err(Fault::at(place.span(), format!("an end of the axis `{path}` is {trouble}"))
-            .label(format!("found {}", values::described(place)))
-            .expected(if log { "finite ends above zero" } else { "finite ends" })
-            .help("list the values instead: { values = [...] }"));
-    }
+    check_end(from, from_value, log, &path)?;
+    check_end(to, to_value, log, &path)?;
     let values = spaced(from, to, points, log);
     if repeated(&values).is_some() {
         return Err(Fault::at(points_value.span(), format!("the points of the axis `{path}` do not differ"))
@@ -223,13 +224,25 @@ fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
             .expected("ends far enough apart for the points to be distinct numbers")
             .help("move the ends apart, or leave the axis out and give the one value in its section"));
     }
-    match values.iter().find(|number| !address.quantity.domain.holds(**number)) {
-        Some(number) => {
-            values::in_domain(*number, value.span(), || address.written(*number), address, &path)?;
-            Ok((values, log))
-        }
-        None => Ok((values, log)),
+    if let Some(number) = values.iter().find(|number| !address.quantity.domain.holds(**number)) {
+        values::in_domain(*number, value.span(), || address.written(*number), address, &path)?;
     }
+    Ok((values, log))
+}
+
+/// Refuses an end that no points can be spaced from.
+fn check_end(number: f64, place: &Value, log: bool, path: &str) -> Checked<()> {
+    let trouble = if number.is_infinite() {
+        "infinite"
+    } else if log && number <= 0.0 {
+        "not above zero, as a logarithmic axis needs"
+    } else {
+        return Ok(());
+    };
+    Err(Fault::at(place.span(), format!("an end of the axis `{path}` is {trouble}"))
+        .label(format!("found {}", values::described(place)))
+        .expected(if log { "finite ends above zero" } else { "finite ends" })
+        .help("list the values instead: { values = [...] }"))
 }
 
 /// A list of values, each checked in its place.

@@ -1,45 +1,18 @@
 //! Refuses results whose parts do not fit together, before anything is laid out.
 
-use super::{Flags, RESERVED, Results, StoreError, Variable, Waveforms};
+use super::{Branch, Flags, ForceCurve, RESERVED, Results, StoreError, Variable, Waveforms};
 use std::collections::HashSet;
 
 /// `Err` names the first misfit.
 pub(super) fn check(results: &Results) -> Result<(), StoreError> {
-    let refuse = |what: String| Err(StoreError::inconsistent(what));
     let count = results.status.len();
-    if count == 0 {
-        return refuse("there is no instance".into());
-    }
-    let expected = match (results.list, results.axes.as_slice()) {
-        (true, _) => count,
-        (false, axes) => axes.iter().map(|axis| axis.values.len()).product(),
-    };
-    if count != expected {
-        return refuse(format!("the axes make {expected} instances, but there are {count} status codes"));
-    }
-    if results.steps_per_period.len() != count {
-        return refuse(format!("{} steps_per_period for {count} instances", results.steps_per_period.len()));
-    }
+    check_count(results)?;
     let mut names = HashSet::from(RESERVED);
-    for axis in &results.axes {
-        if results.list && axis.values.len() != count {
-            return refuse(format!("{} has {} values for {count} instances", axis.name, axis.values.len()));
-        }
-        check_name(&axis.name, &mut names)?;
-    }
+    check_axes(results, &mut names)?;
     check_variables(&results.variables, count, &mut names)?;
     check_flags(&results.flags, count, &mut names)?;
     if let Some(branch) = &results.other_branch {
-        let mut names: HashSet<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
-        names.extend(RESERVED);
-        check_variables(&branch.variables, count, &mut names)?;
-        check_flags(&branch.flags, count, &mut names)?;
-        let lengths = [branch.status.len(), branch.steps_per_period.len()];
-        if lengths != [count; 2] {
-            return refuse(format!(
-                "other_branch has {lengths:?} status codes and steps for {count} instances"
-            ));
-        }
+        check_branch(branch, results)?;
     }
     for listed in results.audit.iter() {
         check_variables(
@@ -55,17 +28,65 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
     if let Some(waveforms) = &results.waveforms {
         check_waveforms(waveforms)?;
     }
-    for curve in &results.force_curves {
-        let lengths = [curve.indentation.len(), curve.force.len(), curve.contact_radius.len()];
-        if lengths != [lengths[0]; 3] || u32::try_from(lengths[0]).is_err() {
-            return refuse(format!("a force curve of instance {} has lists of {lengths:?}", curve.instance));
+    results.force_curves.iter().try_for_each(check_force_curve)
+}
+
+fn refuse(what: String) -> Result<(), StoreError> {
+    Err(StoreError::inconsistent(what))
+}
+
+/// There must be instances, as many as the axes make.
+fn check_count(results: &Results) -> Result<(), StoreError> {
+    let count = results.status.len();
+    if count == 0 {
+        return refuse("there is no instance".into());
+    }
+    let expected = match (results.list, results.axes.as_slice()) {
+        (true, _) => count,
+        (false, axes) => axes.iter().map(|axis| axis.values.len()).product(),
+    };
+    if count != expected {
+        return refuse(format!("the axes make {expected} instances, but there are {count} status codes"));
+    }
+    if results.steps_per_period.len() != count {
+        return refuse(format!("{} steps_per_period for {count} instances", results.steps_per_period.len()));
+    }
+    Ok(())
+}
+
+fn check_axes<'a>(results: &'a Results, names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
+    let count = results.status.len();
+    for axis in &results.axes {
+        if results.list && axis.values.len() != count {
+            return refuse(format!("{} has {} values for {count} instances", axis.name, axis.values.len()));
         }
-        for word in [&curve.law, &curve.branch] {
-            if word.is_empty() || word.contains(|c: char| c.is_whitespace() || c == '\0') {
-                return refuse(format!(
-                    "{word:?} is not one word, as a force curve's law and branch must be"
-                ));
-            }
+        check_name(&axis.name, names)?;
+    }
+    Ok(())
+}
+
+/// The other branch has its own variables over the same axes.
+fn check_branch(branch: &Branch, results: &Results) -> Result<(), StoreError> {
+    let count = results.status.len();
+    let mut names: HashSet<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
+    names.extend(RESERVED);
+    check_variables(&branch.variables, count, &mut names)?;
+    check_flags(&branch.flags, count, &mut names)?;
+    let lengths = [branch.status.len(), branch.steps_per_period.len()];
+    if lengths != [count; 2] {
+        return refuse(format!("other_branch has {lengths:?} status codes and steps for {count} instances"));
+    }
+    Ok(())
+}
+
+fn check_force_curve(curve: &ForceCurve) -> Result<(), StoreError> {
+    let lengths = [curve.indentation.len(), curve.force.len(), curve.contact_radius.len()];
+    if lengths != [lengths[0]; 3] || u32::try_from(lengths[0]).is_err() {
+        return refuse(format!("a force curve of instance {} has lists of {lengths:?}", curve.instance));
+    }
+    for word in [&curve.law, &curve.branch] {
+        if word.is_empty() || word.contains(|c: char| c.is_whitespace() || c == '\0') {
+            return refuse(format!("{word:?} is not one word, as a force curve's law and branch must be"));
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! The shape of the source: which way imports go, how long files are, and that nothing unfinished is left.
+//! The shape of the source: which way imports go, how long files and functions are, and that nothing unfinished is left.
 
 use std::path::{Path, PathBuf};
 
@@ -35,6 +35,10 @@ const LEFTOVERS: [&str; 8] =
 const MEANT: [(&str, &str, &str); 0] = [];
 
 const LINES: usize = 400;
+
+/// Lines of a function, from its name to its closing brace, and what it is given; of a tuple each member counts.
+const FUNCTION_LINES: usize = 60;
+const PARAMETERS: usize = 6;
 
 fn sources(folder: &str) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -164,6 +168,84 @@ fn leftovers(file: &str, text: &str) -> Vec<String> {
     found
 }
 
+/// A function: its name, its lines and what it is given besides itself.
+struct Function {
+    name: String,
+    lines: usize,
+    parameters: usize,
+}
+
+/// All functions of a source, as rustfmt lays them out: what closes one stands as far in as its beginning.
+fn functions(text: &str) -> Vec<Function> {
+    const BEFORE: [&str; 5] = ["pub", "const", "async", "unsafe", "extern"];
+    let lines: Vec<&str> = text.lines().collect();
+    let mut found = Vec::new();
+    for (at, line) in lines.iter().enumerate() {
+        let mut words = line
+            .split_whitespace()
+            .skip_while(|word| BEFORE.contains(word) || word.starts_with("pub(") || word.starts_with('"'));
+        let (Some("fn"), Some(name)) = (words.next(), words.next()) else { continue };
+        // Of its head the last line ends so, and no other: `fn f() {}` and `fn f();` are all head.
+        let Some(head) = lines[at..].iter().position(|line| line.ends_with(['{', '}', ';'])) else {
+            continue;
+        };
+        let end = format!("{}}}", &line[..line.len() - line.trim_start().len()]);
+        let body = match lines[at + head].ends_with('{') {
+            true => lines[at + head..].iter().position(|line| *line == end).unwrap_or_default(),
+            false => 0,
+        };
+        let parameters = parameters(&lines[at..=at + head].join(" "));
+        found.push(Function { name: word(name), lines: head + body + 1, parameters });
+    }
+    found
+}
+
+/// How much a function is given besides itself, by its head.
+fn parameters(head: &str) -> usize {
+    let head = head.replace("->", "");
+    // Not the parentheses of a bound among the generic ones.
+    let mut depth = 0;
+    let is_open = |letter: char| {
+        depth += usize::from(letter == '<');
+        depth -= usize::from(letter == '>');
+        letter == '(' && depth == 0
+    };
+    let Some((_, list)) = head.split_once(is_open) else { return 0 };
+    let (mut depth, mut given, mut each) = (0, Vec::new(), String::new());
+    for letter in list.chars() {
+        match letter {
+            ')' if depth == 0 => break,
+            ',' if depth == 0 => given.push(std::mem::take(&mut each)),
+            _ => {
+                depth += usize::from("([<{".contains(letter));
+                depth -= usize::from(")]>}".contains(letter));
+                each.push(letter);
+            }
+        }
+    }
+    given.push(each);
+    let members = |one: &String| match one.split(':').next().unwrap_or_default().trim() {
+        "" | "self" | "mut self" | "&self" | "&mut self" => 0,
+        tuple if tuple.starts_with('(') => tuple.matches(',').count() + 1,
+        _ => 1,
+    };
+    given.iter().map(members).sum()
+}
+
+/// Which functions of a file are too long or are given too much.
+fn overgrown(file: &str, text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for Function { name, lines, parameters } in functions(text) {
+        if lines > FUNCTION_LINES {
+            found.push(format!("{file}: {name} has {lines} lines"));
+        }
+        if parameters > PARAMETERS {
+            found.push(format!("{file}: {name} has {parameters} parameters"));
+        }
+    }
+    found
+}
+
 /// Files that are tests as a whole: their parents declare them so.
 fn all_tests(file: &str) -> bool {
     file.ends_with("/tests.rs") || file.ends_with("_agree.rs")
@@ -216,6 +298,59 @@ fn files_stay_short() {
         .map(|(file, text)| format!("{file}: {} lines", text.lines().count()))
         .collect();
     assert!(long.is_empty(), "over {LINES} lines:\n{}", long.join("\n"));
+}
+
+#[test]
+fn functions_stay_short() {
+    let sources: Vec<_> = ["src", "crates"].into_iter().flat_map(sources).collect();
+    let seen: usize = sources.iter().map(|(_, text)| functions(text).len()).sum();
+    assert!(seen > 1500, "only {seen} functions seen");
+    let found: Vec<String> = sources.iter().flat_map(|(file, text)| overgrown(file, text)).collect();
+    assert!(
+        found.is_empty(),
+        "over {FUNCTION_LINES} lines or {PARAMETERS} parameters:\n{}",
+        found.join("\n")
+    );
+}
+
+/// The check itself, on made-up functions.
+#[test]
+fn overgrown_functions_are_seen() {
+    let of = |head: &str, lines: usize| format!("{head} {{\n{}}}\n", "    x();\n".repeat(lines - 2));
+    let inside = |text: String| {
+        let lines: String = text.lines().map(|line| format!("    {line}\n")).collect();
+        format!("impl A {{\n{lines}}}\n")
+    };
+    for (text, what) in [
+        (of("fn f()", 61), "f has 61 lines"),
+        (of("pub(super) const fn f<F: Fn(u8) -> u8>(x: F) -> u8", 61), "f has 61 lines"),
+        (of("fn f(\n    x: u8,\n) -> u8\nwhere\n    u8: Copy,\n", 56), "f has 61 lines"),
+        (inside(of("pub fn f(&self)", 61)), "f has 61 lines"),
+        (of("fn f(a: u8, b: u8, c: u8, d: u8, e: u8, f: u8, g: u8)", 3), "f has 7 parameters"),
+        (of("fn f((a, b): (u8, u8), c: [u8; 2], d: u8, e: u8, f: u8, g: u8)", 3), "f has 7 parameters"),
+        (
+            inside(of(
+                "fn f(\n    &self,\n    (a, b, c): (u8, u8, u8),\n    (d, e): (u8, u8),\n    f: u8,\n    g: u8,\n)",
+                3,
+            )),
+            "f has 7 parameters",
+        ),
+        (
+            "fn f<F: Fn(u8, u8) -> u8>(a: F, b: u8, c: u8, d: u8, e: u8, f: u8, g: u8);\n".into(),
+            "f has 7 parameters",
+        ),
+    ] {
+        assert_eq!(overgrown("made_up.rs", &text), [format!("made_up.rs: {what}")], "{text}");
+    }
+    for text in [
+        of("fn f()", 60),
+        inside(of("fn f()", 60)),
+        of("fn f<F: Fn(u8, u8, u8) -> u8>(&self, a: (u8, u8), b: F, c: u8, d: [u8; 2], e: u8, (f): (u8))", 3),
+        of("fn f()", 40) + &of("fn g()", 40),
+        "fn f() {}\n".to_owned() + &of("struct A", 90),
+    ] {
+        assert_eq!(overgrown("made_up.rs", &text), [""; 0], "{text}");
+    }
 }
 
 #[test]

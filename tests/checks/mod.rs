@@ -134,7 +134,7 @@ pub fn twin(plan: &Plan, instance: usize, what: Twin) -> (System, State, f64) {
             omega: mode.omega,
             quality: 0.5 / mode.damping,
             c: 1.0,
-            b: mode.mobility,
+            b: mode.inverse_mass,
             g: 0.0,
         });
         let system = system(modes.collect(), free.tip.norm());

@@ -23,8 +23,8 @@ mod flow;
 mod lane;
 mod lanes;
 mod law;
-mod ledger;
 mod pair;
+mod run_sums;
 mod shader;
 mod step;
 // No unit test calls it: the tests' build would take as long as the crate's own.
@@ -40,7 +40,7 @@ pub use flow::{FlowMode, Lever, flown, increments};
 pub use lane::{Lane, Pack};
 pub use lanes::{Rounding, instructions};
 pub use law::{Attraction, Law, WithLaw};
-pub use ledger::Ledger;
+pub use run_sums::RunSums;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
 pub use step::{Decay, Wave};
 pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};

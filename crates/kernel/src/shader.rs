@@ -50,7 +50,7 @@ const MEMORY: &str = include_str!("../../../shaders/memory.wgsl");
 const PATH: &str = include_str!("../../../shaders/contact/path.wgsl");
 const TALLY: &str = include_str!("../../../shaders/observe/tally.wgsl");
 const FOURIER: &str = include_str!("../../../shaders/observe/fourier.wgsl");
-const LEDGER: &str = include_str!("../../../shaders/observe/ledger.wgsl");
+const RUN_SUMS: &str = include_str!("../../../shaders/observe/run_sums.wgsl");
 
 impl ShaderSpec {
     /// Bytes of a number.
@@ -92,12 +92,12 @@ impl ShaderSpec {
         std::iter::once("gap".to_owned()).chain(law).collect()
     }
 
-    /// Fields of an instance's state, tally and ledger, in order.
+    /// Fields of an instance's state, tally and run sums, in order.
     pub fn state_fields(&self) -> Vec<String> {
         let mut fields: Vec<String> =
             (0..self.modes).flat_map(|k| [format!("state_x_{k}"), format!("state_u_{k}")]).collect();
         fields.push("state_touching".into());
-        for sheet in ["tally", "ledger"] {
+        for sheet in ["tally", "run_sums"] {
             for n in 0..self.wants.harmonics {
                 fields.extend([format!("{sheet}_cosine_{n}"), format!("{sheet}_sine_{n}")]);
             }
@@ -106,8 +106,9 @@ impl ShaderSpec {
         if self.wants.looks_back() {
             fields.extend(["tally_last_0", "tally_last_1", "tally_touched"].map(str::to_owned));
         }
-        let ledger = ["last_cosine", "last_sine", "change_0", "change_1", "change_2", "change_3", "largest"];
-        fields.extend(ledger.map(|name| format!("ledger_{name}")));
+        let run_sums =
+            ["last_cosine", "last_sine", "change_0", "change_1", "change_2", "change_3", "largest"];
+        fields.extend(run_sums.map(|name| format!("run_sums_{name}")));
         fields
     }
 
@@ -133,7 +134,7 @@ impl ShaderSpec {
         add(TALLY);
         add(FOURIER);
         GROUPS.iter().filter(|group| (group.wanted)(sums)).for_each(|group| add(group.text));
-        add(LEDGER);
+        add(RUN_SUMS);
         add(MEMORY);
         add(SWEEP);
         text

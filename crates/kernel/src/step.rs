@@ -183,14 +183,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
         let steady = free.cosine.mul_add(cosine, free.sine * sine);
         let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
-        let mut excess = L::splat(ZERO);
-        if energy {
-            excess = -(free.rate * free.rate * speed * L::splat(TWENTY_FOURTH));
-            each_mode!(M of self, k => {
-                excess = flow.work_x[k].mul_add(state.x[k], excess);
-                excess = flow.work_u[k].mul_add(state.u[k], excess);
-            });
-        }
+        let excess = if energy { self.excess(state, speed) } else { L::splat(ZERO) };
         let mut acceleration = -(free.rate * free.rate * steady);
         let mut beyond = L::splat(ZERO);
         if let Some(decay) = decay {
@@ -209,22 +202,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let kick = self.law.kick(approach, state.touching);
         let impulse = kick.impulse;
         state.touching = kick.touching;
-        each_mode!(M of self, k => {
-            let (x, u) = (state.x[k], state.u[k]);
-            // Chains of sums: drivers take x + (a + b) apart into one. The kick comes last: nothing before
-            // it waits for it.
-            let flown_x = flow.m01[k].mul_add(u, flow.m00[k].mul_add(x, x));
-            let flown_u = flow.m11[k].mul_add(u, (-flow.m01[k]).mul_add(x, u));
-            state.x[k] = flow.land_x[k].mul_add(impulse, flown_x);
-            state.u[k] = flow.land_u[k].mul_add(impulse, flown_u);
-        });
-        // A shift of zero changes nothing.
-        if I::SHADER.shifts && L::any(L::splat(ZERO).less(kick.shift.abs())) {
-            each_mode!(M of self, k => {
-                state.x[k] = flow.shift_x[k].mul_add(kick.shift, state.x[k]);
-                state.u[k] = flow.shift_u[k].mul_add(kick.shift, state.u[k]);
-            });
-        }
+        self.fly(state, &kick);
         // A kick's corner against the smooth path it stands for.
         let corner = L::splat(TWENTY_FOURTH);
         let (mut work, mut virial) = (L::splat(ZERO), L::splat(ZERO));
@@ -246,6 +224,40 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             work,
             virial,
             kick,
+        }
+    }
+
+    /// What the speed is too large by when the kick counts as work, at the steady free `speed`.
+    #[inline(always)]
+    fn excess(&self, state: &State<L, M>, speed: L) -> L {
+        let (flow, free) = (&self.flow, &self.free);
+        let mut excess = -(free.rate * free.rate * speed * L::splat(TWENTY_FOURTH));
+        each_mode!(M of self, k => {
+            excess = flow.work_x[k].mul_add(state.x[k], excess);
+            excess = flow.work_u[k].mul_add(state.u[k], excess);
+        });
+        excess
+    }
+
+    /// The exact flow to the next sample, and what the kick has done by then.
+    #[inline(always)]
+    fn fly(&self, state: &mut State<L, M>, kick: &Kick<L>) {
+        let flow = &self.flow;
+        each_mode!(M of self, k => {
+            let (x, u) = (state.x[k], state.u[k]);
+            // Chains of sums: drivers take x + (a + b) apart into one. The kick comes last: nothing before
+            // it waits for it.
+            let flown_x = flow.m01[k].mul_add(u, flow.m00[k].mul_add(x, x));
+            let flown_u = flow.m11[k].mul_add(u, (-flow.m01[k]).mul_add(x, u));
+            state.x[k] = flow.land_x[k].mul_add(kick.impulse, flown_x);
+            state.u[k] = flow.land_u[k].mul_add(kick.impulse, flown_u);
+        });
+        // A shift of zero changes nothing.
+        if I::SHADER.shifts && L::any(L::splat(ZERO).less(kick.shift.abs())) {
+            each_mode!(M of self, k => {
+                state.x[k] = flow.shift_x[k].mul_add(kick.shift, state.x[k]);
+                state.u[k] = flow.shift_u[k].mul_add(kick.shift, state.u[k]);
+            });
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::contact::{Dmt, Hertz, Interaction, Jkr, Nothing};
 use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
-use super::ledger::Ledger;
+use super::run_sums::RunSums;
 use super::step::{Case, Decay, State, Wave, each_step, period, unmeasured_period};
 use super::tally::Tally;
 use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants, WithLaw};
@@ -39,7 +39,7 @@ pub struct Span<'a, E> {
     pub decay: Option<&'a [Decay<E>]>,
     /// Sums that are kept.
     pub wants: Wants,
-    /// Whether the ledger takes them in; else it only sees how the fundamental changes.
+    /// Whether the run's sums takes them in; else it only sees how the fundamental changes.
     pub measured: bool,
     pub periods: u32,
 }
@@ -52,7 +52,7 @@ impl<E> Stepper<E> {
     }
 
     /// The same with sums: `sums` are rows of the indentation at the last two samples, of contact at the last one, and of
-    /// [`Ledger::numbers`].
+    /// [`RunSums::numbers`].
     pub fn measure(&self, constants: &[E], state: &mut [E], sums: &mut [E], span: &Span<E>) -> u32 {
         (self.measure)(self.modes, constants, state, sums, span)
     }
@@ -147,20 +147,20 @@ fn measure<L: Lane, I: Interaction<L>, const M: usize>(
         #[inline(always)]
         || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
     );
-    let (mut tally, mut ledger) = load_sums::<L>(sums);
+    let (mut tally, mut run_sums) = load_sums::<L>(sums);
     let steps = span.waves[0].len();
     let mut done = 0;
     while done < span.periods {
         let decay = span.decay.map(|rows| &rows[done as usize * steps..][..steps]);
         period(&case, &mut state, span.waves, decay, span.wants, &mut tally);
-        close(&mut ledger, &mut tally, steps, span.measured.then_some(span.wants));
+        close(&mut run_sums, &mut tally, steps, span.measured.then_some(span.wants));
         done += 1;
         if beyond(&state) {
             break;
         }
     }
     store(&state, modes, rows);
-    store_sums(&tally, &ledger, sums);
+    store_sums(&tally, &run_sums, sums);
     done
 }
 
@@ -178,27 +178,27 @@ fn store<L: Lane, const M: usize>(state: &State<L, M>, modes: usize, rows: &mut 
     );
 }
 
-fn load_sums<L: Lane>(sums: &[L::Element]) -> (Tally<L>, Ledger<L>) {
+fn load_sums<L: Lane>(sums: &[L::Element]) -> (Tally<L>, RunSums<L>) {
     let mut rows = sums.chunks_exact(L::WIDTH).map(L::load);
     let mut next = || rows.next().unwrap_or(L::splat(0.0));
     let (last, touched) = ([next(), next()], next());
-    let mut ledger = Ledger::new();
-    ledger.places().for_each(|place| *place = next());
-    (Tally::resume(last, touched), ledger)
+    let mut run_sums = RunSums::new();
+    run_sums.places().for_each(|place| *place = next());
+    (Tally::resume(last, touched), run_sums)
 }
 
-fn store_sums<L: Lane>(tally: &Tally<L>, ledger: &Ledger<L>, sums: &mut [L::Element]) {
+fn store_sums<L: Lane>(tally: &Tally<L>, run_sums: &RunSums<L>, sums: &mut [L::Element]) {
     let carried = tally.carried();
-    let numbers = carried.iter().chain(ledger.numbers());
+    let numbers = carried.iter().chain(run_sums.numbers());
     numbers.zip(sums.chunks_exact_mut(L::WIDTH)).for_each(|(number, row)| number.store(row));
 }
 
-/// Takes the period into the ledger.
-fn close<L: Lane>(ledger: &mut Ledger<L>, tally: &mut Tally<L>, steps: usize, measured: Option<Wants>) {
+/// Takes the period into the run's sums.
+fn close<L: Lane>(run_sums: &mut RunSums<L>, tally: &mut Tally<L>, steps: usize, measured: Option<Wants>) {
     L::run(
         #[inline(always)]
         || {
-            ledger.close(tally, steps, measured);
+            run_sums.close(tally, steps, measured);
             tally.next_period();
         },
     );

@@ -5,7 +5,7 @@ use super::pair::Pair;
 use super::step::{Case, State, period, unmeasured_period};
 use super::tally::Tally;
 use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
-use super::{FlowMode, HARMONICS, Lane, Law, Ledger, Lever, Pack, Wants, Wave, WithLaw};
+use super::{FlowMode, HARMONICS, Lane, Law, Lever, Pack, RunSums, Wants, Wave, WithLaw};
 use std::f64::consts::TAU;
 
 const STEPS: usize = 96;
@@ -141,10 +141,10 @@ fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
         let mut state = State { x: [zero; 2], u: [zero; 2], touching: zero };
         let mut alone = state;
         let mut tally = Tally::resume([L::splat(-30.0); 2], zero);
-        let mut ledger = Ledger::new();
+        let mut run_sums = RunSums::new();
         for _ in 0..12 {
             period(&case, &mut state, &waves, None, Wants::ALL, &mut tally);
-            ledger.close(&tally, STEPS, Some(Wants::ALL));
+            run_sums.close(&tally, STEPS, Some(Wants::ALL));
             tally.next_period();
             unmeasured_period(&case, &mut alone, &waves[0]);
         }
@@ -155,7 +155,7 @@ fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
         }
         for i in 0..L::WIDTH {
             let state = [&state.x[0], &state.u[0], &state.x[1], &state.u[1]];
-            out.extend(ledger.numbers().chain(state).map(|value| value.lane(i).to_bits()));
+            out.extend(run_sums.numbers().chain(state).map(|value| value.lane(i).to_bits()));
         }
     }
     out

@@ -214,7 +214,7 @@ fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) ->
         .zip(saved)
         .map(|(instance, saved)| {
             let (case, driven) = member(plan, *instance);
-            let sums = Sums::new(saved.ledger, saved.finite, plan.run.measure, class.steps);
+            let sums = Sums::new(saved.run_sums, saved.finite, plan.run.measure, class.steps);
             Ended {
                 finished: finish(&sums, &case, driven, &plan.run, plan.wants),
                 end: tell.then(|| Box::new(station::station(saved))),

@@ -3,7 +3,7 @@
 use crate::engine::member::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::saved::Saved;
 use crate::engine::start;
-use crate::kernel::{HARMONICS, Ledger, MODES_MAX, ShaderSpec};
+use crate::kernel::{HARMONICS, MODES_MAX, RunSums, ShaderSpec};
 use crate::plan::{Class, Plan, Precision};
 use rayon::prelude::*;
 
@@ -146,7 +146,7 @@ fn tally_sums(spec: &ShaderSpec) -> usize {
 
 /// In the order of [`ShaderSpec::state_fields`]; the tally's own sums begin anew with a period.
 fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
-    let ledger = &place.ledger;
+    let run_sums = &place.run_sums;
     let wants = spec.wants;
     let mut out = Vec::new();
     for k in 0..spec.modes {
@@ -155,15 +155,15 @@ fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
     out.push(place.touching);
     out.extend(std::iter::repeat_n(0.0, tally_sums(spec)));
     for n in 0..wants.harmonics {
-        out.extend([ledger.cosine[n], ledger.sine[n]]);
+        out.extend([run_sums.cosine[n], run_sums.sine[n]]);
     }
-    out.extend(ledger.sums.kept(wants));
+    out.extend(run_sums.sums.kept(wants));
     if wants.looks_back() {
         out.extend([place.last[0], place.last[1], place.touched]);
     }
-    out.extend([ledger.last_cosine, ledger.last_sine]);
-    out.extend(ledger.changes);
-    out.push(ledger.largest);
+    out.extend([run_sums.last_cosine, run_sums.last_sine]);
+    out.extend(run_sums.changes);
+    out.push(run_sums.largest);
     out
 }
 
@@ -192,20 +192,20 @@ fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Save
     (0..tally_sums(spec)).for_each(|_| {
         next();
     });
-    let mut ledger = Ledger::new();
+    let mut run_sums = RunSums::new();
     let (mut cosine, mut sine) = ([0.0; HARMONICS], [0.0; HARMONICS]);
     for n in 0..wants.harmonics {
         (cosine[n], sine[n]) = (next(), next());
     }
-    (ledger.cosine, ledger.sine) = (cosine, sine);
-    ledger.sums.kept_places(wants).for_each(|place| *place = next());
+    (run_sums.cosine, run_sums.sine) = (cosine, sine);
+    run_sums.sums.kept_places(wants).for_each(|place| *place = next());
     let (mut last, mut touched) = ([0.0; 2], touching);
     if wants.looks_back() {
         last = [next(), next()];
         touched = next();
     }
-    (ledger.last_cosine, ledger.last_sine) = (next(), next());
-    ledger.changes = [next(), next(), next(), next()];
-    ledger.largest = next();
-    Saved { x, u, touching, last, touched, ledger, finite }
+    (run_sums.last_cosine, run_sums.last_sine) = (next(), next());
+    run_sums.changes = [next(), next(), next(), next()];
+    run_sums.largest = next();
+    Saved { x, u, touching, last, touched, run_sums, finite }
 }

@@ -21,6 +21,7 @@ use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{Case, Driven, Plan};
 use crate::scene::Run;
 use meter::Meter;
+use nalgebra::Complex;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use system::System;
@@ -132,6 +133,7 @@ impl Reference {
     }
 }
 
+/// Goes through the run's periods and measures the last ones.
 fn integrate(
     walk: &mut Walk,
     (run, wants): (&Run, Wants),
@@ -141,8 +143,7 @@ fn integrate(
 ) -> Finished {
     let warm = run.periods - run.measure;
     let seen = first_seen(run);
-    let mut sums = Meter::new(wants);
-    let (mut cosine, mut sine) = ([0.0; HARMONICS], [0.0; HARMONICS]);
+    let mut sums = Sums::new(wants);
     let mut last = (0.0, 0.0);
     let mut change: f64 = 0.0;
     for number in 0..run.periods {
@@ -154,7 +155,7 @@ fn integrate(
             walk.system.measuring = true;
         }
         let mut look = Meter::new(Wants::FUNDAMENTAL);
-        let meter = if measured { &mut sums } else { &mut look };
+        let meter = if measured { &mut sums.meter } else { &mut look };
         meter.cosine = [0.0; HARMONICS];
         meter.sine = [0.0; HARMONICS];
         if !walk.period(number, (number >= seen).then_some(&mut *meter)) {
@@ -170,39 +171,69 @@ fn integrate(
         }
         last = now;
         if measured {
-            for n in 0..HARMONICS {
-                cosine[n] += meter.cosine[n];
-                sine[n] += meter.sine[n];
-            }
+            sums.close_period();
         }
     }
-    let span = TAU * f64::from(run.measure);
-    let phase = start::phase(driven, run.start);
-    let free = start::amplitudes(driven, run.start);
-    let mut measured = Measured::NONE;
-    for n in 0..wants.harmonics {
-        let steady = if n == 0 { free } else { (0.0, 0.0) };
-        let parts = (steady.0 + 2.0 * cosine[n] / span, steady.1 + 2.0 * sine[n] / span);
-        let travel = start::phasor(parts.0, parts.1, n + 1, phase);
-        measured.harmonics[n] = travel.norm();
-        if n == 0 {
-            measured.phase = lag(travel);
-        }
-    }
-    if wants.contact {
-        measured.contact_time = sums.time / span;
-        measured.contacts = sums.begun / f64::from(run.measure);
-    }
-    if wants.energy {
-        let n = 2 * walk.system.modes();
-        measured.force_mean = walk.y[n] / span;
-        measured.dissipation = -walk.y[n + 1] / f64::from(run.measure);
-        measured.virial = walk.y[n + 2] / span;
-    }
-    if wants.extremes {
-        (measured.force_min, measured.force_max) = (sums.force_min, sums.force_max);
-        measured.indentation_max = if sums.touched { sums.deepest } else { f64::NAN };
-    }
+    let measured = sums.measured(walk, (run, wants), driven);
     let status = if settled(change, case.least_change, driven, run) { Status::Ok } else { Status::NotSteady };
     Finished { measured, status }
+}
+
+/// What is summed over the measured periods.
+struct Sums {
+    /// Its harmonics are those of the latest period.
+    meter: Meter,
+    /// Harmonics of all periods that are over.
+    cosine: [f64; HARMONICS],
+    sine: [f64; HARMONICS],
+}
+
+impl Sums {
+    fn new(wants: Wants) -> Self {
+        Self { meter: Meter::new(wants), cosine: [0.0; HARMONICS], sine: [0.0; HARMONICS] }
+    }
+
+    /// Takes in the harmonics of the latest period.
+    fn close_period(&mut self) {
+        for n in 0..HARMONICS {
+            self.cosine[n] += self.meter.cosine[n];
+            self.sine[n] += self.meter.sine[n];
+        }
+    }
+
+    /// The observables that are wanted, the walk being at the end of the last period.
+    fn measured(&self, walk: &Walk, (run, wants): (&Run, Wants), driven: &Driven) -> Measured {
+        let span = TAU * f64::from(run.measure);
+        let mut measured = Measured::NONE;
+        for n in 0..wants.harmonics {
+            let travel = self.travel(n, run, driven);
+            measured.harmonics[n] = travel.norm();
+            if n == 0 {
+                measured.phase = lag(travel);
+            }
+        }
+        if wants.contact {
+            measured.contact_time = self.meter.time / span;
+            measured.contacts = self.meter.begun / f64::from(run.measure);
+        }
+        if wants.energy {
+            let n = 2 * walk.system.modes();
+            measured.force_mean = walk.y[n] / span;
+            measured.dissipation = -walk.y[n + 1] / f64::from(run.measure);
+            measured.virial = walk.y[n + 2] / span;
+        }
+        if wants.extremes {
+            (measured.force_min, measured.force_max) = (self.meter.force_min, self.meter.force_max);
+            measured.indentation_max = if self.meter.touched { self.meter.deepest } else { f64::NAN };
+        }
+        measured
+    }
+
+    /// The tip's travel (m) at n + 1 times the drive's frequency, the free motion included.
+    fn travel(&self, n: usize, run: &Run, driven: &Driven) -> Complex<f64> {
+        let span = TAU * f64::from(run.measure);
+        let free = if n == 0 { start::amplitudes(driven, run.start) } else { (0.0, 0.0) };
+        let parts = (free.0 + 2.0 * self.cosine[n] / span, free.1 + 2.0 * self.sine[n] / span);
+        start::phasor(parts.0, parts.1, n + 1, start::phase(driven, run.start))
+    }
 }

@@ -62,12 +62,7 @@ pub fn solve_near(
     let remembers = case.contact.law.has_memory();
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { ROUGH } else { SMOOTH };
-    let loss = |place: &usize| {
-        let (omega, damping) = system.oscillator(*place);
-        -(-TAU * damping * omega / driven.free.omega).exp_m1()
-    };
-    let kept = slow.iter().filter(|place| **place < system.modes());
-    let lost = kept.map(loss).fold(1.0, f64::min).max(LEAST_LOSS);
+    let lost = least_lost(&system, driven, &slow);
     let aim = (NEAR * accuracy).max(NEAREST * options.tolerance);
     let walk = Walk::new(system, options.tolerance.min(SLOPE * step * lost));
     let mut map = Map { walk, remembers, touching: station.touching, slow, before: all.clone(), after: all };
@@ -82,26 +77,7 @@ pub fn solve_near(
         // Of undamped modes that the stepped engine does not keep the multipliers are 1.
         stable: false,
     };
-    let (mut found, mut passed) = (None, Vec::new());
-    for (round, periods) in WARM.into_iter().enumerate() {
-        for _ in 0..periods {
-            let here = map.slow_part(&map.after);
-            if progress.stopped() || map.go_on(&here).is_none() {
-                return Ok(None);
-            }
-            passed.push(map.after.clone());
-        }
-        let warm = map.after.clone();
-        found = map.search(options, progress);
-        if found.is_some() || round > 0 {
-            break;
-        }
-        // Modes that the stepped engine does without may ring for long all the same: a second search sees more of them, and
-        // later.
-        map.after = warm;
-        map.widen();
-    }
-    let Some(found) = found.filter(|found| !map.alternates(&passed, &found.state, 10.0 * aim * scale)) else {
+    let Some(found) = map.find(options, progress) else {
         return Ok(None);
     };
     map.begin(&map.with_slow(&map.after, &found.state));
@@ -154,6 +130,16 @@ fn unknowns(system: &System, case: &Case, driven: &Driven, station: &Station) ->
     (state, slow)
 }
 
+/// What the slowest of these modes loses of its amplitude in a period by itself, as a share.
+fn least_lost(system: &System, driven: &Driven, slow: &[usize]) -> f64 {
+    let loss = |place: &usize| {
+        let (omega, damping) = system.oscillator(*place);
+        -(-TAU * damping * omega / driven.free.omega).exp_m1()
+    };
+    let kept = slow.iter().filter(|place| **place < system.modes());
+    kept.map(loss).fold(1.0, f64::min).max(LEAST_LOSS)
+}
+
 /// One period of the reference, as a map of the modes that the stepped engine keeps. The others, faster and of small
 /// share, are carried along.
 struct Map {
@@ -169,6 +155,32 @@ struct Map {
 }
 
 impl Map {
+    /// The periodic state, searched for once the modes that are not kept have begun to move; none if the motion passes it
+    /// by on either side in turn.
+    fn find(&mut self, options: Options, progress: &Progress) -> Option<Found<Dyn>> {
+        let (mut found, mut passed) = (None, Vec::new());
+        for (round, periods) in WARM.into_iter().enumerate() {
+            for _ in 0..periods {
+                if progress.stopped() {
+                    return None;
+                }
+                self.go_on(&self.slow_part(&self.after))?;
+                passed.push(self.after.clone());
+            }
+            let warm = self.after.clone();
+            found = self.search(options, progress);
+            if found.is_some() || round > 0 {
+                break;
+            }
+            // Modes that the stepped engine does without may ring for long all the same: a second search sees more of
+            // them, and later.
+            self.after = warm;
+            self.widen();
+        }
+        let least = 10.0 * options.tolerance * options.scale;
+        found.filter(|found| !self.alternates(&passed, &found.state, least))
+    }
+
     /// The fixed point next to where the last period ended.
     fn search(&mut self, options: Options, progress: &Progress) -> Option<Found<Dyn>> {
         let mut search = Search::new(self.slow_part(&self.after), options);

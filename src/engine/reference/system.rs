@@ -203,7 +203,7 @@ fn turned(mode: &Mode, time: f64, [x, v]: [f64; 2]) -> [f64; 2] {
     [a * x + b * v, c * x + d * v]
 }
 
-/// Which mode, and frequency, frequency over quality factor, and mobility of each oscillator; the share left out.
+/// Which mode, and frequency, frequency over quality factor, and inverse mass of each oscillator; the share left out.
 fn oscillators(
     case: &Case,
     driven: &Driven,
@@ -212,7 +212,7 @@ fn oscillators(
 ) -> (Vec<Option<usize>>, Vec<[f64; 3]>, f64) {
     if model == Model::Kept {
         let kept = &driven.kept;
-        let each = kept.modes.iter().map(|m| [m.omega, 2.0 * m.damping * m.omega, m.mobility]);
+        let each = kept.modes.iter().map(|m| [m.omega, 2.0 * m.damping * m.omega, m.inverse_mass]);
         return (kept.modes.iter().map(|m| m.index).collect(), each.collect(), kept.residual_share);
     }
     let modes = &driven.instrument.modes;
@@ -238,7 +238,7 @@ fn oscillators(
     }
     let each = order.iter().map(|&k| {
         let mode = &modes[k];
-        [mode.omega, mode.omega / mode.quality_factor, mode.mobility()]
+        [mode.omega, mode.omega / mode.quality_factor, mode.inverse_mass()]
     });
     let mut each: Vec<[f64; 3]> = each.collect();
     let mut indices: Vec<Option<usize>> = order.iter().copied().map(Some).collect();
@@ -251,13 +251,13 @@ fn oscillators(
         .filter(|mode| mode.omega > fastest)
         .collect();
     let answer = |some: &mut dyn Iterator<Item = &Mode>| {
-        compliance(some.map(|m| (m.omega, m.mobility())), ONSET * rate)
+        compliance(some.map(|m| (m.omega, m.inverse_mass())), ONSET * rate)
     };
     if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
         && let Some(one) =
             reduced(&gone, if far.is_some() { 2 } else { 1 }, ONSET * rate, far.unwrap_or(ONSET) * rate)
     {
-        each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.mobility]));
+        each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.inverse_mass]));
         indices.extend(one.iter().map(|_| None));
     }
     (indices, each, left)

@@ -144,6 +144,59 @@ impl<L: Lane> Part<L> {
     }
 }
 
+/// The path of a step without the force within it, in units of the fold.
+#[derive(Clone, Copy)]
+struct FreePath<L> {
+    free: L,
+    /// How fast and where the step begins.
+    speed: L,
+    start: L,
+}
+
+impl<L: Lane> FreePath<L> {
+    #[inline(always)]
+    fn of(at: Approach<L>, inverse_unit: L) -> Self {
+        let half = L::splat(HALF);
+        let free = at.acceleration * inverse_unit;
+        let speed = (-half).mul_add(free, at.speed * inverse_unit);
+        let along = at.indentation * inverse_unit;
+        let start = (-half).mul_add(at.speed * inverse_unit, L::splat(EIGHTH).mul_add(free, along));
+        Self { free, speed, start }
+    }
+
+    /// The share of the step after which the tip touches, and how fast it is there.
+    #[inline(always)]
+    fn touch(&self) -> (L, L) {
+        let (two, zero) = (L::splat(TWO), L::splat(ZERO));
+        let fast = (-two * self.free).mul_add(self.start, self.speed * self.speed).max(zero).sqrt();
+        let late = -two * self.start / (self.speed + fast).max(L::splat(LEAST));
+        (late.min(L::splat(ONE)), fast)
+    }
+
+    /// The share of the step after which the tip has gone back by `height`, the force having `held` it.
+    #[inline(always)]
+    fn fall(&self, height: L, held: L) -> L {
+        let (two, zero) = (L::splat(TWO), L::splat(ZERO));
+        let bent = (-two).mul_add(held, self.free);
+        let fast = (-two * bent).mul_add(height, self.speed * self.speed).max(zero).sqrt();
+        (two * height / (fast - self.speed).max(L::splat(LEAST))).min(L::splat(ONE))
+    }
+}
+
+impl<L: Lane> Jkr<L> {
+    /// Impulse of a part that takes this share of the step: off its chord by the path's own bend over it.
+    #[inline(always)]
+    fn impulse(&self, part: &Part<L>, share: L, acceleration: L) -> L {
+        let pull = self.unit_force * self.inverse_unit;
+        let force = self.unit_force * part.mean;
+        let bend = acceleration - force;
+        let slope = (part.slope * pull).max(L::splat(JKR_STEEPEST)) * L::splat(TWELFTH);
+        let roots = (part.roots * part.roots).max((bend * self.inverse_unit).abs());
+        let lean = slope - L::splat(TENTH) * pull * part.bow / roots;
+        share * (-(bend * lean) * share).mul_add(share, force)
+    }
+}
+
 impl<L: Lane> Interaction<L> for Jkr<L> {
     const SHADER: &'static LawShader = &LawShader {
         name: "jkr",
@@ -165,16 +218,13 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
     #[inline(always)]
     fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
         let (zero, one, half) = (L::splat(ZERO), L::splat(ONE), L::splat(HALF));
-        let (two, three) = (L::splat(TWO), L::splat(THREE));
+        let three = L::splat(THREE);
         let was = zero.less(touching);
         if !L::any(L::either(was, at.may_touch())) {
             return Kick::none();
         }
-        // Where and how fast the step begins, free of the force within it.
-        let free = at.acceleration * self.inverse_unit;
-        let speed = (-half).mul_add(free, at.speed * self.inverse_unit);
-        let along = at.indentation * self.inverse_unit;
-        let start = (-half).mul_add(at.speed * self.inverse_unit, L::splat(EIGHTH).mul_add(free, along));
+        let path = FreePath::of(at, self.inverse_unit);
+        let FreePath { free, speed, start } = path;
         let end = half.mul_add(free, start + speed);
         // Already inside at the start of the piece: touched in the gap between two pieces.
         let begins = L::either(was, zero.less(start));
@@ -194,8 +244,8 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
             // Touch divides the step where the free path says.
             let touch = Point::of(L::splat(JKR_TOUCH_ROOT), L::splat(JKR_TOUCH));
             from = Point::select(touches, touch, from);
-            let fast = (-two * free).mul_add(start, speed * speed).max(zero).sqrt();
-            late = L::select(touches, -two * start / (speed + fast).max(L::splat(LEAST)), zero).min(one);
+            let (when, fast) = path.touch();
+            late = L::select(touches, when, zero);
             pace = L::select(touches, fast, speed);
         }
         let left = one - late;
@@ -210,20 +260,10 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
         if L::any(lets_go) {
             to = Point::select(lets_go, Point::of(zero, zero), to);
             // The fold divides it where the path under the force does.
-            let height = t1.max(zero);
-            let bent = (-two).mul_add(held, free);
-            let fast = (-two * bent).mul_add(height, speed * speed).max(zero).sqrt();
-            let gone = (two * height / (fast - speed).max(L::splat(LEAST))).min(one);
-            share = L::select(lets_go, gone, left);
+            share = L::select(lets_go, path.fall(t1.max(zero), held), left);
         }
         let part = Part::between(from, to);
-        // Off the chord by the path's own bend over the part.
-        let force = self.unit_force * part.mean;
-        let bend = at.acceleration - force;
-        let slope = (part.slope * pull).max(L::splat(JKR_STEEPEST)) * twelfth;
-        let roots = (part.roots * part.roots).max((bend * self.inverse_unit).abs());
-        let lean = slope - L::splat(TENTH) * pull * part.bow / roots;
-        let impulse = share * (-(bend * lean) * share).mul_add(share, force);
+        let impulse = self.impulse(&part, share, at.acceleration);
         let middle = L::select(lets_go, -half, half) * (one - share);
         let moment = impulse.mul_add(middle, share * share * (self.unit_force * part.moment));
         let before = L::select(touches, zero, from.force);

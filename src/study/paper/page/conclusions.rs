@@ -6,6 +6,13 @@ use crate::report::{Document, shown};
 
 pub(super) fn section(page: &mut Document, n: &Numbers) {
     page.heading("4. The two conclusions");
+    coupling(page, n);
+    when_coupling_matters(page, n);
+    deformation(page, n);
+}
+
+/// Conclusion 1: what coupling does to the rod's top and to the tip.
+fn coupling(page: &mut Document, n: &Numbers) {
     let mut rows = vec![row(&["", "coupled", "not coupled", "as printed"])];
     for (name, what) in [
         ("amplitude of the rod's top, free", "top"),
@@ -38,6 +45,10 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
             n.shown("coupling.printed.tip_ratio", 6)
         ),
     );
+}
+
+/// Drives and rods that need the two-way model.
+fn when_coupling_matters(page: &mut Document, n: &Numbers) {
     page.figure(
         "coupling_response.svg",
         "Free tip over the drive's frequency across the resonances of rod and lever, the paper's rod and a light one.",
@@ -63,6 +74,10 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
             milligrams(n.get("mass.lever"))
         ),
     );
+}
+
+/// Conclusion 2: what the law does to the deformation.
+fn deformation(page: &mut Document, n: &Numbers) {
     page.paragraph(
         "Conclusion 2, first half, holds; second half does not.",
         format!(

@@ -21,6 +21,11 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
         "Of the instances that settled: smallest; median; largest. Loss under JKR: where the tip lets go.",
         summary(n),
     );
+    maps(page);
+    verdicts(page, n);
+}
+
+fn maps(page: &mut Document) {
     for (file, caption) in [
         (
             "ensemble_force.svg",
@@ -36,6 +41,10 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
     ] {
         page.figure(file, caption);
     }
+}
+
+/// Where JKR holds the tip for good, where each law is at home, and how exact the numbers are.
+fn verdicts(page: &mut Document, n: &Numbers) {
     page.paragraph(
         "Where JKR never lets go.",
         format!(

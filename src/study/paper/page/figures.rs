@@ -5,6 +5,11 @@ use super::row;
 use crate::report::{Document, shown};
 
 pub(super) fn section(page: &mut Document, n: &Numbers) {
+    figure_3(page, n);
+    figure_4(page, n);
+}
+
+fn figure_3(page: &mut Document, n: &Numbers) {
     page.heading("2. Figure 3: force against deformation");
     page.figure(
         "figure_3.svg",
@@ -26,6 +31,9 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
             n.shown("jkr.loss", 5)
         ),
     );
+}
+
+fn figure_4(page: &mut Document, n: &Numbers) {
     page.heading("3. Figure 4: the run");
     page.figure(
         "figure_4.svg",
@@ -42,6 +50,21 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
         "The paper's numbers against ours, largest values of the run; the ratio is ours over the paper's.",
         table(n),
     );
+    travel(page, n);
+    half_deformation(page, n);
+    page.paragraph(
+        "Mind.",
+        format!(
+            "At 15 V the contact radius is {} of the tip radius under Hertz, at 150 nm {}: far outside the small \
+             strains (0.3) that all three laws assume.",
+            shown((n.get("fig4.hertz.depth") / 30e-9).sqrt(), "1", 2),
+            shown((150e-9f64 / 30e-9).sqrt(), "1", 2)
+        ),
+    );
+}
+
+/// How far rod and tip go at 15 V, and with which forces.
+fn travel(page: &mut Document, n: &Numbers) {
     page.paragraph(
         "Holds.",
         format!(
@@ -65,6 +88,10 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
             n.shown("coupling.printed.depth", 3)
         ),
     );
+}
+
+/// Why JKR's deformation is no half of the others'.
+fn half_deformation(page: &mut Document, n: &Numbers) {
     page.paragraph(
         "Does not hold.",
         format!(
@@ -77,15 +104,6 @@ pub(super) fn section(page: &mut Document, n: &Numbers) {
             n.shown("law.jkr.force_75", 3),
             n.shown("law.jkr.radius_75", 3),
             n.shown("law.jkr.force_150", 3)
-        ),
-    );
-    page.paragraph(
-        "Mind.",
-        format!(
-            "At 15 V the contact radius is {} of the tip radius under Hertz, at 150 nm {}: far outside the small \
-             strains (0.3) that all three laws assume.",
-            shown((n.get("fig4.hertz.depth") / 30e-9).sqrt(), "1", 2),
-            shown((150e-9f64 / 30e-9).sqrt(), "1", 2)
         ),
     );
 }

@@ -6,7 +6,7 @@ use super::{HARMONICS, Lane, PeriodSums, Wants};
 
 /// Closed once a period, in the kernel's own precision, so that a shader can keep it where it runs.
 #[derive(Clone, Copy, Debug)]
-pub struct Ledger<L> {
+pub struct RunSums<L> {
     /// Fourier sums of the last period's fundamental.
     pub last_cosine: L,
     pub last_sine: L,
@@ -20,7 +20,7 @@ pub struct Ledger<L> {
     pub sums: PeriodSums<L>,
 }
 
-impl<L: Lane> Ledger<L> {
+impl<L: Lane> RunSums<L> {
     /// Before the first period: there was free flight.
     pub fn new() -> Self {
         let zero = L::splat(ZERO);
@@ -68,7 +68,7 @@ impl<L: Lane> Ledger<L> {
     }
 }
 
-impl<L: Lane> Default for Ledger<L> {
+impl<L: Lane> Default for RunSums<L> {
     fn default() -> Self {
         Self::new()
     }
