@@ -184,14 +184,14 @@ fn a_run_audits_one_that_touches_the_sample() {
     assert!(number(&results, "audit_touching") >= 1.0, "{}", said.err);
 }
 
-/// README, the help and the program name one allowance.
+/// The document, the help and the program name one allowance.
 #[test]
 fn the_audits_allowance_is_told_once() {
     let flat = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let help = flat(&Desk::new().works(&["run", "--help"]).out);
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let page = include_str!("../../docs/accuracy.md");
     assert_eq!((AUDIT_SHARE, AUDIT_SECONDS), (0.1, 0.25));
-    for text in [help, flat(&readme)] {
+    for text in [help, flat(page)] {
         assert!(text.contains("as many as a tenth of the run's time allows, or 0.25 s, and at least one that touches the sample"), "{text}");
     }
 }
