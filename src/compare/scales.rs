@@ -12,7 +12,7 @@ pub struct Scales {
     /// Amplitude, harmonics and indentation: the free tip amplitude, m.
     pub length: f64,
     /// Forces: the largest of either sign, N. A graze shallower than lengths are accurate to has no force
-    /// to speak of, so it is at least Hertz's at that depth.
+    /// to speak of, so it is at least the elastic one at that depth.
     pub force: f64,
     /// Dissipation and virial: work of the drive in a period, with or without the sample, or the loss,
     /// whichever is largest, J. From rest no period is like the next: what the largest force could do over
@@ -26,8 +26,7 @@ impl Scales {
         let case = plan.case(instance as u32);
         let driven = plan.driven(instance as u32);
         let length = driven.free_amplitude();
-        let graze =
-            case.contact.modulus * case.contact.radius.sqrt() * (plan.run.accuracy * length).powf(1.5);
+        let graze = case.contact.law().elastic_force(plan.run.accuracy * length);
         // What was not asked for is NaN, which max leaves aside.
         let force = graze.max(truth.force_max.abs()).max(truth.force_min.abs());
         let swing = force * length;

@@ -74,6 +74,14 @@ impl StaticLaw for Dmt {
         self.hertz.contact_radius(delta, in_contact)
     }
 
+    fn elastic_force(&self, depth: f64) -> f64 {
+        self.hertz.elastic_force(depth)
+    }
+
+    fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
+        self.hertz.collision_depth(speed, inverse_mass)
+    }
+
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
         let mut all = self.hertz.constants(units);
         all.extend([2.0 * PI * self.hertz.radius * self.work * units.impulse, LENGTH / self.decay_length]);

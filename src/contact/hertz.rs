@@ -51,7 +51,57 @@ impl StaticLaw for Hertz {
         if delta <= 0.0 { 0.0 } else { (self.radius * delta).sqrt() }
     }
 
+    fn elastic_force(&self, depth: f64) -> f64 {
+        self.prefactor * depth.powf(1.5)
+    }
+
+    /// `(5 v^2/(4 K sqrt(R) inverse mass))^(2/5)`.
+    fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
+        (1.25 * speed * speed / (self.prefactor * inverse_mass)).powf(0.4)
+    }
+
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
         vec![self.prefactor * LENGTH.powf(1.5) * units.impulse]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A law that says no more than it must: the answers that it has from the trait.
+    struct Plain(Hertz);
+
+    impl StaticLaw for Plain {
+        fn force(&self, delta: f64, in_contact: bool) -> f64 {
+            self.0.force(delta, in_contact)
+        }
+        fn stiffness(&self, delta: f64, in_contact: bool) -> f64 {
+            self.0.stiffness(delta, in_contact)
+        }
+        fn energy(&self, delta: f64, in_contact: bool) -> f64 {
+            self.0.energy(delta, in_contact)
+        }
+        fn contact_radius(&self, delta: f64, in_contact: bool) -> f64 {
+            self.0.contact_radius(delta, in_contact)
+        }
+        fn constants(&self, units: KernelUnits) -> Vec<f64> {
+            self.0.constants(units)
+        }
+    }
+
+    /// Truth: Hertz's closed form.
+    #[test]
+    fn exact_collision_depth_is_what_halving_finds() {
+        for (modulus, speed, inverse_mass) in [(1e6, 1e-3, 1e12), (1e9, 1e-2, 1e11), (1e11, 1e-1, 1e10)] {
+            let law = Hertz::new(modulus, 1e-8);
+            let (exact, halved) =
+                (law.collision_depth(speed, inverse_mass), Plain(law).collision_depth(speed, inverse_mass));
+            assert!((halved / exact - 1.0).abs() < 1e-12, "{exact:e} {halved:e}");
+            let energy = law.energy(exact, true) * 2.0 * inverse_mass;
+            assert!((energy / (speed * speed) - 1.0).abs() < 1e-12);
+        }
+        let law = Hertz::new(1e9, 1e-8);
+        assert!((Plain(law).elastic_force(1e-9) / law.elastic_force(1e-9) - 1.0).abs() < 1e-14);
     }
 }

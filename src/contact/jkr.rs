@@ -1,7 +1,7 @@
 //! JKR: adhesion inside the contact, elastic neck, and with them a memory.
 
 use super::static_law::Shares;
-use super::{KernelUnits, Material, Passed, StaticLaw};
+use super::{Hertz, KernelUnits, Material, Passed, StaticLaw};
 use crate::kernel::LENGTH;
 use std::f64::consts::PI;
 
@@ -139,6 +139,14 @@ impl StaticLaw for Jkr {
         let cube = y * y * y;
         let bracket = y * cube * (1.0 + cube * (cube / 15.0 - 2.0 / 3.0));
         PI * self.work * self.radius_scale * self.radius_scale * bracket
+    }
+
+    fn elastic_force(&self, depth: f64) -> f64 {
+        Hertz::new(self.modulus, self.radius).elastic_force(depth)
+    }
+
+    fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
+        Hertz::new(self.modulus, self.radius).collision_depth(speed, inverse_mass)
     }
 
     fn contact_radius(&self, delta: f64, in_contact: bool) -> f64 {

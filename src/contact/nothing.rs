@@ -1,14 +1,16 @@
 //! No sample.
 
-use super::{KernelUnits, Material, StaticLaw};
+use super::{Hertz, KernelUnits, Material, StaticLaw};
 
-/// No force at all.
+/// No force at all. It knows the contact that is left out, so that errors have a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nothing;
+pub(super) struct Nothing {
+    left_out: Hertz,
+}
 
 impl From<&Material> for Nothing {
-    fn from(_: &Material) -> Self {
-        Self
+    fn from(of: &Material) -> Self {
+        Self { left_out: of.into() }
     }
 }
 
@@ -24,6 +26,12 @@ impl StaticLaw for Nothing {
     }
     fn contact_radius(&self, _: f64, _: bool) -> f64 {
         0.0
+    }
+    fn elastic_force(&self, depth: f64) -> f64 {
+        self.left_out.elastic_force(depth)
+    }
+    fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
+        self.left_out.collision_depth(speed, inverse_mass)
     }
     fn constants(&self, _: KernelUnits) -> Vec<f64> {
         Vec::new()

@@ -22,6 +22,22 @@ pub trait StaticLaw {
     /// The kernel's constants in its units, in the order of its shader's fields ([`crate::kernel::contact::LawShader`]).
     fn constants(&self, units: KernelUnits) -> Vec<f64>;
 
+    /// Elastic part of the force (N) at a depth (m): what is left without adhesion.
+    fn elastic_force(&self, depth: f64) -> f64 {
+        self.force(depth, true)
+    }
+    /// Depth (m) at which the elastic part stops a tip that comes at `speed` (m/s), 1/`inverse_mass` (kg) heavy.
+    ///
+    /// This is for a law without adhesion: where `energy` is the kinetic one, found by halving.
+    fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
+        let stops = |depth: f64| 2.0 * self.energy(depth, true) * inverse_mass >= speed * speed;
+        let (mut low, mut high): (f64, f64) = (1e-15, 1e-3);
+        for _ in 0..60 {
+            let middle = (low * high).sqrt();
+            if stops(middle) { high = middle } else { low = middle }
+        }
+        high
+    }
     /// Force on the tip, N, while the indentation changes by `rate` (m/s).
     fn force_moving(&self, delta: f64, _rate: f64, in_contact: bool) -> f64 {
         self.force(delta, in_contact)

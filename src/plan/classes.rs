@@ -39,6 +39,9 @@ impl Plan {
     }
 }
 
+/// At this depth (m) contacts are ordered by their stiffness.
+const NANOMETRE: f64 = 1e-9;
+
 /// What decides an instance's place in the classes.
 struct Placed {
     index: u32,
@@ -60,7 +63,7 @@ impl Placed {
             modes: plan.driven(index).kept.modes.len(),
             drive: case.drive,
             gap: case.gap,
-            stiffness: case.contact.modulus * case.contact.radius.sqrt(),
+            stiffness: case.contact.law().elastic_force(NANOMETRE),
         }
     }
 

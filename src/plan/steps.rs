@@ -74,15 +74,13 @@ fn rung(steps: f64) -> u32 {
     STEPS_MAX
 }
 
-/// Deepest indentation to expect, m: as far as the free swing would go, or as far as a Hertzian
-/// collision at the free tip's speed goes (delta_max = (5 v^2/(4 kappa inverse mass))^(2/5)), whichever is
-/// less, and what adhesion adds to a resting depth on top.
+/// Deepest indentation to expect, m: as far as the free swing would go, or as far as a collision at the free tip's speed
+/// goes, whichever is less, and what adhesion adds to a resting depth on top.
 pub fn deepest(contact: &Contact, inverse_mass: f64, omega: f64, amplitude: f64, gap: f64) -> f64 {
     let overlap = (amplitude - gap).max(0.0);
     let inside = (amplitude * amplitude - gap * gap).max(0.0).sqrt().max(0.1 * amplitude);
     let speed = omega * inside;
-    let kappa = contact.modulus * contact.radius.sqrt();
-    let collision = (1.25 * speed * speed / (kappa * inverse_mass)).powf(0.4);
+    let collision = contact.law().collision_depth(speed, inverse_mass);
     let adhesion = contact.law().depth_by_adhesion();
     let resting = (-gap).max(0.0);
     collision.min(overlap) + adhesion + resting.min(overlap)

@@ -32,7 +32,7 @@ const fn sizes(path: &'static str, usual: [f64; 2], possible: [f64; 2]) -> Sizes
     Sizes { path, usual, possible }
 }
 
-static SIZES: [Sizes; 38] = [
+static SIZES: &[Sizes] = &[
     sizes("instrument.actuator.youngs_modulus", [1e8, 1e12], MODULI),
     sizes("instrument.actuator.density", [100.0, 3e4], DENSITIES),
     sizes("instrument.actuator.h33", [1e6, 1e11], [1e-3, 1e18]),
@@ -73,11 +73,11 @@ static SIZES: [Sizes; 38] = [
     sizes("approach.gap", [0.0, 1e-3], PATHS),
 ];
 /// Drives, of which the right size depends on the lever.
-static DRIVES: [Sizes; 2] =
-    [sizes("drive.frequency", [0.1, 1e9], FREQUENCIES), sizes("drive.force", [1e-18, 1e-2], [1e-30, 1e6])];
+static DRIVES: &[Sizes] =
+    &[sizes("drive.frequency", [0.1, 1e9], FREQUENCIES), sizes("drive.force", [1e-18, 1e-2], [1e-30, 1e6])];
 
 fn sizes_of(address: Address) -> Option<&'static Sizes> {
-    SIZES.iter().chain(&DRIVES).find(|sizes| sizes.path == address.quantity.path)
+    SIZES.iter().chain(DRIVES).find(|sizes| sizes.path == address.quantity.path)
 }
 
 /// Whether zero, infinite, or within the bounds but for its sign.

@@ -93,7 +93,7 @@ fn unknown_calibration() -> Lever {
 }
 
 /// Every quantity of a scene, in the order the resolved scene writes them.
-pub static QUANTITIES: [Quantity; 40] = [
+pub static QUANTITIES: &[Quantity] = &[
     field!(
         "instrument.actuator.youngs_modulus",
         "rod Young's modulus",

@@ -235,7 +235,7 @@ const ROD: &str = "[instrument]\npreset = \"ha-fung-chen-2005\"\n";
 
 #[test]
 fn every_quantity_can_be_written_swept_and_echoed() {
-    for quantity in &QUANTITIES {
+    for quantity in QUANTITIES {
         // Each needs the company that makes it meaningful; the value is off its default and inside its domain.
         let path = quantity.path.replace('#', "0");
         let value = if quantity.path.ends_with("poisson_ratio") { 0.25 } else { 7.5 };

@@ -1,7 +1,7 @@
 //! The list of contact laws.
 
 use crate::Lane;
-use crate::contact::{Dmt, Hertz, Interaction, Jkr, LawShader, Nothing};
+use crate::contact::{self, Interaction, LawShader};
 
 /// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
 ///
@@ -77,7 +77,7 @@ macro_rules! enumerate {
             /// Does `work` with the kernel's type for the law.
             pub fn with<L: Lane, W: WithLaw<L>>(self, work: W) -> W::Output {
                 match self {
-                    $(Law::$law => work.with::<$kernel<L>>(),)*
+                    $(Law::$law => work.with::<contact::$kernel<L>>(),)*
                 }
             }
         }

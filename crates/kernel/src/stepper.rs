@@ -4,7 +4,7 @@
 //! Numbers come and go in rows, one number for each instance side by side; what is done once for an instance is done
 //! outside, by code that is compiled once.
 
-use super::contact::{Dmt, Hertz, Interaction, Jkr, Nothing};
+use super::contact::{self, Interaction};
 use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
 use super::run_sums::RunSums;
 use super::step::{Case, Decay, State, Wave, each_step, period, unmeasured_period};
@@ -93,8 +93,8 @@ impl<E: Copy> WithLanes<E> for NewStepper {
                 match law {
                     $(Law::$law => match modes {
                         0 => None,
-                        $(..=$two => Some(new::<F::Wide, $kernel<F::Wide>, $two>(modes)),)*
-                        $(..=$one => Some(new::<F::Narrow, $kernel<F::Narrow>, $one>(modes)),)*
+                        $(..=$two => Some(new::<F::Wide, contact::$kernel<F::Wide>, $two>(modes)),)*
+                        $(..=$one => Some(new::<F::Narrow, contact::$kernel<F::Narrow>, $one>(modes)),)*
                         _ => None,
                     },)*
                 }
