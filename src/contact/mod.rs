@@ -38,7 +38,7 @@ use crate::scene::{Adhesion, LawChoice, Params};
 use nothing::Nothing;
 use std::f64::consts::PI;
 
-/// What a law's constants are made of. SI units.
+/// What a law's constants are made of. SI units. The reference engine reads its own from [`Contact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Material {
     /// Combined modulus K.

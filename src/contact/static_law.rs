@@ -83,6 +83,9 @@ pub trait StaticLaw {
 }
 
 /// The kernel's units for one instance; that of length is [`crate::kernel::LENGTH`].
+///
+/// So a force of `c delta^n` has the constant `c * LENGTH.powf(n) * impulse`, and one of `c delta^n` times the rate has
+/// that times `LENGTH / step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelUnits {
     /// Impulse of 1 N: the step's square times the tip's inverse mass over the unit of length.

@@ -5,7 +5,7 @@ use crate::contact::{self, Interaction, LawShader};
 
 /// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
 ///
-/// A line says the law's variant, its code in results files, its word in scene and results files, the name of its type (in
+/// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files, the name of its type (in
 /// the kernel and in the main crate's `contact`), and what only the kernel asks for: what the law is like, and for how many
 /// modes there is a stepper of two registers side by side (`wide`) or of one (`narrow`). Up to 8 modes, numbers between are
 /// filled up with modes at rest; beyond 8 there is one stepper with a loop.

@@ -57,7 +57,8 @@ impl How {
 /// One line of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Sum {
-    /// Field of [`PeriodSums`], member in the shader, and with the sheet before it field of the device's buffer.
+    /// Field of [`PeriodSums`], member in the shader, and with `tally_` or `run_sums_` before it field of the
+    /// device's buffer.
     pub name: &'static str,
     pub how: How,
     /// Whether a run that wants so much keeps it.
@@ -75,7 +76,7 @@ pub(crate) struct Group {
 }
 
 /// Each group has a flag in [`Wants`], a function of its name in `tally.rs` and a file of its name in `shaders/observe`,
-/// which say what a step adds.
+/// which say what a step adds. Observables ask for a group by a constant in `impl Wants` below.
 macro_rules! sums {
     ($($(#[$wanted:meta])* $group:ident { $($(#[$what:meta])* $name:ident: $how:ident,)* })*) => {
         /// Which sums and extremes an engine must keep; what nobody asked for is not computed.

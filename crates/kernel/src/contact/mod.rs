@@ -53,7 +53,7 @@ pub struct Kick<L> {
 pub struct LawShader {
     /// Its kick is `fn <name>_kick`.
     pub name: &'static str,
-    /// Its files, in order.
+    /// Its files, in order; that of the path is always before them.
     pub texts: &'static [&'static str],
     /// Its constants, in the order of [`Interaction::from_numbers`].
     pub fields: &'static [&'static str],
