@@ -1,6 +1,7 @@
 # make demo    builds, runs the example sweep and makes its page      (STATIC=1: builds HDF5 as well)
 # make test    what every commit needs: Rust's tests, then the results file in Python's readers
 # make test-all    the long ones as well: independent integrators over wide grids, SciPy, signals, fuzz (two hours)
+# make site    the documents as pages, in target/site
 # make lint    formatting, clippy, documentation
 # make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program (a minute or two)
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
@@ -18,7 +19,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check python python-check scipy-check fuzz fuzz-files signal-check peers clean
+.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files signal-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -50,6 +51,9 @@ lint: deps
 	cargo clippy --all-targets $(FEATURES) -- -D warnings
 	cargo clippy --lib --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps $(FEATURES)
+
+site: $(PYTHON)
+	tools/site.sh
 
 library-check:
 	tools/library_check.sh

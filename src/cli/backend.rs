@@ -83,7 +83,7 @@ pub(super) fn say_choice(choice: &Choice, voice: Voice) {
         Choice::Short if voice.verbose => {
             voice.say("on the CPU: so short a run is done before a GPU is ready");
         }
-        Choice::NoGpu => voice.say("no GPU found: running on the CPU"),
+        Choice::NoGpu => voice.say("no hardware GPU found: running on the CPU"),
         Choice::NoDouble(name) => {
             voice.say(format_args!("{name} cannot compute in f64: running on the CPU"));
         }

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 const SCENE: &str = include_str!("../../scenes/quickstart.toml");
 
 #[derive(clap::Args)]
+#[command(after_help = "Example: afmsweep bench scenes/quickstart.toml")]
 pub struct BenchArgs {
     /// Scene file (TOML) [default: the example sweep, quickstart.toml]
     scene: Option<PathBuf>,

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use table::{Column, Table};
 
 #[derive(clap::Args)]
+#[command(after_help = "Examples: afmsweep check lever.toml\n          afmsweep check results/lever.h5 -i 4")]
 pub struct CheckArgs {
     /// Scene file (TOML), or results file (HDF5): then what it holds stands beside the engines
     input: PathBuf,

@@ -6,6 +6,7 @@ use afmsweep::engine::processor;
 use serde_json::{Value, json};
 
 #[derive(clap::Args)]
+#[command(after_help = "Example: afmsweep devices")]
 pub struct DevicesArgs {
     /// Machine-readable answer on standard output
     #[arg(long)]

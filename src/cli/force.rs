@@ -1,12 +1,20 @@
-//! `afmsweep force`: static force-indentation curves of one instance's contact.
+//! `afmsweep force`: static curves of one instance's contact, over the indentation or under a lever over the base.
 
 use super::{load, print, print_json};
-use afmsweep::contact::{Contact, Curve};
+use afmsweep::contact::{Contact, Curve, Jump, Ramp};
+use afmsweep::instrument::Instrument;
 use afmsweep::units::{self, Dimension};
 use std::fmt::Write;
 use std::path::PathBuf;
 
+/// To which the lever's finite elements are fine enough.
+const TOLERANCE: f64 = 1e-10;
+
 #[derive(clap::Args)]
+#[command(
+    after_help = "Examples: afmsweep force lever.toml --indentation \"2 nm\"\n          afmsweep force lever.toml --lever\n          \
+                  afmsweep force lever.toml --json"
+)]
 pub struct ForceArgs {
     /// Scene file (TOML)
     scene: PathBuf,
@@ -16,6 +24,10 @@ pub struct ForceArgs {
     /// A single indentation such as "75 nm" in place of the whole curve; may be repeated
     #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true)]
     indentation: Vec<f64>,
+    /// Over the position of the base in place of the indentation, as the lever bends: approach and retraction with snap-in
+    /// and pull-off
+    #[arg(long, conflicts_with = "indentation")]
+    lever: bool,
     /// Instance of the sweep whose contact is shown, counted from 0; the first has the first value of each axis
     #[arg(short, long, value_name = "N", default_value_t = 0)]
     instance: usize,
@@ -36,7 +48,16 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
             scene.len() - 1
         );
     }
-    let contact = Contact::new(&scene.instance(args.instance));
+    let params = scene.instance(args.instance);
+    let contact = Contact::new(&params);
+    let which = match scene.sweep.axes.is_empty() {
+        true => String::new(),
+        false => format!(", instance {}{}", args.instance, scene.described(args.instance)),
+    };
+    if args.lever {
+        let instrument = Instrument::reduce(&params.instrument, params.drive.on, TOLERANCE)?;
+        return ramp(&contact.ramp(1.0 / instrument.bending()), &head(&contact, &which), args);
+    }
     let curves =
         if args.indentation.is_empty() { contact.curves() } else { contact.curves_at(&args.indentation) };
     if args.json {
@@ -44,16 +65,55 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
         answer["instance"] = args.instance.into();
         return print_json(&answer);
     }
-    let which = match scene.sweep.axes.is_empty() {
-        true => String::new(),
-        false => format!(", instance {}{}", args.instance, scene.described(args.instance)),
-    };
-    let mut text = format!(
-        "law {}, K {:.6e} Pa, R {:.6e} m, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
-        contact.law, contact.modulus, contact.radius, contact.work, contact.tabor
-    );
+    let mut text = head(&contact, &which);
     for curve in &curves.curves {
         table(&mut text, curve);
+    }
+    print(&text)
+}
+
+fn head(contact: &Contact, which: &str) -> String {
+    format!(
+        "law {}, K {:.6e} Pa, R {:.6e} m, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
+        contact.law, contact.modulus, contact.radius, contact.work, contact.tabor
+    )
+}
+
+/// The ramp of the base: both ways, their jumps, and what they lose.
+fn ramp(ramp: &Ramp, head: &str, args: &ForceArgs) -> anyhow::Result<()> {
+    if args.json {
+        let mut answer = serde_json::to_value(ramp)?;
+        answer["instance"] = args.instance.into();
+        return print_json(&answer);
+    }
+    let jump = |name: &str, jump: Option<Jump>| match jump {
+        Some(Jump { base_position_m, force_n: [before, after], .. }) => format!(
+            "{name}: base at {:.6} nm, force from {:.6} to {:.6} nN\n",
+            base_position_m / 1e-9,
+            before / 1e-9,
+            after / 1e-9
+        ),
+        None => format!("{name}: none, the tip moves smoothly\n"),
+    };
+    let mut text = format!("{head}lever {:.6} N/m at its tip\n", ramp.stiffness_n_per_m);
+    text += &jump("snap-in", ramp.snap_in);
+    text += &jump("pull-off", ramp.pull_off);
+    let _ = writeln!(text, "loss in a cycle: {:.6e} J", ramp.loss_j);
+    for curve in &ramp.curves {
+        let _ = writeln!(
+            text,
+            "{}\n{:>16}  {:>16}  {:>16}",
+            curve.branch.name(),
+            "base position/nm",
+            "indentation/nm",
+            "force/nN"
+        );
+        for ((base, indentation), force) in
+            curve.base_position_m.iter().zip(&curve.indentation_m).zip(&curve.force_n)
+        {
+            let _ =
+                writeln!(text, "{:>16.6}  {:>16.6}  {:>16.6}", base / 1e-9, indentation / 1e-9, force / 1e-9);
+        }
     }
     print(&text)
 }

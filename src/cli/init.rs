@@ -25,15 +25,27 @@ struct Kind {
     /// A lever with two steady states, both branches over the gap
     #[arg(long)]
     bistable: bool,
+    /// Peak-force tapping in water, over the sample's modulus
+    #[arg(long)]
+    peak_force: bool,
+    /// A list of materials in place of a grid
+    #[arg(long)]
+    samples: bool,
 }
 
 /// Prints the scene.
 pub fn main(args: &InitArgs) -> anyhow::Result<()> {
     let kind = &args.kind;
-    print(match (kind.liquid, kind.paper, kind.bistable) {
-        (true, ..) => include_str!("../../scenes/liquid.toml"),
-        (_, true, _) => include_str!("../../scenes/quickstart.toml"),
-        (.., true) => include_str!("../../scenes/bistable.toml"),
-        _ => include_str!("../../scenes/lever.toml"),
-    })
+    let scenes = [
+        (kind.liquid, include_str!("../../scenes/liquid.toml")),
+        (kind.paper, include_str!("../../scenes/quickstart.toml")),
+        (kind.bistable, include_str!("../../scenes/bistable.toml")),
+        (kind.peak_force, include_str!("../../scenes/peak_force.toml")),
+        (kind.samples, include_str!("../../scenes/samples.toml")),
+    ];
+    let chosen = scenes.iter().find(|(asked, _)| *asked);
+    let scene = chosen.map_or(include_str!("../../scenes/lever.toml"), |(_, scene)| scene);
+    // The schema that the first line names lies beside the scene there, not here.
+    let (first, rest) = scene.split_once('\n').unwrap_or(("", scene));
+    print(if first.starts_with("#:schema") { rest.trim_start() } else { scene })
 }

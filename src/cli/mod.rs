@@ -14,13 +14,16 @@ mod plan;
 mod progress;
 mod report;
 mod run;
+mod schema;
+mod shell;
 mod signals;
 mod stopped;
 mod study;
+mod words;
 
 use afmsweep::Error;
 use afmsweep::report::shown;
-use afmsweep::scene::{Scene, SceneError};
+use afmsweep::scene::{CURVE_WAYS, Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -28,9 +31,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stopped::Stopped;
 
-/// Ensemble sweeps of atomic force microscope dynamics: piezo rod, cantilever, tip and sample.
+/// Reads a scene (TOML: lever, tip, sample, drive, what varies), steps thousands of instances of it side by side, and
+/// writes a labelled results file (HDF5): amplitudes, phases, forces, each with its error.
 #[derive(Parser)]
-#[command(version, about, long_about = None, arg_required_else_help = true)]
+#[command(version, arg_required_else_help = true)]
+#[command(after_help = "Examples: afmsweep init > lever.toml\n          afmsweep run lever.toml\n          \
+                        afmsweep report results/lever.h5")]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -49,6 +55,7 @@ enum Command {
     /// Say what a run would do, without running
     Plan(plan::PlanArgs),
     /// Natural frequencies and each mode's share
+    #[command(after_help = "Example: afmsweep modes lever.toml")]
     Modes(SceneArgs),
     /// Static force-indentation curves, approach and retraction
     Force(force::ForceArgs),
@@ -66,7 +73,15 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// What to cite for a results file, as BibTeX
     Cite(cite::CiteArgs),
-    /// A question answered by one command and one page
+    /// The JSON schema of scene files, for editors
+    #[command(after_help = "Example: afmsweep schema > scene.schema.json")]
+    Schema,
+    /// A script that completes commands and options in a shell
+    Completions(shell::CompletionsArgs),
+    /// The manual page
+    #[command(after_help = "Example: afmsweep man | man -l -")]
+    Man,
+    /// The seed paper, reproduced and questioned: one command, one page
     Study(study::StudyArgs),
 }
 
@@ -123,6 +138,9 @@ pub fn main() -> ExitCode {
         Command::Init(args) => init::main(&args),
         Command::Explain(args) => explain::main(&args),
         Command::Cite(args) => cite::main(&args),
+        Command::Schema => schema::main(),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man => shell::man(),
         Command::Study(args) => study::main(&args, voice),
     };
     match outcome {
@@ -191,7 +209,10 @@ fn instances(count: usize) -> String {
 fn values(scene: &Scene, instance: usize) -> String {
     let axes = scene.sweep.axes.iter().zip(scene.sweep.indices(instance));
     let words: Vec<String> = axes
-        .map(|(axis, at)| format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)))
+        .map(|(axis, at)| match axis.path.is_empty() {
+            true => CURVE_WAYS[at].to_owned(),
+            false => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
+        })
         .collect();
     words.join(", ")
 }

@@ -8,6 +8,7 @@ use afmsweep::sweep::Choice;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
+#[command(after_help = "Examples: afmsweep plan lever.toml\n          afmsweep plan lever.toml --json")]
 pub struct PlanArgs {
     /// Scene file (TOML)
     scene: PathBuf,

@@ -1,20 +1,56 @@
 //! `afmsweep report`: pictures and tables from a results file.
 
-use super::Voice;
-use afmsweep::report;
+use super::{Voice, print_json};
+use afmsweep::report::{self, Wish};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
+#[command(after_help = "Examples: afmsweep report results/lever.h5\n          \
+                        afmsweep report results/map.h5 --x sample.youngs_modulus --y sample.surface_energy --at approach.gap=16nm")]
 pub struct ReportArgs {
     /// Results file (HDF5)
     file: PathBuf,
     /// Folder for the page and its pictures [default: the file's name without .h5]
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// The axis to the right, by its path in the scene; the others become curves, panels and maps
+    #[arg(long, value_name = "PATH")]
+    x: Option<String>,
+    /// The axis upwards: maps in place of curves
+    #[arg(long, value_name = "PATH")]
+    y: Option<String>,
+    /// An axis that stands at one value, the nearest there is; may be given for several axes
+    #[arg(long, value_name = "PATH=VALUE", value_parser = place)]
+    at: Vec<(String, String)>,
+    /// What was drawn as one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// `approach.gap=16nm`.
+fn place(text: &str) -> Result<(String, String), String> {
+    let (path, value) = text.split_once('=').ok_or("expected PATH=VALUE, such as approach.gap=16nm")?;
+    Ok((path.trim().to_owned(), value.trim().to_owned()))
 }
 
 pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
-    let folder = report::write(&args.file, args.output.as_deref())?;
-    voice.say(format_args!("report in {}", folder.join("index.html").display()));
+    let wish = Wish { x: args.x.clone(), y: args.y.clone(), at: args.at.clone() };
+    let report = report::write(&args.file, args.output.as_deref(), &wish)?;
+    let page = report.folder.join("index.html");
+    voice.say(format_args!("report in {}", page.display()));
+    if args.json {
+        let pictures: Vec<serde_json::Value> = report
+            .pictures
+            .iter()
+            .map(|one| serde_json::json!({ "title": one.title, "file": one.file, "csv": one.csv }))
+            .collect();
+        print_json(&serde_json::json!({
+            "version": 1,
+            "page": page.to_string_lossy(),
+            "findings": report.findings,
+            "pictures": pictures,
+            "left_out": report.left_out,
+        }))?;
+    }
     Ok(())
 }

@@ -5,6 +5,7 @@ use afmsweep::study::paper::{self, Extent};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
+#[command(after_help = "Example: afmsweep study paper -o paper")]
 pub struct StudyArgs {
     /// Which study
     #[arg(value_enum)]

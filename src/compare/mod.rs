@@ -30,10 +30,11 @@ pub fn error_of(observable: Observable, ours: &[f64], truth: &Measured, scales: 
         Scale::Work => scales.work,
         Scale::WorkOrItself => scales.work.max(first(&theirs).abs()),
         Scale::One => 1.0,
-        Scale::Phase => {
-            let turn = (first(ours) - first(&theirs) + 180.0).rem_euclid(360.0) - 180.0;
-            // Without a travel there is no phase.
-            return turn.to_radians().abs() * (truth.harmonics[0] / scales.length).min(1.0);
+        Scale::Shift => scales.shift,
+        // Without a travel there is no phase.
+        Scale::Phase => return turn(first(ours), first(&theirs)) * share(truth.harmonics[0], scales),
+        Scale::DeflectionPhase => {
+            return turn(first(ours), first(&theirs)) * share(truth.deflection_amplitude, scales);
         }
     };
     let missed = observable.scale() == Scale::Depth;
@@ -45,6 +46,16 @@ pub fn error_of(observable: Observable, ours: &[f64], truth: &Measured, scales: 
     };
     let difference = ours.iter().zip(&theirs).map(difference).fold(0.0, largest);
     if difference == 0.0 { 0.0 } else { difference / scale }
+}
+
+/// How far two angles in degree are apart, rad.
+fn turn(ours: f64, theirs: f64) -> f64 {
+    ((ours - theirs + 180.0).rem_euclid(360.0) - 180.0).to_radians().abs()
+}
+
+/// An amplitude as a share of the free one, at most 1.
+fn share(amplitude: f64, scales: &Scales) -> f64 {
+    (amplitude / scales.length).min(1.0)
 }
 
 /// The largest of these observables' errors; what is no number counts as infinite.

@@ -18,6 +18,8 @@ pub struct Scales {
     /// whichever is largest, J. From rest no period is like the next: what the largest force could do over
     /// the free swing. NaN where none of them was asked for.
     pub work: f64,
+    /// What an error of the whole free amplitude in the fundamental makes of the resonance's shift, to first order, Hz.
+    pub shift: f64,
 }
 
 impl Scales {
@@ -41,8 +43,18 @@ impl Scales {
             }
         };
         // Without any damping nothing works on anything.
-        Self { length, force, work: if work > 0.0 || !asked { work } else { swing } }
+        let work = if work > 0.0 || !asked { work } else { swing };
+        Self { length, force, work, shift: shift(driven, truth) }
     }
+}
+
+/// See [`Scales::shift`]: `(f/f0)^2 = 1 - Re((1 - z0/z)/C)/k`, z and z0 being the tip's fundamental with and without the
+/// sample, C the compliance, so a small error d of z makes at most `f0^2 |z0 d/z^2|/(2 f k |C|)` of f.
+fn shift(driven: &Driven, truth: &Measured) -> f64 {
+    let (frequency, stiffness) = driven.free.first_mode;
+    let left = truth.harmonics[0] / driven.free_amplitude();
+    let of_free = frequency / (2.0 * stiffness * driven.free.compliance.norm());
+    of_free / (left * left * (1.0 + truth.frequency_shift / frequency))
 }
 
 /// The fundamental of the tip's travel, of which the travel is the imaginary part times exp(i omega t), m.

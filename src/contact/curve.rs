@@ -90,18 +90,18 @@ impl Contact {
         Curves { curves: vec![approach.curve, retract.curve] }
     }
 
-    fn telling_indentation(&self) -> f64 {
+    pub(super) fn telling_indentation(&self) -> f64 {
         (3.0 * self.law().zero_force()).max(SMALL_STRAIN * SMALL_STRAIN * self.radius)
     }
 
     /// Rising indentations outside the contact; the point 0 is left to the contact.
-    fn outside(&self, deepest: f64) -> Vec<f64> {
+    pub(super) fn outside(&self, deepest: f64) -> Vec<f64> {
         let shares: Vec<f64> = (0..POINTS).map(|i| (POINTS - i) as f64 / POINTS as f64).collect();
         self.law().outside(deepest, &shares)
     }
 
     /// Falling indentations of the contact branch, from `deepest` to its end.
-    fn inside(&self, deepest: f64) -> Vec<f64> {
+    pub(super) fn inside(&self, deepest: f64) -> Vec<f64> {
         let release = self.law().release();
         // Spacing that shrinks towards the end of the branch, where its slope or curvature is largest.
         let power = self.law().crowding();

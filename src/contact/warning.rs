@@ -109,10 +109,13 @@ impl std::fmt::Display for Warning {
             Warning::LargeStrain { indentation, contact_radius, tip_radius } => write!(
                 f,
                 "at an indentation of {:.3} nm the contact radius is {:.2} of the tip radius, beyond the \
-                 small-strain range ({SMALL_STRAIN}) of the contact laws: expect an error in the force \
-                 of 1 % or more",
+                 small-strain range ({SMALL_STRAIN}) of the contact laws: {}",
                 indentation * 1e9,
-                contact_radius / tip_radius
+                contact_radius / tip_radius,
+                match contact_radius < tip_radius {
+                    true => "expect an error in the force of 1 % or more",
+                    false => "a tip that sinks in so far is no sphere to them",
+                }
             ),
             Warning::RigidTip { sample_modulus } => write!(
                 f,

@@ -51,10 +51,14 @@ pub(super) fn run(
         None => plan.part(stepped),
         Some(bases) => poorer_plan(plan, stepped, bases),
     });
-    let rough = steady::run(&coarse, &[], engine, progress)?;
+    let rough = steady::begin(&coarse, engine, progress)?;
     let near = steady::among(&rough.found, stepped, plan.len());
     let mut settled = steady::run(&fine, &near, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    if !rough.jumps.is_empty() {
+        settled.jumps = vec![false; plan.len()];
+        stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
+    }
     let begin = |(case, of_modes): (Case, f64)| Refinement {
         of_steps: 0.0,
         of_modes,

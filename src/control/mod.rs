@@ -45,6 +45,8 @@ pub struct Controlled {
     pub found: Vec<Option<Box<PeriodicState>>>,
     /// Of each instance the periods of its last run, those of the search among them.
     pub periods: Vec<u32>,
+    /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
+    pub jumps: Vec<bool>,
     pub arithmetic: Arithmetic,
 }
 
@@ -104,6 +106,7 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
             left_out: vec![0.0; count],
             found: Vec::new(),
             periods: vec![0; count],
+            jumps: Vec::new(),
             arithmetic,
         });
     }
@@ -122,8 +125,11 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
     let mut all = match plan.len() > engine.portions().0 {
         false => unfinished::marked(plan, &stepped, first, engine, progress)?,
         true => {
-            // In the order that the scene's plan runs them.
-            let alike = planned.by_class();
+            // In the order that the scene's plan runs them; curves stay whole.
+            let alike = match plan.ensemble.curves {
+                Some(_) => plan.instances().collect(),
+                None => planned.by_class(),
+            };
             portions::run(plan, &alike, first, engine, progress)?
         }
     };
@@ -152,7 +158,7 @@ pub fn once(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     progress.stage(&["run"]);
-    let Settled { mut outcome, found, periods } = steady::run(&plan, &[], engine, progress)?;
+    let Settled { mut outcome, found, periods, jumps } = steady::begin(&plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
         // What no search settles is waited for, and was not.
         let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
@@ -160,5 +166,5 @@ pub fn once(
     }
     let unknown = vec![f64::NAN; plan.len()];
     let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
-    Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, arithmetic })
+    Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, jumps, arithmetic })
 }

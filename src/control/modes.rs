@@ -2,7 +2,7 @@
 
 use super::difference::is_fast;
 use super::sample::{by_stiffness, law_of, laws, spread, stiffness};
-use super::trial::{self, Costs, Trial};
+use super::trial::{self, Costs, Place, Trial};
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::{Measured, Observable};
@@ -87,8 +87,8 @@ impl OfLaw {
         }
     }
 
-    /// The poorest basis that serves an instance with so many softer members, and what it costs there.
-    fn basis(&self, place: usize) -> Option<(usize, f64)> {
+    /// The poorest basis that serves an instance at this place, and what it costs there.
+    fn basis(&self, place: &Place) -> Option<(usize, f64)> {
         let serves = |n: &usize| *n == 0 || self.costs[n - 1].begins(place);
         let cost = |n: usize| self.costs[n].cost(place).map(|cost| (n, cost));
         (0..self.costs.len()).filter(serves).find_map(cost)
@@ -121,8 +121,7 @@ impl<'a> Bases<'a> {
     fn choose(&mut self, members: &[u32], of_law: &OfLaw) {
         let least = RICHEST * self.plan.run.accuracy;
         for &i in members {
-            let here = stiffness(self.plan, i);
-            let place = of_law.places.partition_point(|other| *other < here);
+            let place = &Place::among(&of_law.places, stiffness(self.plan, i));
             let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
             if let Some((n, cost)) = of_law.basis(place) {
                 let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));

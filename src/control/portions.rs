@@ -18,6 +18,7 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let (size, at_once) = engine.portions();
+    let size = whole_curves(&plan, size);
     let count = plan.len();
     let mut whole = Controlled {
         outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
@@ -25,6 +26,7 @@ pub(super) fn run(
         left_out: left_out.clone(),
         found: Vec::new(),
         periods: vec![0; count],
+        jumps: Vec::new(),
         arithmetic: chosen.arithmetic(count),
         plan,
     };
@@ -55,6 +57,20 @@ pub(super) fn run(
     Ok(whole)
 }
 
+/// Curves that are followed side by side, at least: enough to fill an engine's lanes.
+const CURVES: usize = 128;
+
+/// The size of a portion, so that no curve is in two.
+fn whole_curves(plan: &Plan, size: usize) -> usize {
+    match plan.ensemble.curves {
+        Some(curves) => {
+            let long = (curves.points * curves.ways) as usize;
+            long * (size / long).max(CURVES)
+        }
+        None => size,
+    }
+}
+
 impl Controlled {
     /// Takes in what became of a portion.
     fn take(&mut self, portion: &[u32], part: Self) {
@@ -68,6 +84,10 @@ impl Controlled {
                 |state: Box<PeriodicState>| Box::new(PeriodicState { slope: Box::default(), ..*state });
             self.found[*place as usize] = found.map(kept);
         }
+        if !part.jumps.is_empty() && self.jumps.is_empty() {
+            self.jumps = vec![false; self.plan.len()];
+        }
+        portion.iter().zip(part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = jump);
         let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
@@ -142,5 +162,38 @@ mod tests {
                 assert_eq!(place(&whole), place(&parts));
             }
         }
+    }
+
+    /// More curves than a portion has: none is cut, and each is what it is in one piece.
+    #[test]
+    fn curves_stay_whole_in_portions() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 30 }]
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            force = "20 nN"
+            [sweep]
+            "sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 150 }
+            [curve]
+            quantity = "approach.gap"
+            values = ["14 nm", "12 nm"]
+            direction = "both"
+        "#;
+        let scene = Scene::parse(Path::new("curves.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        assert_eq!((plan.len(), whole_curves(&plan, 20)), (600, 512));
+        let all: Vec<u32> = plan.instances().collect();
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
+        let first = || First { poorer: None, left_out: vec![0.0; all.len()], chosen: &chosen };
+        let whole = refine::run(plan.clone(), &all, first(), &engine, &progress).expect("it runs");
+        let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
+        let bits = |all: &Controlled| format!("{:?} {:?}", all.outcome.results, all.estimates);
+        assert_eq!((bits(&whole), &whole.jumps), (bits(&parts), &parts.jumps));
+        assert_eq!(parts.jumps.len(), 600);
     }
 }

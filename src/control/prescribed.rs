@@ -19,7 +19,7 @@ pub(super) fn run(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
-    let settled = steady::run(&plan, &[], engine, progress)?;
+    let settled = steady::begin(&plan, engine, progress)?;
     if plan.run.modes.is_none() {
         // Modes that are too fast for these steps: no basis on trial had them.
         for &i in stepped {

@@ -161,7 +161,7 @@ impl<'a> Refining<'a> {
     /// Takes in another run, of these instances alone: by the difference to the last one it estimates, then it stands for
     /// that.
     fn take(&mut self, instances: &[u32], what: Next, other: &Plan, settled: Settled) {
-        let Settled { outcome, mut found, periods } = settled;
+        let Settled { outcome, mut found, periods, .. } = settled;
         let mut taken = HashMap::new();
         let results = &self.now.outcome.results;
         let moved = |(i, new): (&u32, &Finished)| difference(&self.now.plan, *i, &results[*i as usize], new);
@@ -241,18 +241,18 @@ impl Controlled {
     /// Before anything is refined: the run so far, with its estimates and the part of them that modes left out have.
     pub(super) fn new(
         plan: Plan,
-        Settled { outcome, found, periods }: Settled,
+        Settled { outcome, found, periods, jumps }: Settled,
         (estimates, left_out): (Vec<f64>, Vec<f64>),
         chosen: &precision::Choice,
     ) -> Self {
         let arithmetic = chosen.arithmetic(plan.len());
-        Self { plan, outcome, estimates, left_out, found, periods, arithmetic }
+        Self { plan, outcome, estimates, left_out, found, periods, jumps, arithmetic }
     }
 
     /// Adds to an estimate what waiting may still change: an instance that was left before it had settled for good.
     pub(super) fn add_unsettled(&mut self, i: u32) {
         let n = i as usize;
-        let found = self.found.get(n).is_some_and(Option::is_some);
+        let found = self.found.get(n).and_then(Option::as_ref).is_some_and(|state| state.searched());
         if !found && self.periods[n] < self.plan.run.periods {
             self.estimates[n] += SETTLED * self.plan.run.accuracy;
         }

@@ -88,6 +88,23 @@ fn apart(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 
     if ok { difference(plan, i, a, b) } else { 0.0 }
 }
 
+/// Where an instance stands among the members of the sample, softest contact first. Over a sweep of the gap alone all
+/// are as stiff, and each member stands for each instance.
+pub(super) struct Place {
+    /// Members whose contact is softer.
+    pub softer: usize,
+    /// Those, and the ones that are as stiff.
+    pub no_stiffer: usize,
+}
+
+impl Place {
+    /// Of an instance whose contact is so stiff, among members with these stiffnesses.
+    pub fn among(members: &[f64], here: f64) -> Self {
+        let softer = members.partition_point(|other| *other < here);
+        Self { softer, no_stiffer: softer + members[softer..].partition_point(|other| *other <= here) }
+    }
+}
+
 /// What a basis costs the members of the sample under one law, softest contact first.
 pub(super) struct Costs {
     pub accuracy: f64,
@@ -111,18 +128,53 @@ impl Costs {
         Self { accuracy: trial.accuracy, differences, good, good_first, neighbours }
     }
 
-    /// Whether it will do for the first run of an instance with `place` softer members.
-    pub fn begins(&self, place: usize) -> bool {
-        (place + self.neighbours).min(self.differences.len()) <= self.good_first
+    /// Whether it will do for the first run of an instance at this place.
+    pub fn begins(&self, place: &Place) -> bool {
+        self.end(place) <= self.good_first
     }
 
-    /// The largest difference that it makes near an instance with `place` softer members; none where it fails one of
-    /// those or of the next.
-    pub fn cost(&self, place: usize) -> Option<f64> {
-        let from = place.saturating_sub(self.neighbours);
-        let to = (place + self.neighbours).min(self.differences.len());
+    /// The largest difference that it makes near an instance at this place; none where it fails one of those or of the
+    /// next.
+    pub fn cost(&self, place: &Place) -> Option<f64> {
+        let from = place.softer.saturating_sub(self.neighbours);
+        let to = self.end(place);
         let near = self.differences.get(from.min(to.saturating_sub(1))..to)?;
         let good = to <= self.good && !near.is_empty();
         good.then(|| near.iter().copied().fold(0.0, f64::max))
+    }
+
+    /// Where the members end that stand for an instance at this place.
+    fn end(&self, place: &Place) -> usize {
+        (place.no_stiffer + self.neighbours).min(self.differences.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn members_that_are_as_stiff_stand_for_an_instance_as_a_whole() {
+        let place = |here: f64| {
+            let Place { softer, no_stiffer } = Place::among(&[1.0, 2.0, 2.0, 2.0, 3.0], here);
+            (softer, no_stiffer)
+        };
+        assert_eq!([place(0.5), place(2.0), place(2.5), place(4.0)], [(0, 0), (1, 4), (4, 4), (5, 5)]);
+    }
+
+    #[test]
+    fn a_basis_that_fails_one_of_them_serves_none() {
+        let costs = |good| Costs {
+            accuracy: 1e-3,
+            differences: vec![1e-5, 2e-5, 9e-4, 3e-5, 4e-5],
+            good,
+            good_first: good,
+            neighbours: 1,
+        };
+        let alike = Place { softer: 0, no_stiffer: 5 };
+        assert_eq!(costs(2).cost(&alike), None);
+        assert!(!costs(2).begins(&alike));
+        assert_eq!(costs(5).cost(&alike), Some(9e-4));
+        assert_eq!(costs(2).cost(&Place { softer: 0, no_stiffer: 1 }), Some(2e-5));
     }
 }

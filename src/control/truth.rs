@@ -22,18 +22,22 @@ pub fn by_reference(
     let count = plan.len();
     let search = plan.run.steady == Steady::Search;
     let stepped = plan.stepped();
-    let Settled { mut outcome, found, periods } = match search {
+    let Settled { mut outcome, found, periods, jumps } = match search {
         true => {
             // By the same way as a controlled run, so that of two states it is the same one.
             let plan = plan.clone().in_precision(Precision::F64);
-            let rough = match plan.run.steps_per_period {
-                Some(_) => Vec::new(),
+            match plan.run.steps_per_period {
+                Some(_) => steady::begin(&plan, &Cpu::default(), progress)?,
                 None => {
                     let coarse = first::quartered(plan.part(&stepped));
-                    steady::run(&coarse, &[], &Cpu::default(), progress)?.found
+                    let rough = steady::begin(&coarse, &Cpu::default(), progress)?;
+                    let near = steady::among(&rough.found, &stepped, count);
+                    let settled = steady::run(&plan, &near, &Cpu::default(), progress)?;
+                    let mut jumps = vec![false; if rough.jumps.is_empty() { 0 } else { count }];
+                    stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| jumps[*i as usize] = *jump);
+                    Settled { jumps, ..settled }
                 }
-            };
-            steady::run(&plan, &steady::among(&rough, &stepped, count), &Cpu::default(), progress)?
+            }
         }
         false => steady::run(plan, &[], reference, progress)?,
     };
@@ -53,6 +57,7 @@ pub fn by_reference(
         left_out: unknown,
         found,
         periods,
+        jumps,
         arithmetic: Arithmetic::of(
             &plan.clone().in_precision(Precision::F64),
             "the reference engine has no other",

@@ -33,6 +33,7 @@ impl Controlled {
             left_out: vec![f64::NAN; count],
             found: Vec::new(),
             periods: vec![0; count],
+            jumps: Vec::new(),
             arithmetic: chosen.arithmetic(count),
             plan,
         }

@@ -89,7 +89,7 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
         );
         measured.harmonics[n] = travel.norm();
         if n == 0 {
-            measured.phase = lag(travel);
+            fundamental(&mut measured, travel, driven);
         }
     }
     let force = force_scale(driven, case.steps);
@@ -101,6 +101,7 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
         measured.force_mean = run_sums.sums.impulse / sums.steps / force;
         measured.dissipation = -run_sums.sums.work / sums.periods / force * LENGTH;
         measured.virial = run_sums.sums.virial / sums.steps / force * LENGTH;
+        measured.deflection_mean = driven.free.bending * measured.force_mean;
     }
     if wants.extremes {
         let passed = passed(run_sums);
@@ -116,12 +117,13 @@ pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
     let mut measured = Measured::NONE;
     measured.harmonics[..wants.harmonics].fill(0.0);
     measured.harmonics[0] = driven.free_amplitude();
-    measured.phase = lag(driven.free.tip);
+    fundamental(&mut measured, driven.free.tip, driven);
     if wants.contact {
         (measured.contact_time, measured.contacts) = (0.0, 0.0);
     }
     if wants.energy {
         (measured.force_mean, measured.dissipation, measured.virial) = (0.0, 0.0, 0.0);
+        measured.deflection_mean = 0.0;
     }
     if wants.extremes {
         (measured.force_min, measured.force_max) = (0.0, 0.0);
@@ -129,8 +131,17 @@ pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
     Finished { measured, status: Status::Ok }
 }
 
+/// What follows from the fundamental of the tip's travel, its amplitude apart.
+pub(super) fn fundamental(measured: &mut Measured, travel: Complex<f64>, driven: &Driven) {
+    let deflection = driven.free.deflection(travel);
+    measured.phase = lag(travel);
+    (measured.deflection_amplitude, measured.deflection_phase) = (deflection.norm(), lag(deflection));
+    measured.free_phase = lag(driven.free.tip);
+    measured.frequency_shift = driven.free.frequency_shift(travel);
+}
+
 /// Lag behind the drive's sine, degree, 0 to below 360.
-pub(super) fn lag(travel: Complex<f64>) -> f64 {
+fn lag(travel: Complex<f64>) -> f64 {
     let lag = (-travel.arg().to_degrees()).rem_euclid(360.0);
     // The remainder of a tiny negative number rounds up to the whole turn, and -0 is no phase.
     if lag < 360.0 { lag + 0.0 } else { 0.0 }

@@ -8,6 +8,7 @@
 //! drives)`: at rest if the first alone is driven, by 1.
 
 use nalgebra::Complex;
+use std::f64::consts::TAU;
 
 use super::error::InstrumentError;
 use super::{FreeMotion, Instrument, Mode, check_positive};
@@ -44,7 +45,7 @@ impl Instrument {
     /// undamped mode driven exactly at its frequency, an amplitude asked of a tip at rest.
     pub fn free_motion(&self, level: DriveLevel, frequency_hz: f64) -> Result<FreeMotion, InstrumentError> {
         check_positive("the drive's frequency", frequency_hz)?;
-        let omega = std::f64::consts::TAU * frequency_hz;
+        let omega = TAU * frequency_hz;
         let unit = self.modal_response(omega)?;
         let sum = |place: Place, base: f64| {
             let moves = |(m, z): (&Mode, &Complex<f64>)| z * place.share(m);
@@ -63,7 +64,47 @@ impl Instrument {
             [-z.im, kick - omega * z.re]
         };
         let transient = self.modes.iter().zip(&modes).map(start).collect();
-        Ok(FreeMotion { omega, level, tip: tip * level, top: top * level, modes, transient })
+        let (tip, top, bending) = (tip * level, top * level, self.bending());
+        let compliance = self.follows(Place::Tip, omega);
+        let pushed = self.follows(Place::Top, omega);
+        // Nothing divided by nothing would be no number.
+        let top_per_tip = if pushed.norm() == 0.0 { pushed } else { pushed / compliance };
+        let first_mode = self.first_mode();
+        Ok(FreeMotion {
+            omega,
+            level,
+            tip,
+            top,
+            top_per_tip,
+            bending,
+            compliance,
+            first_mode,
+            modes,
+            transient,
+        })
+    }
+
+    /// How far a place moves under a force on the tip at `omega`, m/N.
+    fn follows(&self, place: Place, omega: f64) -> Complex<f64> {
+        let moves = |mode: &Mode| mode.receptance(omega).0 * (place.share(mode) * mode.force);
+        self.modes.iter().map(moves).sum()
+    }
+
+    /// See [`FreeMotion::first_mode`].
+    fn first_mode(&self) -> (f64, f64) {
+        let omega = TAU * self.lever_frequency;
+        let off = |mode: &&Mode| (mode.omega - omega).abs();
+        let moves = self.modes.iter().filter(|mode| mode.inverse_mass() > 0.0);
+        let nearest = moves.min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.map_or((f64::NAN, f64::NAN), |mode| {
+            (mode.omega / TAU, mode.omega * mode.omega / mode.inverse_mass())
+        })
+    }
+
+    /// How far a steady force on the tip moves the tip against the rod's top, m/N: one over the lever's static stiffness.
+    pub fn bending(&self) -> f64 {
+        let share = |mode: &Mode| (mode.tip - mode.top) * mode.force / (mode.omega * mode.omega);
+        self.modes.iter().map(share).sum()
     }
 
     /// The drive's level in its own unit; `tip` is the free tip's amplitude per unit level.
@@ -96,6 +137,25 @@ impl Instrument {
 }
 
 impl FreeMotion {
+    /// The tip against the rod's top, or a rigid base, where the fundamental of the tip's travel is `tip`: what a beam of
+    /// light on the lever sees. What the tip does beside its free motion comes from forces on it alone, and the
+    /// instrument is linear, so the top follows from the tip.
+    pub fn deflection(&self, tip: Complex<f64>) -> Complex<f64> {
+        tip - self.top - self.top_per_tip * (tip - self.tip)
+    }
+
+    /// By how much (Hz) the force of the sample shifts the resonance of the lever's first mode, where the fundamental of
+    /// the tip's travel is `tip`: `(f/f0)^2 = 1 - 2 <f z>/(k A^2)`, f being the force's fundamental and z the tip's
+    /// (Giessibl, Phys. Rev. B 56 (1997) 16010; Sader & Jarvis, Appl. Phys. Lett. 84 (2004) 1801).
+    pub fn frequency_shift(&self, tip: Complex<f64>) -> f64 {
+        let force = (tip - self.tip) / self.compliance;
+        let virial = 0.5 * (force.re * tip.re + force.im * tip.im);
+        let (frequency, stiffness) = self.first_mode;
+        let share = 2.0 * virial / (stiffness * tip.norm_sqr());
+        // As a quotient, so that a small shift keeps its digits.
+        -frequency * share / (1.0 + (1.0 - share).sqrt())
+    }
+
     /// Steady travel (m) and speed (m/s) of the tip at time `t` (s).
     pub fn tip_at(&self, t: f64) -> (f64, f64) {
         self.steady(self.tip, t)

@@ -103,6 +103,15 @@ pub struct FreeMotion {
     pub tip: Complex<f64>,
     /// Phasor of the rod top's travel, m.
     pub top: Complex<f64>,
+    /// How far the rod's top moves under a force on the tip at that frequency, per travel that the force gives the tip.
+    /// 0 on a rigid base.
+    pub top_per_tip: Complex<f64>,
+    /// How far a steady force on the tip moves the tip against the rod's top, m/N.
+    pub bending: f64,
+    /// How far a force on the tip at that frequency moves the tip, m/N.
+    pub compliance: Complex<f64>,
+    /// The mode next to the lever's own first one: its frequency (Hz) and its stiffness at the tip (N/m).
+    pub first_mode: (f64, f64),
     /// Phasors of the modal coordinates.
     pub modes: Vec<Complex<f64>>,
     /// Initial value and rate of each mode's free decaying part when the run starts from rest.

@@ -19,7 +19,7 @@ impl Mode {
     }
 
     /// Receptance 1/(omega_k^2 - omega^2 + i omega omega_k/Q) and its derivative by omega.
-    fn receptance(&self, omega: f64) -> (Complex<f64>, Complex<f64>) {
+    pub(super) fn receptance(&self, omega: f64) -> (Complex<f64>, Complex<f64>) {
         let damping = self.omega * self.inverse_q();
         // As a product, so that nothing cancels near resonance.
         let stiffness = (self.omega - omega) * (self.omega + omega);

@@ -5,10 +5,15 @@
 mod amplitude;
 mod contact_time;
 mod contacts;
+mod deflection_amplitude;
+mod deflection_mean;
+mod deflection_phase;
 mod dissipation;
 mod force_max;
 mod force_mean;
 mod force_min;
+mod free_phase;
+mod frequency_shift;
 mod harmonic_amplitude;
 mod indentation_max;
 mod phase;
@@ -32,6 +37,11 @@ pub enum Observable {
     Virial,
     Contacts,
     HarmonicAmplitude,
+    DeflectionAmplitude,
+    DeflectionPhase,
+    DeflectionMean,
+    FreePhase,
+    FrequencyShift,
 }
 
 /// What all of these observables need an engine to sum.
@@ -62,6 +72,16 @@ pub struct Measured {
     pub virial: f64,
     /// Per period.
     pub contacts: f64,
+    /// m
+    pub deflection_amplitude: f64,
+    /// Degree.
+    pub deflection_phase: f64,
+    /// m
+    pub deflection_mean: f64,
+    /// Degree.
+    pub free_phase: f64,
+    /// Hz
+    pub frequency_shift: f64,
 }
 
 impl Measured {
@@ -77,6 +97,11 @@ impl Measured {
         dissipation: f64::NAN,
         virial: f64::NAN,
         contacts: f64::NAN,
+        deflection_amplitude: f64::NAN,
+        deflection_phase: f64::NAN,
+        deflection_mean: f64::NAN,
+        free_phase: f64::NAN,
+        frequency_shift: f64::NAN,
     };
 
     /// Whether anything was.
@@ -108,6 +133,30 @@ pub enum Scale {
     One,
     /// An angle, in degree, of the fundamental of the travel.
     Phase,
+    /// An angle, in degree, of the fundamental of the deflection.
+    DeflectionPhase,
+    /// A shift of the resonance, in Hz.
+    Shift,
+}
+
+impl Scale {
+    /// In words, for those who read a results file.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Length | Self::Depth => "free tip amplitude",
+            Self::Force => "larger of the sizes of force_max and force_min",
+            Self::Work => "drive_work",
+            Self::WorkOrItself => "drive_work, or the value itself if larger",
+            Self::One => "1",
+            Self::Phase => "one radian, times the share of the free amplitude that is left",
+            Self::Shift => {
+                "what an error of the free tip amplitude in the fundamental makes of it, to first order"
+            }
+            Self::DeflectionPhase => {
+                "one radian, times deflection_amplitude over the free tip amplitude, at most 1"
+            }
+        }
+    }
 }
 
 /// How an observable follows from the measurements.
@@ -141,6 +190,11 @@ static ENTRIES: &[Entry] = &[
     virial::ENTRY,
     contacts::ENTRY,
     harmonic_amplitude::ENTRY,
+    deflection_amplitude::ENTRY,
+    deflection_phase::ENTRY,
+    deflection_mean::ENTRY,
+    free_phase::ENTRY,
+    frequency_shift::ENTRY,
 ];
 
 impl Observable {
@@ -214,10 +268,15 @@ mod tests {
             Observable::Virial,
             Observable::Contacts,
             Observable::HarmonicAmplitude,
+            Observable::DeflectionAmplitude,
+            Observable::DeflectionPhase,
+            Observable::DeflectionMean,
+            Observable::FreePhase,
+            Observable::FrequencyShift,
         ] {
             assert_eq!(observable.entry().observable, observable);
             assert_eq!(Observable::from_name(observable.name()), Some(observable));
         }
-        assert_eq!(Observable::all().count(), 11);
+        assert_eq!(Observable::all().count(), 16);
     }
 }

@@ -45,6 +45,23 @@ impl Status {
         }
     }
 
+    /// Why an instance has it, and what helps.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Ok => "nothing to do",
+            Self::NotSteady => {
+                "the response still changes by more than the accuracy asked for; more [run] periods settle it if every mode that rings has a quality factor and the tapping has a steady state"
+            }
+            Self::Sensitive => "a tiny change of the start moves the result",
+            Self::NonFinite => "values ran out of the range of numbers; more steps per period may help",
+            Self::OutOfRange => "a contact lasts only a few steps; raise [run] steps_per_period",
+            Self::NotRun => "the run was stopped before it was done",
+            Self::AccuracyNotMet => {
+                "its error is estimated, or was found by an audit, above the accuracy asked for (error_estimate, group audit)"
+            }
+        }
+    }
+
     /// Whether the instance has a steady motion, known well or not.
     pub fn is_steady(self) -> bool {
         matches!(self, Self::Ok | Self::OutOfRange | Self::AccuracyNotMet)

@@ -26,10 +26,15 @@ pub struct Options {
     /// Step of the central differences that make the slope at the end; without one the slope on one side will do there,
     /// unless it leaves the state's stability in doubt.
     pub last_step: Option<f64>,
+    /// A multiplier by one-sided differences, or by those of a map that differs little, that is below this leaves no doubt
+    /// of the state's stability.
+    pub clearly: f64,
     /// Most evaluations of the map.
     pub most: u32,
     /// Whether the start is thought to be next to the fixed point.
     pub near: bool,
+    /// Whether the slope that it begins with is that of a fixed point nearby: the first stride goes by it.
+    pub carried: bool,
     /// Whether only a stable fixed point is of use.
     pub stable: bool,
 }
@@ -78,9 +83,6 @@ const LONGEST: f64 = 10.0;
 const CARRIED: f64 = 3.0;
 /// Beyond so many periods a stride is Newton's step.
 const NEWTON: f64 = 1e5;
-
-/// A multiplier by one-sided differences that is below this leaves no doubt of the state's stability.
-const CLEARLY: f64 = 0.99;
 
 #[derive(Clone, Debug)]
 enum Stage<D: Size>
@@ -258,7 +260,11 @@ where
         match values {
             [Some(value)] => {
                 self.change = value - &self.state;
-                if self.known.is_some() { self.stride() } else { Stage::Slope { whole: false } }
+                if self.known.is_some() || self.options.carried {
+                    self.stride()
+                } else {
+                    Stage::Slope { whole: false }
+                }
             }
             _ => Stage::Done(Verdict::Lost(Lost::Undefined)),
         }
@@ -306,7 +312,7 @@ where
                 None if enough || !central => Some(Spectrum::of(&self.slope)),
                 known => known,
             };
-            let sure = |at: &Spectrum| !self.options.stable || at.multiplier < CLEARLY;
+            let sure = |at: &Spectrum| !self.options.stable || at.multiplier < self.options.clearly;
             return at.filter(sure).map_or(Stage::Last, |at| self.found(at));
         }
         if !far && self.time < NEWTON {

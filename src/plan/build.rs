@@ -1,7 +1,8 @@
 //! From a scene to its plan.
 
 use super::{
-    Drive, Driven, Ensemble, Instance, InstanceId, Plan, Policy, Precision, ReducedBasis, Resolution, steps,
+    Curves, Drive, Driven, Ensemble, Instance, InstanceId, Plan, Policy, Precision, ReducedBasis, Resolution,
+    steps,
 };
 use crate::contact::Contact;
 use crate::instrument::{Instrument, InstrumentError};
@@ -185,6 +186,10 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
     Ensemble {
         drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
         instances: drive_of.par_iter().enumerate().map(instance).collect(),
+        curves: scene.sweep.curve.and_then(|curve| {
+            let points = scene.sweep.axes.last()?.values.len() as u32;
+            Some(Curves { points, ways: 1 + u32::from(curve.both) })
+        }),
     }
 }
 

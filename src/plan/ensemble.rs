@@ -17,6 +17,28 @@ pub struct Ensemble {
     pub drives: Vec<Arc<Drive>>,
     /// In the scene's order.
     pub instances: Vec<Instance>,
+    /// Where the instances are points of curves, how these lie in their order.
+    pub curves: Option<Curves>,
+}
+
+/// Curves of equal length, one after the other; where they are followed both ways, the points of the way back come after
+/// those of the way there, in the same order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Curves {
+    /// On one way.
+    pub points: u32,
+    /// 1 or 2.
+    pub ways: u32,
+}
+
+impl Curves {
+    /// Number of the instance's curve, and its place along it in the order in which it is followed.
+    pub fn place(&self, id: InstanceId) -> (u32, u32) {
+        let long = self.points * self.ways;
+        let (curve, within) = (id.0 / long, id.0 % long);
+        let back = within >= self.points;
+        (curve, if back { long - 1 - (within - self.points) } else { within })
+    }
 }
 
 /// One instrument at one drive.

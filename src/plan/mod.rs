@@ -1,6 +1,7 @@
 //! What a scene needs, as plain data that can be printed: the ensemble of its instances, which never changes, and plans,
 //! which say what of it runs and how finely.
 
+mod between;
 mod build;
 mod classes;
 mod compliance;
@@ -18,7 +19,7 @@ mod variants;
 pub use build::PlanError;
 pub use classes::Class;
 pub use compliance::{compliance, reduced};
-pub use ensemble::{Drive, Ensemble, Instance, InstanceId};
+pub use ensemble::{Curves, Drive, Ensemble, Instance, InstanceId};
 pub use modes::{BasisRule, KeptMode, ReducedBasis};
 pub use policy::Policy;
 pub use precision::Precision;

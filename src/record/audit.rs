@@ -3,8 +3,9 @@
 use super::observables;
 use crate::control::{Audited, Verdict};
 use crate::engine::Finished;
+use crate::observe::Status;
 use crate::plan::Plan;
-use crate::store::{Attribute, Listed, Results, Variable};
+use crate::store::{Attribute, Flags, Listed, Results, Variable};
 
 const ESTIMATE: &str = "error_estimate";
 
@@ -42,22 +43,33 @@ fn group(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
     }
     let truths: Vec<Finished> = audited.iter().map(|one| one.truth).collect();
     let mut variables = observables(plan, &truths);
+    // The root says on what errors count.
+    variables.iter_mut().for_each(|variable| variable.error_scale.clear());
     for (place, observable) in plan.observables.iter().enumerate() {
         let errors = audited.iter().map(|one| one.errors[place]).collect();
         let long_name = format!("error of {}, on the scale of accuracy", observable.long_name());
         variables.push(one(&format!("{}_error", observable.name()), &long_name, errors));
     }
-    let statuses = truths.iter().map(|truth| f64::from(truth.status as u8)).collect();
-    variables.push(one(
-        "reference_status",
-        "status by the reference engine, by the codes of status",
-        statuses,
-    ));
     let blind = audited.iter().map(|one| one.blind).collect();
     variables.push(one("reference_error", "what the reference itself may be off by, at the most", blind));
-    Some(Listed { instances: audited.iter().map(|one| u64::from(one.instance)).collect(), variables })
+    let statuses = Flags {
+        name: "reference_status".into(),
+        long_name: "status by the reference engine".into(),
+        meanings: Status::ALL.iter().map(|status| status.meaning().to_owned()).collect(),
+        bits: false,
+        data: truths.iter().map(|truth| truth.status as u8).collect(),
+    };
+    let instances = audited.iter().map(|one| u64::from(one.instance)).collect();
+    Some(Listed { instances, variables, flags: vec![statuses] })
 }
 
 fn one(name: &str, long_name: &str, data: Vec<f64>) -> Variable {
-    Variable { name: name.into(), units: "1".into(), long_name: long_name.into(), harmonics: None, data }
+    Variable {
+        name: name.into(),
+        units: "1".into(),
+        long_name: long_name.into(),
+        harmonics: None,
+        error_scale: String::new(),
+        data,
+    }
 }

@@ -10,13 +10,16 @@ use crate::control::Arithmetic;
 use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
 use crate::plan::{Plan, Precision};
-use crate::scene::{Layout, Params, Scene};
+use crate::scene::{CURVE_WAYS, Layout, Params, Scene};
 use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
 pub use audit::{audit, error_estimate};
-pub use search::{BRANCHES, search};
+pub use search::{BRANCHES, JUMPS, jumps, search};
 pub use waveforms::waveforms;
+
+/// The revision of the sources that the program was built from: `git describe`, or `unknown` outside a repository.
+pub const SOURCE_REVISION: &str = env!("AFMSWEEP_REVISION");
 
 /// What is known of a run beside its numbers.
 #[derive(Clone, Debug)]
@@ -28,6 +31,8 @@ pub struct Facts {
     pub rate: f64,
     /// The plan as JSON.
     pub plan: String,
+    /// How the program was called; of a library, that it is one.
+    pub command_line: String,
     pub arithmetic: Arithmetic,
 }
 
@@ -66,19 +71,23 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
         other_branch: None,
         comments: Vec::new(),
         attributes: vec![
-            ("scene".into(), Attribute::Text(scene.source.clone())),
-            ("scene_resolved".into(), Attribute::Text(scene.resolved_toml())),
-            ("from_preset".into(), Attribute::Text(from_preset(scene))),
-            ("plan".into(), Attribute::Text(facts.plan.clone())),
-            ("policy".into(), Attribute::Text(plan.policy.lines().join("\n"))),
             ("program".into(), Attribute::Text("afmsweep".into())),
             ("version".into(), Attribute::Text(env!("CARGO_PKG_VERSION").into())),
+            ("source_revision".into(), Attribute::Text(SOURCE_REVISION.into())),
+            ("command_line".into(), Attribute::Text(facts.command_line.clone())),
             ("device".into(), Attribute::Text(facts.device.clone())),
             ("precision".into(), Attribute::Text(facts.arithmetic.name().into())),
             ("precision_reason".into(), Attribute::Text(facts.arithmetic.reason.clone())),
             ("wall_time_seconds".into(), Attribute::Number(facts.wall_time)),
             ("instance_steps".into(), Attribute::Number(plan.instance_steps() as f64)),
             ("instance_steps_per_second".into(), Attribute::Number(facts.rate)),
+        ],
+        provenance: vec![
+            ("scene".into(), scene.source.clone()),
+            ("scene_resolved".into(), scene.resolved_toml()),
+            ("from_preset".into(), from_preset(scene)),
+            ("plan".into(), facts.plan.clone()),
+            ("policy".into(), plan.policy.lines().join("\n")),
         ],
     }
 }
@@ -106,6 +115,11 @@ fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
         name: axis.name.clone(),
         units: axis.units.clone(),
         long_name: axis.long_name.clone(),
+        scene_path: if axis.path.is_empty() { "curve.direction".into() } else { axis.path.clone() },
+        words: match axis.path.is_empty() {
+            true => CURVE_WAYS.map(str::to_owned).to_vec(),
+            false => Vec::new(),
+        },
         values: axis.values.clone(),
     }
 }
@@ -117,6 +131,7 @@ fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
         units: "1".into(),
         long_name: "Tabor's parameter of the contact".into(),
         harmonics: None,
+        error_scale: String::new(),
         data: plan.cases().map(|case| case.contact.tabor).collect(),
     });
     variables.extend(drive_work(plan, results));
@@ -135,6 +150,7 @@ fn drive_work(plan: &Plan, results: &[Finished]) -> Option<Variable> {
         units: "J".into(),
         long_name: "work of the drive per period, or the loss if larger: the scale of errors of both".into(),
         harmonics: None,
+        error_scale: String::new(),
         data: results.par_iter().enumerate().map(of).collect(),
     })
 }
@@ -153,6 +169,7 @@ fn observables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
                 units: observable.units().into(),
                 long_name: observable.long_name().into(),
                 harmonics: (observable == Observable::HarmonicAmplitude).then_some(width),
+                error_scale: observable.scale().words().into(),
                 data,
             }
         })

@@ -11,6 +11,9 @@ use crate::store::{Branch, Flags, NO_STATE, Results, Variable};
 /// What the codes of the flag `branch` mean.
 pub const BRANCHES: [&str; 3] = ["none", "attractive", "repulsive"];
 
+/// What the codes of the flag `jump` mean.
+pub const JUMPS: [&str; 2] = ["continuous", "jump"];
+
 /// The branch of a tapping point, by its mean force: attractive below zero, repulsive above (Garcia & San Paulo,
 /// Phys. Rev. B 60 (1999) 4961); none without a steady state or a force.
 fn branch(one: &Finished) -> u8 {
@@ -41,10 +44,24 @@ pub fn search(
         units: "1".into(),
         long_name: "drive periods stepped in the last run, those of the search among them".into(),
         harmonics: None,
+        error_scale: String::new(),
         data: periods.iter().map(|count| f64::from(*count)).collect(),
     });
     results.flags.push(branch_flags(finished.iter().map(branch).collect()));
     results.other_branch = others.map(|others| branches(plan, &others.states));
+}
+
+/// Adds the flag `jump` to the results of curves.
+pub fn jumps(results: &mut Results, jumps: &[bool]) {
+    if !jumps.is_empty() {
+        results.flags.push(Flags {
+            name: "jump".into(),
+            long_name: "whether the state was reached continuously from the point before".into(),
+            meanings: JUMPS.iter().map(|word| (*word).to_owned()).collect(),
+            bits: false,
+            data: jumps.iter().map(|jump| u8::from(*jump)).collect(),
+        });
+    }
 }
 
 /// Second states over all instances.
@@ -89,6 +106,7 @@ fn multipliers(data: Vec<f64>) -> Variable {
         units: "1".into(),
         long_name: "modulus of the period map's largest multiplier, below 1 for a stable state".into(),
         harmonics: None,
+        error_scale: String::new(),
         data,
     }
 }

@@ -79,7 +79,7 @@ impl Axis {
 
     fn linear_ticks(&self, count: usize) -> Vec<Tick> {
         let span = self.high - self.low;
-        let rough = span / count.max(1) as f64;
+        let rough = span / (count.max(1) as f64 + 0.5);
         let power = 10f64.powf(rough.log10().floor());
         let angles = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0];
         let step = match angles.into_iter().find(|step| *step >= rough) {

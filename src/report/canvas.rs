@@ -6,6 +6,7 @@ use plotters::element::{Circle, PathElement, Rectangle, Text};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
+use std::cell::RefCell;
 
 /// Plotters places things on whole units; a pixel is this many of them.
 const FINE: f64 = 10.0;
@@ -14,6 +15,8 @@ pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
 pub(super) const PALE: RGBColor = RGBColor(228, 228, 228);
 pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
+/// Stands for an image until the picture is whole.
+const PLACEHOLDER: RGBColor = RGBColor(1, 2, 3);
 /// Lines told apart by readers with any colour vision: blue, vermilion, green, plum, ochre, sky.
 pub(super) const LINES: [RGBColor; 6] = [
     RGBColor(0, 95, 170),
@@ -36,6 +39,8 @@ pub(super) enum Anchor {
 
 pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
+    /// Addresses of images, in the order of their placeholders.
+    images: RefCell<Vec<String>>,
 }
 
 /// Draws a picture of this size in pixels and gives its SVG text.
@@ -44,19 +49,34 @@ pub(super) fn picture(
     draw: impl FnOnce(&Canvas) -> Result<(), ReportError>,
 ) -> Result<String, ReportError> {
     let mut svg = String::new();
+    let images;
     let size = ((width * FINE) as u32, (height * FINE) as u32);
     {
         let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        let canvas = Canvas { area };
+        let canvas = Canvas { area, images: RefCell::default() };
         canvas.rectangle((0.0, 0.0), (width, height), WHITE)?;
         draw(&canvas)?;
         canvas.area.present().map_err(ReportError::draw)?;
+        images = canvas.images.into_inner();
+    }
+    for address in images {
+        svg = with_image(&svg, &address);
     }
     // The drawing keeps its fine units; the picture is shown at its size in pixels.
     let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
     // Said of every shape and true without saying: a third of a map's size.
     let svg = svg.replace(" opacity=\"1\"", "").replace(" stroke=\"none\"", "");
     Ok(svg.replacen(&fine, &format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox"), 1))
+}
+
+/// The picture with an image in place of the first placeholder.
+fn with_image(svg: &str, address: &str) -> String {
+    let shade = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACEHOLDER.0, PLACEHOLDER.1, PLACEHOLDER.2);
+    let Some(begin) = svg.find(&shade).and_then(|at| svg[..at].rfind("<rect")) else { return svg.to_owned() };
+    let Some(length) = svg[begin..].find("/>") else { return svg.to_owned() };
+    let place = svg[begin..begin + length].trim_start_matches("<rect").replace(&shade, "");
+    let image = format!("<image{place} preserveAspectRatio=\"none\" href=\"{address}\"/>");
+    format!("{}{image}{}", &svg[..begin], &svg[begin + length + 2..])
 }
 
 fn fine((x, y): (f64, f64)) -> (i32, i32) {
@@ -76,6 +96,13 @@ impl Canvas<'_> {
     pub fn rectangle(&self, a: (f64, f64), b: (f64, f64), colour: RGBColor) -> Result<(), ReportError> {
         let shape = Rectangle::new([fine(a), fine(b)], colour.filled());
         self.area.draw(&shape).map_err(ReportError::draw)
+    }
+
+    /// An image, given by its address, that fills this rectangle. The drawing library has no such element: a rectangle of a
+    /// colour that nothing else has stands for it until the picture is whole.
+    pub fn image(&self, a: (f64, f64), b: (f64, f64), address: String) -> Result<(), ReportError> {
+        self.images.borrow_mut().push(address);
+        self.rectangle(a, b, PLACEHOLDER)
     }
 
     pub fn outline(

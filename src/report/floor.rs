@@ -30,7 +30,7 @@ pub(super) fn errors(results: &Results, variable: &Variable) -> Option<Vec<f64>>
 }
 
 /// The accuracy that the scene asks for, as far as the file tells.
-fn accuracy(results: &Results) -> Option<f64> {
+pub(super) fn accuracy(results: &Results) -> Option<f64> {
     let scene: toml::Table = results.text("scene_resolved")?.parse().ok()?;
     scene.get("run")?.get("accuracy")?.as_float()
 }

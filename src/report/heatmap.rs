@@ -1,19 +1,15 @@
 //! Values over two axes as coloured cells, alone or as panels over slices of further axes.
 
 use super::ReportError;
-use super::axis::{Axis, is_log_spaced, spans_decades};
+use super::axis::{Axis, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, PALE, WHITE, picture};
+use super::cells::{Cells, Field, MARKED, MOST_CELLS, NONE, RASTER};
 use super::frame::{
     DOUBTFUL, Frame, KEY_ROW, Key, LABEL, NOTHING, SMALL, State, Tally, colour, key, key_rows, left_margin,
-    mark, title, upward,
+    title, upward,
 };
+use super::hover::Hover;
 use crate::store::Coordinate;
-use plotters::style::RGBColor;
-
-/// The colour of a value that is nothing within its error.
-const NONE: RGBColor = RGBColor(176, 176, 176);
-/// Cells along an axis at most; finer grids are averaged.
-const MOST_CELLS: usize = 128;
 
 /// One field: a row of values for each value of the y axis.
 pub struct Panel {
@@ -38,52 +34,6 @@ pub struct Heatmap<'a> {
     pub panels: Vec<Panel>,
     /// Names of the lines over the cells: the first is drawn through, the others dashed.
     pub lines: Vec<String>,
-}
-
-/// The cells along one axis: where they end and which values they show.
-struct Cells {
-    axis: Axis,
-    /// Ends on the axis' scale, one more than there are cells.
-    edges: Vec<f64>,
-    members: Vec<Vec<usize>>,
-}
-
-impl Cells {
-    fn along(coordinate: &Coordinate) -> Self {
-        let name = short(coordinate);
-        let values = &coordinate.values;
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let usable = values.iter().all(|value| value.is_finite())
-            && order.windows(2).all(|pair| values[pair[0]] < values[pair[1]]);
-        // Values that occur twice or are not finite have no place of their own; their number has.
-        let (axis, places) = if usable {
-            let log = is_log_spaced(values);
-            let axis = Axis::over(values.iter().copied(), &coordinate.units, &name, log, 0.0);
-            let places: Vec<f64> = order.iter().map(|&i| axis.scaled(values[i])).collect();
-            (axis, places)
-        } else {
-            order.sort_unstable();
-            let places: Vec<f64> = (0..values.len()).map(|i| i as f64).collect();
-            let label = format!("{name}, number of the value");
-            (Axis::over(places.iter().copied(), "1", &label, false, 0.0), places)
-        };
-        let mut edges: Vec<f64> = places.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
-        let (first, last) = match places.as_slice() {
-            [] => (0.0, 1.0),
-            [only] => (only - 0.5 * only.abs().max(1e-3), only + 0.5 * only.abs().max(1e-3)),
-            [a, b] => (a - (b - a) / 2.0, b + (b - a) / 2.0),
-            [a, b, .., y, z] => (a - (b - a) / 2.0, z + (z - y) / 2.0),
-            [a, b, c] => (a - (b - a) / 2.0, c + (c - b) / 2.0),
-        };
-        edges.insert(0, first);
-        edges.push(last);
-        let block = values.len().div_ceil(MOST_CELLS).max(1);
-        let members: Vec<Vec<usize>> = order.chunks(block).map(<[usize]>::to_vec).collect();
-        let mut ends: Vec<f64> = (0..members.len()).map(|i| edges[i * block]).collect();
-        ends.push(last);
-        Self { axis: axis.between(first, last), edges: ends, members }
-    }
 }
 
 /// What an axis is called beside it: its label, or its name in the file where that is too long.
@@ -112,6 +62,12 @@ impl Heatmap<'_> {
     /// # Errors
     /// [`ReportError::Draw`].
     pub fn draw(&self) -> Result<String, ReportError> {
+        Ok(self.draw_told()?.0)
+    }
+
+    /// The picture, and what lies where in it.
+    pub(super) fn draw_told(&self) -> Result<(String, Hover), ReportError> {
+        let mut hover = Hover::default();
         let (across, up) = (Cells::along(self.x), Cells::along(self.y));
         let all = || self.panels.iter().flat_map(|panel| &panel.values);
         let shown = all().filter(|(_, state)| state.has_value()).map(|(value, _)| *value);
@@ -130,10 +86,12 @@ impl Heatmap<'_> {
         let bar_left = left + field.0 + 22.0;
         let bar_labels = left_margin(&bar, field.1);
         let total_width = bar_left + 18.0 + bar_labels + 6.0;
-        let entries = self.entries(all().map(|(_, state)| *state), across.members.len() * up.members.len());
+        let per_panel = across.members.len() * up.members.len();
+        let entries = self.entries(all().map(|(_, state)| *state), per_panel);
+        let raster = per_panel * self.panels.len() > RASTER;
         let key_top = top + field.1 + 64.0;
         let total = (total_width, key_top + key_rows(total_width - left, &entries) * KEY_ROW);
-        picture(total, |canvas| {
+        let svg = picture(total, |canvas| {
             title(canvas, &self.title, left, total_width)?;
             for (number, panel) in self.panels.iter().enumerate() {
                 let (row, column) = (number / columns, number % columns);
@@ -148,7 +106,10 @@ impl Heatmap<'_> {
                 };
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
-                self.cells(&frame, panel, &across, &up, &bar)?;
+                let map = Field { frame: &frame, across: &across, up: &up, bar: &bar };
+                let cells = map.merged(&panel.values, self.x.values.len());
+                map.draw(&cells, raster)?;
+                hover.cells(map.told(&cells, self.x, self.y));
                 overlay(&frame, &panel.lines)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.ticks(lowest, column == 0)?;
@@ -159,57 +120,8 @@ impl Heatmap<'_> {
             }
             colour_bar(canvas, &bar, (bar_left, top + captions), field.1 - captions)?;
             key(canvas, (left, key_top), total_width, &entries)
-        })
-    }
-
-    fn cells(
-        &self,
-        frame: &Frame,
-        panel: &Panel,
-        across: &Cells,
-        up: &Cells,
-        bar: &Axis,
-    ) -> Result<(), ReportError> {
-        let canvas = frame.canvas;
-        let x_at = |edge: f64| frame.left + frame.x.place_scaled(edge) * frame.width;
-        let y_at = |edge: f64| frame.top + (1.0 - frame.y.place_scaled(edge)) * frame.height;
-        let marks = across.members.len() * up.members.len() <= 2500;
-        let mut doubtful = Vec::new();
-        for (row, ys) in up.members.iter().enumerate() {
-            let mut run = None;
-            let (bottom, top) = (y_at(up.edges[row]), y_at(up.edges[row + 1]));
-            for (column, xs) in across.members.iter().enumerate() {
-                let (left, right) = (x_at(across.edges[column]), x_at(across.edges[column + 1]));
-                let members = ys.iter().flat_map(|&y| xs.iter().map(move |&x| (x, y)));
-                let cell = members.filter_map(|(x, y)| panel.values.get(y * self.x.values.len() + x));
-                let (value, state) = merge(cell);
-                // Over a pixel of the neighbours drawn next, or the background shows through the seams.
-                let end = (frame.left + frame.width, frame.top);
-                let (a, b) = ((left, bottom), ((right + 1.0).min(end.0), (top - 1.0).max(end.1)));
-                let shade = match state {
-                    State::Failed => None,
-                    State::Empty => Some(PALE),
-                    State::Zero => Some(NONE),
-                    State::Good | State::Doubtful => Some(colour(bar.place(value))),
-                };
-                // Neighbours of one colour are one rectangle.
-                match (shade, &mut run) {
-                    (Some(shade), Some((_, end, same))) if shade == *same => *end = b,
-                    _ => {
-                        fill(canvas, run.take())?;
-                        match shade {
-                            Some(shade) => run = Some((a, b, shade)),
-                            None => canvas.hatched(a, b)?,
-                        }
-                    }
-                }
-                if state == State::Doubtful && marks {
-                    doubtful.push(((left + right) / 2.0, (bottom + top) / 2.0));
-                }
-            }
-            fill(canvas, run)?;
-        }
-        doubtful.into_iter().try_for_each(|at| mark(canvas, at))
+        })?;
+        Ok((svg, hover))
     }
 
     fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
@@ -229,7 +141,7 @@ impl Heatmap<'_> {
             entries.push((Key::Hatched, format!("failed ({})", tally.failed)));
         }
         if tally.doubtful > 0 {
-            let unmarked = if cells > 2500 { ", not marked" } else { "" };
+            let unmarked = if cells > MARKED { ", not marked" } else { "" };
             let text = format!("{DOUBTFUL} ({}{unmarked})", tally.doubtful);
             entries.push((Key::Marked(colour(0.4)), text));
         }
@@ -239,13 +151,6 @@ impl Heatmap<'_> {
         }
         entries
     }
-}
-
-/// Corners and colour of cells to be drawn as one.
-type Run = ((f64, f64), (f64, f64), RGBColor);
-
-fn fill(canvas: &Canvas, run: Option<Run>) -> Result<(), ReportError> {
-    run.map_or(Ok(()), |(a, b, shade)| canvas.rectangle(a, b, shade))
 }
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.
@@ -265,34 +170,6 @@ fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> 
         }
     }
     Ok(())
-}
-
-/// The mean of a cell's values, and what most of its instances are.
-fn merge<'a>(cell: impl Iterator<Item = &'a (f64, State)>) -> (f64, State) {
-    let (mut sum, mut good, mut doubtful, mut zero, mut empty, mut failed) = (0.0, 0, 0, 0, 0, 0);
-    for (value, state) in cell {
-        match state {
-            State::Good => good += 1,
-            State::Doubtful => doubtful += 1,
-            State::Zero => zero += 1,
-            State::Empty => empty += 1,
-            State::Failed => failed += 1,
-        }
-        if state.has_value() {
-            sum += value;
-        }
-    }
-    let valued = good + doubtful;
-    let state = if zero > valued && zero >= empty + failed {
-        State::Zero
-    } else if valued == 0 || valued < empty + failed {
-        if failed >= empty { State::Failed } else { State::Empty }
-    } else if doubtful > good {
-        State::Doubtful
-    } else {
-        State::Good
-    };
-    (sum / f64::from(valued.max(1)), state)
 }
 
 fn colour_bar(canvas: &Canvas, bar: &Axis, (left, top): (f64, f64), height: f64) -> Result<(), ReportError> {

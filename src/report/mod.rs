@@ -4,17 +4,24 @@
 
 mod axis;
 mod canvas;
+mod cells;
 mod chart;
+mod csv;
 mod curve;
 mod document;
+mod findings;
 mod floor;
 mod force_curve;
 mod frame;
 mod heatmap;
+mod hover;
 mod page;
 mod pictures;
 mod quantity;
+mod raster;
+mod tables;
 mod variable;
+mod view;
 mod waveform;
 
 pub use chart::{Chart, Field, Look, Mark, Plot};
@@ -22,6 +29,7 @@ pub use document::{Block, Document, Table};
 pub use frame::State;
 pub use heatmap::{Heatmap, Panel};
 pub use quantity::shown;
+pub use view::Wish;
 
 use crate::store::{StoreError, read};
 use std::fs;
@@ -45,23 +53,66 @@ pub enum ReportError {
     Io { path: PathBuf, doing: &'static str, source: io::Error },
     #[error("a picture could not be drawn: {why}")]
     Draw { why: String },
+    #[error("{option} {name}: expected {expected}")]
+    Wish { option: &'static str, name: String, expected: String },
 }
 
-/// Writes `index.html`, `report.md` and the pictures of a results file into a folder, and gives the folder.
+impl ReportError {
+    /// Of an option that names what the results do not have.
+    fn wish(option: &'static str, name: &str, expected: &str) -> Self {
+        Self::Wish { option, name: name.to_owned(), expected: expected.to_owned() }
+    }
+}
+
+/// A page that was written.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Report {
+    pub folder: PathBuf,
+    /// The pictures, in the order of the page.
+    pub pictures: Vec<Pictured>,
+    /// What was not drawn, a sentence each.
+    pub left_out: Vec<String>,
+    /// What came out, and how good it is, in two sentences.
+    pub findings: Vec<String>,
+}
+
+/// A picture of a page.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Pictured {
+    pub title: String,
+    /// File in the report's folder.
+    pub file: String,
+    /// Likewise its numbers; none where they would be too many.
+    pub csv: Option<String>,
+}
+
+/// Writes `index.html`, `report.md`, the pictures of a results file and their numbers into a folder. The wish says which
+/// axes the pictures have.
 ///
 /// Without `output` the folder is the file's name without its ending. A folder that holds anything else
 /// than an earlier report is left alone.
-pub fn write(file: &Path, output: Option<&Path>) -> Result<PathBuf, ReportError> {
+///
+/// # Errors
+/// See [`ReportError`].
+pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, ReportError> {
     let folder = output.map_or_else(|| default_folder(file), Path::to_path_buf);
     check_folder(&folder, MARKER)?;
     let results = read(file)?;
-    let drawn = pictures::all(&results)?;
+    let drawn = pictures::all(&results, wish)?;
     let page = ("index.html".to_owned(), page::html(&results, file, &drawn));
     let text = ("report.md".to_owned(), page::markdown(&results, file, &drawn));
-    let drawn = drawn.pictures.into_iter().map(|picture| (picture.file, picture.svg));
-    let files: Vec<(String, String)> = [page, text].into_iter().chain(drawn).collect();
+    let mut files = vec![page, text];
+    let mut pictures = Vec::new();
+    for picture in drawn.pictures {
+        let csv = picture.csv.as_ref().map(|_| format!("{}.csv", picture.name));
+        pictures.push(Pictured { title: picture.title.clone(), file: picture.file(), csv: csv.clone() });
+        files.push((picture.file(), picture.svg));
+        files.extend(csv.zip(picture.csv));
+    }
     save(&folder, MARKER, &files)?;
-    Ok(folder)
+    Ok(Report { folder, pictures, left_out: drawn.left_out, findings: findings::all(&results) })
 }
 
 /// Writes files (name, content) into a folder, which is made if need be. `index.html` is to come first

@@ -4,21 +4,51 @@ use super::ReportError;
 use super::floor::{SCALES, errors};
 use super::force_curve;
 use super::frame::State;
+use super::hover::Hover;
 use super::quantity::Unit;
-use super::{variable, waveform};
-use crate::store::{Coordinate, ForceCurve, Results, Variable};
+use super::view::{View, Wish};
+use super::{csv, variable, waveform};
+use crate::observe::Observable;
+use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable};
 
 /// Pictures of single instances at most, of each kind.
 const MOST_INSTANCES: usize = 24;
 
+/// What a picture is about, and so where it stands on the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// What a user asked for: observables, waveforms, force curves.
+    Asked,
+    /// How it was computed: estimates, periods, multipliers.
+    Computed,
+}
+
+impl Kind {
+    pub fn of(variable: &Variable) -> Self {
+        let computed = variable.error_scale.is_empty() && Observable::from_name(&variable.name).is_none();
+        if computed { Self::Computed } else { Self::Asked }
+    }
+}
+
 /// One picture of the page.
 pub(super) struct Picture {
-    /// Without folder, with `.svg`.
-    pub file: String,
+    pub kind: Kind,
+    /// Of its files, without folder and ending.
+    pub name: String,
     pub title: String,
     /// What was left out or fixed; may be empty.
     pub note: String,
     pub svg: String,
+    pub hover: Hover,
+    /// Its numbers; none where they would be too many.
+    pub csv: Option<String>,
+}
+
+impl Picture {
+    /// The name of the picture's own file.
+    pub fn file(&self) -> String {
+        format!("{}.svg", self.name)
+    }
 }
 
 /// What a page shows, and what it does not: a line for each.
@@ -28,12 +58,16 @@ pub(super) struct Drawn {
 }
 
 /// All pictures: one for each variable that varies by more than its error, then waveforms, then force curves.
-pub(super) fn all(results: &Results) -> Result<Drawn, ReportError> {
+pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> {
+    if !results.list {
+        // A wish that cannot be met is told whatever there is to draw.
+        View::of(results, wish)?;
+    }
     let (mut pictures, mut undrawn) = (Vec::new(), Vec::new());
     for one in results.variables.iter().filter(|one| !SCALES.contains(&one.name.as_str())) {
         match says_nothing(results, one) {
             Some(line) => undrawn.push(line),
-            None => pictures.extend(variable::draw(results, one)?),
+            None => pictures.extend(variable::draw(results, one, wish)?),
         }
     }
     if let Some(waveforms) = &results.waveforms {
@@ -41,7 +75,10 @@ pub(super) fn all(results: &Results) -> Result<Drawn, ReportError> {
             let title = format!("Waveform of instance {instance}");
             let svg = waveform::draw(waveforms, row, &with_case(results, &title, *instance))?;
             let note = left_out(row, waveforms.instances.len(), "waveforms");
-            pictures.push(Picture { file: format!("waveform_{instance}.svg"), title, note, svg });
+            let name = format!("waveform_{instance}");
+            let csv = Some(csv::of_waveform(waveforms, row));
+            let hover = Hover::default();
+            pictures.push(Picture { kind: Kind::Asked, name, title, note, svg, hover, csv });
         }
     }
     let mut instances: Vec<u64> = results.force_curves.iter().map(|curve| curve.instance).collect();
@@ -54,7 +91,9 @@ pub(super) fn all(results: &Results) -> Result<Drawn, ReportError> {
         let title = format!("Force curve of instance {instance}");
         let svg = force_curve::draw(&curves, &with_case(results, &title, *instance))?;
         let note = left_out(row, instances.len(), "force curves");
-        pictures.push(Picture { file: format!("force_curve_{instance}.svg"), title, note, svg });
+        let name = format!("force_curve_{instance}");
+        let csv = Some(csv::of_force_curves(&curves));
+        pictures.push(Picture { kind: Kind::Asked, name, title, note, svg, hover: Hover::default(), csv });
     }
     Ok(Drawn { pictures, left_out: undrawn })
 }
@@ -70,6 +109,21 @@ pub(super) fn states(results: &Results, variable: &Variable) -> Vec<(f64, State)
         (value, state.within(value, error))
     };
     variable.data.iter().enumerate().map(state).collect()
+}
+
+/// The same of the second states, where there are any with this variable.
+pub(super) fn second_states(results: &Results, variable: &Variable) -> Option<Vec<(f64, State)>> {
+    let branch = results.other_branch.as_ref()?;
+    if branch.status.iter().all(|code| *code == NO_STATE) {
+        return None;
+    }
+    let second = branch.variables.iter().find(|one| one.name == variable.name)?;
+    let harmonics = second.harmonics.unwrap_or(1).max(1);
+    let state = |(number, &value): (usize, &f64)| match branch.status.get(number / harmonics) {
+        None | Some(&NO_STATE) => (f64::NAN, State::Empty),
+        Some(status) => (value, State::of(*status, value)),
+    };
+    Some(second.data.iter().enumerate().map(state).collect())
 }
 
 /// Why a variable of several instances needs no picture: it is nothing within its error everywhere, or the same.
@@ -108,7 +162,14 @@ fn left_out(row: usize, count: usize, what: &str) -> String {
 
 /// A title with the swept values of that instance.
 fn with_case(results: &Results, title: &str, instance: u64) -> String {
-    let Ok(mut rest) = usize::try_from(instance) else { return title.to_owned() };
+    let Ok(instance) = usize::try_from(instance) else { return title.to_owned() };
+    let parts = case(results, instance);
+    if parts.is_empty() { title.to_owned() } else { format!("{title}: {}", parts.join(", ")) }
+}
+
+/// The value of each axis at an instance.
+pub(super) fn case(results: &Results, instance: usize) -> Vec<String> {
+    let mut rest = instance;
     let mut parts = Vec::new();
     for axis in results.axes.iter().rev() {
         let length = axis.values.len().max(1);
@@ -121,11 +182,14 @@ fn with_case(results: &Results, title: &str, instance: u64) -> String {
         }
     }
     parts.reverse();
-    if parts.is_empty() { title.to_owned() } else { format!("{title}: {}", parts.join(", ")) }
+    parts
 }
 
 /// A value of an axis in the unit that fits it; zero, which none fits, in the axis' own.
 pub(super) fn shown(axis: &Coordinate, value: f64) -> String {
+    if let Some(word) = axis.words.get(value as usize) {
+        return word.clone();
+    }
     let largest = axis.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     Unit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() }).value(value)
 }

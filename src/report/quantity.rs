@@ -63,6 +63,11 @@ impl Unit {
         self.digits(value, 4)
     }
 
+    /// A value with its unit, as a sentence has it: `12.5 nm`.
+    pub fn short(&self, value: f64) -> String {
+        self.digits(value, 3)
+    }
+
     /// As [`Unit::value`], with so many significant digits.
     fn digits(&self, value: f64, digits: usize) -> String {
         if value.is_nan() {

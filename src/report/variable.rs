@@ -1,17 +1,22 @@
-//! The picture of one variable, over as many axes as the results have.
+//! The pictures of one variable, over as many axes as the results have.
 
 use super::ReportError;
-use super::curve::{self, Series};
+use super::curve::{self, Curves, Series};
 use super::frame::State;
 use super::heatmap::{Heatmap, Panel, brief, label};
-use super::pictures::{Picture, capital, shown, states};
+use super::hover::Hover;
+use super::pictures::{Kind, Picture, capital, second_states, shown, states};
+use super::view::{View, Wish};
 use crate::store::{Coordinate, Results, Variable};
 
 /// Harmonics shown at most: curves or maps side by side, and rows of slices.
 const MOST_HARMONICS: usize = 6;
 const MOST_ROWS: usize = 3;
+/// Values of the first and of the second axis that are shown side by side and below each other.
+const MOST_ACROSS: usize = 4;
+const MOST_DOWN: usize = 3;
 
-/// A variable as its picture names and shows it.
+/// A variable as its pictures name and show it.
 struct Subject<'a> {
     units: &'a str,
     heading: String,
@@ -20,32 +25,49 @@ struct Subject<'a> {
     harmonics: usize,
     /// Values with what became of each, an instance's side by side.
     states: Vec<(f64, State)>,
+    /// Likewise of the second states, where there are any.
+    second: Option<Vec<(f64, State)>>,
 }
 
-/// The picture of a variable; none of a single number.
-pub(super) fn draw(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
+/// A drawn picture and a note on it.
+type Shown = (String, Hover, String);
+
+/// The pictures of a variable: none of a single number, two where a map has second states.
+pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Result<Vec<Picture>, ReportError> {
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let subject = Subject {
+    let mut subject = Subject {
         units: &variable.units,
         heading: capital(name),
         axis_name: brief(name, &variable.name),
         harmonics: variable.harmonics.unwrap_or(1).max(1),
         states: states(results, variable),
+        second: second_states(results, variable),
     };
-    let (svg, note) = match (results.list, results.axes.as_slice()) {
-        (_, []) if subject.harmonics > 1 => (subject.over_harmonics()?, String::new()),
-        (_, []) if results.status.len() == 1 => return Ok(None),
-        (true, []) => {
-            subject.over_list(&[numbers("instance", "instance number", 0..results.status.len())])?
-        }
-        (true, parameters) => subject.over_list(parameters)?,
-        (false, []) => return Ok(None),
-        (false, [x]) => subject.over_line(x)?,
-        (false, [y, x]) => subject.over_plane(y, x)?,
-        (false, [slow @ .., y, x]) => subject.over_slices(slow, y, x)?,
+    let kind = Kind::of(variable);
+    let picture = |subject: &Subject, end: &str, (svg, hover, note): Shown| Picture {
+        kind,
+        name: format!("{}{end}", file_name(&variable.name)),
+        title: subject.heading.clone(),
+        note,
+        svg,
+        hover,
+        csv: super::csv::of_variable(results, variable),
     };
-    let file = format!("{}.svg", file_name(&variable.name));
-    Ok(Some(Picture { file, title: subject.heading, note, svg }))
+    if results.list || results.axes.is_empty() {
+        return Ok(match subject.unordered(results, wish)? {
+            Some(shown) => vec![picture(&subject, "", shown)],
+            None => Vec::new(),
+        });
+    }
+    let Some(view) = View::of(results, wish)? else { return Ok(Vec::new()) };
+    let mut pictures = vec![picture(&subject, "", subject.over(&results.axes, &view)?)];
+    // Curves show both states in one picture, maps cannot.
+    if let Some(second) = subject.second.take().filter(|_| view.y.is_some()) {
+        subject.states = second;
+        subject.heading += ", second state";
+        pictures.push(picture(&subject, "_second", subject.over(&results.axes, &view)?));
+    }
+    Ok(pictures)
 }
 
 /// Whole numbers as an axis.
@@ -54,6 +76,8 @@ fn numbers(name: &str, long_name: &str, numbers: std::ops::Range<usize>) -> Coor
         name: name.into(),
         units: "1".into(),
         long_name: long_name.into(),
+        scene_path: String::new(),
+        words: Vec::new(),
         values: numbers.map(|number| number as f64).collect(),
     }
 }
@@ -64,127 +88,173 @@ impl Subject<'_> {
         self.states.iter().skip(number).step_by(self.harmonics).copied().collect()
     }
 
-    /// The first harmonics, each as a curve, and what is left out.
-    fn first_harmonics(&self) -> (Vec<Series>, String) {
-        let one = |number| Series { name: format!("harmonic {}", number + 1), values: self.harmonic(number) };
-        let series = (0..self.harmonics.min(MOST_HARMONICS)).map(one).collect();
-        (series, self.first_of(MOST_HARMONICS).unwrap_or_default())
-    }
-
     /// A note where there are more harmonics than are shown.
     fn first_of(&self, most: usize) -> Option<String> {
         (self.harmonics > most).then(|| format!("The first {most} of {} harmonics.", self.harmonics))
     }
 
+    /// Of a list clouds of points, of a single case its harmonics; nothing of a single number.
+    fn unordered(&self, results: &Results, wish: &Wish) -> Result<Option<Shown>, ReportError> {
+        match (results.list, results.axes.as_slice()) {
+            (true, []) => {
+                let instances = numbers("instance", "instance number", 0..results.status.len());
+                self.over_list(&[instances]).map(Some)
+            }
+            (true, parameters) => {
+                let chosen = super::view::parameter(results, wish)?;
+                self.over_list(chosen.map_or(parameters, std::slice::from_ref)).map(Some)
+            }
+            _ if self.harmonics > 1 => self.over_harmonics().map(Some),
+            _ => Ok(None),
+        }
+    }
+
     /// The harmonics of the one instance as a curve.
-    fn over_harmonics(&self) -> Result<String, ReportError> {
+    fn over_harmonics(&self) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let values = self.states.iter().take(self.harmonics).copied().collect();
-        let series = [Series { name: String::new(), values }];
-        curve::curves(&self.heading, self.units, &self.axis_name, &orders, &series)
+        let series = vec![Series { name: String::new(), values, second: false }];
+        self.curves((&orders, ""), 1, vec![(String::new(), series)], String::new())
     }
 
     /// Clouds of points, one for each parameter, and a note on what is left out.
-    fn over_list(&self, parameters: &[Coordinate]) -> Result<(String, String), ReportError> {
+    fn over_list(&self, parameters: &[Coordinate]) -> Result<Shown, ReportError> {
         let note = match self.harmonics {
             1 => String::new(),
             harmonics => format!("The first of {harmonics} harmonics."),
         };
-        let series = Series { name: String::new(), values: self.harmonic(0) };
-        let svg = curve::scatter(&self.heading, self.units, &self.axis_name, parameters, &series)?;
-        Ok((svg, note))
+        let series = Series { name: String::new(), values: self.harmonic(0), second: false };
+        let (svg, hover) = curve::scatter(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
+        Ok((svg, hover, note))
     }
 
-    /// Curves, and a note.
-    fn over_line(&self, x: &Coordinate) -> Result<(String, String), ReportError> {
-        let (series, note) = self.first_harmonics();
-        Ok((curve::curves(&self.heading, self.units, &self.axis_name, x, &series)?, note))
-    }
-
-    /// Maps, and a note.
-    fn over_plane(&self, y: &Coordinate, x: &Coordinate) -> Result<(String, String), ReportError> {
-        let (series, note) = self.first_harmonics();
-        let panel = |one: Series| Panel {
-            caption: if self.harmonics > 1 { one.name } else { String::new() },
-            values: one.values,
-            lines: Vec::new(),
-        };
-        let panels: Vec<Panel> = series.into_iter().map(panel).collect();
-        let columns = if panels.len() > 2 { 3 } else { panels.len() };
-        Ok((self.maps(self.heading.clone(), y, x, columns, panels)?, note))
-    }
-
-    /// Maps, and a note: slices of the slowest axis stand in columns, those of the next one or the harmonics in rows.
-    fn over_slices(
-        &self,
-        slow: &[Coordinate],
-        y: &Coordinate,
-        x: &Coordinate,
-    ) -> Result<(String, String), ReportError> {
-        let chosen = self.chosen(slow);
-        let mut notes: Vec<String> =
-            slow.iter().zip(&chosen).filter_map(|(axis, picked)| some_of(axis, picked)).collect();
-        notes.extend(self.first_of(MOST_ROWS));
-        if notes.is_empty() {
-            let names: Vec<&str> = slow.iter().map(label).collect();
-            notes.push(format!("One picture for each value of: {}.", names.join(", ")));
-        }
-        let named: Vec<&str> = slow.iter().take(2).map(label).collect();
-        let title = format!("{}, by {}", self.heading, named.join(" and "));
-        let panels = self.slices(slow, &chosen, x.values.len() * y.values.len());
-        Ok((self.maps(title, y, x, chosen[0].len(), panels)?, notes.join(" ")))
-    }
-
-    /// Which values of each slow axis are shown.
-    fn chosen(&self, slow: &[Coordinate]) -> Vec<Vec<usize>> {
+    /// A grid: maps or curves, in panels over slices of further axes. Slices of the first of these stand in columns,
+    /// those of the next one, or the harmonics, in rows.
+    fn over(&self, axes: &[Coordinate], view: &View) -> Result<Shown, ReportError> {
+        let slow: Vec<&Coordinate> = view.panels.iter().map(|axis| &axes[*axis]).collect();
         let most = |depth| match depth {
-            0 => 4,
-            1 if self.harmonics == 1 => 3,
+            0 => MOST_ACROSS,
+            1 if self.harmonics == 1 => MOST_DOWN,
             _ => 1,
         };
-        slow.iter().enumerate().map(|(depth, axis)| spread(axis.values.len(), most(depth))).collect()
+        let chosen: Vec<Vec<usize>> =
+            slow.iter().enumerate().map(|(depth, axis)| spread(axis.values.len(), most(depth))).collect();
+        let mut notes: Vec<String> =
+            slow.iter().zip(&chosen).filter_map(|(axis, picked)| some_of(axis, picked)).collect();
+        notes.extend(view.note(axes));
+        let most_harmonics = if slow.is_empty() { MOST_HARMONICS } else { MOST_ROWS };
+        notes.extend(self.first_of(most_harmonics));
+        let panels = self.panels(axes, view, &chosen, most_harmonics);
+        let columns = match chosen.first() {
+            Some(first) => first.len(),
+            None if panels.len() > 2 => 3,
+            None => panels.len(),
+        };
+        let x = &axes[view.x];
+        let note = notes.join(" ");
+        match view.y {
+            Some(y) => self.maps(&axes[y], x, columns, panels, note),
+            None => {
+                let names = self.names(axes, view);
+                let split = |values: Vec<(f64, State)>, second: bool| {
+                    let rows = values.chunks(x.values.len()).map(<[_]>::to_vec);
+                    rows.map(|values| (values, second)).collect::<Vec<_>>()
+                };
+                let panel = |(caption, values, second): Slice| {
+                    let first = split(values, false);
+                    let second = second.map_or(Vec::new(), |values| split(values, true));
+                    let series = names.iter().enumerate().flat_map(|(i, name)| {
+                        let both = first.get(i).into_iter().chain(second.get(i));
+                        both.map(|(values, second)| Series {
+                            name: name.clone(),
+                            values: values.clone(),
+                            second: *second,
+                        })
+                        .collect::<Vec<_>>()
+                    });
+                    (caption, series.collect())
+                };
+                let panels = panels.into_iter().map(panel).collect();
+                let by =
+                    view.curves.map_or(String::new(), |axis| brief(label(&axes[axis]), &axes[axis].name));
+                self.curves((x, &by), columns, panels, note)
+            }
+        }
     }
 
-    /// A panel of `plane` values for each harmonic and each pair of what is chosen of the first two axes.
-    fn slices(&self, slow: &[Coordinate], chosen: &[Vec<usize>], plane: usize) -> Vec<Panel> {
+    /// What the curves of a panel are called.
+    fn names(&self, axes: &[Coordinate], view: &View) -> Vec<String> {
+        match view.curves {
+            Some(axis) => axes[axis].values.iter().map(|value| shown(&axes[axis], *value)).collect(),
+            None => vec![String::new()],
+        }
+    }
+
+    /// A panel for each harmonic and each pair of what is chosen of the first two slow axes.
+    fn panels(
+        &self,
+        axes: &[Coordinate],
+        view: &View,
+        chosen: &[Vec<usize>],
+        most_harmonics: usize,
+    ) -> Vec<Slice> {
         let mut panels = Vec::new();
-        for harmonic in 0..self.harmonics.min(MOST_ROWS) {
-            let values = self.harmonic(harmonic);
-            for row in 0..chosen.get(1).map_or(1, Vec::len) {
-                for column in 0..chosen[0].len() {
-                    let picked = chosen.iter().zip([column, row].into_iter().chain(std::iter::repeat(0)));
-                    let picks: Vec<usize> = picked.map(|(chosen, place)| chosen[place]).collect();
-                    let mut captions: Vec<String> = slow
-                        .iter()
-                        .zip(&picks)
-                        .take(2)
-                        .map(|(axis, &pick)| shown(axis, axis.values[pick]))
-                        .collect();
+        let single = [0];
+        let of = |depth: usize| chosen.get(depth).map_or(&single[..], Vec::as_slice);
+        for harmonic in 0..self.harmonics.min(most_harmonics) {
+            for row in of(1) {
+                for column in of(0) {
+                    let picks = [*column, *row].into_iter().chain(chosen.iter().skip(2).map(|one| one[0]));
+                    let picks: Vec<usize> = picks.take(chosen.len()).collect();
+                    let slow = view.panels.iter().map(|axis| &axes[*axis]).zip(&picks).take(2);
+                    let mut captions: Vec<String> =
+                        slow.map(|(axis, &pick)| shown(axis, axis.values[pick])).collect();
                     if self.harmonics > 1 {
                         captions.push(format!("harmonic {}", harmonic + 1));
                     }
-                    let slice =
-                        slow.iter().zip(&picks).fold(0, |all, (axis, pick)| all * axis.values.len() + pick);
-                    let values = values.iter().skip(slice * plane).take(plane).copied().collect();
-                    panels.push(Panel { caption: captions.join(", "), values, lines: Vec::new() });
+                    let instances = view.instances(axes, &picks);
+                    let take = |states: &Vec<(f64, State)>| -> Vec<(f64, State)> {
+                        instances.iter().map(|i| states[i * self.harmonics + harmonic]).collect()
+                    };
+                    panels.push((captions.join(", "), take(&self.states), self.second.as_ref().map(take)));
                 }
             }
         }
         panels
     }
 
+    fn curves(
+        &self,
+        (x, by): (&Coordinate, &str),
+        columns: usize,
+        panels: Vec<(String, Vec<Series>)>,
+        note: String,
+    ) -> Result<Shown, ReportError> {
+        let (heading, units, long_name) = (self.heading.as_str(), self.units, self.axis_name.as_str());
+        let (svg, hover) =
+            Curves { heading, units, long_name, x, columns, by: by.to_owned(), panels }.draw()?;
+        Ok((svg, hover, note))
+    }
+
     fn maps(
         &self,
-        title: String,
         y: &Coordinate,
         x: &Coordinate,
         columns: usize,
-        panels: Vec<Panel>,
-    ) -> Result<String, ReportError> {
-        let (units, long_name) = (self.units, self.axis_name.as_str());
-        Heatmap { title, units, long_name, x, y, columns, panels, lines: Vec::new() }.draw()
+        panels: Vec<Slice>,
+        note: String,
+    ) -> Result<Shown, ReportError> {
+        let (units, long_name, title) = (self.units, self.axis_name.as_str(), self.heading.clone());
+        let panel = |(caption, values, _): Slice| Panel { caption, values, lines: Vec::new() };
+        let panels = panels.into_iter().map(panel).collect();
+        let (svg, hover) =
+            Heatmap { title, units, long_name, x, y, columns, panels, lines: Vec::new() }.draw_told()?;
+        Ok((svg, hover, note))
     }
 }
+
+/// A panel's caption, values, and values of the second states.
+type Slice = (String, Vec<(f64, State)>, Option<Vec<(f64, State)>>);
 
 /// A note where not all values of an axis are shown.
 fn some_of(axis: &Coordinate, picked: &[usize]) -> Option<String> {

@@ -5,10 +5,10 @@ use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Why a scene cannot be used, with its place in the file.
+/// Why a scene cannot be used: all its mistakes as far as they do not hang together, with their places in the file.
 ///
-/// `Display` gives one line (`file:line:column: what is wrong; expected ...; what to do`), for logs and
-/// for wrapping; [`SceneError::render`] shows the lines of the file with the place marked.
+/// `Display` gives one line for each (`file:line:column: what is wrong; expected ...; what to do`), for logs and
+/// for wrapping; [`SceneError::render`] shows the lines of the file with the places marked.
 #[derive(Clone)]
 pub struct SceneError(Box<Report>);
 
@@ -16,7 +16,42 @@ pub struct SceneError(Box<Report>);
 struct Report {
     path: PathBuf,
     source: String,
-    fault: Box<Fault>,
+    /// In the order of the file, never empty.
+    faults: Vec<Fault>,
+}
+
+/// Mistakes shown at most: who has more begins with these.
+const MOST: usize = 20;
+
+/// The mistakes found so far. Reading goes on after each that leaves the rest to be judged.
+#[derive(Debug, Default)]
+pub(super) struct Faults(Vec<Fault>);
+
+impl Faults {
+    /// What was read, or none and one mistake more.
+    pub fn take<T>(&mut self, read: Checked<T>) -> Option<T> {
+        read.map_err(|fault| self.0.push(*fault)).ok()
+    }
+
+    pub fn push(&mut self, fault: Fault) {
+        self.0.push(fault);
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Ties them to the file they were found in.
+    pub fn in_file(mut self, path: &Path, source: &str) -> SceneError {
+        self.0.sort_by_key(|fault| fault.place.as_ref().map_or(0, |place| place.start));
+        SceneError(Box::new(Report { path: path.to_path_buf(), source: source.to_string(), faults: self.0 }))
+    }
+}
+
+impl From<Box<Fault>> for Faults {
+    fn from(fault: Box<Fault>) -> Self {
+        Self(vec![*fault])
+    }
 }
 
 /// A fault found in a scene's text, not yet tied to its file.
@@ -85,7 +120,7 @@ impl Fault {
 
     /// Ties the fault to the file it was found in.
     pub fn in_file(self: Box<Self>, path: &Path, source: &str) -> SceneError {
-        SceneError(Box::new(Report { path: path.to_path_buf(), source: source.to_string(), fault: self }))
+        Faults::from(self).in_file(path, source)
     }
 }
 
@@ -95,20 +130,44 @@ impl SceneError {
         &self.0.path
     }
 
-    /// What is wrong, without the place.
+    /// What is wrong, without the place; of the first mistake.
     pub fn title(&self) -> &str {
-        &self.0.fault.title
+        self.0.faults.first().map_or("", |fault| &fault.title)
     }
 
-    /// Line and column of the place, from 1, the column in characters; `None` where the file as a whole is at fault.
+    /// How many mistakes there are, at least one.
+    pub fn count(&self) -> usize {
+        self.0.faults.len()
+    }
+
+    /// Line and column of the first mistake, from 1, the column in characters; `None` where the file as a whole is at
+    /// fault.
     pub fn line_column(&self) -> Option<(usize, usize)> {
-        let place = self.0.fault.place.clone()?;
+        self.place(self.0.faults.first()?)
+    }
+
+    fn place(&self, fault: &Fault) -> Option<(usize, usize)> {
+        let place = fault.place.clone()?;
         Some(line_column(&self.0.source, clamped(&self.0.source, &place).start))
     }
 
-    /// The message with the lines it is about, as compilers show them; several lines, no line end after the last.
+    /// The messages with the lines they are about, as compilers show them; several lines, no line end after the last.
     pub fn render(&self, colour: bool) -> String {
-        let Report { path, source, fault } = &*self.0;
+        let faults = &self.0.faults;
+        let mut parts: Vec<String> =
+            faults.iter().take(MOST).map(|fault| self.render_one(fault, colour)).collect();
+        match faults.len() {
+            0 | 1 => {}
+            count if count > MOST => {
+                parts.push(format!("{count} mistakes, of which these are the first {MOST}"))
+            }
+            count => parts.push(format!("{count} mistakes")),
+        }
+        parts.join("\n\n")
+    }
+
+    fn render_one(&self, fault: &Fault, colour: bool) -> String {
+        let Report { path, source, .. } = &*self.0;
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
         let path = path.to_string_lossy();
         let title = Level::ERROR.primary_title(fault.title.as_str());
@@ -135,20 +194,22 @@ impl SceneError {
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Report { path, fault, .. } = &*self.0;
-        write!(f, "{}", path.display())?;
-        if let Some((line, column)) = self.line_column() {
-            write!(f, ":{line}:{column}")?;
-        }
-        write!(f, ": {}", fault.title)?;
-        if !fault.label.is_empty() {
-            write!(f, ": {}", fault.label)?;
-        }
-        if let Some(expected) = &fault.expected {
-            write!(f, "; expected {expected}")?;
-        }
-        if let Some(help) = &fault.help {
-            write!(f, "; {help}")?;
+        let Report { path, faults, .. } = &*self.0;
+        for (number, fault) in faults.iter().enumerate() {
+            write!(f, "{}{}", if number == 0 { "" } else { "\n" }, path.display())?;
+            if let Some((line, column)) = self.place(fault) {
+                write!(f, ":{line}:{column}")?;
+            }
+            write!(f, ": {}", fault.title)?;
+            if !fault.label.is_empty() {
+                write!(f, ": {}", fault.label)?;
+            }
+            if let Some(expected) = &fault.expected {
+                write!(f, "; expected {expected}")?;
+            }
+            if let Some(help) = &fault.help {
+                write!(f, "; {help}")?;
+            }
         }
         Ok(())
     }

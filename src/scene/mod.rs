@@ -1,7 +1,9 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
+mod curve;
 mod drive_rules;
 mod error;
+mod file;
 mod given;
 mod output;
 mod params;
@@ -11,13 +13,18 @@ mod quantity;
 mod read;
 mod resolved;
 mod rules;
+mod schema;
 mod sweep;
+mod synonyms;
 mod values;
 
+pub use curve::CURVE_WAYS;
 pub use error::SceneError;
 pub use params::*;
 pub use quantities::QUANTITIES;
 pub use quantity::{Address, Domain, Quantity};
+pub use schema::schema;
+pub use synonyms::{Meant, meant};
 
 use crate::observe::Observable;
 use std::path::{Path, PathBuf};
@@ -49,7 +56,7 @@ impl Scene {
     /// The file cannot be read, is not UTF-8 or not TOML, or says something that is unknown, impossible,
     /// half said or said twice; the error knows the place and renders it.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        read::load(path)
+        file::load(path)
     }
 
     /// Checks a scene's text; `path` is named in messages and gives the default title.
@@ -85,9 +92,10 @@ impl Scene {
     pub fn described(&self, index: usize) -> String {
         let written = |(axis, at): (&Axis, usize)| {
             let value = axis.values[at];
-            let text =
-                Address::find(&axis.path).map_or(format!("{value:e}"), |address| address.written(value));
-            format!("{} = {text}", axis.path)
+            match Address::find(&axis.path) {
+                Some(address) => format!("{} = {}", axis.path, address.written(value)),
+                None => format!("{} = \"{}\"", axis.name, CURVE_WAYS[at]),
+            }
         };
         let values: Vec<String> =
             self.sweep.axes.iter().zip(self.sweep.indices(index)).map(written).collect();
@@ -103,6 +111,15 @@ impl Scene {
 pub struct SweptAxes {
     pub axes: Vec<Axis>,
     pub layout: Layout,
+    /// Where the last axis is a curve's, along which the state is carried.
+    pub curve: Option<Curve>,
+}
+
+/// `[curve]`: the last axis of the sweep is followed from its first point to its last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Curve {
+    /// And back: the axis before it, of length 2, tells the way.
+    pub both: bool,
 }
 
 /// How a sweep's axes make instances.

@@ -1,9 +1,10 @@
 //! `[run]` and `[output]`.
 
 use super::STEPPED_MODES;
-use super::error::{Checked, Fault};
+use super::error::{Checked, Fault, Faults};
 use super::params::Lever;
 use super::read::Draft;
+use super::synonyms;
 use super::values::{self, Value};
 use super::{Output, Run, Start, Steady, WaveformRequest};
 use crate::observe::Observable;
@@ -17,6 +18,14 @@ pub(super) const WAYS: [(&str, Steady); 2] = [("wait", Steady::Wait), ("search",
 
 /// Keywords of `run.branches`: whether both.
 pub(super) const BRANCHES: [(&str, bool); 2] = [("one", false), ("both", true)];
+
+/// The keys of `[run]`.
+pub(super) const KEYS: [&str; 8] =
+    ["start", "steady", "branches", "periods", "measure", "accuracy", "modes", "steps_per_period"];
+/// The keys of `[output]` `waveforms`.
+pub(super) const WAVEFORM_KEYS: [&str; 3] = ["instances", "samples_per_period", "periods"];
+
+const OBSERVABLES: &str = "output.observables";
 
 /// What `[output]` asks for when it says nothing.
 const USUAL: [Observable; 7] = [
@@ -37,29 +46,25 @@ const MOST_SAMPLES_PER_PERIOD: u64 = 65_536;
 /// Most samples of all waveforms together: 32 bytes each in the file, and five times that in memory.
 const MOST_SAMPLES: u64 = 10_000_000;
 
-/// Refuses keys that a section does not have.
+/// The table of a section; keys that it does not have are mistakes.
 fn known<'a, 'i>(
-    value: Option<&'a Value<'i>>,
+    value: &'a Value<'i>,
     section: &str,
     keys: &[&str],
-) -> Checked<Option<&'a DeTable<'i>>> {
-    let Some(value) = value else {
-        return Ok(None);
-    };
-    let table = values::table(value, section, &format!("a section [{section}]"))?;
-    match table.keys().find(|key| !keys.contains(&key.get_ref().as_ref())) {
-        Some(key) => Err(values::unknown_key(key, section, keys)),
-        None => Ok(Some(table)),
+    faults: &mut Faults,
+) -> Option<&'a DeTable<'i>> {
+    let table = faults.take(values::table(value, section, &format!("a section [{section}]")))?;
+    for key in table.keys().filter(|key| !keys.contains(&key.get_ref().as_ref())) {
+        faults.push(*values::unknown_key(key, section, keys));
     }
+    Some(table)
 }
 
-/// Reads `[run]`.
-pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
-    const KEYS: [&str; 8] =
-        ["start", "steady", "branches", "periods", "measure", "accuracy", "modes", "steps_per_period"];
+/// Reads `[run]`; `usual` is how a periodic state is come by where it does not say.
+pub(super) fn run(section: Option<&Value>, usual: Steady, draft: &mut Draft) -> Run {
     let mut run = Run {
         start: Start::Steady,
-        steady: Steady::Wait,
+        steady: usual,
         both_branches: false,
         periods: 300,
         measure: 50,
@@ -67,22 +72,26 @@ pub(super) fn run(section: Option<&Value>, draft: &Draft) -> Checked<Run> {
         modes: None,
         steps_per_period: None,
     };
-    let Some(table) = known(section, "run", &KEYS)? else {
-        return Ok(run);
+    let faults = &mut draft.faults;
+    let Some(table) = section.and_then(|section| known(section, "run", &KEYS, faults)) else {
+        return run;
     };
-    way_to_steady(table, &mut run)?;
-    length(table, &mut run)?;
-    if let Some(value) = table.get("accuracy") {
-        run.accuracy = values::ratio(value, "run.accuracy", 1e-9..=0.5)?;
+    faults.take(way_to_steady(table, &mut run));
+    faults.take(length(table, &mut run));
+    if let Some(value) = table.get("accuracy")
+        && let Some(accuracy) = faults.take(values::ratio(value, "run.accuracy", 1e-9..=0.5))
+    {
+        run.accuracy = accuracy;
     }
     if let Some(value) = table.get("modes") {
         let most = match &draft.params.instrument.cantilever.lever {
             Lever::Modes(modes) => modes.len().min(STEPPED_MODES),
             _ => STEPPED_MODES,
         };
-        run.modes = Some(values::count(value, "run.modes", 1..=most as u64)? as usize);
+        let modes = faults.take(values::count(value, "run.modes", 1..=most as u64));
+        run.modes = modes.map(|modes| modes as usize);
     }
-    Ok(run)
+    run
 }
 
 /// Reads where runs start, and how they come to which periodic states.
@@ -138,52 +147,64 @@ fn length(table: &DeTable, run: &mut Run) -> Checked<()> {
 }
 
 /// Reads `[output]`.
-pub(super) fn output(section: Option<&Value>, run: &Run, instances: usize) -> Checked<Output> {
+pub(super) fn output(section: Option<&Value>, run: &Run, instances: usize, faults: &mut Faults) -> Output {
     let mut output = Output { observables: USUAL.to_vec(), waveforms: None };
-    let Some(table) = known(section, "output", &["observables", "waveforms"])? else {
-        return Ok(output);
-    };
+    let table = section.and_then(|section| known(section, "output", &["observables", "waveforms"], faults));
+    let Some(table) = table else { return output };
     if let Some(value) = table.get("observables") {
-        output.observables = observables(value)?;
+        output.observables = observables(value, faults);
     }
     if let Some(value) = table.get("waveforms") {
-        output.waveforms = Some(waveforms(value, run, instances)?);
+        let read = waveforms(value, run, instances, faults);
+        output.waveforms = faults.take(read).flatten();
     }
-    Ok(output)
+    output
 }
 
-fn observables(value: &Value) -> Checked<Vec<Observable>> {
-    const PATH: &str = "output.observables";
+fn observables(value: &Value, faults: &mut Faults) -> Vec<Observable> {
+    let list = values::list(value, OBSERVABLES, "a list such as [\"amplitude\", \"phase\"]");
     let mut found = Vec::new();
-    for entry in values::list(value, PATH, "a list such as [\"amplitude\", \"phase\"]")? {
-        let name = values::text(entry, PATH)?;
-        let Some(observable) = Observable::from_name(name) else {
-            let names: Vec<_> = Observable::all().map(Observable::name).collect();
-            return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
-                .label(format!("found {}", values::described(entry)))
-                .expected(format!("one of {}", names.join(", ")))
-                .help("put one of these names")
-                .maybe_help(
-                    nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?")),
-                ));
-        };
-        if found.contains(&observable) {
-            return Err(Fault::at(entry.span(), format!("`{PATH}` asks twice for \"{name}\""))
-                .label("found again here")
-                .expected("each observable once")
-                .help("remove one of the two"));
+    for entry in faults.take(list).into_iter().flatten() {
+        if let Some(observable) = faults.take(observable(entry, &found)) {
+            found.push(observable);
         }
-        found.push(observable);
     }
-    Ok(found)
+    found
 }
 
-fn waveforms(value: &Value, run: &Run, instances: usize) -> Checked<WaveformRequest> {
+fn observable(entry: &Value, found: &[Observable]) -> Checked<Observable> {
+    const PATH: &str = OBSERVABLES;
+    let name = values::text(entry, PATH)?;
+    let Some(observable) = Observable::from_name(name) else {
+        let names: Vec<_> = Observable::all().map(Observable::name).collect();
+        return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
+            .label(format!("found {}", values::described(entry)))
+            .expected(format!("one of {}", names.join(", ")))
+            .help("put one of these names")
+            .maybe_help(nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?")))
+            .maybe_help(synonyms::help(name, names.iter().copied())));
+    };
+    if found.contains(&observable) {
+        return Err(Fault::at(entry.span(), format!("`{PATH}` asks twice for \"{name}\""))
+            .label("found again here")
+            .expected("each observable once")
+            .help("remove one of the two"));
+    }
+    Ok(observable)
+}
+
+/// None where a key is not known, which is told already.
+fn waveforms(
+    value: &Value,
+    run: &Run,
+    instances: usize,
+    faults: &mut Faults,
+) -> Checked<Option<WaveformRequest>> {
     const PATH: &str = "output.waveforms";
     const FORM: &str = "{ instances = [0, 100], samples_per_period = 64, periods = 4 }";
     values::table(value, PATH, FORM)?;
-    let table = known(Some(value), PATH, &["instances", "samples_per_period", "periods"])?;
-    let Some((table, list)) = table.and_then(|table| Some((table, table.get("instances")?))) else {
+    let Some(table) = known(value, PATH, &WAVEFORM_KEYS, faults) else { return Ok(None) };
+    let Some(list) = table.get("instances") else {
         return Err(Fault::at(value.span(), format!("`{PATH}` lacks `instances`"))
             .label("found no `instances`")
             .expected(FORM)
@@ -224,5 +245,5 @@ fn waveforms(value: &Value, run: &Run, instances: usize) -> Checked<WaveformRequ
             .expected(format!("at most {MOST_SAMPLES}: instances times samples_per_period times periods"))
             .help("ask for fewer instances, periods or samples per period"));
     }
-    Ok(request)
+    Ok(Some(request))
 }

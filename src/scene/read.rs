@@ -1,12 +1,11 @@
 //! From the file's text to a checked scene: the sections of the instrument, the sample and the drive.
 
-use super::error::{Checked, Fault, SceneError, line_column};
+use super::error::{Checked, Fault, Faults, SceneError};
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::values::{self, Key, Value};
-use super::{Scene, output, rules, sweep};
-use std::io::Read;
+use super::{Scene, Steady, SweptAxes, curve, output, rules, sweep};
 use std::ops::Range;
 use std::path::Path;
 use toml::de::DeTable;
@@ -14,11 +13,23 @@ use toml::de::DeTable;
 /// The one preset.
 pub(super) const PRESET: &str = "ha-fung-chen-2005";
 
-/// More than any scene needs, but a list of a million samples fits; a device file or a video does not.
-const LARGEST_FILE: u64 = 256 << 20;
+/// What stands at the top of a scene.
+pub(super) const SECTIONS: [&str; 11] = [
+    "title",
+    "instrument",
+    "sample",
+    "contact",
+    "drive",
+    "approach",
+    "sweep",
+    "samples",
+    "curve",
+    "run",
+    "output",
+];
 
 /// Most lever modes a scene may list or ask for.
-const MOST_MODES: usize = 32;
+pub(super) const MOST_MODES: usize = 32;
 
 /// Keywords of `instrument.actuator.model`.
 pub(super) const MODELS: [(&str, ActuatorModel); 4] = [
@@ -48,73 +59,26 @@ pub(super) struct Draft {
     pub modes: Vec<Range<usize>>,
     /// Whether the scene names the preset, or has a section for the rod.
     pub names_rod: bool,
-}
-
-/// Reads the file and then its text.
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = read_bytes(path).map_err(|fault| fault.in_file(path, ""))?;
-    let text = match String::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(error) => {
-            let offset = error.utf8_error().valid_up_to();
-            let bytes = error.into_bytes();
-            let text = String::from_utf8_lossy(&bytes);
-            return Err(not_utf8(&bytes, &text, offset).in_file(path, &text));
-        }
-    };
-    parse(path, &text)
-}
-
-fn read_bytes(path: &Path) -> Checked<Vec<u8>> {
-    let refuse = |error: std::io::Error| {
-        let help = match error.kind() {
-            std::io::ErrorKind::NotFound => "check the name and the folder",
-            std::io::ErrorKind::PermissionDenied => "check the file's permissions",
-            std::io::ErrorKind::IsADirectory => "give the scene file inside it",
-            _ => "give a readable TOML file",
-        };
-        Fault::whole(format!("the scene cannot be read: {error}")).help(help)
-    };
-    let file = std::fs::File::open(path).map_err(refuse)?;
-    let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(refuse)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(Fault::whole(format!("the scene file is larger than {} MiB", LARGEST_FILE >> 20))
-            .help("give a TOML scene; large designs are best written as [sweep] axes"));
-    }
-    Ok(bytes)
-}
-
-fn not_utf8(bytes: &[u8], text: &str, offset: usize) -> Box<Fault> {
-    let (line, column) = line_column(text, offset);
-    let byte = bytes.get(offset).copied().unwrap_or_default();
-    let help = if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
-        "this looks like UTF-16: save the file as UTF-8"
-    } else {
-        "save the file as UTF-8; a micro sign may also be written u, as in \"um\""
-    };
-    Fault::at(offset..offset + char::REPLACEMENT_CHARACTER.len_utf8(), "the scene file is not UTF-8 text")
-        .label(format!("found byte 0x{byte:02X} at offset {offset} (line {line}, column {column})"))
-        .expected("UTF-8 text")
-        .help(help)
+    pub faults: Faults,
 }
 
 /// Reads the text of a scene; `path` is named in messages and kept.
 pub(super) fn parse(path: &Path, source: &str) -> Result<Scene, SceneError> {
     // Editors on Windows like to begin a file with a byte order mark; places are counted after it.
     let text = source.strip_prefix('\u{FEFF}').unwrap_or(source);
-    let mut scene = parse_text(path, text).map_err(|fault| fault.in_file(path, text))?;
+    let mut scene = parse_text(path, text).map_err(|faults| faults.in_file(path, text))?;
     scene.source = source.to_string();
     Ok(scene)
 }
 
-fn parse_text(path: &Path, source: &str) -> Checked<Scene> {
+fn parse_text(path: &Path, source: &str) -> Result<Scene, Faults> {
     if source.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
         return Err(Fault::whole("the scene file is empty")
             .expected(
                 "at least one line, such as title = \"...\"; everything left out takes the preset's value",
             )
-            .help("was the file saved?"));
+            .help("was the file saved?")
+            .into());
     }
     let document = DeTable::parse(source).map_err(|error| not_toml(source, &error))?;
     read_document(path, source, document.get_ref())
@@ -134,6 +98,9 @@ fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
     } else if bare_unit {
         let value = value.split('#').next().unwrap_or("").trim();
         Some(format!("a quantity with a unit is written in quotes: \"{}\"", crate::units::shortened(value)))
+    } else if error.message().contains("must be quoted") {
+        let word = value.split(['#', ',', '}', ']']).next().unwrap_or("").trim();
+        (!word.is_empty()).then(|| format!("put the word in quotes: \"{}\"", crate::units::shortened(word)))
     } else {
         None
     };
@@ -160,53 +127,37 @@ fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
         .maybe_help(help)
 }
 
-fn read_document(path: &Path, source: &str, document: &DeTable) -> Checked<Scene> {
-    const SECTIONS: [&str; 10] = [
-        "title",
-        "instrument",
-        "sample",
-        "contact",
-        "drive",
-        "approach",
-        "sweep",
-        "samples",
-        "run",
-        "output",
-    ];
-    if let Some(key) = document.keys().find(|key| !SECTIONS.contains(&key.get_ref().as_ref())) {
-        return Err(values::unknown_key(key, "", &SECTIONS));
-    }
-    let title = match document.get("title") {
-        Some(value) => values::text(value, "title")?.to_string(),
-        None => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
-    };
+fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene, Faults> {
     let mut draft = Draft::default();
-    if let Some(value) = document.get("instrument") {
-        draft.instrument(value)?;
+    for key in document.keys().filter(|key| !SECTIONS.contains(&key.get_ref().as_ref())) {
+        draft.faults.push(*values::unknown_key(key, "", &SECTIONS));
     }
-    draft.section(document, "sample", &[])?;
-    if let Some(table) = draft.section(document, "contact", &["law"])?
-        && let Some((key, value)) = table.get_key_value("law")
-    {
-        draft.params.contact.law = values::keyword(value, "contact.law", LawChoice::WORDS)?;
-        draft.say("contact.law".to_string(), key.span());
+    let title = document.get("title").and_then(|value| {
+        let text = values::text(value, "title").map(str::to_string);
+        draft.faults.take(text)
+    });
+    let sweep = draft.instance(document);
+    // What is not known of the instances cannot be wrong of the output.
+    let known = draft.faults.is_empty();
+    if known {
+        rules::base(&mut draft);
+        let checked = rules::check(&mut draft, &sweep);
+        draft.faults.take(checked);
     }
-    if let Some(table) = draft.section(document, "drive", &["on"])?
-        && let Some((key, value)) = table.get_key_value("on")
-    {
-        draft.params.drive.on = values::keyword(value, "drive.on", &DRIVE_ON)?;
-        draft.say("drive.on".to_string(), key.span());
+    let usual = if document.contains_key("curve") { Steady::Search } else { Steady::Wait };
+    let run = output::run(document.get("run"), usual, &mut draft);
+    let checked = curve::check(document.get("run"), &run, &sweep);
+    draft.faults.take(checked);
+    let instances = if known { sweep.len() } else { sweep::MOST_INSTANCES };
+    let output = output::output(document.get("output"), &run, instances, &mut draft.faults);
+    if !draft.faults.is_empty() {
+        return Err(draft.faults);
     }
-    draft.section(document, "approach", &[])?;
-    let sweep = sweep::read(document, &mut draft)?;
-    rules::base(&mut draft);
-    rules::check(&mut draft, &sweep)?;
-    let run = output::run(document.get("run"), &draft)?;
-    let output = output::output(document.get("output"), &run, sweep.len())?;
+    let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(Scene {
         path: path.to_path_buf(),
         source: source.to_string(),
-        title,
+        title: title.unwrap_or_else(stem),
         base: draft.params,
         sweep,
         run,
@@ -220,24 +171,53 @@ impl Draft {
         self.said.push(Said { path, key, swept: false });
     }
 
+    /// Reads what is simulated: all sections but `[run]` and `[output]`.
+    fn instance(&mut self, document: &DeTable) -> SweptAxes {
+        if let Some(value) = document.get("instrument") {
+            self.instrument(value);
+        }
+        self.section(document, "sample", &[]);
+        if let Some(table) = self.section(document, "contact", &["law"])
+            && let Some(law) = self.choice(table, "contact.law", LawChoice::WORDS)
+        {
+            self.params.contact.law = law;
+        }
+        if let Some(table) = self.section(document, "drive", &["on"])
+            && let Some(on) = self.choice(table, "drive.on", &DRIVE_ON)
+        {
+            self.params.drive.on = on;
+        }
+        self.section(document, "approach", &[]);
+        let mut sweep = sweep::read(document, self);
+        curve::read(document, &mut sweep, self);
+        sweep
+    }
+
+    /// Reads the word of a section's choice.
+    fn choice<T: Copy>(&mut self, table: &DeTable, path: &str, words: &[(&str, T)]) -> Option<T> {
+        let (key, value) = table.get_key_value(path.rsplit('.').next().unwrap_or(path))?;
+        let word = self.faults.take(values::keyword(value, path, words))?;
+        self.say(path.to_string(), key.span());
+        Some(word)
+    }
+
     /// Reads the quantities of one section of `parent`; keys in `special` are left to the caller.
     fn section<'a, 'i>(
         &mut self,
         parent: &'a DeTable<'i>,
         section: &str,
         special: &[&str],
-    ) -> Checked<Option<&'a DeTable<'i>>> {
+    ) -> Option<&'a DeTable<'i>> {
         let name = section.rsplit('.').next().unwrap_or(section);
-        let Some(value) = parent.get(name) else {
-            return Ok(None);
-        };
-        let table = values::table(value, section, &format!("a section [{section}]"))?;
+        let table = values::table(parent.get(name)?, section, &format!("a section [{section}]"));
+        let table = self.faults.take(table)?;
         for (key, value) in table {
             if !special.contains(&key.get_ref().as_ref()) {
-                self.entry(key, value, section, special)?;
+                let read = self.entry(key, value, section, special);
+                self.faults.take(read);
             }
         }
-        Ok(Some(table))
+        Some(table)
     }
 
     /// Reads one quantity of a section.
@@ -266,30 +246,29 @@ impl Draft {
         Ok(())
     }
 
-    fn instrument(&mut self, value: &Value) -> Checked<()> {
+    fn instrument(&mut self, value: &Value) {
         const KEYS: [&str; 4] = ["preset", "actuator", "cantilever", "tip"];
-        let table = values::table(value, "instrument", "a section [instrument]")?;
-        if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
-            return Err(values::unknown_key(key, "instrument", &KEYS));
+        let table = values::table(value, "instrument", "a section [instrument]");
+        let Some(table) = self.faults.take(table) else { return };
+        for key in table.keys().filter(|key| !KEYS.contains(&key.get_ref().as_ref())) {
+            self.faults.push(*values::unknown_key(key, "instrument", &KEYS));
         }
         if let Some(value) = table.get("preset") {
-            values::keyword(value, "instrument.preset", &[(PRESET, ())])?;
+            self.faults.take(values::keyword(value, "instrument.preset", &[(PRESET, ())]));
         }
         self.names_rod = ["preset", "actuator"].iter().any(|key| table.contains_key(*key));
-        if let Some(table) = self.section(table, "instrument.actuator", &["model"])?
-            && let Some((key, value)) = table.get_key_value("model")
+        if let Some(table) = self.section(table, "instrument.actuator", &["model"])
+            && let Some(model) = self.choice(table, "instrument.actuator.model", &MODELS)
         {
-            self.params.instrument.actuator.model =
-                values::keyword(value, "instrument.actuator.model", &MODELS)?;
-            self.say("instrument.actuator.model".to_string(), key.span());
+            self.params.instrument.actuator.model = model;
         }
-        if let Some(table) = self.section(table, "instrument.cantilever", &["modes"])?
+        if let Some(table) = self.section(table, "instrument.cantilever", &["modes"])
             && let Some((key, value)) = table.get_key_value("modes")
         {
-            self.modes(key, value)?;
+            let read = self.modes(key, value);
+            self.faults.take(read);
         }
-        self.section(table, "instrument.tip", &[])?;
-        Ok(())
+        self.section(table, "instrument.tip", &[]);
     }
 
     fn modes(&mut self, key: &Key, value: &Value) -> Checked<()> {
@@ -311,11 +290,14 @@ impl Draft {
             self.modes.push(mode.span());
             for (key, value) in values::table(mode, &format!("{PATH}.{index}"), FORM)? {
                 let path = format!("{PATH}.{index}.{}", key.get_ref());
-                let Some(address) = Address::find(&path) else {
-                    return Err(values::unknown_key(key, &format!("{PATH}.{index}"), &KEYS));
+                let read = match Address::find(&path) {
+                    None => Err(values::unknown_key(key, &format!("{PATH}.{index}"), &KEYS)),
+                    Some(address) => values::quantity(value, address, &path).map(|value| (address, value)),
                 };
-                address.set(&mut self.params, values::quantity(value, address, &path)?);
-                self.say(path, key.span());
+                if let Some((address, value)) = self.faults.take(read) {
+                    address.set(&mut self.params, value);
+                    self.say(path, key.span());
+                }
             }
         }
         Ok(())

@@ -4,7 +4,7 @@ use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::{DRIVE_ON, MODELS, PRESET, keys_of};
-use super::{Axis, Layout, Scene, output, sweep};
+use super::{Axis, Layout, Scene, curve, output, sweep};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
 
@@ -94,13 +94,29 @@ impl Scene {
         if self.sweep.axes.is_empty() {
             return Ok(());
         }
-        writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
-        for axis in &self.sweep.axes {
+        let curve = usize::from(self.sweep.curve.is_some());
+        let (swept, curve) = self.sweep.axes.split_at(self.sweep.axes.len() - curve);
+        if swept.iter().any(|axis| !axis.path.is_empty()) {
+            writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
+        }
+        for axis in swept {
             let Some(address) = Address::find(&axis.path) else { continue };
             match self.sweep.layout {
-                Layout::Grid => writeln!(text, "\"{}\" = {}", axis.path, grid_axis(axis, address))?,
+                Layout::Grid => writeln!(
+                    text,
+                    "\"{}\" = {}",
+                    axis.path,
+                    format_args!("{{ {} }}", grid_axis(axis, address, ", "))
+                )?,
                 Layout::List => writeln!(text, "\"{}\" = {}", axis.path, value_list(axis, address))?,
             }
+        }
+        for axis in curve {
+            let Some(address) = Address::find(&axis.path) else { continue };
+            let both = self.sweep.curve.is_some_and(|curve| curve.both);
+            writeln!(text, "\n[curve]\nquantity = {}", quoted(&axis.path))?;
+            writeln!(text, "{}", grid_axis(axis, address, "\n"))?;
+            writeln!(text, "direction = {}", word(&curve::DIRECTIONS, both))?;
         }
         Ok(())
     }
@@ -141,22 +157,23 @@ impl Scene {
 }
 
 /// From, to and points where these give the very same values; the list of values otherwise.
-fn grid_axis(axis: &Axis, address: Address) -> String {
+fn grid_axis(axis: &Axis, address: Address, between: &str) -> String {
     if let (true, Some(&from), Some(&to)) =
         (axis.values.len() > 3 || axis.log, axis.values.first(), axis.values.last())
         && from.is_finite()
         && to.is_finite()
         && sweep::spaced(from, to, axis.values.len(), axis.log) == axis.values
     {
-        return format!(
-            "{{ from = {}, to = {}, points = {}, scale = \"{}\" }}",
-            address.written(from),
-            address.written(to),
-            axis.values.len(),
-            if axis.log { "log" } else { "lin" }
-        );
+        let scale = if axis.log { "log" } else { "lin" };
+        return [
+            format!("from = {}", address.written(from)),
+            format!("to = {}", address.written(to)),
+            format!("points = {}", axis.values.len()),
+            format!("scale = \"{scale}\""),
+        ]
+        .join(between);
     }
-    format!("{{ values = {} }}", value_list(axis, address))
+    format!("values = {}", value_list(axis, address))
 }
 
 fn value_list(axis: &Axis, address: Address) -> String {

@@ -13,23 +13,27 @@ use toml::de::DeTable;
 /// Most instances one scene may stand for.
 pub(super) const MOST_INSTANCES: usize = 1 << 24;
 
+/// Keys of an axis.
+pub(super) const AXIS_KEYS: [&str; 5] = ["from", "to", "points", "scale", "values"];
+
 const AXIS_FORM: &str =
     "{ from = ..., to = ..., points = ..., scale = \"lin\" or \"log\" } or { values = [...] }";
 
 /// Reads whichever of the two sections there is, and notes its axes in the draft.
-pub(super) fn read(document: &DeTable, draft: &mut Draft) -> Checked<SweptAxes> {
-    match (document.get_key_value("sweep"), document.get_key_value("samples")) {
+pub(super) fn read(document: &DeTable, draft: &mut Draft) -> SweptAxes {
+    let read = match (document.get_key_value("sweep"), document.get_key_value("samples")) {
         (Some((sweep, _)), Some((samples, _))) => {
             Err(Fault::at(samples.span(), "the scene has both [sweep] and [samples]")
                 .label("a list of samples")
                 .related(sweep.span(), "a grid of axes")
                 .expected("[sweep] for a grid of its axes, or [samples] for a list, one instance per entry")
-                .help("keep one of them"))
+                .help("keep one of them; a list may hold a grid, each value as often as it meets another"))
         }
         (Some((key, value)), None) => section(key, value, Layout::Grid, draft),
         (None, Some((key, value))) => section(key, value, Layout::List, draft),
         (None, None) => Ok(SweptAxes::default()),
-    }
+    };
+    draft.faults.take(read).unwrap_or_default()
 }
 
 fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Checked<SweptAxes> {
@@ -43,14 +47,17 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
             )
             .help("leave the section out to run the one case"));
     }
-    let mut sweep = SweptAxes { axes: Vec::new(), layout };
+    let mut sweep = SweptAxes { layout, ..SweptAxes::default() };
     let mut instances: usize = 1;
     for (key, value) in table {
-        let address = swept_quantity(key, value, name)?;
-        let (values, log) = match layout {
-            Layout::Grid => axis_values(value, address)?,
-            Layout::List => (listed(value, address)?, false),
-        };
+        let read = swept_quantity(key, value, name).and_then(|address| {
+            let (values, log) = match layout {
+                Layout::Grid => axis_values(value, address, &[])?,
+                Layout::List => (listed(value, address)?, false),
+            };
+            Ok((address, values, log))
+        });
+        let Some((address, values, log)) = draft.faults.take(read) else { continue };
         match layout {
             Layout::Grid => instances = instances.saturating_mul(values.len()),
             Layout::List if sweep.axes.is_empty() => instances = values.len(),
@@ -74,7 +81,7 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
     Ok(sweep)
 }
 
-fn axis(address: Address, values: Vec<f64>, log: bool) -> Axis {
+pub(super) fn axis(address: Address, values: Vec<f64>, log: bool) -> Axis {
     Axis {
         path: address.path(),
         name: axis_name(&address.path()),
@@ -115,6 +122,12 @@ fn swept_quantity(key: &Key, value: &Value, section: &str) -> Checked<Address> {
             .help("write one scene for each setting"));
     }
     let known = || QUANTITIES.iter().map(|quantity| quantity.path);
+    // [samples] for [sample].
+    if section == "samples" && !value.get_ref().is_array() && keys_of("sample").contains(&path) {
+        return Err(fault(format!("`{path}` is not the path of a quantity"))
+            .label("a key of [sample]")
+            .help("did you mean the section [sample]? [samples] holds lists of cases"));
+    }
     // sample.youngs_modulus = ... without quotes is a table in a table.
     if value.get_ref().is_table() && known().any(|quantity| quantity.split('.').next() == Some(path)) {
         return Err(fault(format!("`{path}` in [{section}] is a section, not a quantity"))
@@ -153,19 +166,19 @@ fn unquoted_path(start: &str, value: &Value) -> String {
     path
 }
 
-/// The values of a grid's axis, and whether they are spaced in the logarithm.
-fn axis_values(value: &Value, address: Address) -> Checked<(Vec<f64>, bool)> {
-    const KEYS: [&str; 5] = ["from", "to", "points", "scale", "values"];
+/// The values of an axis, which may stand `beside` other keys, and whether they are spaced in the logarithm.
+pub(super) fn axis_values(value: &Value, address: Address, beside: &[&str]) -> Checked<(Vec<f64>, bool)> {
     let path = address.path();
     let table = values::table(value, &path, AXIS_FORM).map_err(|fault| {
         fault.maybe_help(value.get_ref().is_array().then(|| "write { values = [...] }".to_string()))
     })?;
-    if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
-        return Err(values::unknown_key(key, &format!("sweep.{path}"), &KEYS));
+    let own = |key: &&Key| !beside.contains(&key.get_ref().as_ref());
+    if let Some(key) = table.keys().filter(own).find(|key| !AXIS_KEYS.contains(&key.get_ref().as_ref())) {
+        return Err(values::unknown_key(key, &format!("sweep.{path}"), &AXIS_KEYS));
     }
     match table.get_key_value("values") {
         Some((key, list)) => {
-            if let Some(other) = table.keys().find(|key| key.get_ref() != "values") {
+            if let Some(other) = table.keys().filter(own).find(|key| key.get_ref() != "values") {
                 return Err(Fault::at(other.span(), format!("the axis `{path}` is given in two ways"))
                     .label(format!("`{}` belongs to an axis with from and to", other.get_ref()))
                     .related(key.span(), "the values are listed")

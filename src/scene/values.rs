@@ -4,6 +4,7 @@ use super::error::{Checked, Fault};
 use super::plausible;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
+use super::synonyms::{self, Meant};
 use crate::suggest::nearest;
 use crate::units::{self, Dimension, UnitErrorKind, shortened};
 use std::ops::{Range, RangeInclusive};
@@ -185,14 +186,21 @@ pub(super) fn keyword<T: Copy>(value: &Value, path: &str, words: &[(&str, T)]) -
 pub(super) fn unknown_key(key: &Key, section: &str, known: &[&str]) -> Box<Fault> {
     let found = key.get_ref().as_ref();
     let place = if section.is_empty() { "the scene".to_string() } else { format!("[{section}]") };
-    let help = nearest(found, known.iter().copied())
-        .map(|meant| format!("did you mean `{meant}`?"))
-        .or_else(|| home_of(found).map(|home| format!("`{found}` belongs in [{home}]")));
+    let help = synonyms::help(found, known.iter().copied())
+        .or_else(|| nearest(found, known.iter().copied()).map(|meant| format!("did you mean `{meant}`?")))
+        .or_else(|| home_of(found).map(|home| format!("`{found}` belongs in [{home}]")))
+        .or_else(|| elsewhere(found));
     Fault::at(key.span(), format!("unknown key `{}` in {place}", shortened(found)))
         .label(format!("not a key of {place}"))
         .expected(format!("one of {}", known.join(", ")))
         .help("remove the line, or put one of these keys")
         .maybe_help(help)
+}
+
+/// Where what the word stands for has its place.
+fn elsewhere(word: &str) -> Option<String> {
+    let Some(Meant::Name(name)) = synonyms::meant(word) else { return None };
+    Some(format!("here that is `{name}`, in [{}]", home_of(name)?))
 }
 
 /// The section that does have a key of that name.

@@ -11,8 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache.
-const PART: u32 = 256;
+/// Instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache, and where
+/// there are few so many that all threads have some.
+const PART: (u32, u32) = (8, 256);
 
 /// Modes whose motion falls by no more than this exponent in a period are slow.
 const SLOW: f64 = 0.3;
@@ -47,8 +48,9 @@ impl<'a> PeriodMap<'a> {
         if self.quick.is_none() {
             return vec![work(0..count)];
         }
-        let parts = (0..count.div_ceil(PART)).into_par_iter();
-        parts.map(|part| work(part * PART..count.min((part + 1) * PART))).collect()
+        let size = count.div_ceil(rayon::current_num_threads() as u32).clamp(PART.0, PART.1);
+        let parts = (0..count.div_ceil(size)).into_par_iter();
+        parts.map(|part| work(part * size..count.min((part + 1) * size))).collect()
     }
 
     /// Counts instances whose search is over.
@@ -107,8 +109,59 @@ pub(super) fn still(plan: &Plan, instance: u32) -> Station {
     station
 }
 
+/// How a state with other steps per period or another lever is met with an instance's own: stations stand half a step into
+/// the period.
+struct Turned {
+    /// Of each of the instance's modes, its place among the other's; none where the other lever lacks it. The residual
+    /// oscillator of a poorer basis swings as the mode that a richer one has in its place.
+    known: Vec<Option<usize>>,
+    /// What the time between the two does to each mode, there and back.
+    there: Vec<Matrix2<f64>>,
+    back: Vec<Matrix2<f64>>,
+}
+
+impl Turned {
+    fn new(plan: &Plan, instance: u32, place: &PeriodicState, modes: usize) -> Self {
+        let driven = plan.driven(instance);
+        let steps = f64::from(plan.steps(instance));
+        let later = PI / driven.free.omega * (1.0 / steps - 1.0 / f64::from(place.steps));
+        let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
+        let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);
+        let turn = |time: f64| {
+            let of = |mode: &KeptMode| {
+                let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
+                Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
+            };
+            own.iter().map(of).collect::<Vec<_>>()
+        };
+        let known = own.iter().map(|mode| same(mode.omega)).collect();
+        Self { known, there: turn(later), back: turn(-later) }
+    }
+
+    /// Modes that both have: the instance's number and the other's.
+    fn both(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.known.iter().enumerate().filter_map(|(k, j)| Some((k, (*j)?)))
+    }
+
+    /// A mode that the other lever lacks is at rest and free.
+    fn station(&self, place: &PeriodicState) -> Station {
+        let mut moved = Station { touching: place.station.touching, ..Station::FREE };
+        for (k, j) in self.both() {
+            let now = self.there[k] * Vector2::new(place.station.x[j], place.station.u[j]);
+            (moved.x[k], moved.u[k]) = (now[0], now[1]);
+        }
+        moved
+    }
+}
+
+/// Where a state found with other steps per period or another lever is by the instance's own.
+pub(super) fn own(plan: &Plan, instance: u32, place: &PeriodicState) -> Station {
+    let same = Arc::ptr_eq(&plan.driven(instance).kept, &place.kept) && plan.steps(instance) == place.steps;
+    if same { place.station } else { Turned::new(plan, instance, place, MODES_MAX).station(place) }
+}
+
 /// A state found with other steps per period or another lever as it is met with the instance's own, and the map's slope
-/// there: stations stand half a step into the period. A mode that the other lever lacks is at rest and free.
+/// there.
 pub(super) fn as_its_own<D: Size + DimName>(
     plan: &Plan,
     instance: u32,
@@ -117,42 +170,24 @@ pub(super) fn as_its_own<D: Size + DimName>(
 where
     DefaultAllocator: Memory<D>,
 {
-    let case = plan.case(instance);
-    let driven = plan.driven(instance);
-    let later = PI / driven.free.omega * (1.0 / f64::from(case.steps) - 1.0 / f64::from(place.steps));
-    let mut moved = Station { touching: place.station.touching, ..Station::FREE };
     // A slope has a row and a column for each number of a state, of which many may be at rest.
     let (modes, others) = (D::DIM / 2, place.slope.len().isqrt() / 2);
-    let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
-    // The residual oscillator of a poorer basis swings as the mode that a richer one has in its place.
-    let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);
-    let known: Vec<Option<usize>> = own.iter().map(|mode| same(mode.omega)).collect();
-    let mut slope = match known.iter().all(Option::is_some) {
+    let turned = Turned::new(plan, instance, place, modes);
+    let mut slope = match turned.known.iter().all(Option::is_some) {
         true => OMatrix::<f64, D, D>::zeros(),
         false => free_slope::<D>(plan, instance).0,
     };
-    let turn = |time: f64| {
-        let of = |mode: &KeptMode| {
-            let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
-            Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
-        };
-        own.iter().map(of).collect::<Vec<_>>()
-    };
-    let (there, back) = (turn(later), turn(-later));
-    let known = || known.iter().enumerate().filter_map(|(k, j)| Some((k, (*j)?)));
-    for (k, j) in known() {
-        let now = there[k] * Vector2::new(place.station.x[j], place.station.u[j]);
-        (moved.x[k], moved.u[k]) = (now[0], now[1]);
-        for (l, i) in known() {
+    for (k, j) in turned.both() {
+        for (l, i) in turned.both() {
             let theirs = |row: usize, column: usize| place.slope[column * 2 * others + row];
             let (n, m) = (others + j, others + i);
             let block = Matrix2::new(theirs(j, i), theirs(j, m), theirs(n, i), theirs(n, m));
-            let block = there[k] * block * back[l];
+            let block = turned.there[k] * block * turned.back[l];
             (slope[(k, l)], slope[(k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
             (slope[(modes + k, l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
         }
     }
-    (moved, slope)
+    (turned.station(place), slope)
 }
 
 /// The map's slope without a sample, and its columns of modes that ring for longer than [`SLOW`] says: contact changes

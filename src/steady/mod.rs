@@ -1,6 +1,7 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
 mod carried;
+mod follow;
 mod map;
 mod search;
 mod wait;
@@ -29,6 +30,19 @@ pub struct PeriodicState {
     pub slope: Box<[f64]>,
 }
 
+impl PeriodicState {
+    /// At the free oscillation, with nothing known of the map there.
+    fn unknown(steps: u32, kept: &Arc<ReducedBasis>) -> Self {
+        let spectrum = Spectrum { multiplier: f64::NAN, least_change: f64::NAN };
+        Self { station: Station::FREE, spectrum, steps, kept: Arc::clone(kept), slope: Box::default() }
+    }
+
+    /// Whether a search found it; else waiting did.
+    pub fn searched(&self) -> bool {
+        !self.spectrum.multiplier.is_nan()
+    }
+}
+
 /// A plan carried out.
 #[derive(Clone, Debug)]
 pub struct Settled {
@@ -37,6 +51,8 @@ pub struct Settled {
     pub found: Vec<Option<Box<PeriodicState>>>,
     /// By instance, periods stepped: those of the search, and those run on or waited.
     pub periods: Vec<u32>,
+    /// By instance, whether its curve's state was not reached continuously from the point before; empty without curves.
+    pub jumps: Vec<bool>,
 }
 
 /// Periods that are run on from a state found, and measured but for the first: in a periodic state a few are as good as
@@ -62,18 +78,53 @@ pub fn run(
     if plan.run.steady == Steady::Wait || stepped.is_empty() {
         return wait::run(plan, engine, progress);
     }
-    let mut settled = found(plan, &stepped, Begin::Near(near), engine, progress)?;
+    // What a curve leads to is not to be looked for elsewhere.
+    let followed = plan.ensemble.curves.is_some() && near.iter().any(Option::is_some);
+    let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
+    let mut settled = found(plan, &stepped, begin, engine, progress)?;
     let rest = stepped.into_iter().filter(|i| settled.found[*i as usize].is_none());
     // What is free of the sample is finished beside those that wait.
     let others: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0).chain(rest).collect();
     if !others.is_empty() && !progress.stopped() {
-        let waited = wait::run(&plan.part(&others), engine, progress)?;
+        let mut part = plan.part(&others);
+        if followed {
+            let start =
+                |i: &u32| near[*i as usize].map_or(Station::free(plan, *i), |one| map::own(plan, *i, one));
+            part = part.starting_at(others.iter().map(|i| start(i).into()).collect());
+        }
+        let waited = wait::run(&part, engine, progress)?;
         for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
             settled.outcome.results[i] = waited.outcome.results[place];
             settled.periods[i] += waited.periods[place];
+            // Whoever goes on from here goes on with the curve's state.
+            let end = waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| followed);
+            let steady = waited.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
+            settled.found[i] =
+                end.filter(|_| steady).map(|end| Box::new(follow::waited_for(plan, i as u32, *end)));
         }
         settled.outcome.notes.extend(waited.outcome.notes);
     }
+    Ok(settled)
+}
+
+/// The first run of a plan: along its curves if it has some and searches, else each instance on its own. Other runs of the
+/// same instances go on from what this one finds.
+///
+/// # Errors
+/// What the engine says.
+pub fn begin(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Settled, EngineError> {
+    if plan.ensemble.curves.is_none() || plan.run.steady == Steady::Wait {
+        return run(plan, &[], engine, progress);
+    }
+    progress.part();
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let followed = follow::along(plan, double, progress)?;
+    let near: Vec<Option<&PeriodicState>> = followed.states.iter().map(Option::as_ref).collect();
+    let mut settled = run(plan, &near, engine, progress)?;
+    settled.periods.iter_mut().zip(&followed.periods).for_each(|(all, some)| *all += some);
+    settled.outcome.notes.splice(0..0, followed.notes);
+    settled.jumps = followed.jumps;
     Ok(settled)
 }
 
@@ -162,7 +213,7 @@ fn found(
         }
     }
     left(&outcome).into_iter().for_each(|i| found[i as usize] = None);
-    Ok(Settled { outcome, found, periods })
+    Ok(Settled { outcome, found, periods, jumps: Vec::new() })
 }
 
 /// These instances in the order of their classes: neighbours are alike, and searched for together.

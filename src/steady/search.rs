@@ -1,12 +1,13 @@
 //! Many searches side by side: all that they ask for in one run.
 
 use super::PeriodicState;
-use super::map::{PeriodMap, as_its_own, free_slope, station, still, vector};
+use super::map::{PeriodMap, as_its_own, free_slope, own, station, still, vector};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
-use crate::plan::{Case, Plan, Station};
+use crate::plan::{Case, KeptMode, Plan, Station};
 use nalgebra::{Const, DefaultAllocator, DimName, OVector};
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -21,6 +22,8 @@ const SIZES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, MODES_MAX];
 const WARM: [u32; 3] = [3, 32, 128];
 /// Evaluations after which a search gives up.
 const MOST: u32 = 300;
+/// The same from point to point of a curve, in slopes that may be taken anew.
+const MOST_ALONG: u32 = 100;
 /// Distance to the periodic state that is aimed at, and that is near enough where the map is rough, as shares of the
 /// accuracy asked for.
 const NEAR: f64 = 1e-3;
@@ -29,6 +32,10 @@ const ENOUGH: f64 = 0.1;
 /// contact make it rough.
 const SMOOTH: (f64, Option<f64>) = (1e-6, None);
 const ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
+
+/// See [`clearly`]: the share, and its least and largest value.
+const DOUBTED: f64 = 0.35;
+const CLEARLY: (f64, f64) = (0.99, 0.999);
 
 /// What the searches ended with, by instance of the plan.
 pub(super) struct Searched {
@@ -46,13 +53,17 @@ pub(super) enum Begin<'a> {
     Near(&'a [Option<&'a PeriodicState>]),
     /// At these places, by instance, which are thought to be next to a state.
     At(&'a [Station]),
+    /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
+    Followed(&'a [Option<&'a PeriodicState>]),
+    /// At these places, which a curve's last states lead to: what is not next to them is not looked for.
+    Along(&'a [Option<&'a PeriodicState>], &'a [Station]),
 }
 
 impl Begin<'_> {
     /// A state of the instance with other steps or another lever.
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
-            Self::Near(near) => {
+            Self::Near(near) | Self::Followed(near) | Self::Along(near, _) => {
                 near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
             }
             Self::Still | Self::At(_) => None,
@@ -64,7 +75,11 @@ impl Begin<'_> {
         match self {
             Self::Near(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
-            Self::At(places) => places[instance as usize],
+            Self::At(places) | Self::Along(_, places) => places[instance as usize],
+            Self::Followed(states) => match states[instance as usize] {
+                Some(state) => own(plan, instance, state),
+                None => Station::free(plan, instance),
+            },
         }
     }
 }
@@ -159,6 +174,9 @@ impl Batch<'_> {
         let (mut close, mut left): (Vec<Box<One<D>>>, Vec<Left>) = (Vec::new(), Vec::new());
         for slot in slots {
             match from.known(instance(slot)) {
+                known if matches!(from, Begin::Along(..)) => {
+                    close.push(Box::new(One::along(plan, slot, instance(slot), begin(slot), known)));
+                }
                 Some(place) => close.push(Box::new(One::beside(plan, slot, instance(slot), place))),
                 None if matches!(from, Begin::At(_)) => {
                     close.push(Box::new(One::next_to(plan, slot, instance(slot), begin(slot))));
@@ -170,7 +188,7 @@ impl Batch<'_> {
         left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
         for warm in WARM {
             // Waiting would be cheaper.
-            if left.is_empty() || warm >= plan.run.periods {
+            if left.is_empty() || warm >= plan.run.periods || matches!(from, Begin::Along(..)) {
                 break;
             }
             let starts: Vec<_> = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
@@ -286,6 +304,21 @@ where
         Self { slot, periods: 0, start, remembers, search }
     }
 
+    /// From a place that a curve leads to: the slope at the curve's last point, or else without a sample, will do on the
+    /// way; the state's own tells its stability.
+    fn along(plan: &Plan, slot: u32, instance: u32, start: Station, last: Option<&PeriodicState>) -> Self {
+        let (remembers, options) = options(plan, instance);
+        let options = Options { near: true, carried: last.is_some(), most: MOST_ALONG, ..options };
+        let search = match last {
+            Some(last) => {
+                let slope = as_its_own::<D>(plan, instance, last).1;
+                Search::guided(vector(&start), slope, (0..D::DIM).collect(), options)
+            }
+            None => Search::new(vector(&start), options),
+        };
+        Self { slot, periods: 0, start, remembers, search }
+    }
+
     /// From a place that is thought to be next to a state, of whose slope nothing is known.
     fn next_to(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
         let (remembers, options) = options(plan, instance);
@@ -305,6 +338,15 @@ where
     }
 }
 
+/// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
+/// free lever's largest multiplier has. One-sided differences are good to a thousandth.
+fn clearly(plan: &Plan, instance: u32) -> f64 {
+    let driven = plan.driven(instance);
+    let left = |mode: &KeptMode| (-TAU * mode.damping * mode.omega / driven.free.omega).exp();
+    let free = driven.kept.modes.iter().map(left).fold(0.0, f64::max);
+    (1.0 - DOUBTED * (1.0 - free)).clamp(CLEARLY.0, CLEARLY.1)
+}
+
 /// Whether contact is a memory, and how a search for the instance's state goes about.
 fn options(plan: &Plan, instance: u32) -> (bool, Options) {
     let case = plan.case(instance);
@@ -318,6 +360,8 @@ fn options(plan: &Plan, instance: u32) -> (bool, Options) {
         last_step,
         most: MOST,
         near: false,
+        carried: false,
+        clearly: clearly(plan, instance),
         stable: true,
     };
     (remembers, options)

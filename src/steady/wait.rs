@@ -21,7 +21,12 @@ pub(super) fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Resu
         progress.foresee(plan.instance_steps());
         let of = |i| if plan.steps(i) > 0 { plan.run.periods } else { 0 };
         let periods = plan.instances().map(of).collect();
-        return Ok(Settled { outcome: engine.run(plan, progress)?, found: Vec::new(), periods });
+        return Ok(Settled {
+            outcome: engine.run(plan, progress)?,
+            found: Vec::new(),
+            periods,
+            jumps: Vec::new(),
+        });
     }
     let mut waiting = Waiting::new(plan);
     let count = looks.len() + 1;
@@ -32,7 +37,7 @@ pub(super) fn run(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Resu
             break;
         }
     }
-    Ok(Settled { outcome: waiting.outcome, found: Vec::new(), periods: waiting.periods })
+    Ok(Settled { outcome: waiting.outcome, found: Vec::new(), periods: waiting.periods, jumps: Vec::new() })
 }
 
 /// A plan on its way from look to look.
@@ -48,13 +53,14 @@ struct Waiting {
 }
 
 impl Waiting {
-    /// All instances, in free oscillation.
+    /// All instances, in free oscillation or where the plan says that they start.
     fn new(plan: &Plan) -> Self {
+        let free = || plan.instances().map(|i| Station::free(plan, i).into()).collect();
         Self {
             outcome: Outcome::of(plan),
             periods: vec![0; plan.len()],
             left: plan.instances().collect(),
-            starts: plan.instances().map(|i| Station::free(plan, i).into()).collect(),
+            starts: plan.starts.as_ref().map_or_else(free, |starts| starts.to_vec()),
             done: 0,
         }
     }
@@ -77,6 +83,9 @@ impl Waiting {
         let cut_short = progress.stopped() && !last;
         for ((i, finished), end) in std::mem::take(&mut self.left).into_iter().zip(results).zip(ends) {
             self.outcome.results[i as usize] = finished;
+            if let Some(place) = self.outcome.ends.get_mut(i as usize) {
+                place.clone_from(&end);
+            }
             if plan.steps(i) == 0 {
                 continue;
             }

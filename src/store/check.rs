@@ -20,9 +20,11 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
             listed.instances.len(),
             &mut HashSet::from(["instance", "harmonic"]),
         )?;
+        check_flags(&listed.flags, listed.instances.len(), &mut HashSet::from(["instance", "harmonic"]))?;
     }
     let mut keys = HashSet::new();
-    for (name, _) in &results.attributes {
+    let texts = results.provenance.iter().map(|(name, _)| name);
+    for name in results.attributes.iter().map(|(name, _)| name).chain(texts) {
         check_name(name, &mut keys)?;
     }
     if let Some(waveforms) = &results.waveforms {

@@ -2,9 +2,10 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Now and the program's version, as `2026-11-21T10:00:00Z afmsweep 0.1.0`.
-pub(super) fn history() -> String {
-    format!("{} afmsweep {}", now(), env!("CARGO_PKG_VERSION"))
+/// Now, the program's version and how it was called, as `2026-11-21T10:00:00Z afmsweep 0.1.0: afmsweep run a.toml`.
+pub(super) fn history(command_line: Option<&str>) -> String {
+    let called = command_line.map_or(String::new(), |line| format!(": {line}"));
+    format!("{} afmsweep {}{called}", now(), env!("CARGO_PKG_VERSION"))
 }
 
 /// Now, as `2026-11-21T10:00:00Z`.

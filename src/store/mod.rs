@@ -44,9 +44,25 @@ pub use read::read;
 /// a `history` given there replaces the one made here.
 pub const OWN_ATTRIBUTES: [&str; 4] = ["title", "Conventions", "history", "checksums"];
 
+/// The group of long texts.
+#[cfg(feature = "hdf5")]
+const PROVENANCE: &str = "provenance";
+/// Its text that the store writes itself: the version of the HDF5 library.
+#[cfg(feature = "hdf5")]
+const HDF5_VERSION: &str = "hdf5_version";
+
+/// Groups of numbers that every file has, and what is said in one that holds nothing.
+#[cfg(feature = "hdf5")]
+const GROUPS: [(&str, &str); 4] = [
+    ("waveforms", "empty: the scene asks for none, or the run was stopped before them"),
+    ("force_curves", "empty: no instance has a contact law"),
+    ("audit", "empty: no instance was redone"),
+    ("other_branch", "empty: no second states were looked for, or the run was stopped before them"),
+];
+
 /// Names that no axis and no variable may take.
 #[cfg(feature = "hdf5")]
-const RESERVED: [&str; 8] = [
+const RESERVED: [&str; 9] = [
     "status",
     "steps_per_period",
     "instance",
@@ -55,6 +71,7 @@ const RESERVED: [&str; 8] = [
     "force_curves",
     "audit",
     "other_branch",
+    PROVENANCE,
 ];
 
 /// Everything a results file holds, as plain data. Written by [`Writer`], read back by [`read`].
@@ -80,8 +97,10 @@ pub struct Results {
     pub other_branch: Option<Branch>,
     /// Names of variables over the instances, each with a sentence about it (attribute `comment`).
     pub comments: Vec<(String, String)>,
-    /// Scene text, resolved scene, plan, device, times: root attributes in this order.
+    /// Program, device, times: root attributes in this order, all of them short.
     pub attributes: Vec<(String, Attribute)>,
+    /// Long texts, as the scene and the plan: attributes of group `provenance` in this order.
+    pub provenance: Vec<(String, String)>,
 }
 
 /// A labelled axis.
@@ -90,6 +109,10 @@ pub struct Coordinate {
     pub name: String,
     pub units: String,
     pub long_name: String,
+    /// Path of the quantity in the scene, as `instrument.tip.radius`; empty for what is no quantity of a scene.
+    pub scene_path: String,
+    /// What the values 0, 1 and so on mean; empty for a quantity.
+    pub words: Vec<String>,
     pub values: Vec<f64>,
 }
 
@@ -101,6 +124,8 @@ pub struct Variable {
     pub long_name: String,
     /// `Some(n)`: a last dimension `harmonic` of length n, coordinate 1..=n.
     pub harmonics: Option<usize>,
+    /// On what the errors of an observable count, in words; empty for what is no observable.
+    pub error_scale: String,
     /// Row-major, instance first.
     pub data: Vec<f64>,
 }
@@ -194,6 +219,8 @@ pub struct Listed {
     pub instances: Vec<u64>,
     /// Over `instances` instead of all instances.
     pub variables: Vec<Variable>,
+    /// Likewise.
+    pub flags: Vec<Flags>,
 }
 
 impl Results {
@@ -228,11 +255,12 @@ impl Results {
         writer.finish()
     }
 
-    /// The text of a root attribute.
+    /// The text of a root attribute or of one of group `provenance`.
     pub fn text(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find_map(|(key, value)| match value {
+        let root = self.attributes.iter().find_map(|(key, value)| match value {
             Attribute::Text(text) if key == name => Some(text.as_str()),
             _ => None,
-        })
+        });
+        root.or_else(|| self.provenance.iter().find(|(key, _)| key == name).map(|(_, text)| text.as_str()))
     }
 }

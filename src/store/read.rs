@@ -3,8 +3,8 @@
 use super::labels::{is_scale, read_text};
 use super::source::Source;
 use super::{
-    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, StoreError, Variable,
-    Waveforms,
+    Attribute, Branch, Coordinate, Flags, ForceCurve, HDF5_VERSION, Listed, OWN_ATTRIBUTES, PROVENANCE,
+    Results, StoreError, Variable, Waveforms,
 };
 use hdf5::Group;
 use hdf5::types::TypeDescriptor;
@@ -30,7 +30,8 @@ impl Source {
         let members = self.members(&root)?;
         let status = self.dataset(&root, "status")?;
         let shape = status.shape();
-        let list = members.iter().any(|name| name == "instance");
+        let instance = self.member(&root, "instance")?;
+        let list = instance.is_some_and(|dataset| is_scale(&dataset));
         let axis_names: Vec<String> = if list {
             let names = read_text(&status, "coordinates").unwrap_or_default();
             names.split_whitespace().map(str::to_owned).collect()
@@ -77,6 +78,7 @@ impl Source {
             audit: self.listed(&root, "audit")?,
             comments: comments(&root, &others),
             attributes: self.attributes()?,
+            provenance: self.provenance(&root)?,
         })
     }
 
@@ -107,6 +109,7 @@ impl Source {
                 units: text("units"),
                 long_name: text("long_name"),
                 harmonics,
+                error_scale: text("error_scale"),
                 data: self.numbers(&dataset)?,
             });
         }
@@ -135,7 +138,7 @@ impl Source {
 
     fn attributes(&self) -> Result<Vec<(String, Attribute)>, StoreError> {
         let mut attributes = Vec::new();
-        for name in self.attribute_names()? {
+        for name in self.attribute_names(&self.file)? {
             // netCDF libraries keep their own notes under names that begin so.
             if OWN_ATTRIBUTES.contains(&name.as_str()) || name.starts_with("_N") {
                 continue;
@@ -149,11 +152,21 @@ impl Source {
         Ok(attributes)
     }
 
+    /// The texts of group `provenance`.
+    fn provenance(&self, root: &Group) -> Result<Vec<(String, String)>, StoreError> {
+        let group = root.group(PROVENANCE).map_err(|e| self.damaged(format_args!("{PROVENANCE}: {e}")))?;
+        let text = |name: String| read_text(&group, &name).map(|text| (name, text));
+        let names = self.attribute_names(&group)?.into_iter().filter(|name| name != HDF5_VERSION);
+        Ok(names.filter_map(text).collect())
+    }
+
+    /// A group that holds something.
     fn group(&self, root: &Group, name: &str) -> Result<Option<Group>, StoreError> {
         if !root.link_exists(name) {
             return Ok(None);
         }
-        root.group(name).map(Some).map_err(|e| self.damaged(format_args!("{name}: {e}")))
+        let group = root.group(name).map_err(|e| self.damaged(format_args!("{name}: {e}")))?;
+        Ok((!group.is_empty()).then_some(group))
     }
 
     fn instances(&self, group: &Group) -> Result<Vec<u64>, StoreError> {
@@ -260,7 +273,8 @@ impl Source {
         let members = self.members(&group)?;
         let names: Vec<&String> = members.iter().collect();
         let variables = self.variables(&group, &names, &[instances.len()])?;
-        Ok(Some(Listed { instances, variables }))
+        let flags = self.flags(&group, &names, &[instances.len()])?;
+        Ok(Some(Listed { instances, variables, flags }))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::labels::read_text;
 use super::place::TORN;
-use super::{Coordinate, Results, StoreError, heap, lock, partial_path, sums};
-use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, LocationType};
+use super::{Coordinate, PROVENANCE, Results, StoreError, heap, lock, partial_path, sums};
+use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, Location, LocationType};
 use std::cell::Cell;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -55,6 +55,10 @@ impl Source {
                 _ if start == TORN => StoreError::Partial { path: own() },
                 (true, true) => StoreError::Partial { path: own() },
                 (true, false) => StoreError::Foreign { path: own(), why: "it is empty".into() },
+                _ if path.extension().is_some_and(|extension| extension == "toml") => StoreError::Foreign {
+                    path: own(),
+                    why: "it is a scene; `afmsweep run` makes results of it".into(),
+                },
                 _ => StoreError::Foreign { path: own(), why: "it is no HDF5 file".into() },
             });
         }
@@ -76,7 +80,9 @@ impl Source {
 
     pub fn file_scene(&self) -> Result<String, StoreError> {
         let foreign = |why: &str| StoreError::Foreign { path: self.path.clone(), why: why.into() };
-        let scene = read_text(&self.file, "scene").ok_or_else(|| foreign("it names no scene"))?;
+        let provenance = self.file.group(PROVENANCE).ok();
+        let scene = provenance.and_then(|group| read_text(&group, "scene"));
+        let scene = scene.ok_or_else(|| foreign("it names no scene"))?;
         if !self.file.link_exists("status") {
             return Err(foreign("it has no variable status"));
         }
@@ -89,7 +95,7 @@ impl Source {
 
     /// Refuses results that are not what the run wrote, as the file itself tells, or less than its scene asks for.
     pub fn verify(&self, results: &Results) -> Result<(), StoreError> {
-        let names = self.attribute_names()?;
+        let names = self.attribute_names(&self.file)?;
         // Files of earlier versions have none.
         if names.iter().any(|name| name == sums::ATTRIBUTE) {
             let written =
@@ -116,10 +122,10 @@ impl Source {
         Ok(by_creation(all))
     }
 
-    /// The names of the file's attributes, in the order they were written.
-    pub fn attribute_names(&self) -> Result<Vec<String>, StoreError> {
+    /// The names of the attributes of the file or of one of its groups, in the order they were written.
+    pub fn attribute_names(&self, at: &Location) -> Result<Vec<String>, StoreError> {
         let mut all = Vec::new();
-        let visited = self.file.iter_attrs(IndexType::Name, IterationOrder::Native, |name, info| {
+        let visited = at.iter_attrs(IndexType::Name, IterationOrder::Native, |name, info| {
             all.push((info.creation_order.map(i64::from), name.to_owned()));
             Ok(())
         });
@@ -190,6 +196,8 @@ impl Source {
             name: name.to_owned(),
             units: text("units"),
             long_name: text("long_name"),
+            scene_path: text("scene_path"),
+            words: text("flag_meanings").split_whitespace().map(str::to_owned).collect(),
             values: self.numbers(&dataset)?,
         })
     }

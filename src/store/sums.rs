@@ -62,8 +62,12 @@ fn all(results: &Results) -> Vec<(String, u64)> {
             },
         );
     }
-    for Coordinate { name, units, long_name, values } in axes {
-        put(name, Sum::new().text(units).text(long_name).numbers(values));
+    for (name, text) in &results.provenance {
+        put(&format!("@{name}"), Sum::new().text(text));
+    }
+    for Coordinate { name, units, long_name, scene_path, words, values } in axes {
+        let named = Sum::new().text(units).text(long_name).text(scene_path).numbers(values);
+        put(name, words.iter().fold(named, |sum, word| sum.text(word)));
     }
     let there = |name: &String| variables.iter().any(|variable| variable.name == *name);
     for (name, comment) in results.comments.iter().filter(|(name, _)| there(name)) {
@@ -84,11 +88,12 @@ fn all(results: &Results) -> Vec<(String, u64)> {
     if !results.force_curves.is_empty() {
         put("force_curves", results.force_curves.iter().fold(Sum::new(), with_curve));
     }
-    if let Some(Listed { instances, variables }) =
+    if let Some(Listed { instances, variables, flags }) =
         results.audit.as_ref().filter(|one| !one.instances.is_empty())
     {
         put("audit/instance", instances.iter().fold(Sum::new(), |sum, one| sum.word(*one)));
         variables.iter().for_each(|one| put(&format!("audit/{}", one.name), of_variable(one)));
+        flags.iter().for_each(|one| put(&format!("audit/{}", one.name), of_flags(one)));
     }
     if let Some(Branch { variables, status, steps_per_period, flags }) = &results.other_branch {
         let steps = steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps)));
@@ -107,8 +112,9 @@ fn of_flags(flags: &Flags) -> Sum {
 }
 
 fn of_variable(variable: &Variable) -> Sum {
-    let Variable { units, long_name, harmonics, data, .. } = variable;
-    Sum::new().text(units).text(long_name).word(harmonics.unwrap_or(0) as u64).numbers(data)
+    let Variable { name: _, units, long_name, harmonics, error_scale, data } = variable;
+    let sum = Sum::new().text(units).text(long_name).text(error_scale);
+    sum.word(harmonics.unwrap_or(0) as u64).numbers(data)
 }
 
 fn of_waveforms(waveforms: &Waveforms) -> Sum {

@@ -5,11 +5,13 @@
 
 mod branches;
 mod curves;
+mod groups;
+mod waveforms;
 
 use super::check::check;
 use super::history::history;
 use super::labels::{self, Scale, attach};
-use super::{Attribute, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, Waveforms, sums};
+use super::{Attribute, Coordinate, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, sums};
 use crate::observe::Status;
 use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
@@ -34,22 +36,8 @@ pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<
             .with_fapl(|p| p.core_filebacked(false))
             .with_fcpl(|p| p.link_creation_order(LinkOrder::Indexed).attr_creation_order(AttrOrder::Indexed))
             .create(&name)?;
-        root(&file, results, scene_text)?;
-        if let Some(waveforms) = results.waveforms.as_ref().filter(|w| !w.instances.is_empty()) {
-            write_waveforms(&file, waveforms)?;
-        }
-        if !results.force_curves.is_empty() {
-            curves::write(&file, &results.force_curves)?;
-        }
-        if let Some(listed) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
-            let mut layout = Layout::group(&file, "audit")?;
-            let dims = vec![layout.instances(&listed.instances)?];
-            layout.variables(&listed.variables, &dims, None)?;
-            layout.close()?;
-        }
-        if let Some(branch) = &results.other_branch {
-            branches::write(Layout::group(&file, "other_branch")?, results, branch)?;
-        }
+        root(&file, results)?;
+        groups::write(&file, results, scene_text)?;
         file.flush()?;
         file_image(&file)
     };
@@ -70,6 +58,40 @@ fn file_image(file: &File) -> hdf5::Result<Vec<u8>> {
             return Err("the file's bytes could not be taken from memory".into());
         }
         Ok(bytes)
+    }
+}
+
+const INSTANCE: &str = "instance number, counted from 0";
+
+/// Names of the variables that tell more of a variable's values.
+#[derive(Clone, Copy)]
+struct Beside<'a> {
+    /// Where they lie, in a list.
+    coordinates: Option<&'a str>,
+    /// How good they are.
+    ancillary: &'a str,
+}
+
+impl Beside<'_> {
+    /// Tells a variable's readers where its values lie.
+    fn locate(self, dataset: &Dataset) -> hdf5::Result<()> {
+        self.coordinates.map_or(Ok(()), |names| labels::text(dataset, "coordinates", names))
+    }
+}
+
+/// What tells how good the instances of these variables are.
+fn quality(variables: &[Variable]) -> &'static str {
+    match variables.iter().any(|one| one.name == "error_estimate") {
+        true => "status error_estimate",
+        false => "status",
+    }
+}
+
+/// Tells which quantity of a scene a coordinate is.
+fn from_scene(dataset: &Dataset, axis: &Coordinate) -> hdf5::Result<()> {
+    match axis.scene_path.as_str() {
+        "" => Ok(()),
+        path => labels::text(dataset, "scene_path", path),
     }
 }
 
@@ -130,10 +152,29 @@ impl Layout {
         Ok(self.scales.len() - 1)
     }
 
-    /// The dimension `instance` with these instance numbers.
-    fn instances(&mut self, numbers: &[u64]) -> hdf5::Result<usize> {
+    /// A dimension whose values 0, 1 and so on have names; gives its number.
+    fn named(&mut self, axis: &Coordinate) -> hdf5::Result<usize> {
+        let codes: Vec<u8> = (0..axis.words.len() as u8).collect();
+        let dim = self.coordinate(&axis.name, &axis.units, &axis.long_name, &codes)?;
+        let dataset = self.group.dataset(&axis.name)?;
+        labels::list(&dataset, "flag_values", &codes)?;
+        labels::text(&dataset, "flag_meanings", &axis.words.join(" "))?;
+        Ok(dim)
+    }
+
+    /// A dimension of this name for some of the instances, beside variable `instance` with their numbers; gives its
+    /// number.
+    fn some_of(&mut self, name: &str, instances: &[u64]) -> hdf5::Result<usize> {
+        let dim = self.dimension(name, instances.len())?;
+        self.instances(&[dim], instances)?;
+        Ok(dim)
+    }
+
+    /// Variable `instance`.
+    fn instances(&mut self, dims: &[usize], numbers: &[u64]) -> hdf5::Result<()> {
         let numbers: Vec<i64> = numbers.iter().map(|&n| i64::try_from(n).unwrap_or(i64::MAX)).collect();
-        self.coordinate("instance", "1", "instance number, counted from 0", &numbers)
+        let dataset = self.variable("instance", dims, &numbers)?;
+        Self::describe(&dataset, "1", INSTANCE)
     }
 
     /// A dimension without values.
@@ -200,12 +241,7 @@ impl Layout {
     }
 
     /// Variables over the instances, with the dimension `harmonic` behind them where asked for.
-    fn variables(
-        &mut self,
-        variables: &[Variable],
-        dims: &[usize],
-        coordinates: Option<&str>,
-    ) -> hdf5::Result<()> {
+    fn variables(&mut self, variables: &[Variable], dims: &[usize], beside: Beside) -> hdf5::Result<()> {
         let mut harmonic = None;
         for variable in variables {
             let mut dims = dims.to_vec();
@@ -220,11 +256,13 @@ impl Layout {
                 };
                 dims.push(dim);
             }
-            let Variable { name, units, long_name, data, .. } = variable;
+            let Variable { name, units, long_name, error_scale, data, .. } = variable;
             let dataset = self.quantity(name, units, long_name, &dims, data)?;
-            if let Some(names) = coordinates {
-                labels::text(&dataset, "coordinates", names)?;
+            if !error_scale.is_empty() {
+                labels::text(&dataset, "error_scale", error_scale)?;
+                labels::text(&dataset, "ancillary_variables", beside.ancillary)?;
             }
+            beside.locate(&dataset)?;
         }
         Ok(())
     }
@@ -234,14 +272,19 @@ impl Layout {
         let mut dims = Vec::new();
         if !results.list {
             for axis in &results.axes {
-                dims.push(self.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?);
+                dims.push(match axis.words.is_empty() {
+                    true => self.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?,
+                    false => self.named(axis)?,
+                });
+                from_scene(&self.group.dataset(&axis.name)?, axis)?;
             }
             return Ok((dims, None));
         }
-        let numbers: Vec<u64> = (0..results.status.len() as u64).collect();
-        dims.push(self.instances(&numbers)?);
+        let numbers: Vec<i64> = (0..results.status.len() as i64).collect();
+        dims.push(self.coordinate("instance", "1", INSTANCE, &numbers)?);
         for axis in &results.axes {
-            self.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
+            let dataset = self.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
+            from_scene(&dataset, axis)?;
         }
         let names: Vec<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
         Ok((dims, (!names.is_empty()).then(|| names.join(" "))))
@@ -265,14 +308,12 @@ fn chunk(shape: &[usize]) -> Vec<usize> {
     chunk
 }
 
-fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
-    let history = results.text("history").map_or_else(history, str::to_owned);
+fn root(file: &File, results: &Results) -> hdf5::Result<()> {
+    let history =
+        results.text("history").map_or_else(|| history(results.text("command_line")), str::to_owned);
     labels::text(file, "title", &results.title)?;
     labels::text(file, "Conventions", "CF-1.10")?;
     labels::text(file, "history", &history)?;
-    if !results.attributes.iter().any(|(name, _)| name == "scene") {
-        labels::text(file, "scene", scene_text)?;
-    }
     for (name, value) in &results.attributes {
         match value {
             _ if OWN_ATTRIBUTES.contains(&name.as_str()) => {}
@@ -284,8 +325,11 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
     let group = file.group("/")?;
     let mut layout = Layout { file: file.clone(), group, scales: Vec::new() };
     let (dims, coordinates) = layout.axes(results)?;
-    let coordinates = coordinates.as_deref();
-    layout.variables(&results.variables, &dims, coordinates)?;
+    if !results.list {
+        layout.instances(&dims, &(0..results.status.len() as u64).collect::<Vec<_>>())?;
+    }
+    let beside = Beside { coordinates: coordinates.as_deref(), ancillary: quality(&results.variables) };
+    layout.variables(&results.variables, &dims, beside)?;
     for (name, comment) in results.comments.iter().filter(|(name, _)| file.link_exists(name)) {
         let dataset = file.dataset(name)?;
         labels::text(&dataset, "comment", comment)?;
@@ -299,38 +343,6 @@ fn root(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
     for flags in &results.flags {
         described.push(layout.words(flags, &dims)?);
     }
-    for dataset in described {
-        if let Some(names) = coordinates {
-            labels::text(&dataset, "coordinates", names)?;
-        }
-    }
-    layout.close()
-}
-
-fn write_waveforms(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
-    let mut layout = Layout::group(file, "waveforms")?;
-    let instance = layout.instances(&waveforms.instances)?;
-    let long_name = "time from the drive's zero phase";
-    let mut own_time = false;
-    let dims = if let [time] = waveforms.time.as_slice() {
-        vec![instance, layout.coordinate("time", "s", long_name, time)?]
-    } else {
-        let length = waveforms.time.first().map_or(0, Vec::len);
-        let dims = vec![instance, layout.dimension("sample", length)?];
-        layout.quantity("time", "s", long_name, &dims, &waveforms.time.concat())?;
-        own_time = true;
-        dims
-    };
-    for (name, units, long_name, rows) in [
-        ("tip_travel", "m", "travel of the tip", &waveforms.tip_travel),
-        ("actuator_top", "m", "travel of the actuator's top", &waveforms.actuator_top),
-        ("indentation", "m", "indentation, negative for a gap", &waveforms.indentation),
-        ("force", "N", "force on the tip, positive away from the sample", &waveforms.force),
-    ] {
-        let dataset = layout.quantity(name, units, long_name, &dims, &rows.concat())?;
-        if own_time {
-            labels::text(&dataset, "coordinates", "time")?;
-        }
-    }
+    described.iter().try_for_each(|dataset| beside.locate(dataset))?;
     layout.close()
 }

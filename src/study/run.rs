@@ -53,6 +53,7 @@ impl Ran {
             wall_time: self.wall_time,
             rate: self.plan.instance_steps() as f64 / self.wall_time,
             plan: self.plan.summary(None).json().to_string(),
+            command_line: "afmsweep study paper".into(),
             arithmetic: Arithmetic::of(&self.plan, "nothing is estimated"),
         };
         let mut results = record::results(&self.scene, &self.plan, &self.outcome, &facts);

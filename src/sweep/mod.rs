@@ -94,6 +94,7 @@ struct Options {
     estimate: bool,
     policy: Policy,
     audit: Audit,
+    command_line: String,
 }
 
 impl Sweep {
@@ -107,6 +108,7 @@ impl Sweep {
             estimate: true,
             policy: Policy::STANDARD,
             audit: Audit::Auto,
+            command_line: "none: run by the library".into(),
         };
         Self { scene, options, progress: Arc::default() }
     }
@@ -166,6 +168,13 @@ impl Sweep {
     #[must_use]
     pub fn audit(mut self, audit: Audit) -> Self {
         self.options.audit = audit;
+        self
+    }
+
+    /// How the program that runs it was called: attribute `command_line` of its results.
+    #[must_use]
+    pub fn command_line(mut self, text: String) -> Self {
+        self.options.command_line = text;
         self
     }
 
@@ -264,7 +273,8 @@ impl Sweep {
             audit::redo(audit, &run, stepping, progress)
         })?;
         control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
-        let done = swept::Done { scene, run, others, audited, exact, estimated, summary };
+        let command_line = self.options.command_line.clone();
+        let done = swept::Done { scene, run, others, audited, exact, estimated, summary, command_line };
         swept::collect(done, (start, stepping), engine.as_ref(), missing, progress)
     }
 }

@@ -41,6 +41,7 @@ pub(super) struct Done<'a> {
     pub estimated: bool,
     /// The first plan, as JSON.
     pub summary: String,
+    pub command_line: String,
 }
 
 /// Results of the phases, waveforms last. `begun`: when the run began, and the seconds of its stepping.
@@ -51,7 +52,7 @@ pub(super) fn collect(
     mut missing: Missing,
     progress: &Progress,
 ) -> Result<Swept, Error> {
-    let Done { scene, run, others, audited, exact, estimated, summary } = done;
+    let Done { scene, run, others, audited, exact, estimated, summary, command_line } = done;
     let verdict = Verdict::of(&run, &audited, exact);
     let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
     let steps = progress.steps();
@@ -60,6 +61,7 @@ pub(super) fn collect(
         wall_time: start.elapsed().as_secs_f64(),
         rate: if steps == 0 { 0.0 } else { steps as f64 / stepping },
         plan: summary,
+        command_line,
         arithmetic: run.arithmetic.clone(),
     };
     let mut results = record::results(scene, plan, outcome, &facts);
@@ -70,6 +72,7 @@ pub(super) fn collect(
     })?;
     if plan.run.steady == Steady::Search {
         record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
+        record::jumps(&mut results, &run.jumps);
     }
     record::audit(&mut results, plan, &audited, &verdict);
     results.attributes.extend(record::complete(&missing.words()));

@@ -29,9 +29,16 @@ pub enum UnitErrorKind {
 }
 
 /// Units that are known under another name, or that need a word of explanation.
-const ASIDES: [(&str, &str); 16] = [
+const ASIDES: [(&str, &str); 23] = [
     ("micron", "write \"um\""),
     ("microns", "write \"um\""),
+    ("nanometer", "write \"nm\""),
+    ("nanometers", "write \"nm\""),
+    ("micrometer", "write \"um\""),
+    ("micrometers", "write \"um\""),
+    ("nanonewton", "write \"nN\""),
+    ("gigapascal", "write \"GPa\""),
+    ("kilohertz", "write \"kHz\""),
     ("volt", "write \"V\""),
     ("volts", "write \"V\""),
     ("hertz", "write \"Hz\""),
@@ -110,10 +117,15 @@ impl UnitError {
             UnitErrorKind::UnknownUnit => {
                 let unit = self.unit_text();
                 if let Some((_, aside)) = ASIDES.iter().find(|(name, _)| *name == unit) {
-                    return Some((*aside).to_string());
+                    return Some(aside.replacen("write \"", &format!("write \"{value} "), 1));
                 }
-                nearest(unit, expected.usual_units().iter().copied())
+                let usual = expected.usual_units();
+                nearest(unit, usual.iter().copied())
                     .map(|meant| format!("did you mean \"{value} {meant}\"?"))
+                    .or_else(|| (!usual.is_empty()).then(|| format!("known units are {}", usual.join(", "))))
+            }
+            UnitErrorKind::WrongDimension(_) if !expected.usual_units().is_empty() => {
+                Some(format!("write \"{value} {}\" if that is its size", expected.usual_units()[0]))
             }
             UnitErrorKind::WrongDimension(_) if expected == Dimension::Dimensionless => {
                 Some("leave the unit out".to_string())

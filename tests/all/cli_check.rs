@@ -40,7 +40,7 @@ fn fast() -> String {
 #[test]
 fn every_engine_stands_beside_the_reference() {
     let desk = Desk::new();
-    let path = desk.write("small.toml", SMALL);
+    let path = desk.write("small.toml", &fast());
     let said = desk.works(&["check", path.to_str().unwrap()]);
     for word in ["3 of 3 instances", "gpu:"] {
         assert!(said.err.contains(word), "{word}: {}", said.err);
@@ -60,7 +60,7 @@ fn every_engine_stands_beside_the_reference() {
 #[test]
 fn json_holds_every_error_below_the_accuracy() {
     let desk = Desk::new();
-    let path = desk.write("small.toml", SMALL);
+    let path = desk.write("small.toml", &fast());
     let json = desk.json(&["check", path.to_str().unwrap(), "-i", "2", "--json", "-q"]);
     assert_eq!(json["instances"].as_array().unwrap().len(), 2);
     for one in json["instances"].as_array().unwrap() {
@@ -76,7 +76,7 @@ fn json_holds_every_error_below_the_accuracy() {
 #[test]
 fn a_results_file_is_held_against_the_reference_too() {
     let desk = Desk::new();
-    let path = desk.write("small.toml", SMALL);
+    let path = desk.write("small.toml", &fast());
     desk.works(&["run", path.to_str().unwrap(), "-q"]);
     let file = desk.results(&path);
     let said = desk.works(&["check", file.to_str().unwrap(), "-i", "1"]);

@@ -36,8 +36,8 @@ fn a_bad_scene_is_shown_with_its_place() {
 #[test]
 fn a_scene_that_is_not_there_is_named() {
     let desk = Desk::new();
-    desk.refuses(&["run", "nowhere.toml"], &["nowhere.toml", "cannot be read", "check the name"]);
-    desk.refuses(&["force", "."], &["cannot be read"]);
+    desk.refuses(&["run", "nowhere.toml"], &["nowhere.toml", "cannot read the scene", "check the name"]);
+    desk.refuses(&["force", "."], &["cannot read the scene"]);
     desk.write("picture.toml", "\u{0}\u{1}");
     desk.refuses(&["plan", "picture.toml"], &["picture.toml:1:3"]);
     std::fs::write(desk.path("latin.toml"), b"title = \"\xe9\"\n").unwrap();

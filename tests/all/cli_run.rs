@@ -151,6 +151,64 @@ fn results_hold_the_scene_and_how_it_was_run() {
     assert!(law.data.iter().all(|code| law.meanings[usize::from(*code)] == "dmt"));
 }
 
+/// Truth: the file of the same run, and the table of keys in docs/commands.md.
+#[test]
+fn the_json_object_tells_what_became_of_the_run() {
+    let desk = Desk::new();
+    desk.write("tap.toml", TAPPING);
+    let said = desk.works(&["run", "tap.toml", "--json", "--audit", "2"]);
+    assert!(said.err.contains("wrote results/tap.h5"), "messages as ever: {}", said.err);
+    let object: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let results = read(&desk.path("results/tap.h5")).unwrap();
+    assert_eq!(object["version"], 1);
+    assert_eq!(object["file"], "results/tap.h5");
+    assert_eq!(object["shape"], serde_json::json!([3, 2]));
+    let ok = results.status.iter().filter(|code| **code == 0).count();
+    assert_eq!(object["status"]["ok"], ok);
+    assert_eq!(object["audit"]["instances"], number(&results, "audited"));
+    assert_eq!(object["audit"]["worst"]["error"], number(&results, "audit_worst"));
+    let mut known = variable(&results, "error_estimate").to_vec();
+    known.sort_by(f64::total_cmp);
+    assert_eq!(object["estimate"]["largest"], known[known.len() - 1]);
+    let page = include_str!("../../docs/commands.md");
+    let told = |key: &String| page.contains(&format!("`{key}`"));
+    fn keys(value: &serde_json::Value) -> Vec<String> {
+        let members = value.as_object().into_iter().flatten();
+        members.flat_map(|(key, value)| keys(value).into_iter().chain([key.clone()])).collect()
+    }
+    let untold: Vec<String> = keys(&object).into_iter().filter(|key| !told(key)).collect();
+    let statuses: Vec<String> = keys(&object["status"]);
+    assert_eq!(
+        untold.iter().filter(|key| !statuses.contains(key)).collect::<Vec<_>>(),
+        Vec::<&String>::new()
+    );
+    assert_eq!(desk.call(&["run", "nothing.toml", "--json"]).out, "");
+}
+
+/// Truth: the run itself, made again from nothing but what its file says of it.
+#[test]
+fn the_resolved_scene_with_the_options_of_the_command_line_gives_the_same_bits() {
+    let desk = Desk::new();
+    let path = desk.write("tap it.toml", TAPPING);
+    let options = ["--precision", "f32", "--no-estimate", "--steps-per-period", "300"];
+    let results = desk.run(&path, &options);
+    let line = results.text("command_line").unwrap();
+    let called = format!("afmsweep run '{}' -q --no-audit {}", path.display(), options.join(" "));
+    assert_eq!(line, called);
+    assert!(results.text("source_revision").is_some_and(|revision| !revision.is_empty()));
+    let resolved = desk.write("again.toml", results.text("scene_resolved").unwrap());
+    let (_, told) = line.split_once("--no-audit ").unwrap();
+    let again = desk.run(&resolved, &told.split(' ').collect::<Vec<_>>());
+    // As bits: what was not estimated is NaN.
+    let bits = |results: &Results| -> Vec<u64> {
+        results.variables.iter().flat_map(|one| one.data.iter().map(|value| value.to_bits())).collect()
+    };
+    assert_eq!(bits(&again), bits(&results));
+    assert_eq!(again.text("precision"), Some("f32"));
+    // Without the options the numbers are others.
+    assert_ne!(bits(&desk.run(&resolved, &[])), bits(&results));
+}
+
 #[test]
 fn the_engines_arguments_reach_the_engine() {
     let desk = Desk::new();

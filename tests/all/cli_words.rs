@@ -9,7 +9,15 @@ use std::path::Path;
 fn every_scene_to_begin_with_can_be_planned() {
     let desk = Desk::new();
     let mut all = Vec::new();
-    for kind in [&[][..], &["--lever"], &["--liquid"], &["--paper"], &["--bistable"]] {
+    for kind in [
+        &[][..],
+        &["--lever"],
+        &["--liquid"],
+        &["--paper"],
+        &["--bistable"],
+        &["--peak-force"],
+        &["--samples"],
+    ] {
         let text = desk.works(&[&["init"], kind].concat()).out;
         Scene::parse(Path::new("scene.toml"), &text).unwrap_or_else(|error| panic!("{kind:?}: {error}"));
         std::fs::write(desk.path("scene.toml"), &text).unwrap();
@@ -18,7 +26,7 @@ fn every_scene_to_begin_with_can_be_planned() {
     }
     assert_eq!(all[0], all[1], "the lever is what nobody has to ask for");
     all.dedup();
-    assert_eq!(all.len(), 4);
+    assert_eq!(all.len(), 6);
 }
 
 /// The calibrated lever is run to the accuracy that it asks for.

@@ -4,8 +4,8 @@
 
 use afmsweep::contact::Law;
 use afmsweep::control::Arithmetic;
-use afmsweep::record::{self, BRANCHES, Facts, WARNINGS};
-use afmsweep::scene::{Domain, Params, QUANTITIES, Quantity};
+use afmsweep::record::{self, BRANCHES, Facts, JUMPS, WARNINGS};
+use afmsweep::scene::{CURVE_WAYS, Domain, Params, QUANTITIES, Quantity};
 use afmsweep::store::{Attribute, Results};
 use afmsweep::sweep::Phase;
 use afmsweep::units::Dimension;
@@ -82,7 +82,7 @@ fn choices(text: &str) -> Vec<String> {
 }
 
 /// Every table of a scene, by its heading, and a scene that asks for a key it does not have.
-const TABLES: [(&str, &str); 13] = [
+const TABLES: [(&str, &str); 14] = [
     ("Top level", "zzz = 1"),
     ("`[instrument]`", "[instrument]\nzzz = 1"),
     ("`[instrument.actuator]`", "[instrument.actuator]\nzzz = 1"),
@@ -93,9 +93,10 @@ const TABLES: [(&str, &str); 13] = [
     ("`[contact]`", "[contact]\nzzz = 1"),
     ("`[drive]`", "[drive]\nzzz = 1"),
     ("`[approach]`", "[approach]\nzzz = 1"),
+    ("`[curve]`", "[curve]\nzzz = 1"),
     ("`[run]`", "[run]\nzzz = 1"),
     ("`[output]`", "[output]\nzzz = 1"),
-    ("`[output]` `waveforms`", "[output]\nwaveforms = { zzz = 1 }"),
+    ("`[output]` `waveforms`", "[output]\nwaveforms = { instances = [0], zzz = 1 }"),
 ];
 
 #[test]
@@ -117,6 +118,8 @@ fn every_word_that_a_choice_may_have_is_told() {
         ("`[instrument.actuator]`", "model", "[instrument.actuator]\nmodel = \"zzz\""),
         ("`[contact]`", "law", "[contact]\nlaw = \"zzz\""),
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
+        ("`[curve]`", "quantity", "[curve]\nquantity = \"zzz\""),
+        ("`[curve]`", "direction", &format!("{CURVE}direction = \"zzz\"")),
         ("`[run]`", "start", "[run]\nstart = \"zzz\""),
         ("`[run]`", "steady", "[run]\nsteady = \"zzz\""),
         ("`[run]`", "branches", "[run]\nbranches = \"zzz\""),
@@ -217,6 +220,8 @@ fn examples_of_scenes_are_scenes() {
     }
 }
 
+const CURVE: &str = "[curve]\nquantity = \"approach.gap\"\nfrom = \"16 nm\"\nto = \"15 nm\"\npoints = 2\n";
+
 const LEVER: &str = r#"
 [instrument.cantilever]
 stiffness = "10 N/m"
@@ -247,7 +252,11 @@ fn runs() -> Vec<Swept> {
         let scene = Scene::parse(Path::new("all.toml"), &format!("{LEVER}{output}{sweep}")).unwrap();
         Sweep::new(scene).backend(Backend::Cpu).audit(Audit::Instances(1)).run().unwrap()
     };
-    vec![run(grid), run(list)]
+    let single = LEVER.replace("branches = \"both\"\n", "");
+    let text = format!("{single}{CURVE}direction = \"both\"\n");
+    let scene = Scene::parse(Path::new("curve.toml"), &text).unwrap();
+    let curve = Sweep::new(scene).backend(Backend::Cpu).audit(Audit::None).run().unwrap();
+    vec![run(grid), run(list), curve]
 }
 
 /// The results of a run that went through both precisions and was stopped.
@@ -258,6 +267,7 @@ fn mixed_and_stopped(swept: &Swept) -> Results {
         wall_time: 0.0,
         rate: 0.0,
         plan: run.plan.summary(None).json().to_string(),
+        command_line: String::new(),
         arithmetic: Arithmetic { of: vec![Precision::F32, Precision::F64], ..run.arithmetic.clone() },
     };
     let path = Path::new("all.toml");
@@ -303,7 +313,7 @@ fn dataset_is_told(document: &Document, heading: &str, dataset: &Dataset) {
     }
     for word in text(dataset, "flag_meanings").unwrap_or_default().split(' ').filter(|word| !word.is_empty())
     {
-        let heading = if name == "status" { "Statuses" } else { heading };
+        let heading = if name.ends_with("status") { "Statuses" } else { heading };
         document.says(heading, word);
     }
 }
@@ -349,6 +359,9 @@ fn everything_in_a_results_file_is_told() {
                 .any(|(key, value)| *key == name && matches!(value, Attribute::Number(_)));
             assert_eq!(row[1], if number { "f64" } else { "text" }, "{name}");
         }
+        for name in file.group("provenance").unwrap().attr_names().unwrap() {
+            document.row("Group `provenance`", &name);
+        }
         let axes: Vec<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
         group_is_told(&document, "Variables", &file.group("/").unwrap(), &axes);
         let mut keys = Vec::new();
@@ -369,7 +382,7 @@ fn every_status_and_every_other_word_is_told() {
         assert_eq!(row[1], (status as u8).to_string(), "{}", status.meaning());
     }
     let laws: Vec<&str> = Law::ALL.iter().map(|law| law.name()).collect();
-    for word in laws.iter().chain(&BRANCHES).chain(&WARNINGS) {
+    for word in laws.iter().chain(&BRANCHES).chain(&WARNINGS).chain(&JUMPS).chain(&CURVE_WAYS) {
         document.says("Variables", word);
     }
     for phase in

@@ -11,6 +11,8 @@ const OPTIONS: Options = Options {
     last_step: Some(1e-6),
     most: 500,
     near: false,
+    carried: false,
+    clearly: 0.99,
     stable: true,
 };
 

@@ -1,7 +1,7 @@
 //! Results files that were cut, spoilt or are none: told apart, and never a panic.
 
 use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
-use afmsweep::store::{Attribute, Results, StoreError, Writer, partial_path, read};
+use afmsweep::store::{Results, StoreError, Writer, partial_path, read};
 use std::path::{Path, PathBuf};
 
 /// A file of these results, and a folder that goes away with it.
@@ -157,7 +157,7 @@ fn what_was_added_to_a_file_is_passed_over() {
 fn an_observable_that_the_scene_asks_for_and_the_file_lacks_is_named() {
     let mut results = grid();
     let scene = "[output]\nobservables = [\"amplitude\", \"force_max\"]\n";
-    results.attributes.push(("scene_resolved".into(), Attribute::Text(scene.into())));
+    results.provenance.push(("scene_resolved".into(), scene.into()));
     let (_folder, path) = file(&results);
     let error = read(&path).unwrap_err();
     assert!(matches!(&error, StoreError::Lacking { what, .. } if what == "force_max"), "{error}");

@@ -63,7 +63,7 @@ fn text_longer_than_an_object_header_comes_back_as_written() {
     let mut results = scalar();
     let long = "κ = \"30 nm\" # a long scene\n".repeat(10_000);
     assert!(long.len() > 4 * 65_536);
-    results.attributes[1].1 = Attribute::Text(long);
+    results.provenance[1].1 = long;
     results.attributes.extend((0..40).map(|i| (format!("extra_{i:02}"), Attribute::Number(f64::from(i)))));
     assert_round_trip(&results);
 }
@@ -190,7 +190,7 @@ fn the_same_scene_is_replaced_and_another_only_when_told() {
     assert!(!partial_path(&path).exists());
     let mut writer = Writer::create(&path, "title = \"two\"\n", true).unwrap();
     let mut other = grid();
-    other.attributes.remove(0);
+    other.provenance.remove(0);
     writer.write(&other).unwrap();
     writer.finish().unwrap();
     // Without the attribute in the results, the writer's own scene text stands in the file.

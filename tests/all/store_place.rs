@@ -58,7 +58,7 @@ fn a_partial_file_of_the_users_own_is_left_alone_unless_told() {
     // Results of another scene, then cut ones, of which nobody can say whose they are.
     let mut other = Writer::create(&folder.path().join("b.h5"), "title = \"two\"\n", false).unwrap();
     let mut results = grid();
-    results.attributes.remove(0);
+    results.provenance.remove(0);
     other.write(&results).unwrap();
     let bytes = fs::read(other.partial()).unwrap();
     for kept in [bytes.len(), bytes.len() / 2] {

@@ -42,7 +42,7 @@ fn examples() -> Vec<(&'static str, Results)> {
     let mut own_times = own_times();
     own_times.variables[0].data.fill(f64::NAN);
     let mut long_text = scalar();
-    long_text.attributes[1].1 = Attribute::Text("κ = \"30 nm\"\n".repeat(20_000));
+    long_text.provenance[1].1 = "κ = \"30 nm\"\n".repeat(20_000);
     long_text.attributes.extend((0..40).map(|i| (format!("extra_{i}"), Attribute::Number(f64::from(i)))));
     let bare = Results {
         axes: vec![coordinate("tip_radius", "m", ramp(3, 1e-9))],

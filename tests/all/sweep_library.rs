@@ -85,7 +85,7 @@ fn results_that_are_written_are_read_back_alike() {
     // Of the same scene it is replaced; another one's file is left alone.
     swept.results.write(&path, false).unwrap();
     let mut other = swept.results.clone();
-    other.attributes.retain(|(name, _)| name != "scene");
+    other.provenance.retain(|(name, _)| name != "scene");
     let refused = other.write(&path, false).unwrap_err().to_string();
     assert!(refused.contains("of_the_library.h5"), "{refused}");
     other.write(&path, true).unwrap();

@@ -14,11 +14,26 @@ pub fn ramp(count: usize, step: f64) -> Vec<f64> {
 }
 
 pub fn coordinate(name: &str, units: &str, values: Vec<f64>) -> Coordinate {
-    Coordinate { name: name.into(), units: units.into(), long_name: format!("the {name}"), values }
+    Coordinate {
+        name: name.into(),
+        units: units.into(),
+        long_name: format!("the {name}"),
+        scene_path: format!("scene.{name}"),
+        words: Vec::new(),
+        values,
+    }
 }
 
 pub fn variable(name: &str, units: &str, harmonics: Option<usize>, data: Vec<f64>) -> Variable {
-    Variable { name: name.into(), units: units.into(), long_name: format!("the {name}"), harmonics, data }
+    let error_scale = if name == "error_estimate" { String::new() } else { format!("the free {name}") };
+    Variable {
+        name: name.into(),
+        units: units.into(),
+        long_name: format!("the {name}"),
+        harmonics,
+        error_scale,
+        data,
+    }
 }
 
 /// Results over these axes with everything a file can hold.
@@ -80,6 +95,13 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
         audit: Some(Listed {
             instances: vec![0, last],
             variables: vec![variable("amplitude", "m", None, ramp(2, 1e-9))],
+            flags: vec![Flags {
+                name: "reference_status".into(),
+                long_name: "status".into(),
+                meanings: vec!["ok".into(), "not_steady".into()],
+                bits: false,
+                data: vec![0, 1],
+            }],
         }),
         other_branch: Some(Branch {
             variables: vec![
@@ -98,11 +120,10 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
         }),
         comments: vec![("amplitude".into(), "of the tip".into())],
         attributes: vec![
-            ("scene".into(), Attribute::Text(SCENE.into())),
-            ("plan".into(), Attribute::Text("{\"modes\": 2}".into())),
             ("device".into(), Attribute::Text(String::new())),
             ("wall_time".into(), Attribute::Number(1.5)),
         ],
+        provenance: vec![("scene".into(), SCENE.into()), ("plan".into(), "{\"modes\": 2}".into())],
     }
 }
 

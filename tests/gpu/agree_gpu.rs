@@ -13,7 +13,7 @@ use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::Precision;
 use afmsweep::scene::{QualityFactor, Scene, Start, Steady};
-use afmsweep::steady;
+use afmsweep::steady::{self, PeriodicState, Settled};
 use libtest_mimic::{Failed, Trial};
 use std::path::Path;
 use std::time::Duration;
@@ -188,6 +188,63 @@ fn searches_alike(precision: Precision) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Four curves on one mode, along the gap or the drive's frequency.
+const CURVES: &str = r#"
+[instrument.actuator]
+model = "rigid"
+[instrument.cantilever]
+modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 60 }]
+[instrument.tip]
+radius = "20 nm"
+[sample]
+youngs_modulus = "1 GPa"
+surface_energy = "30 mJ/m^2"
+[contact]
+law = "LAW"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+force = "6 nN"
+[approach]
+gap = "8.5 nm"
+[sweep]
+"sample.youngs_modulus" = { values = ["0.3 GPa", "1 GPa", "3 GPa", "10 GPa"] }
+[curve]
+quantity = "QUANTITY"
+values = [VALUES]
+direction = "both"
+[run]
+periods = 600
+"#;
+
+/// Curves are followed point by point on the device as on the CPU.
+fn curves_alike() -> Result<(), Failed> {
+    for (law, quantity, values) in [
+        ("dmt", "approach.gap", r#""10 nm", "9.5 nm", "9 nm", "8.5 nm""#),
+        ("jkr", "approach.gap", r#""8.5 nm", "7.5 nm", "6.5 nm""#),
+        ("dmt", "drive.frequency", r#""299 kHz", "300 kHz", "301 kHz""#),
+    ] {
+        let text = CURVES.replace("LAW", law).replace("QUANTITY", quantity).replace("VALUES", values);
+        let scene = Scene::parse(Path::new("curves.toml"), &text).expect("the scene is whole");
+        let plan = checks::plan_in(&scene, None, Precision::F64);
+        let settle =
+            |engine: &dyn Engine| steady::begin(&plan, engine, &Progress::default()).expect("it runs");
+        let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
+        let count = same(&ours.outcome.results, &theirs.outcome.results, law)?;
+        // What was waited for has no multiplier, which is no number and unlike itself.
+        let states = |all: &Settled| -> Vec<_> {
+            let one = |state: &PeriodicState| (state.station, state.spectrum.multiplier.to_bits());
+            all.found.iter().map(|state| state.as_deref().map(one)).collect()
+        };
+        assert!(states(&ours) == states(&theirs), "{law} over {quantity}");
+        assert_eq!(ours.jumps, theirs.jumps);
+        let found = ours.found.iter().flatten().filter(|state| state.searched()).count();
+        println!("{law} over {quantity}: {count} of {count} points identical, {found} followed");
+        assert!(found > count / 2);
+    }
+    Ok(())
+}
+
 /// The tests of this file, of which those run that the adapters found can run.
 pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     let (any, exact) = (!found.is_empty(), shader::exact(found));
@@ -220,6 +277,7 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
         let name = format!("searches_as_the_cpu_does_{}", precision.name());
         add(name, exact && double, Box::new(move || searches_alike(precision)));
     }
+    add("curves_as_the_cpu_does".into(), exact && double, Box::new(curves_alike));
     add("chunks_change_no_bit".into(), any, Box::new(chunks_change_no_bit));
     add("long_periods_go_in_parts".into(), exact, Box::new(long_periods_go_in_parts));
     add("a_lost_device_costs_nothing".into(), exact, Box::new(a_lost_device_costs_nothing));

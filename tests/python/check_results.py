@@ -29,6 +29,11 @@ UNITS = {
     "virial": "J",
     "contacts": "1",
     "harmonic_amplitude": "m",
+    "deflection_amplitude": "m",
+    "deflection_phase": "degree",
+    "deflection_mean": "m",
+    "free_phase": "degree",
+    "frequency_shift": "Hz",
     "tip_travel": "m",
     "actuator_top": "m",
     "indentation": "m",
@@ -37,7 +42,7 @@ UNITS = {
     "time": "s",
 }
 MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run", "accuracy_not_met"]
-GROUPS = ["waveforms", "force_curves", "audit", "other_branch"]
+GROUPS = ["waveforms", "force_curves", "audit", "other_branch", "provenance"]
 ENGINES = ["h5netcdf", "netcdf4"]
 
 
@@ -78,7 +83,7 @@ def check_variable(name, variable):
 
 
 def check_root(data):
-    for name in ["title", "Conventions", "history", "scene"]:
+    for name in ["title", "Conventions", "history"]:
         assert isinstance(data.attrs[name], str), (name, type(data.attrs[name]))
     assert data.attrs["Conventions"].startswith("CF-1."), data.attrs["Conventions"]
     for name, value in data.attrs.items():
@@ -87,9 +92,9 @@ def check_root(data):
     assert data["steps_per_period"].dtype == np.uint32
     dims = data["status"].dims
     assert data["steps_per_period"].dims == dims
+    assert same(data["instance"], np.arange(data["status"].size).reshape(data["status"].shape))
     if "instance" in dims:
         assert dims == ("instance",)
-        assert same(data["instance"], np.arange(data.sizes["instance"]))
         for name in set(data.coords) - {"instance", "harmonic"}:
             assert data[name].dims == ("instance",), name
     else:
@@ -101,8 +106,11 @@ def check_root(data):
         if "flag_values" in variable.attrs or "flag_masks" in variable.attrs:
             assert variable.dims == dims, (name, variable.dims)
             continue
-        if name == "steps_per_period":
+        if name in ("steps_per_period", "instance"):
             continue
+        if name in UNITS:
+            assert variable.attrs["error_scale"], name
+            assert all(word in data for word in variable.attrs["ancillary_variables"].split()), name
         assert variable.dtype == np.float64, (name, variable.dtype)
         assert variable.dims in (dims, dims + ("harmonic",)), (name, variable.dims)
     if "harmonic" in data.dims:
@@ -130,14 +138,18 @@ def check_group(name, data, root):
         check_variable(key, variable)
     if name == "other_branch":
         return check_branch(data, root)
+    if name == "provenance":
+        return None
     assert ((data["instance"] >= 0) & (data["instance"] < instances)).all()
     if name == "waveforms":
         shared = "time" in data.dims
-        dims = ("instance", "time" if shared else "sample")
+        dims = ("waveform", "time" if shared else "sample")
+        assert data["instance"].dims == ("waveform",)
         assert data["time"].dims == (("time",) if shared else dims)
         for key in ["tip_travel", "actuator_top", "indentation", "force"]:
             assert data[key].dims == dims and data[key].dtype == np.float64, key
         assert (np.diff(data["time"].values) > 0).all(), "time runs backwards"
+        assert "sample" in data.dims or "time" in data.coords
     elif name == "force_curves":
         check_flags(data["law"], ["none", "hertz", "dmt", "jkr"])
         check_flags(data["branch"], ["approach", "retract"])
@@ -145,7 +157,8 @@ def check_group(name, data, root):
         for key in ["indentation", "force", "contact_radius"]:
             assert data[key].dims == ("curve", "point") and data[key].dtype == np.float64, key
     else:
-        assert "instance" in data.dims
+        assert data["instance"].dims == ("audited",)
+        check_flags(data["reference_status"], ["ok"])
 
 
 def check_h5py(path, data, group):
@@ -184,6 +197,13 @@ def check_netcdf4(path, data, group):
                 assert same(getattr(file, name), value), name
 
 
+def check_tree(path):
+    """All groups at once: none has a dimension of the root's name and another length."""
+    for engine in ENGINES:
+        with xr.open_datatree(path, engine=engine) as tree:
+            assert set(tree.children) == set(GROUPS), list(tree.children)
+
+
 def check_h5dump(path):
     if shutil.which("h5dump") is None:
         print("  h5dump: SKIPPED, not installed")
@@ -216,9 +236,14 @@ def check_append(path):
 
 def check(path):
     with h5py.File(path) as file:
-        groups = [name for name in GROUPS if name in file]
-        unknown = [name for name in file if isinstance(file[name], h5py.Group) and name not in GROUPS]
-        assert not unknown, unknown
+        found = {name for name in file if isinstance(file[name], h5py.Group)}
+        assert found == set(GROUPS), found
+        groups = [name for name in GROUPS if len(file[name])]
+        for name in set(GROUPS) - set(groups) - {"provenance"}:
+            assert file[name].attrs["comment"].startswith("empty: "), name
+        for name in ["scene", "hdf5_version"]:
+            assert isinstance(file["provenance"].attrs[name], str), name
+        assert max(len(str(value)) for value in file.attrs.values()) < 4000, "a long text at the root"
     seen = {}
     for engine in ENGINES:
         with xr.open_dataset(path, engine=engine) as data:
@@ -234,6 +259,7 @@ def check(path):
         xr.testing.assert_identical(first, second)
         check_h5py(path, first, group)
         check_netcdf4(path, first, group)
+    check_tree(path)
     check_h5dump(path)
     check_append(path)
     data = seen[""][0]

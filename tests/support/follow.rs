@@ -17,6 +17,8 @@ pub struct Follower {
     pub gap: f64,
     /// Travel and its rate per radian of the drive's phase, where that is zero; m.
     pub place: [f64; 2],
+    /// So many times shorter steps than [`STEPS`] and [`SHARE`] say.
+    pub finer: f64,
 }
 
 /// A settled motion: the fundamental's amplitude (m), and its lag behind the drive (degrees, 0 to 360).
@@ -52,7 +54,7 @@ const REACH: f64 = 3e-10;
 impl Follower {
     /// Without a sample's force, steady, at the frequency at which that swings widest.
     pub fn free(stiffness: f64, quality: f64, free: f64, law: Law, gap: f64) -> Self {
-        let mut one = Self { stiffness, quality, free, law, gap, place: [0.0; 2] };
+        let mut one = Self { stiffness, quality, free, law, gap, place: [0.0; 2], finer: 1.0 };
         let lag = one.drive().atan2(quality * (1.0 - one.drive().powi(2)));
         one.start(&Motion { amplitude: free, phase: lag.to_degrees() });
         one
@@ -99,7 +101,8 @@ impl Follower {
         let mut phase = 0.0;
         while phase < TAU {
             let distance = (self.gap + y[0]).abs() + REACH;
-            let h = (TAU / STEPS).min(SHARE * distance / y[1].abs().max(1e-30)).min(TAU - phase);
+            let h = (TAU / STEPS).min(SHARE * distance / y[1].abs().max(1e-30)) / self.finer;
+            let h = h.min(TAU - phase);
             let next = |k: &[f64; 4], h: f64| std::array::from_fn(|n| y[n] + h * k[n]);
             let a = self.rates(phase, &y);
             let b = self.rates(phase + 0.5 * h, &next(&a, 0.5 * h));

@@ -9,3 +9,4 @@ pub mod follow;
 pub mod laws;
 pub mod measure;
 pub mod oscillator;
+pub mod sweeper;

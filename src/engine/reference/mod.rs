@@ -15,7 +15,7 @@ mod walk;
 
 pub use near::solve_near;
 
-use super::measure::{finish_free, first_seen, lag, settled};
+use super::measure::{finish_free, first_seen, fundamental, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{Case, Driven, Plan};
@@ -209,7 +209,7 @@ impl Sums {
             let travel = self.travel(n, run, driven);
             measured.harmonics[n] = travel.norm();
             if n == 0 {
-                measured.phase = lag(travel);
+                fundamental(&mut measured, travel, driven);
             }
         }
         if wants.contact {
@@ -221,6 +221,7 @@ impl Sums {
             measured.force_mean = walk.y[n] / span;
             measured.dissipation = -walk.y[n + 1] / f64::from(run.measure);
             measured.virial = walk.y[n + 2] / span;
+            measured.deflection_mean = driven.free.bending * measured.force_mean;
         }
         if wants.extremes {
             (measured.force_min, measured.force_max) = (self.meter.force_min, self.meter.force_max);

@@ -74,6 +74,8 @@ pub fn solve_near(
         last_step: None,
         most: MOST,
         near: true,
+        carried: false,
+        clearly: 0.99,
         // Of undamped modes that the stepped engine does not keep the multipliers are 1.
         stable: false,
     };

@@ -1,7 +1,7 @@
 //! Group `other_branch`, with dimensions and coordinates of its own that are the root's.
 
 use super::super::{Branch, NO_STATE, Results};
-use super::{Layout, labels};
+use super::{Beside, Layout, quality};
 use crate::observe::Status;
 
 /// The word for [`NO_STATE`] in the group's `status`.
@@ -10,8 +10,8 @@ const NO_STATE_MEANING: &str = "no_second_state";
 /// Fills the group and closes it.
 pub(super) fn write(mut layout: Layout, results: &Results, branch: &Branch) -> hdf5::Result<()> {
     let (dims, coordinates) = layout.axes(results)?;
-    let coordinates = coordinates.as_deref();
-    layout.variables(&branch.variables, &dims, coordinates)?;
+    let beside = Beside { coordinates: coordinates.as_deref(), ancillary: quality(&branch.variables) };
+    layout.variables(&branch.variables, &dims, beside)?;
     let mut meanings: Vec<(u8, String)> =
         Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
     meanings.push((NO_STATE, NO_STATE_MEANING.to_owned()));
@@ -23,10 +23,6 @@ pub(super) fn write(mut layout: Layout, results: &Results, branch: &Branch) -> h
     for flags in &branch.flags {
         described.push(layout.words(flags, &dims)?);
     }
-    for dataset in described {
-        if let Some(names) = coordinates {
-            labels::text(&dataset, "coordinates", names)?;
-        }
-    }
+    described.iter().try_for_each(|dataset| beside.locate(dataset))?;
     layout.close()
 }

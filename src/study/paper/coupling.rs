@@ -171,12 +171,16 @@ impl Apart {
             name: "drive_frequency".into(),
             units: "Hz".into(),
             long_name: "drive frequency".into(),
+            scene_path: String::new(),
+            words: Vec::new(),
             values: middles.collect(),
         };
         let y = Coordinate {
             name: "rod_mass".into(),
             units: "1".into(),
             long_name: "rod mass in beam masses".into(),
+            scene_path: String::new(),
+            words: Vec::new(),
             values: map.masses.iter().map(|mass| mass / map.lever).collect(),
         };
         let cell = |mass: usize, i: usize| {

@@ -1,0 +1,131 @@
+//! What a run says while it lasts, and of its end.
+
+use crate::cli::backend::say_choice;
+use crate::cli::progress::Shown;
+use crate::cli::{Voice, audit, instances};
+use afmsweep::control::Controlled;
+use afmsweep::engine::{Engine, Progress};
+use afmsweep::plan::Plan;
+use afmsweep::scene::Steady;
+use afmsweep::sweep::Choice;
+use afmsweep::{Observer, Scene, Status, Swept};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+/// What is said before a run steps, and how far it is then.
+pub(super) struct Told<'a> {
+    pub path: &'a Path,
+    pub scene: &'a Scene,
+    /// A folder that was made for the results.
+    pub folder: Option<PathBuf>,
+    pub progress: Arc<Progress>,
+    pub voice: Voice,
+    pub shown: Mutex<Option<Shown>>,
+}
+
+impl Observer for Told<'_> {
+    fn chosen(&self, choice: &Choice) {
+        say_choice(choice, self.voice);
+    }
+
+    fn planned(&self, plan: &Plan, engine: &dyn Engine) {
+        let voice = self.voice;
+        if voice.verbose {
+            voice.say(plan.summary(None).to_string().trim_end());
+        }
+        if let Some(folder) = &self.folder {
+            voice.say(format_args!("made the folder {}", folder.display()));
+        }
+        voice.say(format_args!(
+            "{}: {}, {:.2e} instance-steps on {}, {}",
+            self.path.display(),
+            instances(plan.len()),
+            plan.instance_steps() as f64,
+            engine.device(),
+            if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
+        ));
+        self.scene.preset_line().iter().for_each(|line| voice.say(line));
+        for line in self.scene.warnings().iter().chain(&plan.doubts()) {
+            voice.say(format_args!("warning: {line}"));
+        }
+        if let Ok(mut shown) = self.shown.lock() {
+            *shown = Some(Shown::start(Arc::clone(&self.progress), voice));
+        }
+    }
+}
+
+/// What became of a whole run. `unaudited`: nobody wonders why no instance was redone.
+pub(super) fn end(scene: &Scene, swept: &Swept, unaudited: bool, voice: Voice) {
+    for note in &swept.run.outcome.notes {
+        voice.say(format_args!("note: {note}"));
+    }
+    if swept.run.plan.run.steady == Steady::Search {
+        searched(swept, voice);
+    }
+    close(swept, voice);
+    precision(&swept.run, voice);
+    audit::accuracy(scene, &swept.run, &swept.verdict, unaudited, voice);
+}
+
+/// What a search found.
+fn searched(swept: &Swept, voice: Voice) {
+    let Swept { run, others, .. } = swept;
+    let stepped = run.plan.cases().filter(|case| case.steps > 0).count();
+    let mut spent: Vec<u32> = run
+        .found
+        .iter()
+        .zip(&run.periods)
+        .filter(|(found, _)| found.is_some())
+        .map(|(_, count)| *count)
+        .collect();
+    spent.sort_unstable();
+    let middle = spent
+        .get(spent.len() / 2)
+        .map_or(String::new(), |count| format!(", {count} periods each in the middle"));
+    voice.say(format_args!(
+        "search: periodic states of {} of {}{middle}; {} waited for",
+        spent.len(),
+        instances(stepped),
+        stepped - spent.len()
+    ));
+    if let Some(others) = others {
+        let ways = match others.grid {
+            true => format!(
+                "{} from rest, {} of {} searches from neighbours",
+                others.from_rest, others.followed, others.tried
+            ),
+            false => "searched for from rest; no grid whose neighbours could be followed".into(),
+        };
+        let count = instances(others.states.len());
+        voice
+            .say(format_args!("branches: {count} with a second periodic state (group other_branch): {ways}"));
+    }
+}
+
+/// In which precision it ran, and why.
+fn precision(run: &Controlled, voice: Voice) {
+    let (plan, arithmetic) = (&run.plan, &run.arithmetic);
+    let other = arithmetic.of.iter().filter(|one| **one != plan.precision).count();
+    let rest = match other {
+        0 => String::new(),
+        _ => format!("; {} went on in f64, which it did not bring to the accuracy", instances(other)),
+    };
+    voice.say(format_args!("precision: {}: {}{rest}", plan.precision.name(), arithmetic.reason));
+}
+
+/// What a user should know of the run: doubtful instances and doubtful contacts.
+fn close(swept: &Swept, voice: Voice) {
+    let results = &swept.run.outcome.results;
+    for status in Status::ALL {
+        let count = results.iter().filter(|one| one.status == status).count();
+        if count > 0 && status != Status::Ok {
+            voice.say(format_args!(
+                "{count} of {} marked {}: {}",
+                instances(results.len()),
+                status.meaning().replace('_', " "),
+                status.reason()
+            ));
+        }
+    }
+    swept.warnings.iter().for_each(|line| voice.say(format_args!("warning: {line}")));
+}

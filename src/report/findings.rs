@@ -1,0 +1,138 @@
+//! The first sentences of a page: what came out, and how good it is.
+
+use super::floor::accuracy;
+use super::frame::State;
+use super::heatmap::{brief, label};
+use super::pictures::{Kind, capital, states};
+use super::quantity::{Unit, number};
+use crate::observe::Status;
+use crate::store::{Results, Variable};
+
+/// Observables that are told at most.
+const MOST: usize = 3;
+
+/// These sentences, as far as there is something to say.
+pub(super) fn all(results: &Results) -> Vec<String> {
+    [ranges(results), jumps(results), Some(quality(results))].into_iter().flatten().collect()
+}
+
+/// How many curves jump on each way, and from where to where.
+fn jumps(results: &Results) -> Option<String> {
+    let flags = results.flags.iter().find(|flags| flags.name == "jump")?;
+    let (x, others) = results.axes.split_last()?;
+    let points = x.values.len();
+    let ways = others.last().map(|axis| &axis.words).filter(|words| !words.is_empty());
+    let way = |instance: usize| ways.map_or(0, |words| (instance / points) % words.len());
+    let at = |way_of: usize| {
+        let here = move |(i, code): (usize, &u8)| (*code == 1 && way(i) == way_of).then_some(i);
+        flags.data.iter().enumerate().filter_map(here).map(|i| x.values[i % points]).collect::<Vec<f64>>()
+    };
+    let told = |number: usize| {
+        let places = at(number);
+        let word = ways.map_or(String::new(), |words| format!(" {}", words[number]));
+        let place = span(places.iter().copied(), &x.units)?;
+        Some(format!("{}{word} at {} {place}", places.len(), brief(label(x), &x.name)))
+    };
+    let told: Vec<String> = (0..ways.map_or(1, Vec::len)).filter_map(told).collect();
+    Some(match told.as_slice() {
+        [] => "No curve jumps.".into(),
+        told => format!("Jumps: {}.", told.join("; ")),
+    })
+}
+
+/// From where to where the first observables go, and over what.
+fn ranges(results: &Results) -> Option<String> {
+    if results.status.len() < 2 {
+        return None;
+    }
+    let asked =
+        results.variables.iter().filter(|one| Kind::of(one) == Kind::Asked && one.harmonics.is_none());
+    let told: Vec<String> = asked.filter_map(|variable| range(results, variable)).take(MOST).collect();
+    if told.is_empty() {
+        return None;
+    }
+    let over = |values: &[f64], units: &str| span(values.iter().copied(), units);
+    let axes: Vec<String> = results
+        .axes
+        .iter()
+        .filter(|axis| axis.words.is_empty())
+        .filter_map(|axis| {
+            Some(format!("{} {}", brief(label(axis), &axis.name), over(&axis.values, &axis.units)?))
+        })
+        .collect();
+    let text = told.join("; ");
+    Some(match axes.as_slice() {
+        [] => format!("{}.", capital(&text)),
+        axes => format!("Over {}: {text}.", axes.join(", ")),
+    })
+}
+
+fn range(results: &Results, variable: &Variable) -> Option<String> {
+    let name = brief(
+        if variable.long_name.is_empty() { &variable.name } else { &variable.long_name },
+        &variable.name,
+    );
+    let states = states(results, variable);
+    // What is doubtful is no finding.
+    let value = |(value, state): &(f64, State)| match state {
+        State::Zero => Some(0.0),
+        State::Good => Some(*value),
+        _ => None,
+    };
+    Some(format!("{name} {}", span(states.iter().filter_map(value), &variable.units)?))
+}
+
+/// `2 nm to 5 nm`, in the unit of the larger; the one value where they are all the same.
+fn span(values: impl Iterator<Item = f64>, units: &str) -> Option<String> {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if low > high {
+        return None;
+    }
+    let fitting = |value: f64| if value == 0.0 { low.abs().max(high.abs()) } else { value.abs() };
+    let show = |value: f64| Unit::fitting(units, fitting(value)).short(value);
+    Some(if low == high { show(high) } else { format!("{} to {}", show(low), show(high)) })
+}
+
+/// How many are ok, how large their errors are, and how many carry a warning.
+fn quality(results: &Results) -> String {
+    let count = results.status.len();
+    let mut counts = [0usize; 256];
+    results.status.iter().for_each(|code| counts[usize::from(*code)] += 1);
+    let ok = counts[usize::from(Status::Ok as u8)];
+    let word = |code: usize| {
+        let status = u8::try_from(code).ok().and_then(Status::from_code);
+        status.map_or_else(|| format!("code {code}"), |status| status.meaning().replace('_', " "))
+    };
+    let others: Vec<String> = (0..counts.len())
+        .filter(|code| counts[*code] > 0 && *code != usize::from(Status::Ok as u8))
+        .map(|code| format!("{} {}", counts[code], word(code)))
+        .collect();
+    let mut text = match (others.is_empty(), count) {
+        (true, 1) => "The instance is ok".to_owned(),
+        (true, _) => format!("All {count} instances are ok"),
+        _ => format!("{ok} of {count} instances are ok ({})", others.join(", ")),
+    };
+    text += &errors(results);
+    // Words by bits are warnings.
+    let warned = |i: &usize| results.flags.iter().any(|flags| flags.bits && flags.data.get(*i) != Some(&0));
+    match (0..count).filter(warned).count() {
+        0 => text + ".",
+        warned => format!("{text}; {warned} of {count} carry a warning of the contact law."),
+    }
+}
+
+/// The largest estimate and what the audit found, of those that are ok.
+fn errors(results: &Results) -> String {
+    let estimates = results.variables.iter().find(|one| one.name == "error_estimate");
+    let all = estimates.map_or(&[][..], |one| one.data.as_slice()).iter().zip(&results.status);
+    let ok = all.filter(|(estimate, code)| **code == Status::Ok as u8 && estimate.is_finite());
+    let largest = ok.map(|(estimate, _)| *estimate).fold(f64::NAN, f64::max);
+    let asked =
+        accuracy(results).map_or(String::new(), |asked| format!(" where {} was asked for", number(asked, 2)));
+    match largest.is_nan() {
+        true => ", with errors that nobody estimated".to_owned(),
+        false => format!(", with errors of {} at the most by estimate{asked}", number(largest, 2)),
+    }
+}

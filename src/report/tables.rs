@@ -1,0 +1,211 @@
+//! The tables of a page.
+
+use super::document::Table;
+use super::frame::{NOTHING, State};
+use super::heatmap::{brief, label};
+use super::page::is_long;
+use super::pictures::{case, states};
+use super::quantity::{Unit, number};
+use crate::observe::Status;
+use crate::store::{Attribute, Results};
+
+/// Instances that are told one by one at most.
+const MOST_FAILED: usize = 20;
+
+/// What came out, for a reader of the results.
+pub(super) fn results(results: &Results) -> Vec<Table> {
+    let all = [failed(results), harmonics(results), observables(results), axes(results), status(results)];
+    some(all.into_iter().chain([flags(results)]))
+}
+
+/// How it was computed.
+pub(super) fn computed(results: &Results) -> Vec<Table> {
+    some([run(results), plan(results)].into_iter())
+}
+
+/// Those that have more than a head.
+fn some(tables: impl Iterator<Item = Table>) -> Vec<Table> {
+    tables.filter(|table| table.rows.len() > 1).collect()
+}
+
+/// Instances that are not ok, with what varies, and why.
+fn failed(results: &Results) -> Table {
+    let ok = Status::Ok as u8;
+    let bad: Vec<usize> = (0..results.status.len()).filter(|i| results.status[*i] != ok).collect();
+    let names = results.axes.iter().map(|axis| brief(label(axis), &axis.name));
+    let mut rows: Vec<Vec<String>> = vec![
+        ["instance".to_owned()].into_iter().chain(names).chain(["status".into(), "why".into()]).collect(),
+    ];
+    for &i in bad.iter().take(MOST_FAILED) {
+        let status = Status::from_code(results.status[i]);
+        let word =
+            status.map_or_else(|| results.status[i].to_string(), |one| one.meaning().replace('_', " "));
+        let why = status.map_or("", Status::reason);
+        let mut row = vec![i.to_string()];
+        row.extend(case(results, i));
+        row.extend([word, why.to_owned()]);
+        rows.push(row);
+    }
+    let caption = match bad.len() {
+        count if count > MOST_FAILED => {
+            format!("Instances that are not ok: the first {MOST_FAILED} of {count}")
+        }
+        _ => "Instances that are not ok".to_owned(),
+    };
+    Table { caption, rows }
+}
+
+fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(str::to_owned).to_vec()
+}
+
+/// Short root attributes: program, device, times.
+fn run(results: &Results) -> Table {
+    let mut rows = vec![row(["run", ""])];
+    rows.push(row(["instances", &results.status.len().to_string()]));
+    let steps = results.steps_per_period.iter();
+    if let (Some(least), Some(most)) = (steps.clone().min(), steps.max()) {
+        let text = if least == most { least.to_string() } else { format!("{least} to {most}") };
+        rows.push(row(["time steps per period", &text]));
+    }
+    for (name, value) in &results.attributes {
+        let text = match value {
+            Attribute::Text(text) if !is_long(text) => text.clone(),
+            Attribute::Text(_) => continue,
+            Attribute::Number(value) => number(*value, 6),
+        };
+        rows.push(vec![name.replace('_', " "), text]);
+    }
+    Table { caption: "Run".into(), rows }
+}
+
+fn axes(results: &Results) -> Table {
+    let mut rows = vec![row(["swept", "name", "values", "from", "to"])];
+    for axis in &results.axes {
+        let finite = axis.values.iter().copied().filter(|value| value.is_finite());
+        let (low, high) =
+            (finite.clone().fold(f64::INFINITY, f64::min), finite.fold(f64::NEG_INFINITY, f64::max));
+        let unit = Unit::fitting(&axis.units, low.abs().max(high.abs()));
+        let label = if axis.long_name.is_empty() { &axis.name } else { &axis.long_name };
+        rows.push(vec![
+            label.clone(),
+            axis.name.clone(),
+            axis.values.len().to_string(),
+            unit.value(low),
+            unit.value(high),
+        ]);
+    }
+    let caption = if results.list { "Sweep (a list of samples)" } else { "Sweep (a grid)" };
+    Table { caption: caption.into(), rows }
+}
+
+fn status(results: &Results) -> Table {
+    let mut rows = vec![row(["status", "instances", "share"])];
+    let mut counts = [0usize; 256];
+    for code in &results.status {
+        counts[usize::from(*code)] += 1;
+    }
+    for (code, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let known = u8::try_from(code).ok().and_then(Status::from_code);
+        let meaning =
+            known.map_or_else(|| format!("code {code}"), |status| status.meaning().replace('_', " "));
+        let share = 100.0 * *count as f64 / results.status.len() as f64;
+        rows.push(vec![meaning, count.to_string(), format!("{} %", number(share, 3))]);
+    }
+    Table { caption: "What became of the instances".into(), rows }
+}
+
+/// Contact laws used, warnings, and whatever else is told in words.
+fn flags(results: &Results) -> Table {
+    let mut rows = vec![row(["contact", "", "instances"])];
+    for flags in &results.flags {
+        for (number, word) in flags.meanings.iter().enumerate() {
+            let is_set = |data: u8| match flags.bits {
+                true => u32::from(data) >> number & 1 == 1,
+                false => usize::from(data) == number,
+            };
+            let count = flags.data.iter().filter(|data| is_set(**data)).count();
+            if count > 0 {
+                rows.push(vec![flags.long_name.clone(), word.replace('_', " "), count.to_string()]);
+            }
+        }
+    }
+    Table { caption: "Contact laws and warnings".into(), rows }
+}
+
+fn observables(results: &Results) -> Table {
+    let mut rows = vec![row(["observable", "name", "smallest", "median", "largest", "values", "without"])];
+    for variable in &results.variables {
+        let states = states(results, variable);
+        // What is nothing within its error counts as that.
+        let value = |&(value, state): &(f64, State)| match state {
+            State::Zero => Some(0.0),
+            state => state.has_value().then_some(value),
+        };
+        let mut values: Vec<f64> = states.iter().filter_map(value).collect();
+        let nothing = states.iter().any(|(_, state)| *state == State::Zero);
+        values.sort_by(f64::total_cmp);
+        let middle = match values.as_slice() {
+            [] => f64::NAN,
+            values if values.len() % 2 == 1 => values[values.len() / 2],
+            values => (values[values.len() / 2 - 1] + values[values.len() / 2]) / 2.0,
+        };
+        let (low, high) =
+            (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN));
+        // Each in the unit that fits it; zero, which none fits, in that of the largest.
+        let largest = low.abs().max(high.abs());
+        let show = |value: f64| match value {
+            value if value.is_nan() => "–".to_owned(),
+            0.0 if nothing => NOTHING.to_owned(),
+            0.0 => Unit::fitting(&variable.units, largest).value(0.0),
+            value => Unit::fitting(&variable.units, value.abs()).value(value),
+        };
+        let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+        rows.push(vec![
+            label.clone(),
+            variable.name.clone(),
+            show(low),
+            show(middle),
+            show(high),
+            values.len().to_string(),
+            (variable.data.len() - values.len()).to_string(),
+        ]);
+    }
+    Table { caption: "Observables, over the instances that have a value".into(), rows }
+}
+
+/// Each harmonic of a single case.
+fn harmonics(results: &Results) -> Table {
+    let mut rows = vec![row(["harmonic", "value"])];
+    let variables = results.variables.iter().filter(|_| results.status.len() == 1);
+    for variable in variables.filter(|variable| variable.harmonics.is_some()) {
+        let largest = variable.data.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+        let unit = Unit::fitting(&variable.units, largest);
+        for (order, value) in variable.data.iter().enumerate() {
+            rows.push(vec![(order + 1).to_string(), unit.value(*value)]);
+        }
+    }
+    Table { caption: "Harmonics".into(), rows }
+}
+
+/// The plan's own entries, one level deep.
+fn plan(results: &Results) -> Table {
+    let mut rows = vec![row(["plan", ""])];
+    let json = results.text("plan").and_then(|text| serde_json::from_str::<serde_json::Value>(text).ok());
+    if let Some(serde_json::Value::Object(entries)) = json {
+        for (name, value) in entries {
+            let text = match value {
+                serde_json::Value::Null => continue,
+                serde_json::Value::String(text) => text,
+                serde_json::Value::Number(value) => {
+                    value.as_f64().map_or(value.to_string(), |v| number(v, 6))
+                }
+                other => other.to_string(),
+            };
+            if text.len() <= 200 {
+                rows.push(vec![name.replace('_', " "), text]);
+            }
+        }
+    }
+    Table { caption: "Plan".into(), rows }
+}

@@ -1,0 +1,253 @@
+//! Which axes of a sweep stand where in a picture: along it, upwards, as curves, as panels, or fixed at one value.
+
+use super::ReportError;
+use super::heatmap::label;
+use super::pictures::shown;
+use crate::store::{Coordinate, Results};
+use crate::units::{self, Dimension};
+
+/// An axis with at most so many values becomes curves, one for each.
+const SHORT: usize = 6;
+/// Likewise one that the scene gives as a list of `values`.
+const SHORT_LIST: usize = 12;
+
+/// What a reader wants to see; without words the report chooses.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wish {
+    /// The axis to the right, by its path in the scene or its name in the results file.
+    pub x: Option<String>,
+    /// The axis upwards: maps in place of curves.
+    pub y: Option<String>,
+    /// Axes that stand at one value each: path or name, and the value with its unit.
+    pub at: Vec<(String, String)>,
+}
+
+/// A place for each axis of a grid, by the axes' numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct View {
+    pub x: usize,
+    /// Upwards: a map.
+    pub y: Option<usize>,
+    /// One curve for each of its values.
+    pub curves: Option<usize>,
+    /// One panel for each of some of their values.
+    pub panels: Vec<usize>,
+    /// Axes that stand at one value, and which.
+    pub fixed: Vec<(usize, usize)>,
+}
+
+impl View {
+    /// The places that the wish leaves open are filled: long axes right and up, short ones as curves, the rest as panels.
+    /// None where no axis is left to draw along.
+    ///
+    /// # Errors
+    /// An axis or a value that the results do not have.
+    pub fn of(results: &Results, wish: &Wish) -> Result<Option<Self>, ReportError> {
+        let axes = &results.axes;
+        let mut fixed = Vec::new();
+        for (name, value) in &wish.at {
+            let axis = find(results, "--at", name)?;
+            fixed.push((axis, nearest(&axes[axis], name, value)?));
+        }
+        let find = |option, name: &Option<String>| {
+            name.as_deref().map(|name| find(results, option, name)).transpose()
+        };
+        let (x, y) = (find("--x", &wish.x)?, find("--y", &wish.y)?);
+        let single = |axis: &usize| axes[*axis].values.len() < 2 && x != Some(*axis) && y != Some(*axis);
+        let is_fixed = |fixed: &[(usize, usize)], axis: usize| fixed.iter().any(|(one, _)| *one == axis);
+        for axis in (0..axes.len()).filter(single) {
+            if axes.len() > 1 && !is_fixed(&fixed, axis) {
+                fixed.push((axis, 0));
+            }
+        }
+        let mut free: Vec<usize> = (0..axes.len()).filter(|axis| !is_fixed(&fixed, *axis)).collect();
+        let mut take = |wanted: Option<usize>| -> Option<usize> {
+            let place = free.iter().position(|axis| Some(*axis) == wanted)?;
+            Some(free.remove(place))
+        };
+        let short = |axis: usize| axes[axis].values.len() <= most_curves(results, &axes[axis]);
+        if let Some(axis) = [x, y].into_iter().flatten().find(|axis| is_fixed(&fixed, *axis)) {
+            return Err(ReportError::wish("--at", &axes[axis].name, "an axis that is not drawn along"));
+        }
+        let (x_wanted, y_wanted) = (take(x), take(y));
+        let last_long = |free: &[usize]| free.iter().rev().copied().find(|axis| !short(*axis));
+        let longest = |free: &[usize]| free.iter().copied().max_by_key(|axis| axes[*axis].values.len());
+        let x = match x_wanted.or_else(|| last_long(&free)).or_else(|| longest(&free)) {
+            Some(x) => x,
+            None => return Ok(None),
+        };
+        free.retain(|axis| *axis != x);
+        let some_short = free.iter().rev().copied().find(|axis| short(*axis));
+        let curves_wanted = x_wanted.is_some() && y_wanted.is_none() && some_short.is_some();
+        let y = y_wanted.or_else(|| last_long(&free).filter(|_| !curves_wanted));
+        free.retain(|axis| Some(*axis) != y);
+        let curves = some_short.filter(|_| y.is_none());
+        free.retain(|axis| Some(*axis) != curves);
+        Ok(Some(Self { x, y, curves, panels: free, fixed }))
+    }
+
+    /// Numbers of the instances of one panel, whose axes of `panels` stand at `picks`; the x axis runs fastest, below it
+    /// `y` or the curves.
+    pub fn instances(&self, axes: &[Coordinate], picks: &[usize]) -> Vec<usize> {
+        let stride = |axis: usize| axes[axis + 1..].iter().map(|one| one.values.len()).product::<usize>();
+        let chosen = self.panels.iter().zip(picks).map(|(axis, pick)| stride(*axis) * pick);
+        let base: usize = chosen.chain(self.fixed.iter().map(|(axis, pick)| stride(*axis) * pick)).sum();
+        let slow = self.y.or(self.curves);
+        let rows = slow.map_or(1, |axis| axes[axis].values.len());
+        let row = |row: usize| base + slow.map_or(0, |axis| row * stride(axis));
+        let x = stride(self.x);
+        (0..rows).flat_map(|r| (0..axes[self.x].values.len()).map(move |i| row(r) + i * x)).collect()
+    }
+
+    /// A sentence on the axes that stand at one value of several.
+    pub fn note(&self, axes: &[Coordinate]) -> Option<String> {
+        let one = |(axis, pick): &(usize, usize)| {
+            let axis = &axes[*axis];
+            format!("{} {}", label(axis), shown(axis, axis.values[*pick]))
+        };
+        let several = |(axis, _): &&(usize, usize)| axes[*axis].values.len() > 1;
+        let fixed: Vec<String> = self.fixed.iter().filter(several).map(one).collect();
+        (!fixed.is_empty()).then(|| format!("At {}.", fixed.join(", ")))
+    }
+}
+
+/// The parameter of a list that a reader wants to see alone.
+///
+/// # Errors
+/// A parameter that the list does not have, or a wish for more than points over one parameter.
+pub(super) fn parameter<'a>(
+    results: &'a Results,
+    wish: &Wish,
+) -> Result<Option<&'a Coordinate>, ReportError> {
+    let only = |option, name: &str| {
+        Err(ReportError::wish(
+            option,
+            name,
+            "--x alone: a list of samples is drawn as points over one parameter",
+        ))
+    };
+    match (&wish.y, wish.at.first()) {
+        (Some(y), _) => only("--y", y),
+        (_, Some((name, _))) => only("--at", name),
+        _ => Ok(wish.x.as_ref().map(|x| find(results, "--x", x)).transpose()?.map(|i| &results.axes[i])),
+    }
+}
+
+/// How many values of an axis still make curves.
+fn most_curves(results: &Results, axis: &Coordinate) -> usize {
+    let listed = || {
+        let scene: toml::Table = results.text("scene")?.parse().ok()?;
+        scene.get("sweep")?.get(&axis.scene_path)?.get("values").map(|_| ())
+    };
+    if listed().is_some() { SHORT_LIST } else { SHORT }
+}
+
+/// The number of the axis of this path or name.
+fn find(results: &Results, option: &'static str, name: &str) -> Result<usize, ReportError> {
+    let named = |axis: &Coordinate| axis.scene_path == name || axis.name == name;
+    let names: Vec<&str> = results
+        .axes
+        .iter()
+        .map(|axis| if axis.scene_path.is_empty() { axis.name.as_str() } else { axis.scene_path.as_str() })
+        .collect();
+    let expected = match names.as_slice() {
+        [] => "nothing: the scene has no sweep".to_owned(),
+        names => format!("one of {}", names.join(", ")),
+    };
+    results.axes.iter().position(named).ok_or_else(|| ReportError::wish(option, name, &expected))
+}
+
+/// The number of the value of an axis that is nearest to this one.
+fn nearest(axis: &Coordinate, name: &str, value: &str) -> Result<usize, ReportError> {
+    let wrong = |expected: String| ReportError::wish("--at", &format!("{name}={value}"), &expected);
+    let number = match Dimension::ALL.into_iter().find(|one| one.si_unit() == axis.units) {
+        Some(Dimension::Dimensionless) | None => value.trim().parse().ok(),
+        Some(dimension) => units::parse(value.trim(), dimension).ok(),
+    };
+    let ends = axis.values.first().zip(axis.values.last());
+    let (first, last) = ends.map_or((f64::NAN, f64::NAN), |(first, last)| (*first, *last));
+    let number = number.ok_or_else(|| {
+        wrong(format!("a value with its unit, such as {name}={}", shown(axis, first).replace(' ', "")))
+    })?;
+    let off = |i: &usize| (axis.values[*i] - number).abs();
+    let near = (0..axis.values.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+    let step = axis.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    match off(&near) <= step.max(1e-6 * number.abs()) {
+        true => Ok(near),
+        false => Err(wrong(format!("a value from {} to {}", shown(axis, first), shown(axis, last)))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(lengths: &[usize]) -> Results {
+        let axis = |(i, n): (usize, &usize)| Coordinate {
+            name: format!("a_{i}"),
+            units: "m".into(),
+            scene_path: format!("path.a.{i}"),
+            values: (1..=*n).map(|k| k as f64 * 1e-9).collect(),
+            ..Coordinate::default()
+        };
+        let axes: Vec<Coordinate> = lengths.iter().enumerate().map(axis).collect();
+        let count = lengths.iter().product();
+        Results { axes, status: vec![0; count], steps_per_period: vec![1; count], ..Results::default() }
+    }
+
+    fn view(lengths: &[usize], wish: &Wish) -> View {
+        View::of(&grid(lengths), wish).unwrap().unwrap()
+    }
+
+    /// Truth: the rule, by hand: short axes are curves, two long ones a map, what is left over panels.
+    #[test]
+    fn short_axes_become_curves_and_long_ones_maps() {
+        let none = Wish::default();
+        let expect = |lengths: &[usize], x, y, curves, panels: &[usize]| {
+            let view = view(lengths, &none);
+            assert_eq!((view.x, view.y, view.curves), (x, y, curves), "{lengths:?}");
+            assert_eq!(view.panels, panels, "{lengths:?}");
+        };
+        expect(&[167], 0, None, None, &[]);
+        expect(&[4, 167], 1, None, Some(0), &[]);
+        expect(&[167, 4], 0, None, Some(1), &[]);
+        expect(&[39, 33], 1, Some(0), None, &[]);
+        expect(&[4, 32, 32], 2, Some(1), None, &[0]);
+        expect(&[2, 4, 60], 2, None, Some(1), &[0]);
+        expect(&[3, 4], 1, None, Some(0), &[]);
+        assert_eq!(view(&[1, 9], &none).fixed, [(0, 0)]);
+        assert_eq!(View::of(&grid(&[]), &none).unwrap(), None);
+    }
+
+    #[test]
+    fn a_wish_is_followed_and_a_wrong_one_told() {
+        let wish = |x: &str, y: &str, at: &[(&str, &str)]| {
+            let word = |text: &str| (!text.is_empty()).then(|| text.to_owned());
+            let at = at.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+            Wish { x: word(x), y: word(y), at }
+        };
+        let one = view(&[20, 19, 9], &wish("path.a.0", "a_1", &[("path.a.2", "3 nm")]));
+        assert_eq!((one.x, one.y, one.fixed), (0, Some(1), vec![(2, 2)]));
+        let curves = view(&[4, 32, 32], &wish("a_1", "", &[]));
+        assert_eq!((curves.x, curves.y, curves.curves, curves.panels), (1, None, Some(0), vec![2]));
+        for (lengths, wish, words) in [
+            (&[4, 5], wish("gap", "", &[]), "--x gap: expected one of path.a.0, path.a.1"),
+            (&[4, 5], wish("", "", &[("a_0", "30 nm")]), "a value from 1 nm to 4 nm"),
+            (&[4, 5], wish("", "", &[("a_0", "3")]), "a value with its unit"),
+            (&[4, 5], wish("a_0", "", &[("a_0", "3 nm")]), "not drawn along"),
+        ] {
+            let error = View::of(&grid(lengths), &wish).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+
+    /// Truth: the numbers of a grid in C order, by hand.
+    #[test]
+    fn instances_are_those_of_the_panel() {
+        let results = grid(&[2, 3, 4]);
+        let view = View { x: 1, y: None, curves: Some(0), panels: vec![2], fixed: Vec::new() };
+        assert_eq!(view.instances(&results.axes, &[1]), [1, 5, 9, 13, 17, 21]);
+        let view = View { x: 2, y: None, curves: None, panels: Vec::new(), fixed: vec![(0, 1), (1, 2)] };
+        assert_eq!(view.instances(&results.axes, &[]), [20, 21, 22, 23]);
+    }
+}

@@ -1,0 +1,266 @@
+//! Curves: periodic states followed from point to point, many curves side by side.
+
+use super::search::{self, Begin, Searched};
+use super::{PeriodicState, alike, map, wait};
+use crate::engine::{Engine, EngineError, Progress};
+use crate::kernel::MODES_MAX;
+use crate::plan::{Plan, Station};
+use std::collections::BTreeMap;
+
+/// How far the state may move in one stride, in free amplitudes: what moves farther may have left its branch.
+const MOVED: f64 = 0.08;
+/// Least stride, as a share of the way from a point to the next: where none so short succeeds the branch has ended.
+const LEAST: f64 = 1.0 / 64.0;
+/// Most strides between two points.
+const STRIDES: u32 = 200;
+/// A stride's prediction goes no farther than so many of the last strides.
+const FARTHEST: f64 = 4.0;
+
+/// The states along the curves of a plan.
+pub(super) struct Followed {
+    /// By instance: where its search or its waiting begins; none where nothing is known.
+    pub states: Vec<Option<PeriodicState>>,
+    /// By instance: whether the state was not reached continuously from the point before.
+    pub jumps: Vec<bool>,
+    /// By instance.
+    pub periods: Vec<u32>,
+    pub notes: Vec<String>,
+}
+
+/// A curve on its way.
+#[derive(Default)]
+struct Curve {
+    /// Its instances in the order in which they are followed.
+    points: Vec<u32>,
+    /// The last point at which a state is known, and the one before if the branch is the same.
+    last: Option<(u32, PeriodicState)>,
+    before: Option<(u32, PeriodicState)>,
+}
+
+/// A curve between two of its points.
+struct Stride {
+    /// Its number.
+    curve: usize,
+    from: u32,
+    to: u32,
+    /// How far it has come, the state there, and the next stride, as shares of the way.
+    reached: f64,
+    state: PeriodicState,
+    length: f64,
+    /// Periods of its searches.
+    periods: u32,
+}
+
+/// Follows the curves of the plan from their first points, which begin at the free oscillation.
+pub(super) fn along(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Followed, EngineError> {
+    let count = plan.len();
+    let mut all = Following {
+        plan,
+        engine,
+        progress,
+        curves: curves(plan),
+        done: Followed {
+            states: vec![None; count],
+            jumps: vec![false; count],
+            periods: vec![0; count],
+            notes: Vec::new(),
+        },
+    };
+    let longest = all.curves.iter().map(|curve| curve.points.len()).max().unwrap_or(0);
+    progress.task("following curves", count as u64);
+    for number in 0..longest {
+        if progress.stopped() {
+            break;
+        }
+        all.step(number)?;
+    }
+    Ok(all.done)
+}
+
+/// The plan's curves, each with its points in their order.
+fn curves(plan: &Plan) -> Vec<Curve> {
+    let mut by_number: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();
+    if let Some(curves) = plan.ensemble.curves {
+        for i in plan.stepped() {
+            let (curve, place) = curves.place(plan.id(i));
+            by_number.entry(curve).or_default().push((place, i));
+        }
+    }
+    let curve = |mut points: Vec<(u32, u32)>| {
+        points.sort_unstable();
+        Curve { points: points.into_iter().map(|(_, i)| i).collect(), ..Curve::default() }
+    };
+    by_number.into_values().map(curve).collect()
+}
+
+/// Curves while they are followed.
+struct Following<'a> {
+    plan: &'a Plan,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+    curves: Vec<Curve>,
+    done: Followed,
+}
+
+impl Following<'_> {
+    /// Takes every curve that is long enough to its point of this number.
+    fn step(&mut self, number: usize) -> Result<(), EngineError> {
+        let (mut going, mut starts) = (Vec::new(), Vec::new());
+        for (n, curve) in self.curves.iter().enumerate() {
+            let Some(&to) = curve.points.get(number) else { continue };
+            match &curve.last {
+                Some((from, state)) => going.push(Stride {
+                    curve: n,
+                    from: *from,
+                    to,
+                    reached: 0.0,
+                    state: state.clone(),
+                    length: 1.0,
+                    periods: 0,
+                }),
+                None => starts.push((n, to, free(self.plan, to), 0)),
+            }
+        }
+        let ended = self.strides(going)?;
+        // A branch that has ended is not to be searched on: its slope leads nowhere.
+        let left = |state: PeriodicState| PeriodicState { slope: Box::default(), ..state };
+        starts.extend(ended.into_iter().map(|one| (one.curve, one.to, left(one.state), one.periods)));
+        self.wherever(starts)
+    }
+
+    /// Strides to the next points, shorter where a whole one leads nowhere. Where even the shortest does, the branch has
+    /// ended: these come back.
+    fn strides(&mut self, mut left: Vec<Stride>) -> Result<Vec<Stride>, EngineError> {
+        let mut ended = Vec::new();
+        for _ in 0..STRIDES {
+            if left.is_empty() || self.progress.stopped() {
+                break;
+            }
+            let share = |one: &Stride| (one.reached + one.length).min(1.0);
+            let pairs: Vec<(u32, u32, f64)> = left.iter().map(|one| (one.from, one.to, share(one))).collect();
+            let part = self.plan.between(&pairs);
+            let places: Vec<Station> = (0..).zip(&left).map(|(i, one)| self.place(&part, i, one)).collect();
+            let Searched { found, periods, .. } = self.search(&part, &left, &places)?;
+            let mut rest = Vec::new();
+            for ((i, mut one), found) in (0..).zip(left).zip(found) {
+                one.periods += periods[i as usize];
+                match found.filter(|found| near(&part, i, found, &one.state)) {
+                    Some(found) if share(&one) >= 1.0 => {
+                        self.arrive(one.curve, one.to, *found, false, one.periods);
+                        continue;
+                    }
+                    Some(found) => (one.reached, one.state) = (share(&one), *found),
+                    None => one.length *= 0.5,
+                }
+                if one.length < LEAST { ended.push(one) } else { rest.push(one) }
+            }
+            left = rest;
+        }
+        ended.extend(left);
+        Ok(ended)
+    }
+
+    /// Where a stride, instance `i` of its plan, looks for its end: a whole one by the secant through the last two points,
+    /// a shorter one where it stands.
+    fn place(&self, part: &Plan, i: u32, one: &Stride) -> Station {
+        let here = map::own(part, i, &one.state);
+        let before = self.curves[one.curve].before.as_ref().filter(|_| one.length >= 1.0);
+        let Some((first, before)) = before else { return here };
+        let strides = ratio(self.plan, *first, one.from, one.to);
+        let there = map::own(part, i, before);
+        let mut station = here;
+        for k in 0..MODES_MAX {
+            station.x[k] += strides * (here.x[k] - there.x[k]);
+            station.u[k] += strides * (here.u[k] - there.u[k]);
+        }
+        station
+    }
+
+    /// Where waiting at these points would lead from these states: searched for as that does, or waited for.
+    fn wherever(&mut self, starts: Vec<(usize, u32, PeriodicState, u32)>) -> Result<(), EngineError> {
+        if starts.is_empty() || self.progress.stopped() {
+            return Ok(());
+        }
+        let to: Vec<u32> = starts.iter().map(|(_, i, ..)| *i).collect();
+        let part = self.plan.part(&to);
+        let places: Vec<Option<&PeriodicState>> = starts.iter().map(|(_, _, state, _)| Some(state)).collect();
+        let all: Vec<u32> = part.instances().collect();
+        let begin = Begin::Followed(&places);
+        let searched = search::all(&part, &alike(&part, &all), begin, self.engine, self.progress)?;
+        self.done.notes.extend(searched.notes);
+        let (mut found, mut periods) = (searched.found, searched.periods);
+        let lost: Vec<u32> = all.into_iter().filter(|i| found[*i as usize].is_none()).collect();
+        if !lost.is_empty() && !self.progress.stopped() {
+            let begin = |i: &u32| map::own(&part, *i, &starts[*i as usize].2).into();
+            let waiting = part.part(&lost).starting_at(lost.iter().map(begin).collect());
+            let waited = wait::run(&waiting, self.engine, self.progress)?;
+            for (n, i) in lost.iter().enumerate() {
+                periods[*i as usize] += waited.periods[n];
+                let end = waited.outcome.ends.get(n).and_then(Option::as_deref).filter(|end| end.finite);
+                found[*i as usize] = end.map(|end| Box::new(waited_for(&part, *i, *end)));
+            }
+        }
+        for (place, (n, i, state, before)) in starts.iter().enumerate() {
+            let Some(found) = found[place].take() else { continue };
+            let new = self.curves[*n].last.is_none();
+            let jumped = !new && !near(&part, place as u32, &found, state);
+            self.arrive(*n, *i, *found, jumped, before + periods[place]);
+        }
+        Ok(())
+    }
+
+    /// Searches next to these places, and nowhere else.
+    fn search(
+        &mut self,
+        part: &Plan,
+        strides: &[Stride],
+        places: &[Station],
+    ) -> Result<Searched, EngineError> {
+        let all: Vec<u32> = part.instances().collect();
+        let states: Vec<Option<&PeriodicState>> = strides.iter().map(|one| Some(&one.state)).collect();
+        let begin = Begin::Along(&states, places);
+        let mut searched = search::all(part, &alike(part, &all), begin, self.engine, self.progress)?;
+        self.done.notes.append(&mut searched.notes);
+        Ok(searched)
+    }
+
+    /// A curve has come to its next point.
+    fn arrive(&mut self, curve: usize, point: u32, state: PeriodicState, jumped: bool, periods: u32) {
+        let i = point as usize;
+        let curve = &mut self.curves[curve];
+        curve.before = curve.last.replace((point, state.clone())).filter(|_| !jumped);
+        self.done.states[i] = Some(state);
+        (self.done.jumps[i], self.done.periods[i]) = (jumped, periods);
+        self.progress.done(1);
+    }
+}
+
+/// The free oscillation of an instance.
+fn free(plan: &Plan, i: u32) -> PeriodicState {
+    waited_for(plan, i, Station::free(plan, i))
+}
+
+/// What is known of a state that was not searched for.
+pub(super) fn waited_for(plan: &Plan, i: u32, station: Station) -> PeriodicState {
+    PeriodicState { station, ..PeriodicState::unknown(plan.steps(i), &plan.driven(i).kept) }
+}
+
+/// How many times the way from the first to the second of these points it is from the second to the third.
+fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
+    let place = |i: u32| {
+        let free = &plan.driven(i).free;
+        [plan.case(i).gap, free.omega, free.level]
+    };
+    let [a, b, c] = [first, second, third].map(place);
+    let along = (0..3).find(|n| a[*n] != b[*n]);
+    let ratio = along.map_or(0.0, |n| (c[n] - b[n]) / (b[n] - a[n]));
+    if ratio > 0.0 && ratio <= FARTHEST { ratio } else { 0.0 }
+}
+
+/// Whether the state of instance `i` is so near to another that it is the same branch's.
+fn near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState) -> bool {
+    let (a, b) = (map::own(plan, i, found), map::own(plan, i, other));
+    let square = |k: usize| (a.x[k] - b.x[k]).powi(2) + (a.u[k] - b.u[k]).powi(2);
+    let apart = (0..MODES_MAX).map(square).sum::<f64>().sqrt();
+    apart <= MOVED * plan.driven(i).free_amplitude()
+}

@@ -1,0 +1,65 @@
+"""Holds the JSON schema of scenes against the scenes there are.
+
+    python check_schema.py SCHEMA FOLDER
+
+It accepts every good scene below FOLDER, and refuses every bad one but those listed here, which only reading can judge.
+"""
+
+import json
+import sys
+import tomllib
+from pathlib import Path
+
+from jsonschema import Draft7Validator
+
+GOOD = ["scenes", "scenes/paper", "tests/scenes/good", "tests/scenes/steady", "tests/hard"]
+# No TOML at all.
+BROKEN = "broken_toml duplicate_key unclosed_text unquoted_quantity"
+# Each key alone is right; together, or with what is left out, they are not.
+RULES = """
+adhesion_two_ways base_amplitude_on_tip base_amplitude_with_rod branches_by_waiting calibration_half
+calibration_with_tip_mass curve_also_swept curve_equal_ends curve_from_rest curve_too_large curve_two_forms curve_waits
+curve_with_second_branches curve_wrong_unit drive_level_and_axis drive_two_levels force_on_actuator hamaker_default_law
+hamaker_needs_dmt
+lever_swept_other_way lever_two_ways mass_two_ways measure_too_long mode_incomplete modes_and_quality modes_beyond_list
+modes_with_tip_mass output_waveforms_too_many rigid_with_voltage rigid_without_level rodless_voltage
+rodless_without_drive run_too_long samples_ragged search_from_rest sweep_equal_ends sweep_missing_mode sweep_mode_beyond
+sweep_repeats sweep_rod_of_rigid sweep_too_large tip_drive_without_level unstable_rod unstable_rod_swept voltage_on_tip
+waveforms_beyond waveforms_too_long
+"""
+# A size beyond what there is, or a unit made of several symbols: a pattern cannot reckon.
+SIZES = """
+angular_frequency beyond_doubles not_a_number size_quality size_radius size_swept_modulus sweep_bad_end
+sweep_infinite_end sweep_log_through_zero
+"""
+
+
+def main(schema, folder):
+    schema = json.loads(Path(schema).read_text())
+    Draft7Validator.check_schema(schema)
+    validator = Draft7Validator(schema)
+    read = lambda path: tomllib.loads(path.read_text(encoding="utf-8"))
+    good = [path for place in GOOD for path in sorted((folder / place).glob("*.toml"))]
+    assert len(good) > 90, len(good)
+    for path in good:
+        errors = [f"{list(one.path)}: {one.message[:200]}" for one in validator.iter_errors(read(path))]
+        assert not errors, f"{path} is refused: {errors}"
+    broken, others = set(BROKEN.split()), set((RULES + SIZES).split())
+    bad = sorted((folder / "tests/scenes/bad").glob("*.toml"))
+    refused = 0
+    for path in bad:
+        try:
+            scene = read(path)
+        except tomllib.TOMLDecodeError:
+            assert path.stem in broken, f"{path} is no TOML: list it"
+            continue
+        valid = validator.is_valid(scene)
+        assert valid == (path.stem in others), f"{path} is {'accepted' if valid else 'refused'}: list it, or mend the schema"
+        refused += not valid
+    names = {path.stem for path in bad}
+    assert broken | others <= names, sorted((broken | others) - names)
+    print(f"schema: {len(good)} good scenes accepted, {refused} of {len(bad)} bad ones refused")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]))

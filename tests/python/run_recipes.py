@@ -1,0 +1,77 @@
+"""Runs the examples of a page (first_steps.md, recipes.md) as they stand, in their order, in a folder of their own.
+
+    python run_recipes.py PROGRAM PAGE
+
+Blocks of shell and Python are run, blocks of TOML are written under the name that follows the word. A comment after a
+`print` that is a line of its own is what it must print. With AFMSWEEP_WRITE set, it is written there instead.
+Each line of a block of text must be a line of what the last block of shell printed, in this order; `...` in it stands
+for anything. Blocks of `console` are for the reader alone.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+
+def expected(code):
+    """What the block says that it prints: comments at the left margin."""
+    return [line[2:] for line in code.splitlines() if line.startswith("# ")]
+
+
+def shown(text, output):
+    """The lines of a block of text that the output does not have, in its order."""
+    lines, missing = iter(output.splitlines()), []
+    for wanted in text.splitlines():
+        pattern = ".*".join(re.escape(part) for part in wanted.split("..."))
+        if wanted.strip() != "..." and not any(re.fullmatch(pattern, line) for line in lines):
+            missing.append(wanted)
+            break
+    return missing
+
+
+def main(program, page):
+    program, text = Path(program).resolve(), Path(page).read_text(encoding="utf-8")
+    blocks = re.findall(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    assert len(blocks) > 10, len(blocks)
+    prints, output = 0, ""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = os.pathsep.join([str(program.parent), str(Path(sys.executable).parent), os.environ["PATH"]])
+        environment = {**os.environ, "PATH": paths, "MPLBACKEND": "Agg"}
+        for kind, name, code in blocks:
+            if kind == "toml":
+                Path(folder, name).write_text(code, encoding="utf-8")
+                continue
+            if kind == "console":
+                continue
+            if kind == "text":
+                assert not (missing := shown(code, output)), f"{missing} is not in\n{output}"
+                prints += len(code.splitlines())
+                continue
+            command = {"sh": ["bash", "-euo", "pipefail", "-c", code], "python": [sys.executable, "-c", code]}[kind]
+            # What a shell shows is both streams, as they come.
+            errors = subprocess.STDOUT if kind == "sh" else subprocess.PIPE
+            streams = {"stdout": subprocess.PIPE, "stderr": errors}
+            done = subprocess.run(command, cwd=folder, env=environment, text=True, **streams)
+            assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr or ''}"
+            if kind == "sh":
+                output = done.stdout
+            else:
+                said = done.stdout.splitlines()
+                if "AFMSWEEP_WRITE" in os.environ:
+                    lines, fresh = code.splitlines(), iter(said)
+                    fresh = [f"# {next(fresh)}" if line.startswith("# ") else line for line in lines]
+                    changed = "".join(f"{line}\n" for line in fresh)
+                    text, code = text.replace(code, changed), changed
+                assert said == expected(code), f"{code}\nprints {said}"
+                prints += len(said)
+    assert prints > 8, prints
+    if "AFMSWEEP_WRITE" in os.environ:
+        Path(page).write_text(text, encoding="utf-8")
+    print(f"{Path(page).name}: {len(blocks)} blocks, {prints} lines printed as they say")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
