@@ -8,7 +8,9 @@ can_install() {
 install_packages() {
     local sudo=()
     [ "$(id -u)" = 0 ] || sudo=(sudo -n)
+    # Another program that installs just now ends soon.
+    local wait=(-o DPkg::Lock::Timeout=300)
     echo "installing $*"
-    "${sudo[@]}" apt-get update -qq &&
-        "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+    "${sudo[@]}" apt-get "${wait[@]}" update -qq &&
+        "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "${wait[@]}" install -y -qq --no-install-recommends "$@" >/dev/null
 }
