@@ -23,7 +23,7 @@ mod words;
 
 use afmsweep::Error;
 use afmsweep::report::shown;
-use afmsweep::scene::{CURVE_WAYS, Scene, SceneError};
+use afmsweep::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -209,9 +209,9 @@ fn instances(count: usize) -> String {
 fn values(scene: &Scene, instance: usize) -> String {
     let axes = scene.sweep.axes.iter().zip(scene.sweep.indices(instance));
     let words: Vec<String> = axes
-        .map(|(axis, at)| match axis.path.is_empty() {
-            true => CURVE_WAYS[at].to_owned(),
-            false => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
+        .map(|(axis, at)| match axis.words.get(at) {
+            Some(word) => word.clone(),
+            None => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
         })
         .collect();
     words.join(", ")

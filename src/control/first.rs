@@ -46,14 +46,15 @@ pub(super) fn run(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Begun, EngineError> {
-    let fine = halved(plan.clone());
-    let coarse = quartered(match &poorer {
+    let mut fine = halved(plan.clone());
+    let mut coarse = quartered(match &poorer {
         None => plan.part(stepped),
         Some(bases) => poorer_plan(plan, stepped, bases),
     });
-    let rough = steady::begin(&coarse, engine, progress)?;
+    let rough = steady::begin(&mut coarse, engine, progress)?;
     let near = steady::among(&rough.found, stepped, plan.len());
-    let mut settled = steady::run(&fine, &near, engine, progress)?;
+    fine.take_gaps(stepped, &coarse);
+    let mut settled = steady::again(&mut fine, &near, engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
     if !rough.jumps.is_empty() {
         settled.jumps = vec![false; plan.len()];
@@ -120,8 +121,8 @@ impl Begun {
             return Ok(());
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
-        let few = self.plan.with_bases(&wanted).with_steps_of(&self.plan).part(&fast);
-        let poor = steady::run(&few, &steady::of(&self.settled.found, &fast), engine, progress)?;
+        let mut few = self.plan.with_bases(&wanted).with_steps_of(&self.plan).part(&fast);
+        let poor = steady::again(&mut few, &steady::of(&self.settled.found, &fast), engine, progress)?;
         let apart = differences(&self.plan, &fast, &poor.outcome.results, results);
         for (i, apart) in fast.into_iter().zip(apart) {
             // A run that is cut short has not told.

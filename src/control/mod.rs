@@ -96,8 +96,12 @@ impl Arithmetic {
 pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
     let stepped = planned.stepped();
     if stepped.is_empty() {
-        let outcome = engine.run(planned, progress)?;
-        let (count, plan) = (planned.len(), planned.clone());
+        let (count, mut plan) = (planned.len(), planned.clone());
+        // What feels no sample is as it is, but holds no set-point.
+        let outcome = match plan.has_setpoints() {
+            true => steady::begin(&mut plan, engine, progress)?.outcome,
+            false => engine.run(&plan, progress)?,
+        };
         let arithmetic = Arithmetic::of(&plan, "nothing was stepped");
         return Ok(Controlled {
             plan,
@@ -152,13 +156,13 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
 /// # Errors
 /// What the engine says.
 pub fn once(
-    plan: Plan,
+    mut plan: Plan,
     reason: &str,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     progress.stage(&["run"]);
-    let Settled { mut outcome, found, periods, jumps } = steady::begin(&plan, engine, progress)?;
+    let Settled { mut outcome, found, periods, jumps } = steady::begin(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
         // What no search settles is waited for, and was not.
         let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);

@@ -13,13 +13,13 @@ use crate::steady;
 /// left of the difference. Where half would be too few, or says that the accuracy asked for is not met, another run with
 /// twice the steps says it better.
 pub(super) fn run(
-    plan: Plan,
+    mut plan: Plan,
     stepped: &[u32],
     First { mut left_out, chosen, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
-    let settled = steady::begin(&plan, engine, progress)?;
+    let settled = steady::begin(&mut plan, engine, progress)?;
     if plan.run.modes.is_none() {
         // Modes that are too fast for these steps: no basis on trial had them.
         for &i in stepped {
@@ -59,9 +59,9 @@ impl Controlled {
         if instances.is_empty() || progress.stopped() {
             return Ok(());
         }
-        let other = self.plan.part(instances).with_steps(|case| steps(case.steps));
+        let mut other = self.plan.part(instances).with_steps(|case| steps(case.steps));
         let near = steady::of(&self.found, instances);
-        let second = steady::run(&other, &near, engine, progress)?.outcome;
+        let second = steady::again(&mut other, &near, engine, progress)?.outcome;
         let apart = differences(&self.plan, instances, &second.results, &self.outcome.results);
         for ((i, apart), other) in instances.iter().zip(apart).zip(&second.results) {
             let n = *i as usize;

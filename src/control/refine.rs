@@ -144,13 +144,13 @@ impl<'a> Refining<'a> {
             return Ok(());
         }
         let part = self.now.plan.part(instances).in_precision(precision);
-        let other = match what {
+        let mut other = match what {
             Next::MoreSteps => part.with_steps(|case| 2 * case.steps),
             Next::RicherBasis => part.with_richer_bases(),
             Next::Double | Next::Accept => part,
         };
         let near = steady::of(&self.now.found, instances);
-        let settled = steady::run(&other, &near, self.engine, self.progress)?;
+        let settled = steady::again(&mut other, &near, self.engine, self.progress)?;
         // What is cut short has told nothing: the results before it stay.
         if !self.progress.stopped() {
             self.take(instances, what, &other, settled);

@@ -21,31 +21,18 @@ pub fn by_reference(
     progress.stage(&["reference"]);
     let count = plan.len();
     let search = plan.run.steady == Steady::Search;
-    let stepped = plan.stepped();
+    let mut plan = plan.clone();
     let Settled { mut outcome, found, periods, jumps } = match search {
-        true => {
-            // By the same way as a controlled run, so that of two states it is the same one.
-            let plan = plan.clone().in_precision(Precision::F64);
-            match plan.run.steps_per_period {
-                Some(_) => steady::begin(&plan, &Cpu::default(), progress)?,
-                None => {
-                    let coarse = first::quartered(plan.part(&stepped));
-                    let rough = steady::begin(&coarse, &Cpu::default(), progress)?;
-                    let near = steady::among(&rough.found, &stepped, count);
-                    let settled = steady::run(&plan, &near, &Cpu::default(), progress)?;
-                    let mut jumps = vec![false; if rough.jumps.is_empty() { 0 } else { count }];
-                    stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| jumps[*i as usize] = *jump);
-                    Settled { jumps, ..settled }
-                }
-            }
-        }
-        false => steady::run(plan, &[], reference, progress)?,
+        true => by_search(&mut plan, progress)?,
+        false => steady::run(&plan, &[], reference, progress)?,
     };
     if search {
-        // What the CPU engine found is not the reference's word.
+        // What the CPU engine found is not the reference's word, but where it found no set-point.
+        let held = |i: &u32| outcome.results[*i as usize].status != Status::NoSetpoint;
+        let stepped: Vec<u32> = plan.stepped().into_iter().filter(held).collect();
         let truths = match progress.stopped() {
             true => vec![Finished::NOT_RUN; stepped.len()],
-            false => truths(plan, true, &stepped, &found, reference, progress)?,
+            false => truths(&plan, true, &stepped, &found, reference, progress)?,
         };
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
     }
@@ -63,6 +50,29 @@ pub fn by_reference(
             "the reference engine has no other",
         ),
     })
+}
+
+/// The states that the CPU engine finds by the same way as a controlled run, so that of two it is the same one; the plan
+/// takes the gaps that hold its set-points.
+fn by_search(plan: &mut Plan, progress: &Progress) -> Result<Settled, EngineError> {
+    let (engine, stepped) = (Cpu::default(), plan.stepped());
+    let mut fine = plan.clone().in_precision(Precision::F64);
+    let settled = match plan.run.steps_per_period {
+        Some(_) => steady::begin(&mut fine, &engine, progress)?,
+        None => {
+            let mut coarse = first::quartered(fine.part(&stepped));
+            let rough = steady::begin(&mut coarse, &engine, progress)?;
+            let near = steady::among(&rough.found, &stepped, plan.len());
+            fine.take_gaps(&stepped, &coarse);
+            let settled = steady::again(&mut fine, &near, &engine, progress)?;
+            let mut jumps = vec![false; if rough.jumps.is_empty() { 0 } else { plan.len() }];
+            stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| jumps[*i as usize] = *jump);
+            Settled { jumps, ..settled }
+        }
+    };
+    let all: Vec<u32> = plan.instances().collect();
+    plan.take_gaps(&all, &fine);
+    Ok(settled)
 }
 
 /// Where these instances are in their periodic motion: as found, or else as the stepped engine leaves them at the

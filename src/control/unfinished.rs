@@ -58,7 +58,7 @@ impl Controlled {
                 // Later runs could have settled it: the search's rest is waited for, what f32 leaves goes on in f64.
                 Status::NotSteady => waited,
                 Status::OutOfRange | Status::NonFinite => told,
-                Status::Sensitive | Status::AccuracyNotMet => true,
+                Status::Sensitive | Status::AccuracyNotMet | Status::NoSetpoint => true,
                 Status::NotRun => false,
             };
             if !done {

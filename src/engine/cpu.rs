@@ -116,7 +116,8 @@ pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Step
 
 /// Results of instances that never reach the sample.
 pub(super) fn free_class(plan: &Plan, class: &Class) -> Vec<Ended> {
-    class.instances.iter().map(|instance| finish_free(member(plan, *instance).1, plan.wants).into()).collect()
+    let free = |(case, driven, ..): Member| finish_free(case.gap, driven, plan.wants).into();
+    class.instances.iter().map(|instance| free(member(plan, *instance))).collect()
 }
 
 fn instances<E: Real>(

@@ -77,7 +77,7 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
     let run_sums = &sums.run_sums;
     let phase = start::phase(driven, run.start);
     let (cosine, sine) = start::amplitudes(driven, run.start);
-    let mut measured = Measured::NONE;
+    let mut measured = Measured { gap: case.gap, ..Measured::NONE };
     let scale = 2.0 / sums.steps * LENGTH;
     for n in 0..wants.harmonics {
         let free = if n == 0 { (cosine, sine) } else { (0.0, 0.0) };
@@ -113,8 +113,8 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
 }
 
 /// Measurements of an instance that stays free of the sample: its free motion.
-pub(super) fn finish_free(driven: &Driven, wants: Wants) -> Finished {
-    let mut measured = Measured::NONE;
+pub(super) fn finish_free(gap: f64, driven: &Driven, wants: Wants) -> Finished {
+    let mut measured = Measured { gap, ..Measured::NONE };
     measured.harmonics[..wants.harmonics].fill(0.0);
     measured.harmonics[0] = driven.free_amplitude();
     fundamental(&mut measured, driven.free.tip, driven);

@@ -14,6 +14,7 @@ mod force_mean;
 mod force_min;
 mod free_phase;
 mod frequency_shift;
+mod gap;
 mod harmonic_amplitude;
 mod indentation_max;
 mod phase;
@@ -42,6 +43,7 @@ pub enum Observable {
     DeflectionMean,
     FreePhase,
     FrequencyShift,
+    Gap,
 }
 
 /// What all of these observables need an engine to sum.
@@ -82,6 +84,8 @@ pub struct Measured {
     pub free_phase: f64,
     /// Hz
     pub frequency_shift: f64,
+    /// m
+    pub gap: f64,
 }
 
 impl Measured {
@@ -102,6 +106,7 @@ impl Measured {
         deflection_mean: f64::NAN,
         free_phase: f64::NAN,
         frequency_shift: f64::NAN,
+        gap: f64::NAN,
     };
 
     /// Whether anything was.
@@ -195,6 +200,7 @@ static ENTRIES: &[Entry] = &[
     deflection_mean::ENTRY,
     free_phase::ENTRY,
     frequency_shift::ENTRY,
+    gap::ENTRY,
 ];
 
 impl Observable {
@@ -273,10 +279,11 @@ mod tests {
             Observable::DeflectionMean,
             Observable::FreePhase,
             Observable::FrequencyShift,
+            Observable::Gap,
         ] {
             assert_eq!(observable.entry().observable, observable);
             assert_eq!(Observable::from_name(observable.name()), Some(observable));
         }
-        assert_eq!(Observable::all().count(), 16);
+        assert_eq!(Observable::all().count(), 17);
     }
 }

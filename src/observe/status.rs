@@ -19,10 +19,12 @@ pub enum Status {
     NotRun = 5,
     /// The estimated error, or the one that an audit found, stayed above the accuracy asked for.
     AccuracyNotMet = 6,
+    /// No gap was found that holds the set-point.
+    NoSetpoint = 7,
 }
 
 impl Status {
-    pub const ALL: [Status; 7] = [
+    pub const ALL: [Status; 8] = [
         Status::Ok,
         Status::NotSteady,
         Status::Sensitive,
@@ -30,6 +32,7 @@ impl Status {
         Status::OutOfRange,
         Status::NotRun,
         Status::AccuracyNotMet,
+        Status::NoSetpoint,
     ];
 
     /// One word, as in `flag_meanings`.
@@ -42,6 +45,7 @@ impl Status {
             Self::OutOfRange => "out_of_range",
             Self::NotRun => "not_run",
             Self::AccuracyNotMet => "accuracy_not_met",
+            Self::NoSetpoint => "no_setpoint",
         }
     }
 
@@ -58,6 +62,9 @@ impl Status {
             Self::NotRun => "the run was stopped before it was done",
             Self::AccuracyNotMet => {
                 "its error is estimated, or was found by an audit, above the accuracy asked for (error_estimate, group audit)"
+            }
+            Self::NoSetpoint => {
+                "no gap was found that holds the set-point: the approach jumps past it and the way back does not meet it, or the sample is too soft for it; a curve over the gap shows which"
             }
         }
     }

@@ -30,8 +30,8 @@ impl Plan {
             };
             let (from, to) = (self.case(first), self.case(second));
             let gap = from.gap * (1.0 - share) + to.gap * share;
-            instances.push(Instance { drive, contact: to.contact, gap });
-            resolution.push(Resolution { drive, steps: to.steps });
+            instances.push(Instance { drive, contact: to.contact, gap, setpoint: None });
+            resolution.push(Resolution { gap, drive, steps: to.steps });
         }
         let ensemble = Ensemble {
             drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),

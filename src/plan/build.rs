@@ -2,12 +2,12 @@
 
 use super::{
     Curves, Drive, Driven, Ensemble, Instance, InstanceId, Plan, Policy, Precision, ReducedBasis, Resolution,
-    steps,
+    SetPoint, steps,
 };
 use crate::contact::Contact;
 use crate::instrument::{Instrument, InstrumentError};
 use crate::observe::{Wants, wants};
-use crate::scene::{DriveFrequency, Params, Run, Scene, Start, Steady};
+use crate::scene::{ApproachParams, Axis, DriveFrequency, Held, Params, Run, Scene, Start, Steady};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -36,11 +36,13 @@ impl Plan {
             fast_contacts(&ensemble, &scene.run, &mut drives, &mut basis_of);
         }
         let resolution = |(one, drive): (&Instance, &u32)| Resolution {
+            gap: one.gap,
             drive: *drive,
             steps: steps_of(&scene.run, one, &drives[*drive as usize]),
         };
         let resolution = ensemble.instances.par_iter().zip(&basis_of).map(resolution).collect();
         let asked = wants(&scene.output.observables);
+        let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
         Ok(Self {
             ids: (0..ensemble.instances.len() as u32).map(InstanceId).collect(),
             resolution,
@@ -51,7 +53,7 @@ impl Plan {
                 // The branch of a state is told by its mean force.
                 energy: asked.energy || scene.run.steady == Steady::Search,
                 // Errors of the mean force, and from rest of energies, count on the largest force.
-                extremes: asked.extremes || asked.energy,
+                extremes: asked.extremes || asked.energy || holds_force,
                 ..asked
             },
             run: scene.run.clone(),
@@ -105,6 +107,11 @@ pub(super) fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Op
     }
 }
 
+/// Whether that holds for the quantity of an axis, or one of those that vary together along it.
+fn any(axis: &Axis, holds: impl Fn(&str) -> bool) -> bool {
+    holds(&axis.path) || axis.columns.iter().any(|column| holds(&column.path))
+}
+
 /// Whether that quantity changes the instrument or its drive, not only the contact.
 fn moves_instrument(path: &str) -> bool {
     const APEX: [&str; 3] =
@@ -153,10 +160,13 @@ impl Distinct {
 /// The distinct drives with the modes that have the largest shares, and which one each instance has.
 fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     let axes = &scene.sweep.axes;
-    let relevant: Vec<usize> = (0..axes.len()).filter(|&a| moves_instrument(&axes[a].path)).collect();
+    let relevant: Vec<usize> = (0..axes.len()).filter(|&a| any(&axes[a], moves_instrument)).collect();
     let drives = Distinct::along(&relevant, scene, 0..scene.len());
     // Levers and rods without the drive: fewer still.
-    let bodies: Vec<usize> = relevant.into_iter().filter(|&a| !moves_drive(&axes[a].path)).collect();
+    let bodies: Vec<usize> = relevant
+        .into_iter()
+        .filter(|&a| any(&axes[a], |path| moves_instrument(path) && !moves_drive(path)))
+        .collect();
     let bodies = Distinct::along(&bodies, scene, drives.first.iter().copied());
     let fail = |instance: usize| {
         let values = scene.described(instance);
@@ -181,7 +191,17 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
 fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
     let instance = |(index, drive): (usize, &u32)| {
         let params = scene.instance(index);
-        Instance { drive: *drive, contact: Contact::new(&params), gap: params.approach.gap }
+        let driven = &drives[*drive as usize];
+        let ApproachParams { gap, held, branch } = params.approach;
+        let free = driven.free_amplitude();
+        let gap = match held {
+            None => gap,
+            Some(Held::Amplitude(share)) => share * free,
+            // A light tap, but for the lever's bending.
+            Some(Held::Force(force)) => free - force * driven.kept.flexibility,
+        };
+        let setpoint = held.map(|held| SetPoint { held, branch });
+        Instance { drive: *drive, contact: Contact::new(&params), gap, setpoint }
     };
     Ensemble {
         drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),

@@ -2,6 +2,7 @@
 
 use crate::contact::Contact;
 use crate::instrument::{FreeMotion, Instrument};
+use crate::scene::{Branch, Held};
 use std::f64::consts::TAU;
 use std::ops::Index;
 use std::sync::Arc;
@@ -55,8 +56,17 @@ pub struct Instance {
     /// Index into [`Ensemble::drives`].
     pub drive: u32,
     pub contact: Contact,
-    /// m
+    /// m: where it is not given, about where a hard sample would stand.
     pub gap: f64,
+    pub setpoint: Option<SetPoint>,
+}
+
+/// What an instance is held at by moving its sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetPoint {
+    pub held: Held,
+    /// The branch that is asked for where both hold it.
+    pub branch: Option<Branch>,
 }
 
 impl Drive {

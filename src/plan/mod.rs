@@ -19,7 +19,7 @@ mod variants;
 pub use build::PlanError;
 pub use classes::Class;
 pub use compliance::{compliance, reduced};
-pub use ensemble::{Curves, Drive, Ensemble, Instance, InstanceId};
+pub use ensemble::{Curves, Drive, Ensemble, Instance, InstanceId, SetPoint};
 pub use modes::{BasisRule, KeptMode, ReducedBasis};
 pub use policy::Policy;
 pub use precision::Precision;
@@ -61,9 +61,11 @@ pub struct Plan {
     pub starts: Option<Arc<Vec<StartState>>>,
 }
 
-/// How finely an instance runs.
+/// How finely an instance runs, and how far from its sample.
 #[derive(Clone, Copy, Debug)]
 struct Resolution {
+    /// m: the instance's own, or what a set-point has led to; NaN where no gap holds it.
+    gap: f64,
     /// Index into [`Plan::drives`].
     drive: u32,
     /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
@@ -162,8 +164,8 @@ impl Plan {
 
     /// Everything about one instance.
     pub fn case(&self, instance: u32) -> Case {
-        let Instance { contact, gap, .. } = self.ensemble[self.id(instance)];
-        let Resolution { drive, steps } = self.resolution[instance as usize];
+        let Instance { contact, .. } = self.ensemble[self.id(instance)];
+        let Resolution { gap, drive, steps } = self.resolution[instance as usize];
         let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
         Case { drive, contact, gap, steps, least_change }
     }
@@ -176,6 +178,16 @@ impl Plan {
     /// An instance's contact.
     pub fn contact(&self, instance: u32) -> &Contact {
         &self.ensemble[self.id(instance)].contact
+    }
+
+    /// What an instance is held at, where its gap is not given.
+    pub fn setpoint(&self, instance: u32) -> Option<SetPoint> {
+        self.ensemble[self.id(instance)].setpoint
+    }
+
+    /// Whether its instances are held at set-points: all of a scene are, or none.
+    pub fn has_setpoints(&self) -> bool {
+        self.ensemble.instances.first().is_some_and(|one| one.setpoint.is_some())
     }
 
     /// Steps per drive period of an instance.

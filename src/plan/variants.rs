@@ -178,14 +178,28 @@ impl Plan {
         Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
     }
 
-    /// Takes an instance's steps and basis from another plan of the same ensemble, where it is number `there`; `taken`
+    /// With these gaps, one for each instance (m).
+    #[must_use]
+    pub fn with_gaps(mut self, gaps: &[f64]) -> Self {
+        self.resolution.iter_mut().zip(gaps).for_each(|(own, gap)| own.gap = *gap);
+        self
+    }
+
+    /// Takes these instances' gaps from a plan of them alone.
+    pub fn take_gaps(&mut self, instances: &[u32], other: &Self) {
+        for (i, theirs) in instances.iter().zip(&other.resolution) {
+            self.resolution[*i as usize].gap = theirs.gap;
+        }
+    }
+
+    /// Takes an instance's steps, basis and gap from another plan of the same ensemble, where it is number `there`; `taken`
     /// knows by that plan's drives those of this one.
     pub fn take_resolution(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
         let theirs = other.resolution[there as usize];
         let driven = &other.drives[theirs.drive as usize];
         let same = Arc::ptr_eq(&self.driven(i).kept, &driven.kept);
         let own = &mut self.resolution[i as usize];
-        own.steps = theirs.steps;
+        (own.steps, own.gap) = (theirs.steps, theirs.gap);
         if !same {
             own.drive = *taken.entry(theirs.drive).or_insert_with(|| {
                 self.drives.push(driven.clone());

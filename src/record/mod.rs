@@ -10,7 +10,7 @@ use crate::control::Arithmetic;
 use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
 use crate::plan::{Plan, Precision};
-use crate::scene::{CURVE_WAYS, Layout, Params, Scene};
+use crate::scene::{Layout, Params, Scene};
 use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
@@ -115,11 +115,9 @@ fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
         name: axis.name.clone(),
         units: axis.units.clone(),
         long_name: axis.long_name.clone(),
-        scene_path: if axis.path.is_empty() { "curve.direction".into() } else { axis.path.clone() },
-        words: match axis.path.is_empty() {
-            true => CURVE_WAYS.map(str::to_owned).to_vec(),
-            false => Vec::new(),
-        },
+        scene_path: axis.path.clone(),
+        words: axis.words.clone(),
+        columns: axis.columns.iter().map(coordinate).collect(),
         values: axis.values.clone(),
     }
 }

@@ -1,7 +1,7 @@
 //! The numbers of a picture, in SI units, for spreadsheets and other plotters.
 
 use crate::observe::Status;
-use crate::store::{ForceCurve, NO_STATE, Results, Variable, Waveforms};
+use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable, Waveforms};
 use std::fmt::Write;
 
 /// Rows at most: whoever wants more reads the results file.
@@ -50,17 +50,19 @@ pub(super) fn of_variable(results: &Results, variable: &Variable) -> Option<Stri
         // Writing to a String cannot fail.
         let _ = write!(text, "{i}");
         let mut rest = i;
-        let mut places: Vec<f64> = Vec::new();
+        let mut places: Vec<(&Coordinate, usize)> = Vec::new();
         for axis in results.axes.iter().rev() {
             let length = axis.values.len().max(1);
-            places.push(axis.values[if results.list { i } else { rest % length }]);
+            places.push((axis, if results.list { i } else { rest % length }));
             rest /= length;
         }
-        places
-            .iter()
-            .rev()
-            .chain(&variable.data[i * width..][..width])
-            .for_each(|value| cell(&mut text, *value));
+        for (axis, at) in places.into_iter().rev() {
+            match axis.words.get(at) {
+                Some(word) => text = text + "," + &head(word, ""),
+                None => cell(&mut text, axis.values[at]),
+            }
+        }
+        variable.data[i * width..][..width].iter().for_each(|value| cell(&mut text, *value));
         let _ = write!(text, ",{}", word(results.status[i]));
         if let Some((branch, second)) = second {
             second.data[i * width..][..width].iter().for_each(|value| cell(&mut text, *value));

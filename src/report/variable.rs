@@ -76,9 +76,8 @@ fn numbers(name: &str, long_name: &str, numbers: std::ops::Range<usize>) -> Coor
         name: name.into(),
         units: "1".into(),
         long_name: long_name.into(),
-        scene_path: String::new(),
-        words: Vec::new(),
         values: numbers.map(|number| number as f64).collect(),
+        ..Coordinate::default()
     }
 }
 

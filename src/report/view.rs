@@ -139,7 +139,7 @@ fn most_curves(results: &Results, axis: &Coordinate) -> usize {
         let scene: toml::Table = results.text("scene")?.parse().ok()?;
         scene.get("sweep")?.get(&axis.scene_path)?.get("values").map(|_| ())
     };
-    if listed().is_some() { SHORT_LIST } else { SHORT }
+    if !axis.words.is_empty() || listed().is_some() { SHORT_LIST } else { SHORT }
 }
 
 /// The number of the axis of this path or name.
@@ -160,6 +160,10 @@ fn find(results: &Results, option: &'static str, name: &str) -> Result<usize, Re
 /// The number of the value of an axis that is nearest to this one.
 fn nearest(axis: &Coordinate, name: &str, value: &str) -> Result<usize, ReportError> {
     let wrong = |expected: String| ReportError::wish("--at", &format!("{name}={value}"), &expected);
+    if !axis.words.is_empty() {
+        let place = axis.words.iter().position(|word| word == value.trim());
+        return place.ok_or_else(|| wrong(format!("one of {}", axis.words.join(", "))));
+    }
     let number = match Dimension::ALL.into_iter().find(|one| one.si_unit() == axis.units) {
         Some(Dimension::Dimensionless) | None => value.trim().parse().ok(),
         Some(dimension) => units::parse(value.trim(), dimension).ok(),

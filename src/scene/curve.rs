@@ -28,7 +28,7 @@ pub(super) const QUANTITIES: [&str; 6] = [
 /// Name of the axis that tells the two ways along a curve, and what its values 0 and 1 mean.
 pub(super) const DIRECTION: &str = "direction";
 /// Words of the axis `direction`: what its values 0 and 1 mean.
-pub const CURVE_WAYS: [&str; 2] = ["forward", "backward"];
+const WAYS: [&str; 2] = ["forward", "backward"];
 
 /// Reads the section, if there is one, as the last axes of the sweep.
 pub(super) fn read(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft) {
@@ -123,12 +123,13 @@ fn followed(value: &Value) -> Checked<Address> {
 /// The axis of the two ways.
 fn direction() -> Axis {
     Axis {
-        path: String::new(),
+        path: "curve.direction".into(),
         name: DIRECTION.into(),
         long_name: "way along the curve".into(),
         units: "1".into(),
-        log: false,
         values: vec![0.0, 1.0],
+        words: WAYS.map(str::to_owned).to_vec(),
+        ..Axis::default()
     }
 }
 

@@ -6,6 +6,7 @@ use super::params::{ActuatorModel, LawChoice, Lever};
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::PRESET;
+use super::zipped::LAW;
 use crate::kernel::Attraction;
 use crate::units::{Dimension, format as written};
 
@@ -69,14 +70,16 @@ impl Scene {
     /// Whether the quantity has an effect under the scene's choices.
     fn matters(&self, address: Address) -> bool {
         let (base, path) = (&self.base, address.quantity.path);
-        let law = base.contact.law;
+        // Where laws are swept each of them counts.
+        let swept = self.sweep.quantities().any(|axis| axis.path == LAW);
+        let law = if swept { LawChoice::Auto } else { base.contact.law };
         let lever = &base.instrument.cantilever.lever;
         match path {
             "instrument.cantilever.quality_factor" => !matches!(lever, Lever::Modes(_)),
             "instrument.tip.poisson_ratio" => {
                 law != LawChoice::None
                     && (base.instrument.tip.youngs_modulus.is_finite()
-                        || self.sweep.axes.iter().any(|axis| axis.path == "instrument.tip.youngs_modulus"))
+                        || self.sweep.quantities().any(|axis| axis.path == "instrument.tip.youngs_modulus"))
             }
             "instrument.tip.radius" | "instrument.tip.youngs_modulus" => law != LawChoice::None,
             "sample.surface_energy" | "sample.hamaker" => law.attraction() != Some(Attraction::None),

@@ -14,17 +14,19 @@ mod read;
 mod resolved;
 mod rules;
 mod schema;
+mod setpoint;
 mod sweep;
 mod synonyms;
 mod values;
+mod zipped;
 
-pub use curve::CURVE_WAYS;
 pub use error::SceneError;
 pub use params::*;
 pub use quantities::QUANTITIES;
 pub use quantity::{Address, Domain, Quantity};
 pub use schema::schema;
 pub use synonyms::{Meant, meant};
+use zipped::{LAW, law_of};
 
 use crate::observe::Observable;
 use std::path::{Path, PathBuf};
@@ -81,22 +83,14 @@ impl Scene {
     pub fn instance(&self, index: usize) -> Params {
         let mut params = self.base.clone();
         for (axis, at) in self.sweep.axes.iter().zip(self.sweep.indices(index)) {
-            if let (Some(address), Some(value)) = (Address::find(&axis.path), axis.values.get(at)) {
-                address.set(&mut params, *value);
-            }
+            axis.put(&mut params, at);
         }
         params
     }
 
     /// The swept values of an instance, as ` (sample.youngs_modulus = "1 GPa", ...)`; nothing without a sweep.
     pub fn described(&self, index: usize) -> String {
-        let written = |(axis, at): (&Axis, usize)| {
-            let value = axis.values[at];
-            match Address::find(&axis.path) {
-                Some(address) => format!("{} = {}", axis.path, address.written(value)),
-                None => format!("{} = \"{}\"", axis.name, CURVE_WAYS[at]),
-            }
-        };
+        let written = |(axis, at): (&Axis, usize)| axis.written(at);
         let values: Vec<String> =
             self.sweep.axes.iter().zip(self.sweep.indices(index)).map(written).collect();
         match values.is_empty() {
@@ -142,10 +136,11 @@ impl SweptAxes {
     }
 }
 
-/// One swept quantity.
-#[derive(Clone, Debug, PartialEq)]
+/// One swept quantity, or several that vary together.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// Path in the scene file, as `sample.youngs_modulus`.
+    /// Path in the scene file, as `sample.youngs_modulus`; of what is no quantity (the ways along a curve, quantities that
+    /// vary together) the place where the scene says it.
     pub path: String,
     /// Name in the results file: the last two words of the path joined with `_`.
     pub name: String,
@@ -155,8 +150,32 @@ pub struct Axis {
     pub units: String,
     /// True where the values are spaced evenly in the logarithm.
     pub log: bool,
-    /// SI values.
+    /// SI values; 0, 1 and so on where words stand for them.
     pub values: Vec<f64>,
+    /// What each value is called: a law, a way along a curve, a label. Empty for a quantity.
+    pub words: Vec<String>,
+    /// Quantities that vary together along this axis, each with as many values.
+    pub columns: Vec<Axis>,
+}
+
+impl Axis {
+    /// Puts what stands at this place into a case.
+    fn put(&self, params: &mut Params, at: usize) {
+        if let Some(law) = self.words.get(at).filter(|_| self.path == LAW).and_then(|word| law_of(word)) {
+            params.contact.law = law;
+        } else if let (Some(address), Some(value)) = (Address::find(&self.path), self.values.get(at)) {
+            address.set(params, *value);
+        }
+        self.columns.iter().for_each(|column| column.put(params, at));
+    }
+
+    /// What stands at this place, as the scene would write it.
+    fn written(&self, at: usize) -> String {
+        match Address::find(&self.path) {
+            Some(address) => format!("{} = {}", self.path, address.written(self.values[at])),
+            None => format!("{} = \"{}\"", self.name, self.words[at]),
+        }
+    }
 }
 
 /// `[run] start`.
@@ -216,6 +235,11 @@ pub struct WaveformRequest {
 }
 
 impl SweptAxes {
+    /// Everything that varies: the axes, and the quantities that vary together along one.
+    pub fn quantities(&self) -> impl Iterator<Item = &Axis> {
+        self.axes.iter().flat_map(|axis| std::iter::once(axis).chain(&axis.columns))
+    }
+
     /// Number of instances; 1 without a sweep.
     pub fn len(&self) -> usize {
         match self.layout {

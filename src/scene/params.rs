@@ -216,8 +216,28 @@ pub struct DriveParams {
 /// Where the sample stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ApproachParams {
-    /// Distance from the tip at rest to the surface, m; may be zero or negative.
+    /// Distance from the tip at rest to the surface, m; may be zero or negative. Where a set-point is held, it is solved for.
     pub gap: f64,
+    /// What is held in place of the gap.
+    pub held: Option<Held>,
+    /// On which branch, where both hold it; none is the one that an approach meets first.
+    pub branch: Option<Branch>,
+}
+
+/// What a feedback holds by moving the sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Held {
+    /// The amplitude, as a share of the free one.
+    Amplitude(f64),
+    /// The largest force, N.
+    Force(f64),
+}
+
+/// A branch of tapping, by the sign of its mean force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    Attractive,
+    Repulsive,
 }
 
 impl Default for ActuatorParams {
@@ -287,6 +307,6 @@ impl Default for DriveParams {
 
 impl Default for ApproachParams {
     fn default() -> Self {
-        Self { gap: 0.3e-9 }
+        Self { gap: 0.3e-9, held: None, branch: None }
     }
 }

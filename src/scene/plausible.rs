@@ -71,6 +71,8 @@ static SIZES: &[Sizes] = &[
     sizes("drive.free_amplitude", [1e-15, 1e-3], PATHS),
     sizes("drive.base_amplitude", [1e-18, 1e-3], PATHS),
     sizes("approach.gap", [0.0, 1e-3], PATHS),
+    sizes("approach.setpoint", [0.05, 0.999], ANY),
+    sizes("approach.force_setpoint", [1e-14, 1e-3], [1e-25, 1e10]),
 ];
 /// Drives, of which the right size depends on the lever.
 static DRIVES: &[Sizes] =
@@ -133,7 +135,7 @@ impl Scene {
         let address = Address::find(&said.path)?;
         let sizes = sizes_of(address)?;
         let odd = |value: &f64| !within(*value, sizes.usual);
-        let value = match self.sweep.axes.iter().find(|axis| axis.path == said.path) {
+        let value = match self.sweep.quantities().find(|axis| axis.path == said.path) {
             // The axis replaces what a section says.
             Some(_) if !said.swept => return None,
             Some(axis) => axis.values.iter().copied().find(odd)?,
@@ -161,7 +163,7 @@ impl Scene {
         const PATH: &str = "instrument.actuator.quality_factor";
         let actuator = &self.base.instrument.actuator;
         let acted_upon = matches!(actuator.model, ActuatorModel::Coupled | ActuatorModel::AsPrinted);
-        let undamped = match self.sweep.axes.iter().find(|axis| axis.path == PATH) {
+        let undamped = match self.sweep.quantities().find(|axis| axis.path == PATH) {
             Some(axis) => axis.values.iter().any(|value| value.is_infinite()),
             None => actuator.quality_factor.is_infinite(),
         };

@@ -79,6 +79,23 @@ macro_rules! mode {
     };
 }
 
+/// An entry that is held in place of the gap.
+macro_rules! held {
+    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $variant:path) => {
+        Quantity {
+            path: $path,
+            long_name: $long_name,
+            dimension: Dimension::$dimension,
+            domain: Domain::$domain,
+            get: |params, _| match params.approach.held {
+                Some($variant(value)) => Some(value),
+                _ => None,
+            },
+            set: |params, _, value| params.approach.held = Some($variant(value)),
+        }
+    };
+}
+
 fn table_lever() -> Lever {
     CantileverParams::default().lever
 }
@@ -331,5 +348,20 @@ pub static QUANTITIES: &[Quantity] = &[
         drive.level,
         DriveLevel::BaseAmplitude
     ),
-    field!("approach.gap", "gap between the tip at rest and the surface", Length, Finite, approach.gap),
+    Quantity {
+        path: "approach.gap",
+        long_name: "gap between the tip at rest and the surface",
+        dimension: Dimension::Length,
+        domain: Domain::Finite,
+        get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
+        set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
+    },
+    held!(
+        "approach.setpoint",
+        "amplitude held, as a share of the free amplitude",
+        Dimensionless,
+        Share,
+        Held::Amplitude
+    ),
+    held!("approach.force_setpoint", "largest force held", Force, Positive, Held::Force),
 ];

@@ -15,6 +15,8 @@ pub enum Domain {
     Positive,
     /// Above zero, or `inf`: rigid.
     PositiveOrInfinite,
+    /// Above 0, below 1.
+    Share,
     /// Above -1, at most 0.5.
     PoissonRatio,
     /// Above 0.5, or `inf`: undamped.
@@ -29,6 +31,7 @@ impl Domain {
             Self::NonNegative => value.is_finite() && value >= 0.0,
             Self::Positive => value.is_finite() && value > 0.0,
             Self::PositiveOrInfinite => value > 0.0,
+            Self::Share => value > 0.0 && value < 1.0,
             Self::PoissonRatio => value > -1.0 && value <= 0.5,
             Self::QualityFactor => value > 0.5,
         }
@@ -44,6 +47,7 @@ impl Domain {
             }
             Self::Positive => "give a value above zero; a small one if it should hardly matter",
             Self::PositiveOrInfinite => "give a value above zero, or inf",
+            Self::Share => "give a share between 0 and 1, such as 0.8",
             Self::PoissonRatio => "most solids have 0.2 to 0.45; 0.5 does not change its volume",
             Self::QualityFactor => "give a value above 0.5 (the motion must oscillate), or inf",
         }
@@ -56,6 +60,7 @@ impl Domain {
             Self::NonNegative => "zero or more",
             Self::Positive => "more than zero",
             Self::PositiveOrInfinite => "more than zero, or inf for rigid",
+            Self::Share => "more than 0 and less than 1",
             Self::PoissonRatio => "more than -1 and at most 0.5 (incompressible)",
             Self::QualityFactor => "more than 0.5, or inf for undamped",
         }

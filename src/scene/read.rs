@@ -5,7 +5,8 @@ use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::values::{self, Key, Value};
-use super::{Scene, Steady, SweptAxes, curve, output, rules, sweep};
+use super::{Scene, Steady, SweptAxes, curve, output, rules, setpoint, sweep};
+use crate::observe::Observable;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::DeTable;
@@ -40,6 +41,10 @@ pub(super) const MODELS: [(&str, ActuatorModel); 4] = [
 ];
 /// Keywords of `drive.on`.
 pub(super) const DRIVE_ON: [(&str, DriveOn); 2] = [("actuator", DriveOn::Actuator), ("tip", DriveOn::Tip)];
+
+/// Keywords of `approach.setpoint_branch`.
+pub(super) const BRANCHES_HELD: [(&str, Branch); 2] =
+    [("attractive", Branch::Attractive), ("repulsive", Branch::Repulsive)];
 
 /// Something the scene says: in a section, or as an axis of its sweep.
 #[derive(Clone, Debug)]
@@ -144,12 +149,19 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
         let checked = rules::check(&mut draft, &sweep);
         draft.faults.take(checked);
     }
-    let usual = if document.contains_key("curve") { Steady::Search } else { Steady::Wait };
+    let searches = document.contains_key("curve") || draft.first_of(&setpoint::PATHS).is_some();
+    let usual = if searches { Steady::Search } else { Steady::Wait };
     let run = output::run(document.get("run"), usual, &mut draft);
     let checked = curve::check(document.get("run"), &run, &sweep);
     draft.faults.take(checked);
+    let checked = setpoint::check(document.get("run"), &run, &sweep, &draft);
+    draft.faults.take(checked);
     let instances = if known { sweep.len() } else { sweep::MOST_INSTANCES };
-    let output = output::output(document.get("output"), &run, instances, &mut draft.faults);
+    let mut output = output::output(document.get("output"), &run, instances, &mut draft.faults);
+    // The gap is what a set-point leads to.
+    if draft.params.approach.held.is_some() && !output.observables.contains(&Observable::Gap) {
+        output.observables.push(Observable::Gap);
+    }
     if !draft.faults.is_empty() {
         return Err(draft.faults);
     }
@@ -187,7 +199,11 @@ impl Draft {
         {
             self.params.drive.on = on;
         }
-        self.section(document, "approach", &[]);
+        if let Some(table) = self.section(document, "approach", &["setpoint_branch"])
+            && let Some(branch) = self.choice(table, "approach.setpoint_branch", &BRANCHES_HELD)
+        {
+            self.params.approach.branch = Some(branch);
+        }
         let mut sweep = sweep::read(document, self);
         curve::read(document, &mut sweep, self);
         sweep

@@ -3,7 +3,7 @@
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
-use super::read::{DRIVE_ON, MODELS, PRESET, keys_of};
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, PRESET, keys_of};
 use super::{Axis, Layout, Scene, curve, output, sweep};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
@@ -40,6 +40,9 @@ impl Scene {
         self.write_section(text, "drive")?;
         writeln!(text, "\n[approach]")?;
         self.write_section(text, "approach")?;
+        if let Some(branch) = base.approach.branch {
+            writeln!(text, "setpoint_branch = {}", word(&BRANCHES_HELD, branch))?;
+        }
         self.write_sweep(text)?;
         self.write_run(text)?;
         self.write_output(text)
@@ -96,20 +99,13 @@ impl Scene {
         }
         let curve = usize::from(self.sweep.curve.is_some());
         let (swept, curve) = self.sweep.axes.split_at(self.sweep.axes.len() - curve);
-        if swept.iter().any(|axis| !axis.path.is_empty()) {
+        let told = |axis: &&Axis| axis.words.is_empty() || !axis.path.starts_with("curve.");
+        let mut swept = swept.iter().filter(told).peekable();
+        if swept.peek().is_some() {
             writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
         }
         for axis in swept {
-            let Some(address) = Address::find(&axis.path) else { continue };
-            match self.sweep.layout {
-                Layout::Grid => writeln!(
-                    text,
-                    "\"{}\" = {}",
-                    axis.path,
-                    format_args!("{{ {} }}", grid_axis(axis, address, ", "))
-                )?,
-                Layout::List => writeln!(text, "\"{}\" = {}", axis.path, value_list(axis, address))?,
-            }
+            writeln!(text, "{}", written_axis(axis, self.sweep.layout))?;
         }
         for axis in curve {
             let Some(address) = Address::find(&axis.path) else { continue };
@@ -153,6 +149,29 @@ impl Scene {
             )?;
         }
         Ok(())
+    }
+}
+
+/// An axis as its section has it.
+fn written_axis(axis: &Axis, layout: Layout) -> String {
+    if !axis.columns.is_empty() {
+        let column = |column: &Axis| format!("{} = {}", quoted(&column.path), entries(column));
+        let columns: Vec<String> = axis.columns.iter().map(column).collect();
+        return format!("{} = {{ label = {}, {} }}", axis.name, entries(axis), columns.join(", "));
+    }
+    let values = match (Address::find(&axis.path), layout) {
+        (Some(address), Layout::Grid) => format!("{{ {} }}", grid_axis(axis, address, ", ")),
+        (None, Layout::Grid) => format!("{{ values = {} }}", entries(axis)),
+        (_, Layout::List) => entries(axis),
+    };
+    format!("{} = {values}", quoted(&axis.path))
+}
+
+/// The list of an axis' values, or of the words that stand for them.
+fn entries(axis: &Axis) -> String {
+    match Address::find(&axis.path) {
+        Some(address) => value_list(axis, address),
+        None => format!("[{}]", axis.words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(", ")),
     }
 }
 

@@ -8,6 +8,7 @@ use super::error::{Checked, Fault};
 use super::params::*;
 use super::quantity::Address;
 use super::read::{Draft, Said};
+use super::zipped::{LAW, law_of};
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
 use std::ops::Range;
@@ -36,7 +37,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     one_lever(draft)?;
     one_of_each(draft)?;
     indices_exist(draft)?;
-    for axis in &sweep.axes {
+    for axis in sweep.quantities() {
         let written = draft.said.iter().any(|said| !said.swept && said.path == axis.path);
         if let (false, Some(address), Some(first)) = (written, Address::find(&axis.path), axis.values.first())
             && address.get(&draft.params).is_none_or(f64::is_nan)
@@ -46,7 +47,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     }
     lever_is_complete(draft)?;
     drive_rules::check(draft)?;
-    adhesion_fits(draft)?;
+    adhesion_fits(draft, sweep)?;
     axes_matter(draft)?;
     rod_is_stable(draft, sweep)
 }
@@ -157,6 +158,18 @@ fn one_of_each(draft: &Draft) -> Checked<()> {
             "one of voltage, free_amplitude, force, base_amplitude",
         ));
     }
+    let places = ["approach.gap", "approach.setpoint", "approach.force_setpoint"];
+    let mut places = draft.said.iter().filter(|said| places.contains(&said.path.as_str()));
+    if let Some(first) = places.next()
+        && let Some(second) = places.find(|said| said.path != first.path)
+    {
+        return Err(clash(
+            first,
+            second,
+            "the place of the sample is given in two ways",
+            "one of gap, setpoint, force_setpoint; a set-point is held by moving the sample, and the gap is a result",
+        ));
+    }
     let all = draft.said.iter().find(|said| said.swept && said.path == LEVER_QUALITY);
     let single = draft
         .said
@@ -203,19 +216,25 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
     Ok(())
 }
 
-fn adhesion_fits(draft: &Draft) -> Checked<()> {
+fn adhesion_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Some(said) = draft.first_of(&["sample.hamaker"]) else {
         return Ok(());
     };
-    let law = draft.params.contact.law.law();
+    let swept = sweep.quantities().find(|axis| axis.path == LAW).map(|axis| axis.words.iter());
+    let laws: Vec<LawChoice> = match swept {
+        Some(words) => words.filter_map(|word| law_of(word)).collect(),
+        None => vec![draft.params.contact.law],
+    };
+    let attraction = |law: &LawChoice| law.law().map(Law::attraction);
+    let fails = laws.into_iter().find(|law| attraction(law) != Some(Attraction::Distant));
+    let Some(law) = fails.map(LawChoice::law) else { return Ok(()) };
     let why = match law.map(Law::attraction) {
-        Some(Attraction::Distant) => return Ok(()),
+        None => "law = \"auto\" chooses by the work of adhesion".to_owned(),
         Some(Attraction::None) => "this law has no adhesion".to_owned(),
-        Some(Attraction::Contact) => format!(
+        Some(_) => format!(
             "{} has no attraction outside contact that a Hamaker constant could describe",
             law.map_or_else(String::new, |law| law.name().to_uppercase())
         ),
-        None => "law = \"auto\" chooses by the work of adhesion".to_owned(),
     };
     let fault = Fault::at(said.key.clone(), "a Hamaker constant needs the DMT law").label(why);
     let fault = match draft.first_of(&["contact.law"]) {
@@ -285,7 +304,7 @@ fn rod_is_stable(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Some(said) = said.filter(|_| actuator.model != ActuatorModel::Rigid) else {
         return Ok(());
     };
-    let [modulus, h33, beta33] = PATHS.map(|path| sweep.axes.iter().find(|axis| axis.path == path));
+    let [modulus, h33, beta33] = PATHS.map(|path| sweep.quantities().find(|axis| axis.path == path));
     let case = |index: usize| {
         let value = |axis: Option<&super::Axis>, base: f64| {
             axis.and_then(|axis| axis.values.get(index)).copied().unwrap_or(base)

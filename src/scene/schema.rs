@@ -8,7 +8,8 @@ use super::output::{BRANCHES, KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
 use super::quantities::QUANTITIES;
 use super::quantity::{Address, Domain, Quantity};
-use super::read::{DRIVE_ON, MODELS, MOST_MODES, PRESET, SECTIONS};
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, PRESET, SECTIONS};
+use super::zipped::{LABEL, LAW};
 use crate::observe::Observable;
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
@@ -26,7 +27,7 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
         let value = match name {
             "title" => json!({ "type": "string" }),
             "instrument" => instrument(describe),
-            "sweep" => varied(&axis),
+            "sweep" => sweep(),
             "samples" => varied(&listed),
             "curve" => curve(),
             "run" => run(describe),
@@ -103,6 +104,7 @@ impl Section<'_> {
             "instrument.actuator" => Some(("model", word(&MODELS))),
             "contact" => Some(("law", word(LawChoice::WORDS))),
             "drive" => Some(("on", word(&DRIVE_ON))),
+            "approach" => Some(("setpoint_branch", word(&BRANCHES_HELD))),
             _ => None,
         };
         if let Some((key, value)) = choice {
@@ -158,6 +160,31 @@ fn varied(form: &dyn Fn(&Quantity) -> Value) -> Value {
         "additionalProperties": false,
         "minProperties": 1,
     })
+}
+
+/// Axes of quantities and of contact laws, and quantities that vary together under a name of their own.
+fn sweep() -> Value {
+    let mut sweep = varied(&axis);
+    let mut together = varied(&listed);
+    let laws =
+        json!({ "type": "array", "minItems": 1, "uniqueItems": true, "items": word(LawChoice::WORDS) });
+    together["properties"][LAW] = json!({ "type": "array", "minItems": 1, "items": word(LawChoice::WORDS) });
+    together["properties"][LABEL] = json!({
+        "type": "array",
+        "minItems": 1,
+        "uniqueItems": true,
+        "items": { "type": "string", "minLength": 1 },
+    });
+    together["minProperties"] = json!(1);
+    together["not"] = json!({ "required": [LABEL], "maxProperties": 1 });
+    sweep["properties"][LAW] = json!({
+        "type": "object",
+        "properties": { "values": laws },
+        "required": ["values"],
+        "additionalProperties": false,
+    });
+    sweep["patternProperties"]["^[a-z][a-z0-9_]*$"] = together;
+    sweep
 }
 
 /// An axis of a grid: from one end to the other, or value by value.
@@ -242,6 +269,7 @@ fn number(domain: Domain) -> Value {
         Domain::Finite => json!({ "type": "number" }),
         Domain::NonNegative => json!({ "type": "number", "minimum": 0 }),
         Domain::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
+        Domain::Share => json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 }),
         Domain::PoissonRatio => json!({ "type": "number", "exclusiveMinimum": -1, "maximum": 0.5 }),
         Domain::QualityFactor | Domain::PositiveOrInfinite => {
             let least = if domain == Domain::QualityFactor { 0.5 } else { 0.0 };

@@ -5,7 +5,7 @@ use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::{Draft, Said, keys_of};
 use super::values::{self, Key, Value};
-use super::{Axis, Layout, SweptAxes};
+use super::{Axis, Layout, SweptAxes, zipped};
 use crate::suggest::nearest;
 use crate::units::shortened;
 use toml::de::DeTable;
@@ -50,14 +50,17 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
     let mut sweep = SweptAxes { layout, ..SweptAxes::default() };
     let mut instances: usize = 1;
     for (key, value) in table {
-        let read = swept_quantity(key, value, name).and_then(|address| {
+        let read = zipped::read(key, value, layout, draft).unwrap_or_else(|| {
+            let address = swept_quantity(key, value, name)?;
             let (values, log) = match layout {
                 Layout::Grid => axis_values(value, address, &[])?,
                 Layout::List => (listed(value, address)?, false),
             };
-            Ok((address, values, log))
+            draft.said.push(Said { path: address.path(), key: key.span(), swept: true });
+            Ok(axis(address, values, log))
         });
-        let Some((address, values, log)) = draft.faults.take(read) else { continue };
+        let Some(axis) = draft.faults.take(read) else { continue };
+        let values = &axis.values;
         match layout {
             Layout::Grid => instances = instances.saturating_mul(values.len()),
             Layout::List if sweep.axes.is_empty() => instances = values.len(),
@@ -75,9 +78,9 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
                 .expected(format!("at most {MOST_INSTANCES}"))
                 .help("take fewer points, or split the scene into several"));
         }
-        sweep.axes.push(axis(address, values, log));
-        draft.said.push(Said { path: address.path(), key: key.span(), swept: true });
+        sweep.axes.push(axis);
     }
+    zipped::check(&sweep, key, draft)?;
     Ok(sweep)
 }
 
@@ -89,11 +92,12 @@ pub(super) fn axis(address: Address, values: Vec<f64>, log: bool) -> Axis {
         units: address.quantity.dimension.si_unit().to_string(),
         log,
         values,
+        ..Axis::default()
     }
 }
 
 /// The last two words of the path, joined; a word that is an index takes the list's name with it.
-fn axis_name(path: &str) -> String {
+pub(super) fn axis_name(path: &str) -> String {
     let words: Vec<&str> = path.split('.').collect();
     let mut first = words.len().saturating_sub(2);
     if words[first..].iter().take(1).any(|word| word.bytes().all(|byte| byte.is_ascii_digit())) {
@@ -103,18 +107,19 @@ fn axis_name(path: &str) -> String {
 }
 
 /// The quantity an axis names, or why that is none.
-fn swept_quantity(key: &Key, value: &Value, section: &str) -> Checked<Address> {
+pub(super) fn swept_quantity(key: &Key, value: &Value, section: &str) -> Checked<Address> {
     let path = key.get_ref().as_ref();
     if let Some(address) = Address::find(path) {
         return Ok(address);
     }
     const CHOICES: [&str; 5] =
-        ["instrument.preset", "instrument.actuator.model", "contact.law", "drive.on", "title"];
+        ["instrument.preset", "instrument.actuator.model", zipped::LAW, "drive.on", "title"];
     let fault = |title: String| Fault::at(key.span(), title).expected("the path of a quantity, in quotes");
     if CHOICES.contains(&path) {
         return Err(fault(format!("`{path}` is a choice, not a quantity"))
             .label("cannot be swept")
-            .help("write one scene for each choice"));
+            .help("write one scene for each choice")
+            .maybe_help((path == zipped::LAW).then(|| "make it an axis of [sweep]".to_string())));
     }
     if path.starts_with("run.") || path.starts_with("output.") {
         return Err(fault(format!("`{path}` says how to run, not what is simulated"))
@@ -259,7 +264,7 @@ fn check_end(number: f64, place: &Value, log: bool, path: &str) -> Checked<()> {
 }
 
 /// A list of values, each checked in its place.
-fn listed(value: &Value, address: Address) -> Checked<Vec<f64>> {
+pub(super) fn listed(value: &Value, address: Address) -> Checked<Vec<f64>> {
     let path = address.path();
     let form = format!("a list such as [{}, ...]", address.quantity.dimension.example());
     let list = values::list(value, &path, &form)?;
@@ -272,7 +277,7 @@ fn listed(value: &Value, address: Address) -> Checked<Vec<f64>> {
     list.iter().map(|entry| values::quantity(entry, address, &path)).collect()
 }
 
-fn found_values(count: usize) -> String {
+pub(super) fn found_values(count: usize) -> String {
     format!("found {count} value{}", if count == 1 { "" } else { "s" })
 }
 

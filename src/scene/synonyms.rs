@@ -13,8 +13,6 @@ use Meant::{Instead, Name};
 
 const FLUID: Meant =
     Instead("there is no fluid model: give the lever's frequency and quality factor as measured in it");
-const SETPOINT: Meant =
-    Instead("sweep `approach.gap` and take the gap at which the amplitude is that share of the free one");
 const ELASTIC: Meant = Instead("samples are elastic: only jkr loses energy");
 const PARALLEL: Meant = Instead("all cores work; --threads N takes fewer");
 
@@ -86,9 +84,9 @@ static SYNONYMS: &[(&str, Meant)] = &[
     ("phase_shift", Name("phase")),
     ("phase_lag", Name("phase")),
     ("harmonics", Name("harmonic_amplitude")),
-    ("setpoint", SETPOINT),
-    ("set_point", SETPOINT),
-    ("amplitude_ratio", SETPOINT),
+    ("sp", Name("setpoint")),
+    ("set_point", Name("setpoint")),
+    ("amplitude_ratio", Name("setpoint")),
     ("viscosity", ELASTIC),
     ("damping", Instead("a lever's damping is its `quality_factor`; samples are elastic")),
     ("medium", FLUID),

@@ -47,7 +47,7 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
 }
 
 /// Phase of the drive at which an instance's periods are told.
-fn angle(driven: &Driven, steps: u32) -> f64 {
+pub(super) fn angle(driven: &Driven, steps: u32) -> f64 {
     FRAC_PI_2 - driven.free.tip.arg() + PI / f64::from(steps)
 }
 

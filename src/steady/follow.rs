@@ -1,6 +1,6 @@
 //! Curves: periodic states followed from point to point, many curves side by side.
 
-use super::search::{self, Begin, Searched};
+use super::search::{self, Along, Begin, Searched};
 use super::{PeriodicState, alike, map, wait};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 const MOVED: f64 = 0.08;
 /// Least stride, as a share of the way from a point to the next: where none so short succeeds the branch has ended.
 const LEAST: f64 = 1.0 / 64.0;
+/// Most evaluations of a stride's search, and slopes taken anew.
+const MOST: (u32, u32) = (80, 10);
 /// Most strides between two points.
 const STRIDES: u32 = 200;
 /// A stride's prediction goes no farther than so many of the last strides.
@@ -122,8 +124,6 @@ impl Following<'_> {
             }
         }
         let ended = self.strides(going)?;
-        // A branch that has ended is not to be searched on: its slope leads nowhere.
-        let left = |state: PeriodicState| PeriodicState { slope: Box::default(), ..state };
         starts.extend(ended.into_iter().map(|one| (one.curve, one.to, left(one.state), one.periods)));
         self.wherever(starts)
     }
@@ -144,7 +144,7 @@ impl Following<'_> {
             let mut rest = Vec::new();
             for ((i, mut one), found) in (0..).zip(left).zip(found) {
                 one.periods += periods[i as usize];
-                match found.filter(|found| near(&part, i, found, &one.state)) {
+                match found.filter(|found| near(&part, i, found, &one.state, MOVED)) {
                     Some(found) if share(&one) >= 1.0 => {
                         self.arrive(one.curve, one.to, *found, false, one.periods);
                         continue;
@@ -183,27 +183,13 @@ impl Following<'_> {
         }
         let to: Vec<u32> = starts.iter().map(|(_, i, ..)| *i).collect();
         let part = self.plan.part(&to);
-        let places: Vec<Option<&PeriodicState>> = starts.iter().map(|(_, _, state, _)| Some(state)).collect();
-        let all: Vec<u32> = part.instances().collect();
-        let begin = Begin::Followed(&places);
-        let searched = search::all(&part, &alike(&part, &all), begin, self.engine, self.progress)?;
-        self.done.notes.extend(searched.notes);
-        let (mut found, mut periods) = (searched.found, searched.periods);
-        let lost: Vec<u32> = all.into_iter().filter(|i| found[*i as usize].is_none()).collect();
-        if !lost.is_empty() && !self.progress.stopped() {
-            let begin = |i: &u32| map::own(&part, *i, &starts[*i as usize].2).into();
-            let waiting = part.part(&lost).starting_at(lost.iter().map(begin).collect());
-            let waited = wait::run(&waiting, self.engine, self.progress)?;
-            for (n, i) in lost.iter().enumerate() {
-                periods[*i as usize] += waited.periods[n];
-                let end = waited.outcome.ends.get(n).and_then(Option::as_deref).filter(|end| end.finite);
-                found[*i as usize] = end.map(|end| Box::new(waited_for(&part, *i, *end)));
-            }
-        }
+        let places: Vec<&PeriodicState> = starts.iter().map(|(_, _, state, _)| state).collect();
+        let Searched { mut found, periods, notes } = wherever(&part, &places, self.engine, self.progress)?;
+        self.done.notes.extend(notes);
         for (place, (n, i, state, before)) in starts.iter().enumerate() {
             let Some(found) = found[place].take() else { continue };
             let new = self.curves[*n].last.is_none();
-            let jumped = !new && !near(&part, place as u32, &found, state);
+            let jumped = !new && !near(&part, place as u32, &found, state, MOVED);
             self.arrive(*n, *i, *found, jumped, before + periods[place]);
         }
         Ok(())
@@ -218,7 +204,7 @@ impl Following<'_> {
     ) -> Result<Searched, EngineError> {
         let all: Vec<u32> = part.instances().collect();
         let states: Vec<Option<&PeriodicState>> = strides.iter().map(|one| Some(&one.state)).collect();
-        let begin = Begin::Along(&states, places);
+        let begin = Begin::Along(Along { states: &states, places, most: MOST, lightly: &[] });
         let mut searched = search::all(part, &alike(part, &all), begin, self.engine, self.progress)?;
         self.done.notes.append(&mut searched.notes);
         Ok(searched)
@@ -236,13 +222,18 @@ impl Following<'_> {
 }
 
 /// The free oscillation of an instance.
-fn free(plan: &Plan, i: u32) -> PeriodicState {
+pub(super) fn free(plan: &Plan, i: u32) -> PeriodicState {
     waited_for(plan, i, Station::free(plan, i))
 }
 
 /// What is known of a state that was not searched for.
 pub(super) fn waited_for(plan: &Plan, i: u32, station: Station) -> PeriodicState {
     PeriodicState { station, ..PeriodicState::unknown(plan.steps(i), &plan.driven(i).kept) }
+}
+
+/// The last state of a branch that has ended, which is not to be searched on: its slope leads nowhere.
+pub(super) fn left(state: PeriodicState) -> PeriodicState {
+    PeriodicState { slope: Box::default(), ..state }
 }
 
 /// How many times the way from the first to the second of these points it is from the second to the third.
@@ -257,10 +248,37 @@ fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
     if ratio > 0.0 && ratio <= FARTHEST { ratio } else { 0.0 }
 }
 
-/// Whether the state of instance `i` is so near to another that it is the same branch's.
-fn near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState) -> bool {
-    let (a, b) = (map::own(plan, i, found), map::own(plan, i, other));
+/// Whether the state of instance `i` is within so many free amplitudes of another.
+fn near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
+    apart(&map::own(plan, i, found), &map::own(plan, i, other)) <= most * plan.driven(i).free_amplitude()
+}
+
+/// How far two places of an instance are apart, m.
+pub(super) fn apart(a: &Station, b: &Station) -> f64 {
     let square = |k: usize| (a.x[k] - b.x[k]).powi(2) + (a.u[k] - b.u[k]).powi(2);
-    let apart = (0..MODES_MAX).map(square).sum::<f64>().sqrt();
-    apart <= MOVED * plan.driven(i).free_amplitude()
+    (0..MODES_MAX).map(square).sum::<f64>().sqrt()
+}
+
+/// Where waiting would lead each instance of a plan from its state: searched for as that does, or waited for.
+pub(super) fn wherever(
+    plan: &Plan,
+    from: &[&PeriodicState],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Searched, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    let places: Vec<Option<&PeriodicState>> = from.iter().map(|state| Some(*state)).collect();
+    let mut searched = search::all(plan, &alike(plan, &all), Begin::Followed(&places), engine, progress)?;
+    let lost: Vec<u32> = all.into_iter().filter(|i| searched.found[*i as usize].is_none()).collect();
+    if !lost.is_empty() && !progress.stopped() {
+        let begin = |i: &u32| map::own(plan, *i, from[*i as usize]).into();
+        let waiting = plan.part(&lost).starting_at(lost.iter().map(begin).collect());
+        let waited = wait::run(&waiting, engine, progress)?;
+        for (n, i) in lost.iter().enumerate() {
+            searched.periods[*i as usize] += waited.periods[n];
+            let end = waited.outcome.ends.get(n).and_then(Option::as_deref).filter(|end| end.finite);
+            searched.found[*i as usize] = end.map(|end| Box::new(waited_for(plan, *i, *end)));
+        }
+    }
+    Ok(searched)
 }

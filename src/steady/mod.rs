@@ -1,9 +1,13 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
+mod approach;
 mod carried;
+mod feedback;
 mod follow;
+mod lossless;
 mod map;
 mod search;
+mod setpoint;
 mod wait;
 
 pub use carried::carried;
@@ -78,8 +82,9 @@ pub fn run(
     if plan.run.steady == Steady::Wait || stepped.is_empty() {
         return wait::run(plan, engine, progress);
     }
-    // What a curve leads to is not to be looked for elsewhere.
-    let followed = plan.ensemble.curves.is_some() && near.iter().any(Option::is_some);
+    // What a curve or an approach leads to is not to be looked for elsewhere.
+    let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
+    let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
     let mut settled = found(plan, &stepped, begin, engine, progress)?;
     let rest = stepped.into_iter().filter(|i| settled.found[*i as usize].is_none());
@@ -107,12 +112,17 @@ pub fn run(
     Ok(settled)
 }
 
-/// The first run of a plan: along its curves if it has some and searches, else each instance on its own. Other runs of the
-/// same instances go on from what this one finds.
+/// The first run of a plan: along its curves if it has some and searches, to its set-points if it has these, else each
+/// instance on its own. Other runs of the same instances go on from what this one finds. The plan's gaps become those
+/// that hold the set-points, NaN where none does.
 ///
 /// # Errors
 /// What the engine says.
-pub fn begin(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Settled, EngineError> {
+pub fn begin(plan: &mut Plan, engine: &dyn Engine, progress: &Progress) -> Result<Settled, EngineError> {
+    if plan.has_setpoints() {
+        progress.part();
+        return setpoint::begin(plan, engine, progress);
+    }
     if plan.ensemble.curves.is_none() || plan.run.steady == Steady::Wait {
         return run(plan, &[], engine, progress);
     }
@@ -126,6 +136,23 @@ pub fn begin(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Se
     settled.outcome.notes.splice(0..0, followed.notes);
     settled.jumps = followed.jumps;
     Ok(settled)
+}
+
+/// Another run of the plan's instances, with other steps or bases: as [`run`], and set-points are held again, from the plan's
+/// gaps and the states `near`.
+///
+/// # Errors
+/// What the engine says.
+pub fn again(
+    plan: &mut Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    match plan.has_setpoints() {
+        true => setpoint::again(plan, near, engine, progress),
+        false => run(plan, near, engine, progress),
+    }
 }
 
 /// States that are found from the lever at rest in place of its free oscillation, of these instances; the others'

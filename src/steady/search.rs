@@ -22,8 +22,6 @@ const SIZES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, MODES_MAX];
 const WARM: [u32; 3] = [3, 32, 128];
 /// Evaluations after which a search gives up.
 const MOST: u32 = 300;
-/// The same from point to point of a curve, in slopes that may be taken anew.
-const MOST_ALONG: u32 = 100;
 /// Distance to the periodic state that is aimed at, and that is near enough where the map is rough, as shares of the
 /// accuracy asked for.
 const NEAR: f64 = 1e-3;
@@ -55,15 +53,29 @@ pub(super) enum Begin<'a> {
     At(&'a [Station]),
     /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
     Followed(&'a [Option<&'a PeriodicState>]),
-    /// At these places, which a curve's last states lead to: what is not next to them is not looked for.
-    Along(&'a [Option<&'a PeriodicState>], &'a [Station]),
+    /// At places that a curve's last states lead to: what is not next to them is not looked for.
+    Along(Along<'a>),
+}
+
+/// How a curve goes on, by instance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Along<'a> {
+    /// The last states.
+    pub states: &'a [Option<&'a PeriodicState>],
+    /// Where the next ones are expected.
+    pub places: &'a [Station],
+    /// Most evaluations, and slopes taken anew, of which each takes as many as a state has numbers.
+    pub most: (u32, u32),
+    /// Whether a state is taken as it is met: of its spectrum it is only known what updates of the last slope tell. Empty
+    /// where none is.
+    pub lightly: &'a [bool],
 }
 
 impl Begin<'_> {
     /// A state of the instance with other steps or another lever.
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
-            Self::Near(near) | Self::Followed(near) | Self::Along(near, _) => {
+            Self::Near(near) | Self::Followed(near) | Self::Along(Along { states: near, .. }) => {
                 near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
             }
             Self::Still | Self::At(_) => None,
@@ -75,7 +87,7 @@ impl Begin<'_> {
         match self {
             Self::Near(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
-            Self::At(places) | Self::Along(_, places) => places[instance as usize],
+            Self::At(places) | Self::Along(Along { places, .. }) => places[instance as usize],
             Self::Followed(states) => match states[instance as usize] {
                 Some(state) => own(plan, instance, state),
                 None => Station::free(plan, instance),
@@ -174,8 +186,8 @@ impl Batch<'_> {
         let (mut close, mut left): (Vec<Box<One<D>>>, Vec<Left>) = (Vec::new(), Vec::new());
         for slot in slots {
             match from.known(instance(slot)) {
-                known if matches!(from, Begin::Along(..)) => {
-                    close.push(Box::new(One::along(plan, slot, instance(slot), begin(slot), known)));
+                known if let Begin::Along(along) = &from => {
+                    close.push(Box::new(One::along(plan, slot, instance(slot), known, along)));
                 }
                 Some(place) => close.push(Box::new(One::beside(plan, slot, instance(slot), place))),
                 None if matches!(from, Begin::At(_)) => {
@@ -306,9 +318,18 @@ where
 
     /// From a place that a curve leads to: the slope at the curve's last point, or else without a sample, will do on the
     /// way; the state's own tells its stability.
-    fn along(plan: &Plan, slot: u32, instance: u32, start: Station, last: Option<&PeriodicState>) -> Self {
+    fn along(plan: &Plan, slot: u32, instance: u32, last: Option<&PeriodicState>, along: &Along) -> Self {
+        let start = along.places[instance as usize];
         let (remembers, options) = options(plan, instance);
-        let options = Options { near: true, carried: last.is_some(), most: MOST_ALONG, ..options };
+        let lightly = along.lightly.get(instance as usize).copied().unwrap_or(false);
+        let options = Options {
+            near: true,
+            carried: last.is_some(),
+            most: along.most.0 + along.most.1 * D::DIM as u32,
+            last_step: options.last_step.filter(|_| !lightly),
+            stable: !lightly,
+            ..options
+        };
         let search = match last {
             Some(last) => {
                 let slope = as_its_own::<D>(plan, instance, last).1;

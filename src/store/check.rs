@@ -63,6 +63,12 @@ fn check_axes<'a>(results: &'a Results, names: &mut HashSet<&'a str>) -> Result<
             return refuse(format!("{} has {} values for {count} instances", axis.name, axis.values.len()));
         }
         check_name(&axis.name, names)?;
+        for column in &axis.columns {
+            if column.values.len() != axis.values.len() {
+                return refuse(format!("{} has not as many values as {}", column.name, axis.name));
+            }
+            check_name(&column.name, names)?;
+        }
     }
     Ok(())
 }

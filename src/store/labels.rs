@@ -76,10 +76,13 @@ pub(super) fn attach(file: &File, variable: &Dataset, scales: &mut [Scale], dims
 
 /// Writes a text attribute.
 pub(super) fn text(at: &Location, name: &str, value: &str) -> Result<()> {
+    at.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&unicode(value)?)
+}
+
+/// A text as it lies in a file.
+pub(super) fn unicode(value: &str) -> Result<VarLenUnicode> {
     // A NUL would end the text for every reader.
-    let value: VarLenUnicode =
-        value.replace('\0', "\u{fffd}").parse().map_err(|e| hdf5::Error::from(format!("{name}: {e}")))?;
-    at.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&value)
+    value.replace('\0', "\u{fffd}").parse().map_err(|e| hdf5::Error::from(format!("a text: {e}")))
 }
 
 /// Writes a number attribute.

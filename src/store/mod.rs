@@ -103,6 +103,9 @@ pub struct Results {
     pub provenance: Vec<(String, String)>,
 }
 
+/// Attribute of an axis whose places have labels: names of the variables that vary along it.
+const COLUMNS: &str = "quantities";
+
 /// A labelled axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coordinate {
@@ -114,6 +117,8 @@ pub struct Coordinate {
     /// What the values 0, 1 and so on mean; empty for a quantity.
     pub words: Vec<String>,
     pub values: Vec<f64>,
+    /// Quantities that vary together along this axis, which the words are labels of. Those have no columns themselves.
+    pub columns: Vec<Coordinate>,
 }
 
 /// An f64 variable over the instances, with further dimensions behind them.

@@ -63,7 +63,9 @@ impl Source {
             return Err(self.damaged("it has no instance"));
         }
         let steps_per_period = self.column(&root, "steps_per_period", count)?;
-        let others: Vec<&String> = members.iter().filter(|name| !axis_names.contains(name)).collect();
+        let column = |name: &String| axes.iter().flat_map(|axis| &axis.columns).any(|one| one.name == *name);
+        let other = |name: &&String| !axis_names.contains(name) && !column(name);
+        let others: Vec<&String> = members.iter().filter(other).collect();
         Ok(Results {
             title: read_text(&self.file, "title").unwrap_or_default(),
             axes,

@@ -2,7 +2,8 @@
 
 use super::labels::read_text;
 use super::place::TORN;
-use super::{Coordinate, PROVENANCE, Results, StoreError, heap, lock, partial_path, sums};
+use super::{COLUMNS, Coordinate, PROVENANCE, Results, StoreError, heap, lock, partial_path, sums};
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, Location, LocationType};
 use std::cell::Cell;
 use std::io::Read;
@@ -192,13 +193,40 @@ impl Source {
     pub fn coordinate(&self, group: &Group, name: &str) -> Result<Coordinate, StoreError> {
         let dataset = self.dataset(group, name)?;
         let text = |attribute| read_text(&dataset, attribute).unwrap_or_default();
+        let (words, values) = match dataset.dtype().and_then(|kind| kind.to_descriptor()) {
+            Ok(TypeDescriptor::VarLenUnicode) => {
+                let words: Vec<VarLenUnicode> = self.numbers(&dataset)?;
+                let words: Vec<String> = words.iter().map(|word| word.as_str().to_owned()).collect();
+                let places = (0..words.len()).map(|n| n as f64).collect();
+                (words, places)
+            }
+            _ => {
+                let words = text("flag_meanings").split_whitespace().map(str::to_owned).collect();
+                (words, self.numbers(&dataset)?)
+            }
+        };
+        let columns = text(COLUMNS);
+        let column = |name: &str| -> Result<Coordinate, StoreError> {
+            let column = self.coordinate(group, name)?;
+            match column.values.len() == values.len() && column.columns.is_empty() {
+                true => Ok(column),
+                false => {
+                    Err(self.damaged(format_args!("{} does not vary along its axis", inside(group, name))))
+                }
+            }
+        };
         Ok(Coordinate {
             name: name.to_owned(),
             units: text("units"),
             long_name: text("long_name"),
             scene_path: text("scene_path"),
-            words: text("flag_meanings").split_whitespace().map(str::to_owned).collect(),
-            values: self.numbers(&dataset)?,
+            columns: columns
+                .split_whitespace()
+                .filter(|one| *one != name)
+                .map(column)
+                .collect::<Result<_, _>>()?,
+            words,
+            values,
         })
     }
 }

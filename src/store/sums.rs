@@ -65,7 +65,8 @@ fn all(results: &Results) -> Vec<(String, u64)> {
     for (name, text) in &results.provenance {
         put(&format!("@{name}"), Sum::new().text(text));
     }
-    for Coordinate { name, units, long_name, scene_path, words, values } in axes {
+    let all = axes.iter().flat_map(|axis| std::iter::once(axis).chain(&axis.columns));
+    for Coordinate { name, units, long_name, scene_path, words, values, .. } in all {
         let named = Sum::new().text(units).text(long_name).text(scene_path).numbers(values);
         put(name, words.iter().fold(named, |sum, word| sum.text(word)));
     }

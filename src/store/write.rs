@@ -11,10 +11,11 @@ mod waveforms;
 use super::check::check;
 use super::history::history;
 use super::labels::{self, Scale, attach};
-use super::{Attribute, Coordinate, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, sums};
+use super::{Attribute, COLUMNS, Coordinate, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, sums};
 use crate::observe::Status;
 use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
+use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -24,6 +25,9 @@ const CHUNK: usize = 65_536;
 /// Below this many bytes a chunk's bookkeeping is larger than what compression saves: the data lie in the dataset's
 /// header, which has a checksum of its own.
 const TINY: usize = 4096;
+
+/// The axis of the two ways along a curve, by its path.
+const DIRECTION: &str = "curve.direction";
 
 /// The bytes of the results file. `path` only serves messages.
 pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Vec<u8>, StoreError> {
@@ -162,6 +166,34 @@ impl Layout {
         Ok(dim)
     }
 
+    /// A dimension whose places have labels, and the quantities that vary along it; gives its number.
+    fn labelled(&mut self, axis: &Coordinate) -> hdf5::Result<usize> {
+        let dataset = self.data(&axis.name, &[axis.words.len()], &texts(&axis.words)?)?;
+        labels::text(&dataset, "long_name", &axis.long_name)?;
+        self.scales.push(Scale::coordinate(dataset, &axis.name)?);
+        let dim = self.scales.len() - 1;
+        for column in &axis.columns {
+            let dataset = match column.words.is_empty() {
+                true => {
+                    let Coordinate { name, units, long_name, values, .. } = column;
+                    self.quantity(name, units, long_name, &[dim], values)?
+                }
+                false => {
+                    let words = texts(&column.words)?;
+                    let dataset = self.variable(&column.name, &[dim], &words)?;
+                    labels::text(&dataset, "long_name", &column.long_name)?;
+                    dataset
+                }
+            };
+            from_scene(&dataset, column)?;
+        }
+        if !axis.columns.is_empty() {
+            let dataset = self.group.dataset(&axis.name)?;
+            labels::text(&dataset, COLUMNS, &names(&axis.columns))?;
+        }
+        Ok(dim)
+    }
+
     /// A dimension of this name for some of the instances, beside variable `instance` with their numbers; gives its
     /// number.
     fn some_of(&mut self, name: &str, instances: &[u64]) -> hdf5::Result<usize> {
@@ -274,11 +306,15 @@ impl Layout {
             for axis in &results.axes {
                 dims.push(match axis.words.is_empty() {
                     true => self.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?,
-                    false => self.named(axis)?,
+                    // The ways along a curve are codes, everything else is called by name.
+                    false if axis.scene_path == DIRECTION => self.named(axis)?,
+                    false => self.labelled(axis)?,
                 });
                 from_scene(&self.group.dataset(&axis.name)?, axis)?;
             }
-            return Ok((dims, None));
+            let columns: Vec<Coordinate> =
+                results.axes.iter().flat_map(|axis| axis.columns.iter().cloned()).collect();
+            return Ok((dims, (!columns.is_empty()).then(|| names(&columns))));
         }
         let numbers: Vec<i64> = (0..results.status.len() as i64).collect();
         dims.push(self.coordinate("instance", "1", INSTANCE, &numbers)?);
@@ -286,13 +322,23 @@ impl Layout {
             let dataset = self.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
             from_scene(&dataset, axis)?;
         }
-        let names: Vec<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
-        Ok((dims, (!names.is_empty()).then(|| names.join(" "))))
+        Ok((dims, (!results.axes.is_empty()).then(|| names(&results.axes))))
     }
 
     fn close(self) -> hdf5::Result<()> {
         self.scales.into_iter().try_for_each(Scale::close)
     }
+}
+
+/// Words as a dataset has them.
+fn texts(words: &[String]) -> hdf5::Result<Vec<VarLenUnicode>> {
+    words.iter().map(|word| labels::unicode(word)).collect()
+}
+
+/// The names of these, as attributes have them.
+fn names(all: &[Coordinate]) -> String {
+    let names: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+    names.join(" ")
 }
 
 /// Whole rows, cut along the slowest dimensions until a chunk is small enough.

@@ -234,7 +234,8 @@ fn a_curve_alone_is_the_same_among_others_and_on_any_number_of_threads() {
     let scene = Scene::parse(Path::new("curves.toml"), &text.replace("[curve]", swept)).expect("it is whole");
     let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
     let begin = |plan: &Plan, threads| {
-        let run = || steady::begin(plan, &Cpu::default(), &Progress::default()).expect("it runs");
+        let run =
+            || steady::begin(&mut plan.clone(), &Cpu::default(), &Progress::default()).expect("it runs");
         on_threads(Some(threads), run).expect("there are threads")
     };
     let (one, three) = (begin(&plan, 1), begin(&plan, 3));

@@ -37,7 +37,9 @@ const SCENES: &[(&str, &str)] = &[
     ("gap = \"16 nm\"", "gap = \"16 nanometer\""),
     ("gap = \"16 nm\"", "gap = \"16 parsec\""),
     ("gap = \"16 nm\"", "gap = \"16,5 nm\""),
-    ("gap = \"16 nm\"", "setpoint = 0.8"),
+    ("gap = \"16 nm\"", "amplitude_ratio = 0.8"),
+    ("gap = \"16 nm\"", "setpoint = 80"),
+    ("gap = \"16 nm\"", "gap = \"16 nm\"\nsetpoint = 0.8"),
     ("gap = \"16 nm\"", "distance = \"16 nm\""),
     ("radius = \"8 nm\"", "radius = \"-8 nm\""),
     ("radius = \"8 nm\"", "radius = \"8 km\""),
@@ -54,7 +56,7 @@ const SCENES: &[(&str, &str)] = &[
     ("stiffness = \"42 N/m\", ", ""),
     ("free_amplitude = \"20 nm\"", "free_amplitude = \"20 nm\"\nvoltage = \"1 V\""),
     ("[run]", "[sweep]\nsample.youngs_modulus = { values = [\"1 GPa\", \"2 GPa\"] }\n[run]"),
-    ("[run]", "[sweep]\n\"contact.law\" = { values = [\"dmt\", \"jkr\"] }\n[run]"),
+    ("[run]", "[sweep]\n\"drive.on\" = { values = [\"tip\", \"actuator\"] }\n[run]"),
     ("[run]", "[sweep]\n\"approach.gap\" = [\"1 nm\", \"2 nm\"]\n[run]"),
     ("[run]", "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"2 nm\", points = 1 }\n[run]"),
     ("[run]", "[output]\nobservables = [\"peak_force\"]\n[run]"),
@@ -179,5 +181,5 @@ fn a_word_of_others_is_explained_by_what_it_is_called_here() {
         text.starts_with("peak_force: here that is force_max\n") && text.contains("Largest force"),
         "{text}"
     );
-    assert!(desk.works(&["explain", "setpoint"]).out.contains("approach.gap"));
+    assert!(desk.works(&["explain", "amplitude_ratio"]).out.contains("here that is setpoint"));
 }

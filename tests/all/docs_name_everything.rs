@@ -5,7 +5,7 @@
 use afmsweep::contact::Law;
 use afmsweep::control::Arithmetic;
 use afmsweep::record::{self, BRANCHES, Facts, JUMPS, WARNINGS};
-use afmsweep::scene::{CURVE_WAYS, Domain, Params, QUANTITIES, Quantity};
+use afmsweep::scene::{Domain, Params, QUANTITIES, Quantity};
 use afmsweep::store::{Attribute, Results};
 use afmsweep::sweep::Phase;
 use afmsweep::units::Dimension;
@@ -177,7 +177,7 @@ fn every_quantity_has_its_unit_default_and_range() {
             let written = address.written(value);
             assert!(default.contains(&format!("`{written}`")), "{}: {default}, not {written}", quantity.path);
         }
-        if matches!(quantity.domain, Domain::PoissonRatio) || key == "drive" {
+        if matches!(quantity.domain, Domain::PoissonRatio | Domain::Share) || key == "drive" {
             assert_eq!(*range, quantity.domain.described(), "{}", quantity.path);
             continue;
         }
@@ -382,7 +382,7 @@ fn every_status_and_every_other_word_is_told() {
         assert_eq!(row[1], (status as u8).to_string(), "{}", status.meaning());
     }
     let laws: Vec<&str> = Law::ALL.iter().map(|law| law.name()).collect();
-    for word in laws.iter().chain(&BRANCHES).chain(&WARNINGS).chain(&JUMPS).chain(&CURVE_WAYS) {
+    for word in laws.iter().chain(&BRANCHES).chain(&WARNINGS).chain(&JUMPS).chain(&["forward", "backward"]) {
         document.says("Variables", word);
     }
     for phase in

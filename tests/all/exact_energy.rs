@@ -178,8 +178,9 @@ fn books_balance_for_every_steady_scene_file() {
     for file in files {
         let name = file.display();
         let scene = Scene::load(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
-        if scene.run.start != Start::Steady {
-            println!("{name}: not steady");
+        // A set-point is held by a search, whose gap is not known here (tests/all/agree_setpoint.rs).
+        if scene.run.start != Start::Steady || scene.base.approach.held.is_some() {
+            println!("{name}: not steady, or its gap is a result");
             continue;
         }
         let count = scene.len();

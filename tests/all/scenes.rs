@@ -241,7 +241,8 @@ fn every_quantity_can_be_written_swept_and_echoed() {
     for quantity in QUANTITIES {
         // Each needs the company that makes it meaningful; the value is off its default and inside its domain.
         let path = quantity.path.replace('#', "0");
-        let value = if quantity.path.ends_with("poisson_ratio") { 0.25 } else { 7.5 };
+        let share = ["poisson_ratio", ".setpoint"].iter().any(|end| quantity.path.ends_with(end));
+        let value = if share { 0.25 } else { 7.5 };
         let value = if path.ends_with("actuator.h33") { 5e8 } else { value };
         let value = if path.ends_with("actuator.youngs_modulus") { 3e10 } else { value };
         let value = if path.ends_with("actuator.beta33") { 9e7 } else { value };

@@ -20,6 +20,7 @@ pub fn coordinate(name: &str, units: &str, values: Vec<f64>) -> Coordinate {
         long_name: format!("the {name}"),
         scene_path: format!("scene.{name}"),
         words: Vec::new(),
+        columns: Vec::new(),
         values,
     }
 }

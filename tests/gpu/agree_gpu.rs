@@ -227,8 +227,9 @@ fn curves_alike() -> Result<(), Failed> {
         let text = CURVES.replace("LAW", law).replace("QUANTITY", quantity).replace("VALUES", values);
         let scene = Scene::parse(Path::new("curves.toml"), &text).expect("the scene is whole");
         let plan = checks::plan_in(&scene, None, Precision::F64);
-        let settle =
-            |engine: &dyn Engine| steady::begin(&plan, engine, &Progress::default()).expect("it runs");
+        let settle = |engine: &dyn Engine| {
+            steady::begin(&mut plan.clone(), engine, &Progress::default()).expect("it runs")
+        };
         let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
         let count = same(&ours.outcome.results, &theirs.outcome.results, law)?;
         // What was waited for has no multiplier, which is no number and unlike itself.
@@ -241,6 +242,52 @@ fn curves_alike() -> Result<(), Failed> {
         let found = ours.found.iter().flatten().filter(|state| state.searched()).count();
         println!("{law} over {quantity}: {count} of {count} points identical, {found} followed");
         assert!(found > count / 2);
+    }
+    Ok(())
+}
+
+const HELD: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "26 N/m", frequency = "300 kHz", quality_factor = 100 }]
+[instrument.tip]
+radius = "10 nm"
+[sample]
+youngs_modulus = "2 GPa"
+poisson_ratio = 0.34
+surface_energy = "40 mJ/m^2"
+[contact]
+law = "LAW"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+free_amplitude = "10 nm"
+[approach]
+BRANCH
+[sweep]
+"sample.youngs_modulus" = { values = ["0.5 GPa", "2 GPa"] }
+"approach.QUANTITY" = { values = [VALUES] }
+"#;
+
+/// Set-points are approached and held on the device as on the CPU.
+fn set_points_alike() -> Result<(), Failed> {
+    for (law, branch, quantity, values) in [
+        ("dmt", "", "setpoint", "0.6, 0.9"),
+        ("dmt", "setpoint_branch = \"repulsive\"", "setpoint", "0.6, 0.9"),
+        ("jkr", "", "force_setpoint", "\"2 nN\", \"5 nN\""),
+    ] {
+        let text = [("LAW", law), ("BRANCH", branch), ("QUANTITY", quantity), ("VALUES", values)]
+            .iter()
+            .fold(HELD.to_owned(), |text, (name, value)| text.replace(name, value));
+        let scene = Scene::parse(Path::new("held.toml"), &text).expect("the scene is whole");
+        let plan = checks::plan_in(&scene, None, Precision::F64);
+        let settle = |engine: &dyn Engine| {
+            steady::begin(&mut plan.clone(), engine, &Progress::default()).expect("it runs")
+        };
+        let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
+        let count = same(&ours.outcome.results, &theirs.outcome.results, law)?;
+        let held = ours.outcome.results.iter().filter(|one| one.measured.gap.is_finite()).count();
+        println!("{law}, {quantity} {branch}: {count} of {count} identical, {held} held");
+        assert!(held == count);
     }
     Ok(())
 }
@@ -278,6 +325,7 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
         add(name, exact && double, Box::new(move || searches_alike(precision)));
     }
     add("curves_as_the_cpu_does".into(), exact && double, Box::new(curves_alike));
+    add("set_points_as_the_cpu_does".into(), exact && double, Box::new(set_points_alike));
     add("chunks_change_no_bit".into(), any, Box::new(chunks_change_no_bit));
     add("long_periods_go_in_parts".into(), exact, Box::new(long_periods_go_in_parts));
     add("a_lost_device_costs_nothing".into(), exact, Box::new(a_lost_device_costs_nothing));

@@ -121,7 +121,7 @@ impl Reference {
     ) -> Result<(Finished, Work), EngineError> {
         let (case, driven) = self.checked(plan, instance)?;
         if case.steps == 0 {
-            return Ok((finish_free(driven, plan.wants), Work::default()));
+            return Ok((finish_free(case.gap, driven, plan.wants), Work::default()));
         }
         let system = System::new(&case, driven, plan.run.start, self.model, None);
         if system.modes() == 0 {
@@ -204,7 +204,7 @@ impl Sums {
     /// The observables that are wanted, the walk being at the end of the last period.
     fn measured(&self, walk: &Walk, (run, wants): (&Run, Wants), driven: &Driven) -> Measured {
         let span = TAU * f64::from(run.measure);
-        let mut measured = Measured::NONE;
+        let mut measured = Measured { gap: walk.system.gap, ..Measured::NONE };
         for n in 0..wants.harmonics {
             let travel = self.travel(n, run, driven);
             measured.harmonics[n] = travel.norm();

@@ -42,7 +42,7 @@ pub(super) struct System {
     pub omega: f64,
     /// Time at which the present period began, s.
     begun: f64,
-    gap: f64,
+    pub gap: f64,
     pub force: Force,
     pub touching: bool,
     /// Whether the integrals are among the unknowns.

@@ -173,6 +173,7 @@ impl Apart {
             long_name: "drive frequency".into(),
             scene_path: String::new(),
             words: Vec::new(),
+            columns: Vec::new(),
             values: middles.collect(),
         };
         let y = Coordinate {
@@ -181,6 +182,7 @@ impl Apart {
             long_name: "rod mass in beam masses".into(),
             scene_path: String::new(),
             words: Vec::new(),
+            columns: Vec::new(),
             values: map.masses.iter().map(|mass| mass / map.lever).collect(),
         };
         let cell = |mass: usize, i: usize| {

@@ -114,8 +114,8 @@ fn coordinate(axis: &Axis) -> Coordinate {
         units: axis.units.clone(),
         long_name: axis.long_name.clone(),
         scene_path: axis.path.clone(),
-        words: Vec::new(),
         values: axis.values.clone(),
+        ..Coordinate::default()
     }
 }
 

@@ -1,0 +1,208 @@
+//! Set-points: the gap as one more unknown of the periodic state.
+
+use super::approach::{self, End};
+use super::{PeriodicState, Settled, run};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
+use crate::plan::{BasisRule, Plan};
+use crate::scene::Held;
+
+/// A set-point is held where it is missed by no more than this share of the accuracy.
+const MET: f64 = 0.05;
+/// Gaps that are tried for one run of an instance.
+const TRIES: u32 = 12;
+/// Longest step from one gap to the next, in free amplitudes.
+const STEP: f64 = 0.05;
+/// Largest growth of a step, over the one before.
+const GROWTH: f64 = 8.0;
+
+/// How far what an instance holds is from what it is to hold, as a share of the free amplitude or of the force: above zero
+/// where the sample is to come nearer.
+pub(super) fn miss(plan: &Plan, instance: u32, result: &Finished) -> f64 {
+    let measured = &result.measured;
+    match plan.setpoint(instance).map(|setpoint| setpoint.held) {
+        Some(Held::Amplitude(share)) => {
+            measured.harmonics[0] / plan.driven(instance).free_amplitude() - share
+        }
+        Some(Held::Force(force)) => 1.0 - measured.force_max / force,
+        None => 0.0,
+    }
+}
+
+/// The first run of a plan with set-points: each is approached from far away, then held. The way there is gone with the
+/// poorest levers; where what these lead to does not hold, with the plan's own.
+pub(super) fn begin(
+    plan: &mut Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let poorest = BasisRule::Shares { accuracy: plan.policy.poorest };
+    let wanted: Vec<(u32, BasisRule)> = plan.stepped().into_iter().map(|i| (i, poorest)).collect();
+    let poor = plan.with_bases(&wanted);
+    let mut settled = approached(plan, &poor, engine, progress)?;
+    let richer = |i: &u32| plan.driven(*i).kept.modes != poor.driven(*i).kept.modes;
+    let steady = |i: &u32| settled.outcome.results[*i as usize].status.is_steady();
+    let astray: Vec<u32> = plan.stepped().into_iter().filter(|i| richer(i) && !steady(i)).collect();
+    if astray.is_empty() || progress.stopped() {
+        return Ok(settled);
+    }
+    let mut part = plan.part(&astray);
+    let nominal: Vec<f64> = astray.iter().map(|i| poor.case(*i).gap).collect();
+    part = part.with_gaps(&nominal);
+    let own = part.clone();
+    let again = approached(&mut part, &own, engine, progress)?;
+    plan.take_gaps(&astray, &part);
+    settled.outcome.notes.extend(again.outcome.notes);
+    for (place, (i, state)) in astray.into_iter().zip(again.found).enumerate() {
+        settled.outcome.results[i as usize] = again.outcome.results[place];
+        settled.periods[i as usize] += again.periods[place];
+        settled.found[i as usize] = state;
+    }
+    Ok(settled)
+}
+
+/// Approaches the plan's set-points `by` a plan of the same instances, and holds them.
+fn approached(
+    plan: &mut Plan,
+    by: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let approached = approach::all(by, double, progress)?;
+    let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
+    let mut states: Vec<Option<PeriodicState>> = vec![None; plan.len()];
+    let mut reached = Vec::new();
+    for (i, end) in approached.ends.into_iter().enumerate() {
+        match end {
+            End::Met(gap, state) => {
+                (gaps[i], states[i]) = (gap, Some(*state));
+                reached.push(i as u32);
+            }
+            End::None => {
+                gaps[i] = f64::NAN;
+                reached.push(i as u32);
+            }
+            End::NotRun => {}
+        }
+    }
+    *plan = plan.clone().with_gaps(&gaps);
+    let near: Vec<Option<&PeriodicState>> = states.iter().map(Option::as_ref).collect();
+    let mut settled = some(plan, &reached, &near, engine, progress)?;
+    settled.periods.iter_mut().zip(&approached.periods).for_each(|(all, some)| *all += some);
+    settled.outcome.notes.splice(0..0, approached.notes);
+    Ok(settled)
+}
+
+/// Another run of a plan with set-points, from gaps and states that held them with other steps or levers.
+pub(super) fn again(
+    plan: &mut Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    some(plan, &all, near, engine, progress)
+}
+
+/// What an instance is whose set-point no gap holds.
+const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
+
+/// Before anything has run.
+fn nothing(count: usize) -> Settled {
+    Settled {
+        outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
+        found: vec![None; count],
+        periods: vec![0; count],
+        jumps: Vec::new(),
+    }
+}
+
+/// An instance whose gap is looked for.
+struct Try {
+    instance: u32,
+    gap: f64,
+    /// The gap before, and by how much it missed.
+    before: Option<(f64, f64)>,
+}
+
+/// Holds the set-points of these instances of the plan, whose gaps become those that hold them.
+fn some(
+    plan: &mut Plan,
+    instances: &[u32],
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
+    let mut all = nothing(plan.len());
+    // What feels no sample holds nothing.
+    let none = |i: &&u32| gaps[**i as usize].is_nan() || plan.steps(**i) == 0;
+    let (lost, held): (Vec<u32>, Vec<u32>) = instances.iter().partition(none);
+    for i in lost {
+        (gaps[i as usize], all.outcome.results[i as usize]) = (f64::NAN, NO_SETPOINT);
+    }
+    let mut left: Vec<Try> =
+        held.into_iter().map(|i| Try { instance: i, gap: gaps[i as usize], before: None }).collect();
+    for number in 1..=TRIES {
+        if left.is_empty() || progress.stopped() {
+            break;
+        }
+        let tried: Vec<u32> = left.iter().map(|one| one.instance).collect();
+        let places: Vec<f64> = left.iter().map(|one| one.gap).collect();
+        let part = plan.part(&tried).with_gaps(&places);
+        let states: Vec<Option<&PeriodicState>> = tried
+            .iter()
+            .map(|i| all.found[*i as usize].as_deref().or_else(|| near.get(*i as usize).copied().flatten()))
+            .collect();
+        let now = run(&part, &states, engine, progress)?;
+        all.outcome.notes.extend(now.outcome.notes);
+        let mut next = Vec::new();
+        for (place, (one, finished)) in left.into_iter().zip(now.outcome.results).enumerate() {
+            let i = one.instance as usize;
+            gaps[i] = one.gap;
+            all.periods[i] += now.periods[place];
+            let missed = miss(&part, place as u32, &finished);
+            let steady = finished.status.is_steady();
+            let met = missed.abs() <= MET * plan.run.accuracy;
+            all.outcome.results[i] = finished;
+            if !steady || met {
+                continue;
+            }
+            if number < TRIES {
+                next.push(one.nearer(&part, place as u32, missed, &finished));
+            } else if missed.abs() > plan.run.accuracy {
+                (gaps[i], all.outcome.results[i]) = (f64::NAN, NO_SETPOINT);
+            }
+        }
+        for (i, state) in tried.into_iter().zip(now.found) {
+            all.found[i as usize] = state;
+        }
+        left = next;
+    }
+    // Those that a stop has left on their way hold nothing yet.
+    left.iter().for_each(|one| all.outcome.results[one.instance as usize] = Finished::NOT_RUN);
+    *plan = plan.clone().with_gaps(&gaps);
+    Ok(all)
+}
+
+impl Try {
+    /// The next gap: by the secant, or a likely slope.
+    fn nearer(&self, part: &Plan, i: u32, missed: f64, finished: &Finished) -> Self {
+        let amplitude = part.driven(i).free_amplitude();
+        let secant = |(gap, other): (f64, f64)| (missed - other) / (self.gap - gap);
+        let slope = self.before.map(secant).filter(|slope| slope.is_finite() && *slope > 0.0);
+        let likely = match part.setpoint(i).map(|setpoint| setpoint.held) {
+            // A tip follows its sample, and presses little more.
+            Some(Held::Force(_)) => 0.15 / finished.measured.indentation_max.max(1e-3 * amplitude),
+            _ => 1.0 / amplitude,
+        };
+        let most = match self.before {
+            Some((gap, _)) => (GROWTH * (self.gap - gap).abs()).min(STEP * amplitude),
+            None => STEP * amplitude,
+        };
+        let step = (-missed / slope.unwrap_or(likely)).clamp(-most, most);
+        Self { instance: self.instance, gap: self.gap + step, before: Some((self.gap, missed)) }
+    }
+}
