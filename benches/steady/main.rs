@@ -1,8 +1,9 @@
 //! The periodic state by waiting and by searching: what each costs, and whether both end in the same state.
 //!
-//! `cargo bench --bench steady -- [--instances N] [--same N] [--seed S] [-o FOLDER]`; two tables, and a page in
-//! FOLDER.
+//! `cargo bench --bench steady -- [--instances N] [--same N] [--curves N] [--seed S] [-o FOLDER]`; three tables, and a page
+//! in FOLDER.
 
+mod curves;
 #[path = "../common/page.rs"]
 mod page;
 #[path = "../common/random.rs"]
@@ -174,13 +175,14 @@ fn same(count: usize, seed: u64) -> Vec<Value> {
 }
 
 fn main() {
-    let (mut count, mut many, mut seed, mut output) = (32, 1000, 1, None);
+    let (mut count, mut many, mut lines, mut seed, mut output) = (32, 1000, 1000, 1, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().unwrap_or_else(|| panic!("{word} needs a value"));
         match word.as_str() {
             "--instances" => count = value().parse().expect("a number of instances, for each row"),
             "--same" => many = value().parse().expect("a number of instances, all laws together"),
+            "--curves" => lines = value().parse().expect("a number of curves, for each law"),
             "--seed" => seed = value().parse().expect("a seed"),
             "-o" => output = Some(value()),
             "--bench" => {}
@@ -190,6 +192,7 @@ fn main() {
     println!("{}", processor());
     let costs = if count > 0 { costs(count, seed) } else { Vec::new() };
     let same = if many > 0 { same(many, seed) } else { Vec::new() };
+    let curves = if lines > 0 { curves::curves(lines, seed) } else { Vec::new() };
     let parts = [
         Part {
             heading: "What a converged case costs",
@@ -221,10 +224,31 @@ fn main() {
             ],
             rows: same,
         },
+        Part {
+            heading: "Along curves",
+            text: "Periods of the drive per point of random approaches and retractions: one mode of 40 N/m, 300 kHz, 20 nm free, quality factors 20 to 500, random samples and tips; 77 gaps from 21 to 2 nm there and back, 128 steps a period. Followed: the state is carried from point to point, each state found is run on and measured. Fresh: a search from the free oscillation at each point, one way. Waited: each point from where the one before ended, with a look every 64 periods, at most 64 of them. Curves differ where the amplitude of a point that both call ok is another by more than 2 % of the free one; they are told one by one when the bench runs.",
+            columns: &[
+                ("law", "law"),
+                ("curves", "curves"),
+                ("points", "points"),
+                ("followed_median", "followed: median"),
+                ("followed_p95", "95 %"),
+                ("fresh_median", "fresh: median"),
+                ("fresh_p95", "95 %"),
+                ("waited_median", "waited: median"),
+                ("waited_p95", "95 %"),
+                ("followed_ok", "followed: ok"),
+                ("waited_ok", "waited: ok"),
+                ("jumps", "jumps"),
+                ("curves_that_differ", "curves that differ"),
+                ("curves_that_end_elsewhere", "that end elsewhere"),
+            ],
+            rows: curves,
+        },
     ];
     if let Some(folder) = output {
         let command = format!(
-            "cargo bench --bench steady -- --instances {count} --same {many} --seed {seed} -o {folder}"
+            "cargo bench --bench steady -- --instances {count} --same {many} --curves {lines} --seed {seed} -o {folder}"
         );
         page::write(&folder, "The periodic state, waited for and searched for", &command, &parts);
     }

@@ -3,7 +3,7 @@
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
 use super::{modes, precision};
-use crate::engine::{Engine, EngineError, Progress};
+use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{BasisRule, Case, Plan, STEPS_MAX};
 use crate::steady::{self, Settled};
@@ -55,6 +55,7 @@ pub(super) fn run(
     let near = steady::among(&rough.found, stepped, plan.len());
     fine.take_gaps(stepped, &coarse);
     let mut settled = steady::again(&mut fine, &near, engine, progress)?;
+    let kept = keep_curves(&mut settled, stepped, &rough, progress);
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
     if !rough.jumps.is_empty() {
         settled.jumps = vec![false; plan.len()];
@@ -80,11 +81,29 @@ pub(super) fn run(
         known.of_steps = left * apart;
         known.untold = of_both.then_some(apart);
     }
+    kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
     begun.add_unbent(stepped);
     if let Some(bases) = &poorer {
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
+}
+
+/// Where curves were stopped before their second run, the points that the first one has reached are kept, as not run; these
+/// are named.
+fn keep_curves(settled: &mut Settled, stepped: &[u32], rough: &Settled, progress: &Progress) -> Vec<u32> {
+    let mut kept = Vec::new();
+    if rough.jumps.is_empty() || !progress.stopped() {
+        return kept;
+    }
+    for (i, first) in stepped.iter().zip(&rough.outcome.results) {
+        let result = &mut settled.outcome.results[*i as usize];
+        if !result.measured.is_any() && first.measured.is_any() {
+            *result = Finished { status: Status::NotRun, ..*first };
+            kept.push(*i);
+        }
+    }
+    kept
 }
 
 /// The plan of the first run but for its steps: poorer bases, though not for fast contacts. How many oscillators those

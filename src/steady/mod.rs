@@ -13,7 +13,8 @@ mod wait;
 pub use carried::carried;
 pub use wait::SETTLED;
 
-use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
 use crate::periodic::Spectrum;
 use crate::plan::{Plan, Precision, ReducedBasis, StartState, Station};
 use crate::scene::Steady;
@@ -131,11 +132,32 @@ pub fn begin(plan: &mut Plan, engine: &dyn Engine, progress: &Progress) -> Resul
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     let followed = follow::along(plan, double, progress)?;
     let near: Vec<Option<&PeriodicState>> = followed.states.iter().map(Option::as_ref).collect();
-    let mut settled = run(plan, &near, engine, progress)?;
+    let mut settled = match progress.stopped() {
+        true => as_followed(plan, &near, engine)?,
+        false => run(plan, &near, engine, progress)?,
+    };
     settled.periods.iter_mut().zip(&followed.periods).for_each(|(all, some)| *all += some);
     settled.outcome.notes.splice(0..0, followed.notes);
     settled.jumps = followed.jumps;
     Ok(settled)
+}
+
+/// Curves that were stopped on their way: what each point that they have reached is like, and nothing vouches for it.
+fn as_followed(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+) -> Result<Settled, EngineError> {
+    let count = plan.len();
+    let mut outcome = Outcome { ends: Vec::new(), ..Outcome::of(plan) };
+    let reached: Vec<u32> = plan.instances().filter(|i| near[*i as usize].is_some()).collect();
+    let states: Vec<Option<&PeriodicState>> = reached.iter().map(|i| near[*i as usize]).collect();
+    // A few periods of each: whoever stops a run waits for them.
+    let on = run_on(plan.part(&reached), &states, engine, &Progress::default())?;
+    for (i, finished) in reached.into_iter().zip(on.results) {
+        outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
+    }
+    Ok(Settled { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
 }
 
 /// Another run of the plan's instances, with other steps or bases: as [`run`], and set-points are held again, from the plan's

@@ -5,12 +5,13 @@ use crate::support::follow::Motion;
 use crate::support::laws::Law;
 use crate::support::sweeper::{Mode, Place, Sweeper};
 use afmsweep::control::{self, Controlled};
-use afmsweep::engine::{Cpu, Progress, on_threads};
+use afmsweep::engine::{Cpu, Engine, EngineError, Outcome, Progress, on_threads};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use afmsweep::steady;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SCENE: &str = r#"
 title = "there and back"
@@ -247,5 +248,52 @@ fn a_curve_alone_is_the_same_among_others_and_on_any_number_of_threads() {
         let alone = begin(&plan.part(&own), 2);
         let among: Vec<_> = own.iter().map(|i| one.found[*i as usize].clone()).collect();
         assert_eq!(alone.found, among, "curve {curve}");
+    }
+}
+
+/// The CPU engine, which stops everything after so many runs.
+struct Stops<'a> {
+    left: AtomicUsize,
+    progress: &'a Progress,
+}
+
+impl Engine for Stops<'_> {
+    fn device(&self) -> String {
+        "stops".into()
+    }
+
+    fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+        let last = self.left.fetch_sub(1, Ordering::Relaxed) == 1;
+        let done = Cpu::default().run(plan, progress)?;
+        if last {
+            self.progress.stop();
+        }
+        Ok(done)
+    }
+}
+
+/// Truth: the run that nobody stops. The points that a stopped one had reached are near those, and called not run.
+#[test]
+fn points_reached_before_a_stop_are_kept() {
+    let plan = Plan::new(&SMOOTH.scene(1e-3), Precision::F64).expect("the scene can be planned");
+    let whole = control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs");
+    let mut before = 0;
+    for runs in [60, 150] {
+        let progress = Progress::default();
+        let engine = Stops { left: AtomicUsize::new(runs), progress: &progress };
+        let part = control::run(&plan, &engine, &progress).expect("it runs");
+        assert!(progress.stopped());
+        let mut kept = 0;
+        for (one, other) in part.outcome.results.iter().zip(&whole.outcome.results) {
+            assert_eq!(one.status, Status::NotRun);
+            if one.measured.is_any() {
+                kept += 1;
+                let off = (one.measured.harmonics[0] - other.measured.harmonics[0]).abs() / 30e-9;
+                assert!(off < 1e-2, "{off:e}");
+            }
+        }
+        println!("{kept} of {} points after {runs} runs", plan.len());
+        assert!(kept > before && kept < plan.len(), "{kept} after {runs} runs");
+        before = kept;
     }
 }
