@@ -33,18 +33,12 @@ const WAYS: [&str; 2] = ["forward", "backward"];
 /// Reads the section, if there is one, as the last axes of the sweep.
 pub(super) fn read(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft) {
     if let Some((key, value)) = document.get_key_value("curve") {
-        let read = section(key, value, document, sweep, draft);
+        let read = section(key, value, sweep, draft);
         draft.faults.take(read);
     }
 }
 
-fn section(
-    key: &Key,
-    value: &Value,
-    document: &DeTable,
-    sweep: &mut SweptAxes,
-    draft: &mut Draft,
-) -> Checked<()> {
+fn section(key: &Key, value: &Value, sweep: &mut SweptAxes, draft: &mut Draft) -> Checked<()> {
     let table = values::table(value, "curve", "a section [curve]")?;
     if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
         return Err(values::unknown_key(key, "curve", &KEYS));
@@ -57,22 +51,12 @@ fn section(
     })?;
     let address = followed(quantity)?;
     let path = address.path();
-    if let Some((list, _)) = document.get_key_value("samples") {
-        return Err(Fault::at(key.span(), "the scene has both [samples] and [curve]")
-            .label("a curve")
-            .related(list.span(), "a list of samples")
-            .expected("[sweep] beside [curve]")
-            .help("write what varies from sample to sample as an axis of [sweep]"));
-    }
     if let Some(said) = draft.said.iter().find(|said| said.swept && said.path == path) {
-        return Err(Fault::at(
-            quantity.span(),
-            format!("`{path}` is both an axis of [sweep] and of [curve]"),
-        )
-        .label("the quantity of the curve")
-        .related(said.key.clone(), "an axis of the sweep")
-        .expected("each quantity in one of them")
-        .help("remove it from [sweep]: a curve has all its points"));
+        return Err(Fault::at(quantity.span(), format!("`{path}` varies along the curve and beside it"))
+            .label("the quantity of the curve")
+            .related(said.key.clone(), "varies here")
+            .expected("each quantity once")
+            .help("remove it here: a curve has all its points"));
     }
     let (points, log) = axis_values(value, address, &["quantity", "direction"])?;
     let both = match table.get("direction") {

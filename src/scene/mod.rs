@@ -173,7 +173,10 @@ impl Axis {
     fn written(&self, at: usize) -> String {
         match Address::find(&self.path) {
             Some(address) => format!("{} = {}", self.path, address.written(self.values[at])),
-            None => format!("{} = \"{}\"", self.name, self.words[at]),
+            None => match self.words.get(at) {
+                Some(word) => format!("{} = \"{word}\"", self.name),
+                None => format!("{} = {at}", self.name),
+            },
         }
     }
 }

@@ -4,6 +4,7 @@ use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, PRESET, keys_of};
+use super::zipped::SAMPLES;
 use super::{Axis, Layout, Scene, curve, output, sweep};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
@@ -99,13 +100,22 @@ impl Scene {
         }
         let curve = usize::from(self.sweep.curve.is_some());
         let (swept, curve) = self.sweep.axes.split_at(self.sweep.axes.len() - curve);
-        let told = |axis: &&Axis| axis.words.is_empty() || !axis.path.starts_with("curve.");
-        let mut swept = swept.iter().filter(told).peekable();
+        let (samples, swept): (Vec<&Axis>, Vec<&Axis>) = swept
+            .iter()
+            .filter(|axis| !axis.path.starts_with("curve."))
+            .partition(|axis| axis.path == SAMPLES);
+        let mut swept = swept.into_iter().peekable();
         if swept.peek().is_some() {
             writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
         }
         for axis in swept {
             writeln!(text, "{}", written_axis(axis, self.sweep.layout))?;
+        }
+        for axis in samples {
+            writeln!(text, "\n[samples]")?;
+            axis.columns
+                .iter()
+                .try_for_each(|column| writeln!(text, "{}", written_axis(column, Layout::List)))?;
         }
         for axis in curve {
             let Some(address) = Address::find(&axis.path) else { continue };

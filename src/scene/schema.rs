@@ -48,7 +48,6 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
         "type": "object",
         "properties": sections,
         "additionalProperties": false,
-        "not": { "anyOf": [{ "required": ["sweep", "samples"] }, { "required": ["curve", "samples"] }] },
         "definitions": definitions,
     })
 }

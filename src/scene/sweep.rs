@@ -19,21 +19,56 @@ pub(super) const AXIS_KEYS: [&str; 5] = ["from", "to", "points", "scale", "value
 const AXIS_FORM: &str =
     "{ from = ..., to = ..., points = ..., scale = \"lin\" or \"log\" } or { values = [...] }";
 
-/// Reads whichever of the two sections there is, and notes its axes in the draft.
+/// Reads whichever of the two sections there are, and notes their axes in the draft. Beside a grid or a curve a list is an
+/// axis of it.
 pub(super) fn read(document: &DeTable, draft: &mut Draft) -> SweptAxes {
-    let read = match (document.get_key_value("sweep"), document.get_key_value("samples")) {
-        (Some((sweep, _)), Some((samples, _))) => {
-            Err(Fault::at(samples.span(), "the scene has both [sweep] and [samples]")
-                .label("a list of samples")
-                .related(sweep.span(), "a grid of axes")
-                .expected("[sweep] for a grid of its axes, or [samples] for a list, one instance per entry")
-                .help("keep one of them; a list may hold a grid, each value as often as it meets another"))
-        }
-        (Some((key, value)), None) => section(key, value, Layout::Grid, draft),
-        (None, Some((key, value))) => section(key, value, Layout::List, draft),
+    let (grid, list) = (document.get_key_value("sweep"), document.get_key_value("samples"));
+    let alone = grid.is_none() && !document.contains_key("curve");
+    let read = match (grid, list) {
         (None, None) => Ok(SweptAxes::default()),
+        (Some((key, value)), None) => section(key, value, Layout::Grid, draft),
+        (None, Some((key, value))) if alone => section(key, value, Layout::List, draft),
+        (grid, Some(list)) => crossed(grid, list, draft),
     };
     draft.faults.take(read).unwrap_or_default()
+}
+
+/// A grid of which each point has every sample.
+fn crossed(
+    grid: Option<(&Key, &Value)>,
+    (key, value): (&Key, &Value),
+    draft: &mut Draft,
+) -> Checked<SweptAxes> {
+    let mut sweep = match grid {
+        Some((key, value)) => section(key, value, Layout::Grid, draft)?,
+        None => SweptAxes::default(),
+    };
+    let list = section(key, value, Layout::List, draft)?;
+    let twice = list.axes.iter().find(|axis| sweep.quantities().any(|other| other.path == axis.path));
+    if let Some(axis) = twice {
+        let said = draft.said.iter().rev().find(|said| said.swept && said.path == axis.path);
+        return Err(zipped::varies_twice(
+            &axis.path,
+            said.map_or(key.span(), |said| said.key.clone()),
+            draft,
+        ));
+    }
+    let samples = list.len();
+    sweep.axes.push(zipped::samples(list.axes, samples));
+    in_all(sweep.len(), key)?;
+    zipped::check(&sweep, key, draft)?;
+    Ok(sweep)
+}
+
+/// Refuses more instances than a scene may have.
+fn in_all(instances: usize, key: &Key) -> Checked<()> {
+    if instances <= MOST_INSTANCES {
+        return Ok(());
+    }
+    Err(Fault::at(key.span(), "the sweep is too large")
+        .label(format!("with this axis it has {instances} instances"))
+        .expected(format!("at most {MOST_INSTANCES}"))
+        .help("take fewer points, or split the scene into several"))
 }
 
 fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Checked<SweptAxes> {
@@ -72,12 +107,7 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
             }
             Layout::List => {}
         }
-        if instances > MOST_INSTANCES {
-            return Err(Fault::at(key.span(), "the sweep is too large")
-                .label(format!("with this axis it has {instances} instances"))
-                .expected(format!("at most {MOST_INSTANCES}"))
-                .help("take fewer points, or split the scene into several"));
-        }
+        in_all(instances, key)?;
         sweep.axes.push(axis);
     }
     zipped::check(&sweep, key, draft)?;

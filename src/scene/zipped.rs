@@ -8,10 +8,13 @@ use super::values::{self, Key, Value};
 use super::{Axis, Layout, SweptAxes};
 use crate::observe::Observable;
 use std::collections::HashSet;
+use std::ops::Range;
 use toml::de::DeTable;
 
 /// The path of the contact law.
 pub(super) const LAW: &str = "contact.law";
+/// The path of the axis of samples.
+pub(super) const SAMPLES: &str = "samples";
 /// What the places along an axis of quantities that vary together are called.
 pub(super) const LABEL: &str = "label";
 
@@ -97,12 +100,8 @@ fn together(key: &Key, value: &Value, table: &DeTable, draft: &mut Draft) -> Che
     for (key, list) in table.iter().filter(|(key, _)| key.get_ref() != LABEL) {
         let column = column(key, list, name)?;
         agree(&mut length, column.values.len(), list, &path)?;
-        if let Some(said) = draft.said.iter().find(|said| said.swept && said.path == column.path) {
-            return Err(Fault::at(key.span(), format!("`{}` varies twice", column.path))
-                .label("again here")
-                .related(said.key.clone(), "an axis of the sweep")
-                .expected("each quantity once")
-                .help("remove one of the two"));
+        if draft.said.iter().any(|said| said.swept && said.path == column.path) {
+            return Err(varies_twice(&column.path, key.span(), draft));
         }
         draft.said.push(Said { path: column.path.clone(), key: key.span(), swept: true });
         columns.push(column);
@@ -130,6 +129,30 @@ fn together(key: &Key, value: &Value, table: &DeTable, draft: &mut Draft) -> Che
         columns,
         ..Axis::default()
     })
+}
+
+/// The fault of a quantity that an axis has before this place.
+pub(super) fn varies_twice(path: &str, here: Range<usize>, draft: &Draft) -> Box<Fault> {
+    let before = draft.said.iter().find(|said| said.swept && said.path == path);
+    let fault = Fault::at(here, format!("`{path}` varies twice")).label("again here");
+    let fault = match before {
+        Some(said) => fault.related(said.key.clone(), "varies here"),
+        None => fault,
+    };
+    fault.expected("each quantity once").help("remove one of the two")
+}
+
+/// `[samples]` beside a grid or a curve: one axis.
+pub(super) fn samples(columns: Vec<Axis>, count: usize) -> Axis {
+    Axis {
+        path: SAMPLES.into(),
+        name: "sample".into(),
+        long_name: "sample".into(),
+        units: "1".into(),
+        values: (0..count).map(|n| n as f64).collect(),
+        columns,
+        ..Axis::default()
+    }
 }
 
 /// One of the quantities that vary together.

@@ -166,12 +166,16 @@ impl Layout {
         Ok(dim)
     }
 
-    /// A dimension whose places have labels, and the quantities that vary along it; gives its number.
+    /// A dimension whose places have labels; gives its number.
     fn labelled(&mut self, axis: &Coordinate) -> hdf5::Result<usize> {
         let dataset = self.data(&axis.name, &[axis.words.len()], &texts(&axis.words)?)?;
         labels::text(&dataset, "long_name", &axis.long_name)?;
         self.scales.push(Scale::coordinate(dataset, &axis.name)?);
-        let dim = self.scales.len() - 1;
+        Ok(self.scales.len() - 1)
+    }
+
+    /// The quantities that vary along a dimension.
+    fn columns(&mut self, axis: &Coordinate, dim: usize) -> hdf5::Result<()> {
         for column in &axis.columns {
             let dataset = match column.words.is_empty() {
                 true => {
@@ -191,7 +195,7 @@ impl Layout {
             let dataset = self.group.dataset(&axis.name)?;
             labels::text(&dataset, COLUMNS, &names(&axis.columns))?;
         }
-        Ok(dim)
+        Ok(())
     }
 
     /// A dimension of this name for some of the instances, beside variable `instance` with their numbers; gives its
@@ -304,12 +308,14 @@ impl Layout {
         let mut dims = Vec::new();
         if !results.list {
             for axis in &results.axes {
-                dims.push(match axis.words.is_empty() {
+                let dim = match axis.words.is_empty() {
                     true => self.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?,
                     // The ways along a curve are codes, everything else is called by name.
                     false if axis.scene_path == DIRECTION => self.named(axis)?,
                     false => self.labelled(axis)?,
-                });
+                };
+                self.columns(axis, dim)?;
+                dims.push(dim);
                 from_scene(&self.group.dataset(&axis.name)?, axis)?;
             }
             let columns: Vec<Coordinate> =

@@ -6,7 +6,7 @@ use afmsweep::control;
 use afmsweep::engine::{Cpu, Progress};
 use afmsweep::kernel::Law;
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{LawChoice, Params, Scene};
+use afmsweep::scene::{DriveLevel, LawChoice, Params, Scene};
 use afmsweep::store;
 use std::path::Path;
 
@@ -119,4 +119,43 @@ fn files_call_the_places_by_their_names() {
     assert!(csv.contains("\n3,dmt,hard,") && csv.contains("\n0,hertz,soft one,"), "{csv}");
     let wrong = desk.refuses(&["report", "things.h5", "-o", "page", "--at", "material=PS"], &[]).err;
     assert!(wrong.contains("one of soft one, hard"), "{wrong}");
+}
+
+/// A list beside a grid or a curve: every point has every sample.
+#[test]
+fn samples_cross_with_a_grid_and_with_a_curve() {
+    let lists = r#"
+        [samples]
+        "sample.youngs_modulus" = ["1 GPa", "3 GPa", "1 GPa"]
+        "instrument.tip.radius" = ["8 nm", "10 nm", "12 nm"]
+    "#;
+    let base = case("dmt", "2 GPa", "20 mJ/m^2", "300 kHz");
+    let grid = parse(
+        &(base.clone() + "[sweep]\n\"drive.free_amplitude\" = { values = [\"10 nm\", \"20 nm\"] }" + lists),
+    );
+    assert_eq!(grid.sweep.shape(), [2, 3]);
+    let (first, last) = (grid.instance(2), grid.instance(4));
+    assert_eq!((first.sample.youngs_modulus, first.instrument.tip.radius), (1e9, 12e-9));
+    assert_eq!((last.sample.youngs_modulus, last.instrument.tip.radius), (3e9, 10e-9));
+    assert_eq!(first.drive.level, DriveLevel::FreeAmplitude(10e-9));
+    assert_eq!(last.drive.level, DriveLevel::FreeAmplitude(20e-9));
+    let curve = "[curve]\nquantity = \"approach.gap\"\nvalues = [\"19 nm\", \"18 nm\"]\ndirection = \"both\"";
+    let curves = parse(&(base + lists + curve));
+    let names: Vec<&str> = curves.sweep.axes.iter().map(|axis| axis.name.as_str()).collect();
+    assert_eq!(
+        (names.join(" ").as_str(), curves.sweep.shape()),
+        ("sample direction approach_gap", vec![3, 2, 2])
+    );
+    for scene in [grid, curves] {
+        let again = parse(&scene.resolved_toml());
+        assert_eq!(again.sweep, scene.sweep);
+    }
+    let desk = Desk::new();
+    let text = case("dmt", "2 GPa", "20 mJ/m^2", "300 kHz") + lists + curve;
+    desk.write("lists.toml", &text.replace("steps_per_period = 128", "periods = 400"));
+    desk.works(&["run", "lists.toml", "-o", "lists.h5"]);
+    let results = store::read(&desk.path("lists.h5")).expect("it can be read");
+    let columns: Vec<&[f64]> = results.axes[0].columns.iter().map(|one| one.values.as_slice()).collect();
+    assert_eq!(columns, [&[1e9, 3e9, 1e9], &[8e-9, 10e-9, 12e-9]]);
+    desk.works(&["report", "lists.h5", "-o", "page"]);
 }
