@@ -3,10 +3,10 @@
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
 use super::{modes, precision};
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{BasisRule, Case, Plan, STEPS_MAX};
-use crate::steady::{self, Settled};
+use crate::plan::{BasisRule, Case, Plan, Precision, STEPS_MAX};
+use crate::steady::{self, PeriodicState, Settled};
 
 /// What is known before the steps are.
 pub(super) struct First<'a> {
@@ -60,6 +60,7 @@ pub(super) fn run(
     if !rough.jumps.is_empty() {
         settled.jumps = vec![false; plan.len()];
         stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
+        settled.outcome.notes.extend(moved(&fine, &settled, &near, engine, progress)?);
     }
     let begin = |(case, of_modes): (Case, f64)| Refinement {
         of_steps: 0.0,
@@ -87,6 +88,30 @@ pub(super) fn run(
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
+}
+
+/// A line on jumps whose place hangs on the steps.
+fn moved(
+    fine: &Plan,
+    settled: &Settled,
+    before: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Option<String>, EngineError> {
+    let all = settled.jumps.iter().filter(|jump| **jump).count();
+    if all == 0 || progress.stopped() {
+        return Ok(None);
+    }
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let plan = fine.clone().in_precision(Precision::F64);
+    let moved = steady::jumps_moved(&plan, &settled.jumps, (before, &settled.found), double, progress)?;
+    Ok((moved > 0).then(|| {
+        format!(
+            "{moved} of {all} jumps stand at another point with more steps than the one that `jump` marks: finer [run] accuracy \
+             tells where"
+        )
+    }))
 }
 
 /// Where curves were stopped before their second run, the points that the first one has reached are kept, as not run; these

@@ -207,7 +207,7 @@ impl Subject<'_> {
                     let picks: Vec<usize> = picks.take(chosen.len()).collect();
                     let slow = view.panels.iter().map(|axis| &axes[*axis]).zip(&picks).take(2);
                     let mut captions: Vec<String> =
-                        slow.map(|(axis, &pick)| shown(axis, axis.values[pick])).collect();
+                        slow.map(|(axis, &pick)| caption(axis, axis.values[pick])).collect();
                     if self.harmonics > 1 {
                         captions.push(format!("harmonic {}", harmonic + 1));
                     }
@@ -254,6 +254,12 @@ impl Subject<'_> {
 
 /// A panel's caption, values, and values of the second states.
 type Slice = (String, Vec<(f64, State)>, Option<Vec<(f64, State)>>);
+
+/// A value above a panel; a plain number says of what.
+fn caption(axis: &Coordinate, value: f64) -> String {
+    let plain = axis.units == "1" && axis.words.is_empty();
+    if plain { format!("{} {}", label(axis), shown(axis, value)) } else { shown(axis, value) }
+}
 
 /// A note where not all values of an axis are shown.
 fn some_of(axis: &Coordinate, picked: &[usize]) -> Option<String> {

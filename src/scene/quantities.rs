@@ -356,12 +356,6 @@ pub static QUANTITIES: &[Quantity] = &[
         get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
         set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
     },
-    held!(
-        "approach.setpoint",
-        "amplitude held, as a share of the free amplitude",
-        Dimensionless,
-        Share,
-        Held::Amplitude
-    ),
-    held!("approach.force_setpoint", "largest force held", Force, Positive, Held::Force),
+    held!("approach.setpoint", "amplitude set-point", Dimensionless, Share, Held::Amplitude),
+    held!("approach.force_setpoint", "force set-point", Force, Positive, Held::Force),
 ];

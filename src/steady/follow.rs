@@ -79,6 +79,45 @@ pub(super) fn along(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Re
     Ok(all.done)
 }
 
+/// How many of the jumps that a run with other steps met, with the states `before`, stand elsewhere by this plan's steps, with
+/// which states were `found`: the branch has ended before, or goes on to the point that is marked.
+///
+/// # Errors
+/// What the engine says.
+pub fn jumps_moved(
+    plan: &Plan,
+    jumps: &[bool],
+    (before, found): (&[Option<&PeriodicState>], &[Option<Box<PeriodicState>>]),
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<usize, EngineError> {
+    let count = plan.len();
+    let done = Followed {
+        states: vec![None; count],
+        jumps: vec![false; count],
+        periods: vec![0; count],
+        notes: Vec::new(),
+    };
+    let mut all = Following { plan, engine, progress, curves: curves(plan), done };
+    let (mut going, mut moved) = (Vec::new(), 0);
+    for (curve, one) in all.curves.iter().enumerate() {
+        for pair in one.points.windows(2).filter(|pair| jumps[pair[1] as usize]) {
+            let (from, to) = (pair[0], pair[1]);
+            let Some(last) = before[from as usize] else { continue };
+            match found[from as usize].as_deref().filter(|state| near(plan, from, state, last, MOVED)) {
+                Some(state) => {
+                    let state = state.clone();
+                    going.push(Stride { curve, from, to, reached: 0.0, state, length: 1.0, periods: 0 });
+                }
+                None => moved += 1,
+            }
+        }
+    }
+    let tried = going.len();
+    progress.task("jumps", tried as u64);
+    Ok(moved + tried - all.strides(going)?.len())
+}
+
 /// The plan's curves, each with its points in their order.
 fn curves(plan: &Plan) -> Vec<Curve> {
     let mut by_number: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();

@@ -11,6 +11,7 @@ mod setpoint;
 mod wait;
 
 pub use carried::carried;
+pub use follow::jumps_moved;
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};

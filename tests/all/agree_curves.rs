@@ -297,3 +297,27 @@ fn points_reached_before_a_stop_are_kept() {
         before = kept;
     }
 }
+
+/// A retraction in steps of a picometre with few steps a period: with more of them the branch ends elsewhere.
+/// Truth: the same curve at a hundredth of the accuracy, which jumps at another point.
+#[test]
+fn jumps_that_move_with_the_steps_are_told() {
+    let curve = (GAP, NM, (19.0, 19.3, 301));
+    let run = |accuracy: f64| {
+        let scene = System { curve: (curve.0, curve.1, curve.2), jumps: 1, ..BISTABLE }.scene(accuracy);
+        // One way, from the branch on which a tip taps.
+        let text =
+            scene.source.replace("\"both\"", "\"forward\"").replace("from = \"19 nm\"", "from = \"17.2 nm\"");
+        let text = text.replace("points = 301", "points = 2101");
+        let scene = Scene::parse(Path::new("moved.toml"), &text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs")
+    };
+    let place = |run: &Controlled| run.jumps.iter().position(|jump| *jump).expect("it jumps");
+    let (rough, fine) = (run(0.05), run(5e-4));
+    println!("jumps at points {} and {}", place(&rough), place(&fine));
+    assert_ne!(place(&fine), place(&rough));
+    let told =
+        |run: &Controlled| run.outcome.notes.iter().any(|note| note.contains("stand at another point"));
+    assert!(told(&rough), "{:?}", rough.outcome.notes);
+}
