@@ -93,6 +93,12 @@ impl OfLaw {
         let cost = |n: usize| self.costs[n].cost(place).map(|cost| (n, cost));
         (0..self.costs.len()).filter(serves).find_map(cost)
     }
+
+    /// The last basis on trial, and how far near an instance at this place it is from the richest.
+    fn almost(&self, place: &Place) -> Option<(usize, f64)> {
+        let last = self.costs.len().checked_sub(1)?;
+        Some((last, self.costs[last].near(place)))
+    }
 }
 
 /// Each instance's basis, while they are chosen.
@@ -119,13 +125,18 @@ impl<'a> Bases<'a> {
 
     /// The bases of these instances of one law.
     fn choose(&mut self, members: &[u32], of_law: &OfLaw) {
-        let least = RICHEST * self.plan.run.accuracy;
+        let asked = self.plan.run.accuracy;
+        let least = RICHEST * asked;
         for &i in members {
             let place = &Place::among(&of_law.places, stiffness(self.plan, i));
             let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
             if let Some((n, cost)) = of_law.basis(place) {
                 let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));
                 self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
+            } else if let Some((n, left)) = of_law.almost(place).filter(|(_, left)| *left <= asked) {
+                // The richest of all serves, as the last one on trial does but for its bound, and vouches for it.
+                let richest = BasisRule::Shares { accuracy: least };
+                self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
             } else {
                 // No basis of the trial serves: one for the contact itself, which the next poorer one vouches for.
                 let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });

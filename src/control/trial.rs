@@ -143,6 +143,12 @@ impl Costs {
         good.then(|| near.iter().copied().fold(0.0, f64::max))
     }
 
+    /// The largest difference that it makes near an instance at this place, good or not.
+    pub fn near(&self, place: &Place) -> f64 {
+        let from = place.softer.saturating_sub(self.neighbours);
+        self.differences[from.min(self.end(place))..self.end(place)].iter().copied().fold(0.0, f64::max)
+    }
+
     /// Where the members end that stand for an instance at this place.
     fn end(&self, place: &Place) -> usize {
         (place.no_stiffer + self.neighbours).min(self.differences.len())
