@@ -103,7 +103,8 @@ pub struct Results {
     pub provenance: Vec<(String, String)>,
 }
 
-/// Attribute of an axis whose places have labels: names of the variables that vary along it.
+/// Attribute of an axis along which quantities vary: the names of their variables.
+#[cfg(feature = "hdf5")]
 const COLUMNS: &str = "quantities";
 
 /// A labelled axis.
