@@ -140,6 +140,6 @@ mod tests {
         assert_eq!(meant("Spring_Constant"), Some(Name("stiffness")));
         assert_eq!(help("k", ["frequency"]), None);
         assert_eq!(help("k", ["stiffness"]).as_deref(), Some("here that is `stiffness`"));
-        assert!(help("setpoint", []).is_some_and(|text| text.contains("approach.gap")));
+        assert!(help("fluid", []).is_some_and(|text| text.contains("no fluid model")));
     }
 }
