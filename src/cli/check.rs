@@ -44,6 +44,15 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
     if let Some(results) = &stored {
         sound(results, &plan, &args.input)?;
     }
+    if plan.ensemble.curves.is_some() {
+        // A few points alone would be reached from the free oscillation, perhaps on another branch than along their curve.
+        anyhow::bail!(
+            "{}: points of a curve cannot be checked alone, since each goes on from the one before; run the scene with --audit {}, \
+             which holds points where the curve has led against the reference",
+            args.input.display(),
+            args.instances
+        );
+    }
     let instances = choose(&plan, args.instances as usize, args.seed);
     let free = plan.stepped().is_empty();
     voice.say(format_args!(
