@@ -41,7 +41,7 @@ UNITS = {
     "contact_radius": "m",
     "time": "s",
 }
-MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run", "accuracy_not_met"]
+MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run", "accuracy_not_met", "no_setpoint"]
 GROUPS = ["waveforms", "force_curves", "audit", "other_branch", "provenance"]
 ENGINES = ["h5netcdf", "netcdf4"]
 
