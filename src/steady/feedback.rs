@@ -1,9 +1,8 @@
 //! One instance on its way to its set-point.
 
-use super::follow::apart;
+use super::follow::{apart, beyond};
 use super::lossless::lossless;
 use super::{PeriodicState, map};
-use crate::kernel::MODES_MAX;
 use crate::plan::{Plan, SetPoint, Station};
 use crate::scene::{Branch, Held};
 
@@ -96,13 +95,7 @@ impl Feedback {
         if strides.is_nan() || strides <= 0.0 {
             return here;
         }
-        let strides = strides.min(2.0 * PAST);
-        let mut station = here;
-        for k in 0..MODES_MAX {
-            station.x[k] += strides * (here.x[k] - there.x[k]);
-            station.u[k] += strides * (here.u[k] - there.u[k]);
-        }
-        station
+        beyond(here, &there, strides.min(2.0 * PAST))
     }
 }
 

@@ -55,21 +55,9 @@ struct Stride {
 
 /// Follows the curves of the plan from their first points, which begin at the free oscillation.
 pub(super) fn along(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Followed, EngineError> {
-    let count = plan.len();
-    let mut all = Following {
-        plan,
-        engine,
-        progress,
-        curves: curves(plan),
-        done: Followed {
-            states: vec![None; count],
-            jumps: vec![false; count],
-            periods: vec![0; count],
-            notes: Vec::new(),
-        },
-    };
+    let mut all = Following::new(plan, engine, progress);
     let longest = all.curves.iter().map(|curve| curve.points.len()).max().unwrap_or(0);
-    progress.task("following curves", count as u64);
+    progress.task("following curves", plan.len() as u64);
     for number in 0..longest {
         if progress.stopped() {
             break;
@@ -91,14 +79,7 @@ pub fn jumps_moved(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<usize, EngineError> {
-    let count = plan.len();
-    let done = Followed {
-        states: vec![None; count],
-        jumps: vec![false; count],
-        periods: vec![0; count],
-        notes: Vec::new(),
-    };
-    let mut all = Following { plan, engine, progress, curves: curves(plan), done };
+    let mut all = Following::new(plan, engine, progress);
     let (mut going, mut moved) = (Vec::new(), 0);
     for (curve, one) in all.curves.iter().enumerate() {
         for pair in one.points.windows(2).filter(|pair| jumps[pair[1] as usize]) {
@@ -143,7 +124,19 @@ struct Following<'a> {
     done: Followed,
 }
 
-impl Following<'_> {
+impl<'a> Following<'a> {
+    /// The plan's curves before their first points.
+    fn new(plan: &'a Plan, engine: &'a dyn Engine, progress: &'a Progress) -> Self {
+        let count = plan.len();
+        let done = Followed {
+            states: vec![None; count],
+            jumps: vec![false; count],
+            periods: vec![0; count],
+            notes: Vec::new(),
+        };
+        Self { plan, engine, progress, curves: curves(plan), done }
+    }
+
     /// Takes every curve that is long enough to its point of this number.
     fn step(&mut self, number: usize) -> Result<(), EngineError> {
         let (mut going, mut starts) = (Vec::new(), Vec::new());
@@ -206,13 +199,7 @@ impl Following<'_> {
         let before = self.curves[one.curve].before.as_ref().filter(|_| one.length >= 1.0);
         let Some((first, before)) = before else { return here };
         let strides = ratio(self.plan, *first, one.from, one.to);
-        let there = map::own(part, i, before);
-        let mut station = here;
-        for k in 0..MODES_MAX {
-            station.x[k] += strides * (here.x[k] - there.x[k]);
-            station.u[k] += strides * (here.u[k] - there.u[k]);
-        }
-        station
+        beyond(here, &map::own(part, i, before), strides)
     }
 
     /// Where waiting at these points would lead from these states: searched for as that does, or waited for.
@@ -290,6 +277,16 @@ fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
 /// Whether the state of instance `i` is within so many free amplitudes of another.
 fn near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
     apart(&map::own(plan, i, found), &map::own(plan, i, other)) <= most * plan.driven(i).free_amplitude()
+}
+
+/// Where the way from `there` to `here` leads after so many more of it.
+pub(super) fn beyond(here: Station, there: &Station, strides: f64) -> Station {
+    let mut station = here;
+    for k in 0..MODES_MAX {
+        station.x[k] += strides * (here.x[k] - there.x[k]);
+        station.u[k] += strides * (here.u[k] - there.u[k]);
+    }
+    station
 }
 
 /// How far two places of an instance are apart, m.
