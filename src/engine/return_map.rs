@@ -71,11 +71,11 @@ impl ReturnMap for Map {
 struct Table {
     stepper: Stepper<f64>,
     waves: Vec<Wave<f64>>,
-    /// In their order; none where the next number of a row stands.
-    shared: Vec<Option<f64>>,
+    /// In their order; 0 where a number of a row stands.
+    shared: Vec<f64>,
+    /// Where the numbers of a row stand among them.
+    own: Vec<usize>,
     rows: Vec<f64>,
-    /// Numbers in a row.
-    length: usize,
 }
 
 /// Rows of a number for each instance side by side, as the kernel takes them.
@@ -99,13 +99,16 @@ impl Table {
         };
         let none = || vec![false; first.len()];
         let either = |a: Vec<bool>, b: Vec<bool>| a.iter().zip(&b).map(|(a, b)| a | b).collect();
-        let own = members.par_iter().fold(none, differs).reduce(none, either);
-        let row =
-            |one: &Member| all(*one).into_iter().zip(&own).filter(|(_, own)| **own).map(|(number, _)| number);
+        let differ = members.par_iter().fold(none, differs).reduce(none, either);
+        let own: Vec<usize> = (0..differ.len()).filter(|place| differ[*place]).collect();
+        let row = |one: &Member| {
+            let all = all(*one);
+            own.iter().map(move |place| all[*place]).collect::<Vec<f64>>()
+        };
         Self {
             rows: members.par_iter().flat_map_iter(row).collect(),
-            length: own.iter().filter(|own| **own).count(),
-            shared: first.iter().zip(&own).map(|(number, own)| (!own).then_some(*number)).collect(),
+            shared: first.iter().zip(&differ).map(|(number, own)| if *own { 0.0 } else { *number }).collect(),
+            own,
             waves: start::waves(class.steps, 1).into_iter().flatten().collect(),
             stepper,
         }
@@ -113,9 +116,8 @@ impl Table {
 
     fn buffers(&self) -> Buffers {
         let width = self.stepper.width;
-        let shared = self.shared.iter().map(|number| number.unwrap_or(0.0));
         Buffers {
-            constants: shared.flat_map(|number| std::iter::repeat_n(number, width)).collect(),
+            constants: self.shared.iter().flat_map(|number| std::iter::repeat_n(*number, width)).collect(),
             state: vec![0.0; (2 * self.stepper.modes + 1) * width],
         }
     }
@@ -135,29 +137,31 @@ impl Table {
             // The last one fills the places left over.
             let (start, row) = places[lane.min(places.len() - 1)];
             let station = &starts[start].1;
-            let own = &self.rows[row as usize * self.length..][..self.length];
-            let places = rows.constants.chunks_exact_mut(width).zip(&self.shared);
-            let places = places.filter(|(_, shared)| shared.is_none()).map(|(row, _)| row);
-            places.zip(own).for_each(|(row, number)| row[lane] = *number);
-            let numbers = station.x[..modes].iter().chain(&station.u[..modes]).map(|number| number / LENGTH);
-            let numbers = numbers.chain([f64::from(u8::from(station.touching))]);
-            rows.state.chunks_exact_mut(width).zip(numbers).for_each(|(row, number)| row[lane] = number);
+            let length = self.own.len();
+            let own = &self.rows[row as usize * length..][..length];
+            self.own
+                .iter()
+                .zip(own)
+                .for_each(|(place, number)| rows.constants[place * width + lane] = *number);
+            for k in 0..modes {
+                rows.state[k * width + lane] = station.x[k] / LENGTH;
+                rows.state[(modes + k) * width + lane] = station.u[k] / LENGTH;
+            }
+            rows.state[2 * modes * width + lane] = f64::from(u8::from(station.touching));
         }
         let mut done = 0;
         while done < periods {
             done += self.stepper.coast(&rows.constants, &mut rows.state, &self.waves, periods - done);
         }
         for (lane, (start, _)) in places.iter().enumerate() {
-            let mut end = starts[*start].1;
-            let mut numbers = rows.state.chunks_exact(width).map(|row| row[lane]);
-            for place in end.x[..modes].iter_mut().chain(&mut end.u[..modes]) {
-                let number = numbers.next().unwrap_or(f64::NAN);
+            let end = out[*start].insert(starts[*start].1);
+            let number = |row: usize| rows.state[row * width + lane];
+            for k in 0..modes {
+                (end.x[k], end.u[k]) = (number(k) * LENGTH, number(modes + k) * LENGTH);
                 // Beyond f32 counts as none, as in a run.
-                end.finite &= (number as f32).is_finite();
-                *place = number * LENGTH;
+                end.finite &= (number(k) as f32).is_finite() && (number(modes + k) as f32).is_finite();
             }
-            end.touching = numbers.next().is_some_and(|touching| touching > 0.0);
-            out[*start] = Some(end);
+            end.touching = number(2 * modes) > 0.0;
         }
     }
 }

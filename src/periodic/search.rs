@@ -1,8 +1,8 @@
 //! One search.
 
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, factors};
 use nalgebra::allocator::Allocator;
-use nalgebra::{DefaultAllocator, DimMin, OMatrix, OVector, U1};
+use nalgebra::{DefaultAllocator, DimMin, LU, OMatrix, OVector, U1};
 
 /// How many numbers a state has: a constant, or as many as it is made with.
 pub trait Size: DimMin<Self, Output = Self> {}
@@ -286,9 +286,11 @@ where
 
     /// The step that `time` periods of the linear flow would make; Newton's for all time.
     fn step(&self, time: f64) -> Option<OVector<f64, D>> {
-        let mut matrix = -&self.slope;
-        (0..self.size()).for_each(|k| matrix[(k, k)] += 1.0 + 1.0 / time);
-        let step = matrix.lu().solve(&self.change)?;
+        self.step_by(&factors(&self.slope, 1.0 + 1.0 / time))
+    }
+
+    fn step_by(&self, factors: &LU<f64, D, D>) -> Option<OVector<f64, D>> {
+        let step = factors.solve(&self.change)?;
         step.iter().all(|value| value.is_finite()).then_some(step)
     }
 
@@ -298,8 +300,9 @@ where
         let near = self.options.tolerance * self.options.scale;
         // Newton's step is no shorter than the change it undoes over the norm of 1 - slope.
         let far = self.change.norm() > near * (1.0 + self.slope.norm());
-        let step = if far && self.time < NEWTON { self.step(self.time) } else { self.step(f64::INFINITY) };
-        let Some(mut step) = step else { return stuck };
+        let time = if far && self.time < NEWTON { self.time } else { f64::INFINITY };
+        let newton = factors(&self.slope, 1.0 + 1.0 / time);
+        let Some(mut step) = self.step_by(&newton) else { return stuck };
         if !far && step.norm() <= near {
             let central = self.options.last_step.is_some();
             if !central && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
@@ -309,7 +312,7 @@ where
             // Where nobody asks for stability the slope will do as it is.
             let enough = self.options.near && (!self.options.stable || self.taken == Taken::Whole);
             let at = match self.known {
-                None if enough || !central => Some(Spectrum::of(&self.slope)),
+                None if enough || !central => Some(Spectrum::new(&self.slope, &newton)),
                 known => known,
             };
             let sure = |at: &Spectrum| !self.options.stable || at.multiplier < self.options.clearly;
@@ -378,7 +381,7 @@ where
             };
             self.slope.set_column(k, &((high - low) / (2.0 * self.last_step() * self.options.scale)));
         }
-        self.found(Spectrum::of(&self.slope))
+        self.found(Spectrum::new(&self.slope, &factors(&self.slope, 1.0)))
     }
 
     fn found(&self, spectrum: Spectrum) -> Stage<D> {

@@ -1,7 +1,7 @@
 //! What the map's slope says of a fixed point.
 
 use super::search::{Memory, Size};
-use nalgebra::{DMatrix, DefaultAllocator, Dyn, OMatrix, Schur};
+use nalgebra::{DMatrix, DefaultAllocator, Dyn, LU, OMatrix, Schur};
 
 /// Of a map's slope at a fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,12 +13,23 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    pub(super) fn of<D: Size>(slope: &OMatrix<f64, D, D>) -> Self
+    /// Of a slope, with the factors of one minus it.
+    pub(super) fn new<D: Size>(slope: &OMatrix<f64, D, D>, factors: &LU<f64, D, D>) -> Self
     where
         DefaultAllocator: Memory<D>,
     {
-        Self { multiplier: largest_multiplier(slope), least_change: least_change(slope) }
+        Self { multiplier: largest_multiplier(slope), least_change: least_change(factors) }
     }
+}
+
+/// Factors of `shift` minus the slope.
+pub(super) fn factors<D: Size>(slope: &OMatrix<f64, D, D>, shift: f64) -> LU<f64, D, D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    let mut matrix = -slope;
+    (0..slope.nrows()).for_each(|k| matrix[(k, k)] += shift);
+    matrix.lu()
 }
 
 /// Largest modulus of the eigenvalues, or infinity where they are not found: the factor by which the slowest
@@ -34,15 +45,13 @@ where
     schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// A bound from below on the smallest singular value of 1 - slope, good to the root of its size: a change of the state by
-/// the map is at least so large a share of its distance to the fixed point.
-fn least_change<D: Size>(slope: &OMatrix<f64, D, D>) -> f64
+/// A bound from below on the smallest singular value of 1 - slope, whose factors these are, good to the root of its size: a
+/// change of the state by the map is at least so large a share of its distance to the fixed point.
+fn least_change<D: Size>(factors: &LU<f64, D, D>) -> f64
 where
     DefaultAllocator: Memory<D>,
 {
-    let mut matrix = -slope;
-    (0..slope.nrows()).for_each(|k| matrix[(k, k)] += 1.0);
-    matrix.lu().try_inverse().map_or(0.0, |inverse| 1.0 / inverse.norm())
+    factors.try_inverse().map_or(0.0, |inverse| 1.0 / inverse.norm())
 }
 
 #[cfg(test)]
@@ -56,7 +65,7 @@ mod tests {
         let slope = DMatrix::from_row_slice(2, 2, &[cosine, -sine, sine, cosine]) * shrink;
         // |1 - 0.97 exp(0.4 i)|, in both directions.
         let least = (1.0 - 2.0 * shrink * cosine + shrink * shrink).sqrt();
-        assert!((least_change(&slope) - least / 2f64.sqrt()).abs() < 1e-14);
+        assert!((least_change(&factors(&slope, 1.0)) - least / 2f64.sqrt()).abs() < 1e-14);
         assert!((largest_multiplier(&slope) - shrink).abs() < 1e-14);
     }
 }
