@@ -93,6 +93,8 @@ impl<E: Copy> WithLanes<E> for NewStepper {
                 match law {
                     $(Law::$law => match modes {
                         0 => None,
+                        ..=MODES_MAX if F::LOOPS => Some(new::<F::Narrow, contact::$kernel<F::Narrow>, MODES_MAX>(modes)),
+                        _ if F::LOOPS => None,
                         $(..=$two => Some(new::<F::Wide, contact::$kernel<F::Wide>, $two>(modes)),)*
                         $(..=$one => Some(new::<F::Narrow, contact::$kernel<F::Narrow>, $one>(modes)),)*
                         _ => None,
