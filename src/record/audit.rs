@@ -5,7 +5,7 @@ use crate::control::{Audited, Verdict};
 use crate::engine::Finished;
 use crate::observe::Status;
 use crate::plan::Plan;
-use crate::store::{Attribute, Flags, Listed, Results, Variable};
+use crate::store::{Attribute, AuditTable, Flags, Results, Variable};
 
 const ESTIMATE: &str = "error_estimate";
 
@@ -37,7 +37,7 @@ pub fn audit(results: &mut Results, plan: &Plan, audited: &[Audited], verdict: &
     results.audit = group(plan, audited);
 }
 
-fn group(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
+fn group(plan: &Plan, audited: &[Audited]) -> Option<AuditTable> {
     if audited.is_empty() {
         return None;
     }
@@ -45,11 +45,6 @@ fn group(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
     let mut variables = observables(plan, &truths);
     // The root says on what errors count.
     variables.iter_mut().for_each(|variable| variable.error_scale.clear());
-    for (place, observable) in plan.observables.iter().enumerate() {
-        let errors = audited.iter().map(|one| one.errors[place]).collect();
-        let long_name = format!("error of {}, on the scale of accuracy", observable.long_name());
-        variables.push(one(&format!("{}_error", observable.name()), &long_name, errors));
-    }
     let blind = audited.iter().map(|one| one.blind).collect();
     variables.push(one("reference_error", "what the reference itself may be off by, at the most", blind));
     let statuses = Flags {
@@ -60,7 +55,13 @@ fn group(plan: &Plan, audited: &[Audited]) -> Option<Listed> {
         data: truths.iter().map(|truth| truth.status as u8).collect(),
     };
     let instances = audited.iter().map(|one| u64::from(one.instance)).collect();
-    Some(Listed { instances, variables, flags: vec![statuses] })
+    Some(AuditTable {
+        instances,
+        variables,
+        observables: plan.observables.iter().map(|one| one.name().to_owned()).collect(),
+        errors: audited.iter().flat_map(|one| one.errors.iter().copied()).collect(),
+        flags: vec![statuses],
+    })
 }
 
 fn one(name: &str, long_name: &str, data: Vec<f64>) -> Variable {

@@ -249,17 +249,12 @@ fn depth(plan: &Plan, instance: usize, measured: f64) -> Option<f64> {
     }
 }
 
-/// Static curves of the instances with waveforms, or of the first, middle and last one; one contact once.
+/// Static curves of the first eight instances with waveforms; one contact once.
 fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
-    let count = plan.len();
-    let mut chosen = match &scene.output.waveforms {
-        Some(request) => request.instances.clone(),
-        None => vec![0, count / 2, count - 1],
-    };
-    chosen.truncate(8);
+    let Some(request) = &scene.output.waveforms else { return Vec::new() };
     let mut seen: Vec<Contact> = Vec::new();
     let mut curves = Vec::new();
-    for instance in chosen {
+    for &instance in request.instances.iter().take(8) {
         let contact = plan.contact(instance as u32);
         if !contact.law.acts() || seen.contains(contact) {
             continue;

@@ -1,6 +1,9 @@
 //! Refuses results whose parts do not fit together, before anything is laid out.
 
-use super::{Branch, Flags, ForceCurve, RESERVED, Results, StoreError, Variable, Waveforms};
+use super::{
+    AuditTable, Branch, ERROR, Flags, ForceCurve, OBSERVABLE, RESERVED, Results, StoreError, Variable,
+    Waveforms,
+};
 use std::collections::HashSet;
 
 /// `Err` names the first misfit.
@@ -14,14 +17,7 @@ pub(super) fn check(results: &Results) -> Result<(), StoreError> {
     if let Some(branch) = &results.other_branch {
         check_branch(branch, results)?;
     }
-    for listed in results.audit.iter() {
-        check_variables(
-            &listed.variables,
-            listed.instances.len(),
-            &mut HashSet::from(["instance", "harmonic"]),
-        )?;
-        check_flags(&listed.flags, listed.instances.len(), &mut HashSet::from(["instance", "harmonic"]))?;
-    }
+    results.audit.iter().try_for_each(check_audit)?;
     let mut keys = HashSet::new();
     let texts = results.provenance.iter().map(|(name, _)| name);
     for name in results.attributes.iter().map(|(name, _)| name).chain(texts) {
@@ -85,6 +81,20 @@ fn check_branch(branch: &Branch, results: &Results) -> Result<(), StoreError> {
         return refuse(format!("other_branch has {lengths:?} status codes and steps for {count} instances"));
     }
     Ok(())
+}
+
+fn check_audit(table: &AuditTable) -> Result<(), StoreError> {
+    let count = table.instances.len();
+    let mut names = HashSet::from(["instance", "harmonic", OBSERVABLE, ERROR]);
+    check_variables(&table.variables, count, &mut names)?;
+    check_flags(&table.flags, count, &mut names)?;
+    let (errors, observables) = (table.errors.len(), table.observables.len());
+    match errors == count * observables {
+        true => Ok(()),
+        false => {
+            refuse(format!("audit has {errors} errors of {count} instances and {observables} observables"))
+        }
+    }
 }
 
 fn check_force_curve(curve: &ForceCurve) -> Result<(), StoreError> {

@@ -44,6 +44,12 @@ pub use read::read;
 /// a `history` given there replaces the one made here.
 pub const OWN_ATTRIBUTES: [&str; 4] = ["title", "Conventions", "history", "checksums"];
 
+/// Variable of group `audit` with all errors, and the dimension of it that observables stand along.
+#[cfg(feature = "hdf5")]
+const ERROR: &str = "error";
+#[cfg(feature = "hdf5")]
+const OBSERVABLE: &str = "observable";
+
 /// The group of long texts.
 #[cfg(feature = "hdf5")]
 const PROVENANCE: &str = "provenance";
@@ -51,14 +57,9 @@ const PROVENANCE: &str = "provenance";
 #[cfg(feature = "hdf5")]
 const HDF5_VERSION: &str = "hdf5_version";
 
-/// Groups of numbers that every file has, and what is said in one that holds nothing.
+/// Groups of numbers that every file has; one may hold nothing.
 #[cfg(feature = "hdf5")]
-const GROUPS: [(&str, &str); 4] = [
-    ("waveforms", "empty: the scene asks for none, or the run was stopped before them"),
-    ("force_curves", "empty: no instance has a contact law"),
-    ("audit", "empty: no instance was redone"),
-    ("other_branch", "empty: no second states were looked for, or the run was stopped before them"),
-];
+const GROUPS: [&str; 4] = ["waveforms", "force_curves", "audit", "other_branch"];
 
 /// Names that no axis and no variable may take.
 #[cfg(feature = "hdf5")]
@@ -92,7 +93,7 @@ pub struct Results {
     /// Static curves of the contact, any number of them.
     pub force_curves: Vec<ForceCurve>,
     /// Instances redone by the reference integrator.
-    pub audit: Option<Listed>,
+    pub audit: Option<AuditTable>,
     /// Second periodic states beside the first, where they were looked for.
     pub other_branch: Option<Branch>,
     /// Names of variables over the instances, each with a sentence about it (attribute `comment`).
@@ -218,14 +219,18 @@ pub struct Branch {
     pub flags: Vec<Flags>,
 }
 
-/// A group of variables over some of the instances: `audit`, with values and errors alike.
+/// Group `audit`: what the reference engine finds for some of the instances, and the errors of the run against it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Listed {
+pub struct AuditTable {
     /// Instance numbers.
     pub instances: Vec<u64>,
-    /// Over `instances` instead of all instances.
+    /// What the reference finds, over `instances` instead of all instances.
     pub variables: Vec<Variable>,
-    /// Likewise.
+    /// The observables whose errors there are.
+    pub observables: Vec<String>,
+    /// Errors of the run on the scale of accuracy, of all observables of the first instance, then of the next.
+    pub errors: Vec<f64>,
+    /// Over `instances`.
     pub flags: Vec<Flags>,
 }
 

@@ -3,8 +3,8 @@
 use super::labels::{is_scale, read_text};
 use super::source::Source;
 use super::{
-    Attribute, Branch, Coordinate, Flags, ForceCurve, HDF5_VERSION, Listed, OWN_ATTRIBUTES, PROVENANCE,
-    Results, StoreError, Variable, Waveforms,
+    Attribute, AuditTable, Branch, Coordinate, ERROR, Flags, ForceCurve, HDF5_VERSION, OBSERVABLE,
+    OWN_ATTRIBUTES, PROVENANCE, Results, StoreError, Variable, Waveforms,
 };
 use hdf5::Group;
 use hdf5::types::TypeDescriptor;
@@ -77,7 +77,7 @@ impl Source {
             steps_per_period,
             waveforms: self.waveforms(&root)?,
             force_curves: self.force_curves(&root)?,
-            audit: self.listed(&root, "audit")?,
+            audit: self.audit(&root)?,
             comments: comments(&root, &others),
             attributes: self.attributes()?,
             provenance: self.provenance(&root)?,
@@ -269,14 +269,21 @@ impl Source {
         }))
     }
 
-    fn listed(&self, root: &Group, name: &str) -> Result<Option<Listed>, StoreError> {
-        let Some(group) = self.group(root, name)? else { return Ok(None) };
+    fn audit(&self, root: &Group) -> Result<Option<AuditTable>, StoreError> {
+        let Some(group) = self.group(root, "audit")? else { return Ok(None) };
         let instances = self.instances(&group)?;
-        let members = self.members(&group)?;
-        let names: Vec<&String> = members.iter().collect();
-        let variables = self.variables(&group, &names, &[instances.len()])?;
-        let flags = self.flags(&group, &names, &[instances.len()])?;
-        Ok(Some(Listed { instances, variables, flags }))
+        let mut names = self.members(&group)?;
+        names.retain(|name| name != OBSERVABLE && name != ERROR);
+        let names: Vec<&String> = names.iter().collect();
+        let shape = [instances.len()];
+        let observables = self.coordinate(&group, OBSERVABLE)?.words;
+        Ok(Some(AuditTable {
+            variables: self.variables(&group, &names, &shape)?,
+            flags: self.flags(&group, &names, &shape)?,
+            errors: self.table(&group, ERROR, instances.len(), observables.len())?.concat(),
+            observables,
+            instances,
+        }))
     }
 }
 

@@ -5,7 +5,8 @@
 //! not of bytes: a file that was repacked, or that somebody has added to, still fits it.
 
 use super::{
-    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, OWN_ATTRIBUTES, Results, Variable, Waveforms,
+    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Variable,
+    Waveforms,
 };
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -89,12 +90,8 @@ fn all(results: &Results) -> Vec<(String, u64)> {
     if !results.force_curves.is_empty() {
         put("force_curves", results.force_curves.iter().fold(Sum::new(), with_curve));
     }
-    if let Some(Listed { instances, variables, flags }) =
-        results.audit.as_ref().filter(|one| !one.instances.is_empty())
-    {
-        put("audit/instance", instances.iter().fold(Sum::new(), |sum, one| sum.word(*one)));
-        variables.iter().for_each(|one| put(&format!("audit/{}", one.name), of_variable(one)));
-        flags.iter().for_each(|one| put(&format!("audit/{}", one.name), of_flags(one)));
+    if let Some(table) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
+        of_audit(table).into_iter().for_each(|(name, sum)| put(&name, sum));
     }
     if let Some(Branch { variables, status, steps_per_period, flags }) = &results.other_branch {
         let steps = steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps)));
@@ -103,6 +100,17 @@ fn all(results: &Results) -> Vec<(String, u64)> {
         variables.iter().for_each(|one| put(&format!("other_branch/{}", one.name), of_variable(one)));
         flags.iter().for_each(|one| put(&format!("other_branch/{}", one.name), of_flags(one)));
     }
+    sums
+}
+
+/// Of group `audit`, by name.
+fn of_audit(table: &AuditTable) -> Vec<(String, Sum)> {
+    let AuditTable { instances, variables, observables, errors, flags } = table;
+    let instances = instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
+    let errors = observables.iter().fold(Sum::new().numbers(errors), |sum, one| sum.text(one));
+    let mut sums = vec![("audit/instance".to_owned(), instances), ("audit/error".to_owned(), errors)];
+    sums.extend(variables.iter().map(|one| (format!("audit/{}", one.name), of_variable(one))));
+    sums.extend(flags.iter().map(|one| (format!("audit/{}", one.name), of_flags(one))));
     sums
 }
 

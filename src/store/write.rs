@@ -4,6 +4,7 @@
 //! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
 
 mod branches;
+mod chunk;
 mod curves;
 mod groups;
 mod waveforms;
@@ -13,6 +14,7 @@ use super::history::history;
 use super::labels::{self, Scale, attach};
 use super::{Attribute, COLUMNS, Coordinate, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, sums};
 use crate::observe::Status;
+use chunk::chunk;
 use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
 use hdf5::types::VarLenUnicode;
@@ -20,8 +22,6 @@ use hdf5::{Dataset, File, Group, H5Type};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Elements of a chunk: 512 KiB of f64, below the 1 MiB that readers cache by default.
-const CHUNK: usize = 65_536;
 /// Below this many bytes a chunk's bookkeeping is larger than what compression saves: the data lie in the dataset's
 /// header, which has a checksum of its own.
 const TINY: usize = 4096;
@@ -137,8 +137,11 @@ impl Layout {
         Ok(dataset)
     }
 
+    /// Counts and numbers of instances have no units.
     fn describe(dataset: &Dataset, units: &str, long_name: &str) -> hdf5::Result<()> {
-        labels::text(dataset, "units", units)?;
+        if !units.is_empty() {
+            labels::text(dataset, "units", units)?;
+        }
         labels::text(dataset, "long_name", long_name)
     }
 
@@ -167,10 +170,10 @@ impl Layout {
     }
 
     /// A dimension whose places have labels; gives its number.
-    fn labelled(&mut self, axis: &Coordinate) -> hdf5::Result<usize> {
-        let dataset = self.data(&axis.name, &[axis.words.len()], &texts(&axis.words)?)?;
-        labels::text(&dataset, "long_name", &axis.long_name)?;
-        self.scales.push(Scale::coordinate(dataset, &axis.name)?);
+    fn labels(&mut self, name: &str, long_name: &str, words: &[String]) -> hdf5::Result<usize> {
+        let dataset = self.data(name, &[words.len()], &texts(words)?)?;
+        labels::text(&dataset, "long_name", long_name)?;
+        self.scales.push(Scale::coordinate(dataset, name)?);
         Ok(self.scales.len() - 1)
     }
 
@@ -210,7 +213,7 @@ impl Layout {
     fn instances(&mut self, dims: &[usize], numbers: &[u64]) -> hdf5::Result<()> {
         let numbers: Vec<i64> = numbers.iter().map(|&n| i64::try_from(n).unwrap_or(i64::MAX)).collect();
         let dataset = self.variable("instance", dims, &numbers)?;
-        Self::describe(&dataset, "1", INSTANCE)
+        labels::text(&dataset, "long_name", INSTANCE)
     }
 
     /// A dimension without values.
@@ -228,7 +231,7 @@ impl Layout {
         Ok(dataset)
     }
 
-    /// An f64 variable; NaN is its missing value.
+    /// An f64 variable; NaN where there is no number.
     fn quantity(
         &mut self,
         name: &str,
@@ -238,7 +241,6 @@ impl Layout {
         data: &[f64],
     ) -> hdf5::Result<Dataset> {
         let dataset = self.variable(name, dims, data)?;
-        labels::list(&dataset, "_FillValue", &[f64::NAN])?;
         Self::describe(&dataset, units, long_name)?;
         Ok(dataset)
     }
@@ -312,7 +314,7 @@ impl Layout {
                     true => self.coordinate(&axis.name, &axis.units, &axis.long_name, &axis.values)?,
                     // The ways along a curve are codes, everything else is called by name.
                     false if axis.scene_path == DIRECTION => self.named(axis)?,
-                    false => self.labelled(axis)?,
+                    false => self.labels(&axis.name, &axis.long_name, &axis.words)?,
                 };
                 self.columns(axis, dim)?;
                 dims.push(dim);
@@ -323,7 +325,7 @@ impl Layout {
             return Ok((dims, (!columns.is_empty()).then(|| names(&columns))));
         }
         let numbers: Vec<i64> = (0..results.status.len() as i64).collect();
-        dims.push(self.coordinate("instance", "1", INSTANCE, &numbers)?);
+        dims.push(self.coordinate("instance", "", INSTANCE, &numbers)?);
         for axis in &results.axes {
             let dataset = self.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
             from_scene(&dataset, axis)?;
@@ -345,19 +347,6 @@ fn texts(words: &[String]) -> hdf5::Result<Vec<VarLenUnicode>> {
 fn names(all: &[Coordinate]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
     names.join(" ")
-}
-
-/// Whole rows, cut along the slowest dimensions until a chunk is small enough.
-fn chunk(shape: &[usize]) -> Vec<usize> {
-    let mut chunk = shape.to_vec();
-    for dim in 0..chunk.len() {
-        let behind: usize = chunk[dim + 1..].iter().product();
-        chunk[dim] = (CHUNK / behind.max(1)).clamp(1, shape[dim]);
-        if chunk[dim] > 1 {
-            break;
-        }
-    }
-    chunk
 }
 
 fn root(file: &File, results: &Results) -> hdf5::Result<()> {
@@ -390,7 +379,7 @@ fn root(file: &File, results: &Results) -> hdf5::Result<()> {
         Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
     let status = layout.flags("status", "what became of the instance", &dims, &results.status, &meanings)?;
     let steps = layout.variable("steps_per_period", &dims, &results.steps_per_period)?;
-    Layout::describe(&steps, "1", "time steps per period of the drive")?;
+    labels::text(&steps, "long_name", "time steps per period of the drive")?;
     let mut described = vec![status, steps];
     for flags in &results.flags {
         described.push(layout.words(flags, &dims)?);

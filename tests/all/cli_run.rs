@@ -74,9 +74,7 @@ fn every_example_runs_and_holds_what_the_engine_computed() {
     let desk = Desk::new();
     for path in scenes() {
         let text = std::fs::read_to_string(&path).unwrap();
-        let thinned = text
-            .replace("points = 32", "points = 3")
-            .replace("instances = [16, 2032, 4080]", "instances = [0, 17, 35]");
+        let thinned = text.replace("points = 32", "points = 3");
         let name = path.file_name().unwrap().to_str().unwrap();
         let copy = if thinned == text { path.clone() } else { desk.write(name, &thinned) };
         let results = desk.run(&copy, &[]);
@@ -90,7 +88,10 @@ fn every_example_runs_and_holds_what_the_engine_computed() {
                 (&axis.name, &axis.units, &axis.values)
             );
         }
-        let request = scene.output.waveforms.unwrap();
+        let Some(request) = scene.output.waveforms else {
+            assert!(results.waveforms.is_none() && results.force_curves.is_empty(), "{name}");
+            continue;
+        };
         let waveforms = results.waveforms.unwrap();
         assert_eq!(waveforms.instances.len(), request.instances.len());
         let samples = (request.samples_per_period * request.periods) as usize;
@@ -368,12 +369,13 @@ fn errors_are_estimated_and_audited() {
     let audit = results.audit.as_ref().unwrap();
     assert_eq!(audit.instances.len(), 2);
     let of = |name: &str| &audit.variables.iter().find(|variable| variable.name == name).unwrap().data;
+    assert_eq!(audit.observables, ["amplitude", "force_max"]);
     for (row, instance) in audit.instances.iter().enumerate() {
         let (ours, truth) = (variable(&results, "amplitude")[*instance as usize], of("amplitude")[row]);
-        let error = of("amplitude_error")[row];
+        let [error, of_force] = [audit.errors[2 * row], audit.errors[2 * row + 1]];
         assert!(((ours - truth).abs() / 20e-9 - error).abs() < 1e-12 && error < 1e-3, "{error}");
         let estimate = variable(&results, "error_estimate")[*instance as usize];
-        assert!(of("force_max_error")[row] < 3.0 * estimate && estimate <= 1e-3);
+        assert!(of_force < 3.0 * estimate && estimate <= 1e-3);
     }
     let said = desk.works(&["run", path, "--no-audit"]);
     assert!(!said.err.contains("audit:") && said.err.contains("estimated error"), "{}", said.err);

@@ -285,6 +285,7 @@ fn kind(dataset: &Dataset) -> &'static str {
         TypeDescriptor::Integer(IntSize::U8) => "i64",
         TypeDescriptor::Unsigned(IntSize::U1) => "u8",
         TypeDescriptor::Unsigned(IntSize::U4) => "u32",
+        TypeDescriptor::VarLenUnicode => "text",
         other => panic!("{}: {other:?}", dataset.name()),
     }
 }
@@ -302,10 +303,9 @@ fn dataset_is_told(document: &Document, heading: &str, dataset: &Dataset) {
     let path = dataset.name();
     let name = path.rsplit('/').next().unwrap();
     let repeated = heading == "Group `audit`" || heading == "Group `other_branch`";
-    let row = match name.strip_suffix("_error").and_then(Observable::from_name) {
-        Some(_) => document.row(heading, "<observable>_error"),
-        None if repeated && Observable::from_name(name).is_some() => document.row(heading, "<observable>"),
-        None => document.row(heading, name),
+    let row = match Observable::from_name(name) {
+        Some(_) if repeated => document.row(heading, "<observable>"),
+        _ => document.row(heading, name),
     };
     assert!(row[1].contains(kind(dataset)), "{heading} {name}: {row:?} is no {}", kind(dataset));
     if let Some(units) = text(dataset, "units").filter(|_| row[0] != "`<observable>`") {

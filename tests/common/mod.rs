@@ -3,7 +3,7 @@
 // Each test file uses its own part of this.
 
 use afmsweep::store::{
-    Attribute, Branch, Coordinate, Flags, ForceCurve, Listed, Results, Variable, Waveforms,
+    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, Results, Variable, Waveforms,
 };
 
 pub const SCENE: &str = "title = \"one\"\n";
@@ -93,9 +93,11 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
                 contact_radius: ramp(4 + i, 1e-11),
             })
             .collect(),
-        audit: Some(Listed {
+        audit: Some(AuditTable {
             instances: vec![0, last],
             variables: vec![variable("amplitude", "m", None, ramp(2, 1e-9))],
+            observables: vec!["amplitude".into(), "phase".into()],
+            errors: ramp(4, 1e-4),
             flags: vec![Flags {
                 name: "reference_status".into(),
                 long_name: "status".into(),

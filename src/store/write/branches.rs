@@ -1,7 +1,7 @@
 //! Group `other_branch`, with dimensions and coordinates of its own that are the root's.
 
 use super::super::{Branch, NO_STATE, Results};
-use super::{Beside, Layout, quality};
+use super::{Beside, Layout, labels, quality};
 use crate::observe::Status;
 
 /// The word for [`NO_STATE`] in the group's `status`.
@@ -18,7 +18,7 @@ pub(super) fn write(mut layout: Layout, results: &Results, branch: &Branch) -> h
     let long_name = "what became of the second state";
     let status = layout.flags("status", long_name, &dims, &branch.status, &meanings)?;
     let steps = layout.variable("steps_per_period", &dims, &branch.steps_per_period)?;
-    Layout::describe(&steps, "1", "time steps per period of the drive, 0 without a second state")?;
+    labels::text(&steps, "long_name", "time steps per period of the drive, 0 without a second state")?;
     let mut described = vec![status, steps];
     for flags in &branch.flags {
         described.push(layout.words(flags, &dims)?);

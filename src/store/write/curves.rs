@@ -1,6 +1,6 @@
 //! Group `force_curves`.
 
-use super::Layout;
+use super::{Layout, labels};
 use crate::kernel::Law;
 use crate::store::ForceCurve;
 use hdf5::File;
@@ -14,7 +14,7 @@ pub(super) fn write(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
     let numbers: Vec<i64> =
         curves.iter().map(|curve| i64::try_from(curve.instance).unwrap_or(i64::MAX)).collect();
     let dataset = layout.variable("instance", &[curve], &numbers)?;
-    Layout::describe(&dataset, "1", "instance number, counted from 0")?;
+    labels::text(&dataset, "long_name", "instance number, counted from 0")?;
     for (name, long_name, known, words) in [
         (
             "law",
@@ -34,7 +34,7 @@ pub(super) fn write(file: &File, curves: &[ForceCurve]) -> hdf5::Result<()> {
     }
     let counts: Vec<u32> = curves.iter().map(|curve| curve.force.len() as u32).collect();
     let dataset = layout.variable("points", &[curve], &counts)?;
-    Layout::describe(&dataset, "1", "points of the curve; NaN beyond")?;
+    labels::text(&dataset, "long_name", "points of the curve; NaN beyond")?;
     type Column = fn(&ForceCurve) -> &[f64];
     let columns: [(&str, &str, &str, Column); 3] = [
         ("indentation", "m", "indentation, negative for a gap", |c| &c.indentation),

@@ -1,8 +1,8 @@
-//! The groups below the root: every file has all of them, and one that holds nothing says why.
+//! The groups below the root: every file has all of them, so that readers need not ask which there are.
 
-use super::super::{GROUPS, HDF5_VERSION, PROVENANCE, Results};
+use super::super::{ERROR, GROUPS, HDF5_VERSION, OBSERVABLE, PROVENANCE, Results};
 use super::{Beside, Layout, branches, curves, labels, waveforms};
-use crate::store::Listed;
+use crate::store::AuditTable;
 use hdf5::File;
 
 /// Writes them. `scene_text` is the scene where the results do not hold it.
@@ -13,26 +13,28 @@ pub(super) fn write(file: &File, results: &Results, scene_text: &str) -> hdf5::R
     if !results.force_curves.is_empty() {
         curves::write(file, &results.force_curves)?;
     }
-    if let Some(listed) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
-        audit(file, listed)?;
+    if let Some(table) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
+        audit(file, table)?;
     }
     if let Some(branch) = &results.other_branch {
         branches::write(Layout::group(file, "other_branch")?, results, branch)?;
     }
-    for (name, why) in GROUPS.iter().filter(|(name, _)| !file.link_exists(name)) {
-        labels::text(&Layout::group(file, name)?.group, "comment", why)?;
+    for name in GROUPS.iter().filter(|name| !file.link_exists(name)) {
+        Layout::group(file, name)?;
     }
     provenance(file, results, scene_text)
 }
 
-fn audit(file: &File, listed: &Listed) -> hdf5::Result<()> {
+fn audit(file: &File, table: &AuditTable) -> hdf5::Result<()> {
     let mut layout = Layout::group(file, "audit")?;
-    let dims = vec![layout.some_of("audited", &listed.instances)?];
-    let beside = Beside { coordinates: Some("instance"), ancillary: "reference_status reference_error" };
-    layout.variables(&listed.variables, &dims, beside)?;
-    for flags in &listed.flags {
-        let dataset = layout.words(flags, &dims)?;
-        beside.locate(&dataset)?;
+    let dims = vec![layout.some_of("audited", &table.instances)?];
+    let beside = Beside { coordinates: None, ancillary: "reference_status reference_error" };
+    layout.variables(&table.variables, &dims, beside)?;
+    let observables = layout.labels(OBSERVABLE, "observable", &table.observables)?;
+    let long_name = "error of the run, on the scale of accuracy";
+    layout.quantity(ERROR, "1", long_name, &[dims[0], observables], &table.errors)?;
+    for flags in &table.flags {
+        layout.words(flags, &dims)?;
     }
     layout.close()
 }
