@@ -12,6 +12,7 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use afmsweep::store;
 use anyhow::Context;
+use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use table::{Column, Table};
@@ -44,15 +45,6 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
     if let Some(results) = &stored {
         sound(results, &plan, &args.input)?;
     }
-    if plan.ensemble.curves.is_some() {
-        // A few points alone would be reached from the free oscillation, perhaps on another branch than along their curve.
-        anyhow::bail!(
-            "{}: points of a curve cannot be checked alone, since each goes on from the one before; run the scene with --audit {}, \
-             which holds points where the curve has led against the reference",
-            args.input.display(),
-            args.instances
-        );
-    }
     let instances = choose(&plan, args.instances as usize, args.seed);
     let free = plan.stepped().is_empty();
     voice.say(format_args!(
@@ -62,14 +54,27 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
         plan.len(),
         if free { ", none of which feels the sample: the free motion is the answer" } else { "" }
     ));
-    let part = plan.part(&instances);
+    let members = with_their_curves(&plan, &instances);
+    if members.len() > instances.len() {
+        voice.say(format_args!(
+            "points of curves are followed along all {} points of theirs by each engine",
+            members.len()
+        ));
+    }
+    let chosen: Vec<u32> =
+        instances.iter().filter_map(|i| Some(members.binary_search(i).ok()? as u32)).collect();
+    let part = &plan.part(&members);
+    let column = |name: &str, engine: &dyn Engine, precision: Precision| -> anyhow::Result<Column> {
+        let run = control::run(&part.clone().in_precision(precision), engine, &Progress::default())?;
+        Ok(of_run(format!("{name} {}", precision.name()), &run, &chosen))
+    };
     let progress = Progress::default();
-    let ours = control::run(&part, &Cpu::default(), &progress)?;
-    let truths = control::beside(&ours, &Reference::default(), &progress)?;
+    let ours = control::run(part, &Cpu::default(), &progress)?;
+    let truths = control::beside(&ours, &chosen, &Reference::default(), &progress)?;
     let mut columns: Vec<Column> =
         stored.map(|results| file_column(&results, &plan, &instances)).into_iter().collect();
-    columns.push(of_run("cpu f64".into(), &ours));
-    columns.push(column("cpu", &Cpu::default(), &part, Precision::F32)?);
+    columns.push(of_run("cpu f64".into(), &ours, &chosen));
+    columns.push(column("cpu", &Cpu::default(), Precision::F32)?);
     match Gpu::new(args.device.as_deref()) {
         Ok(gpu) => {
             voice.say(format_args!("gpu: {}", gpu.report().title()));
@@ -78,16 +83,17 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
                 if precision == Precision::F64 && !gpu.report().double {
                     continue;
                 }
-                let twin = column("cpu", &strict, &part, precision)?;
-                let ours = column("gpu", &gpu, &part, precision)?;
+                let twin = column("cpu", &strict, precision)?;
+                let ours = column("gpu", &gpu, precision)?;
                 columns.push(Column { strict: Some(twin.numbers), ..ours });
             }
         }
         Err(error) if args.device.is_some() => return Err(error.into()),
         Err(error) => voice.say(format_args!("gpu: not checked; {error}")),
     }
-    let scales = (0..instances.len()).map(|i| Scales::of(&ours.plan, i, &truths[i].0.measured)).collect();
-    let table = Table { scales, instances, plan: ours.plan, truths, columns };
+    let plan = ours.plan.part(&chosen);
+    let scales = (0..instances.len()).map(|i| Scales::of(&plan, i, &truths[i].0.measured)).collect();
+    let table = Table { scales, instances, plan, truths, columns };
     if args.json {
         print_json(&table.json())?;
     } else {
@@ -193,15 +199,19 @@ fn all_numbers(plan: &Plan, measured: &Measured) -> Vec<Vec<f64>> {
     plan.observables.iter().map(|observable| numbers(*observable, measured)).collect()
 }
 
-/// The same instances by this engine, to the accuracy asked for as far as it can.
-fn column(name: &str, engine: &dyn Engine, plan: &Plan, precision: Precision) -> anyhow::Result<Column> {
-    let plan = plan.clone().in_precision(precision);
-    let run = control::run(&plan, engine, &Progress::default())?;
-    Ok(of_run(format!("{name} {}", precision.name()), &run))
+/// These instances in rising order, and all points of the curves that they lie on: a point alone would be reached from the
+/// free oscillation, perhaps on another branch.
+fn with_their_curves(plan: &Plan, instances: &[u32]) -> Vec<u32> {
+    let curve = |i: u32| plan.ensemble.curves.map(|curves| curves.place(plan.id(i)).0);
+    let wanted: BTreeSet<u32> = instances.iter().filter_map(|i| curve(*i)).collect();
+    let mut members: BTreeSet<u32> = instances.iter().copied().collect();
+    members.extend(plan.instances().filter(|i| curve(*i).is_some_and(|one| wanted.contains(&one))));
+    members.into_iter().collect()
 }
 
-fn of_run(name: String, run: &control::Controlled) -> Column {
-    let finished = &run.outcome.results;
+/// What a run has of the instances of these places in it.
+fn of_run(name: String, run: &control::Controlled, places: &[u32]) -> Column {
+    let finished: Vec<_> = places.iter().map(|place| &run.outcome.results[*place as usize]).collect();
     Column {
         name,
         status: finished.iter().map(|one| one.status).collect(),

@@ -198,33 +198,36 @@ impl Way {
     }
 }
 
-/// What the reference makes of all instances of a run, to be held against it: of a scene that waits the whole run, or,
+/// What the reference makes of these instances of a run, to be held against it: of a scene that waits the whole run, or,
 /// where that does not settle, the periodic state next to where the run ended; of one that searches the periodic state
-/// next to the one found, or, where there is none, the whole run.
+/// next to the one found, or, where there is none, the whole run. Points of a curve have no run of their own: where the
+/// curve has led is all that the reference can begin at.
 ///
 /// # Errors
 /// What the engines say.
 pub fn beside(
     run: &Controlled,
+    chosen: &[u32],
     reference: &Reference,
     progress: &Progress,
 ) -> Result<Vec<(Finished, Way)>, EngineError> {
     let plan = &run.plan;
-    let all: Vec<u32> = plan.instances().collect();
     let search = plan.run.steady == Steady::Search;
     let first: Vec<Option<(Finished, Way)>> = match search {
         true => {
-            let near = near(plan, &all, &run.found, reference, progress)?;
+            let near = near(plan, chosen, &run.found, reference, progress)?;
             near.into_iter().map(|one| one.map(|one| (one, Way::State))).collect()
         }
         false => {
-            let whole = whole(plan, &all, reference, progress)?;
+            let whole = whole(plan, chosen, reference, progress)?;
             whole.into_iter().map(|one| Some((one, Way::Run))).collect()
         }
     };
     let settled = |one: &Option<(Finished, Way)>| one.is_some_and(|(one, _)| one.status == Status::Ok);
-    let left: Vec<u32> = all.into_iter().filter(|i| !settled(&first[*i as usize])).collect();
+    let unsettled = chosen.iter().zip(&first).filter(|(_, one)| !settled(one));
+    let left: Vec<u32> = unsettled.map(|(i, _)| *i).collect();
     let second: Vec<Option<Finished>> = match search {
+        true if plan.ensemble.curves.is_some() => vec![None; left.len()],
         true => whole(plan, &left, reference, progress)?.into_iter().map(Some).collect(),
         false => near(plan, &left, &run.found, reference, progress)?,
     };
