@@ -22,6 +22,9 @@ pub struct ReportArgs {
     /// An axis that stands at one value, the nearest there is; may be given for several axes
     #[arg(long, value_name = "PATH=VALUE", value_parser = place)]
     at: Vec<(String, String)>,
+    /// The states of one branch alone, the second ones among them: attractive or repulsive
+    #[arg(long, value_name = "BRANCH")]
+    branch: Option<String>,
     /// What was drawn as one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -34,7 +37,8 @@ fn place(text: &str) -> Result<(String, String), String> {
 }
 
 pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
-    let wish = Wish { x: args.x.clone(), y: args.y.clone(), at: args.at.clone() };
+    let wish =
+        Wish { x: args.x.clone(), y: args.y.clone(), at: args.at.clone(), branch: args.branch.clone() };
     let report = report::write(&args.file, args.output.as_deref(), &wish)?;
     let page = report.folder.join("index.html");
     voice.say(format_args!("report in {}", page.display()));

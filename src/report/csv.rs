@@ -14,9 +14,13 @@ fn head(name: &str, units: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
 
-/// What a status code means, in a word.
+/// What a status code means, in a word; nothing where there is no such state.
 fn word(code: u8) -> String {
-    Status::from_code(code).map_or_else(|| code.to_string(), |status| status.meaning().to_owned())
+    match Status::from_code(code) {
+        Some(status) => status.meaning().to_owned(),
+        None if code == NO_STATE => String::new(),
+        None => code.to_string(),
+    }
 }
 
 /// A row for each instance: its number, what varies, the variable, its status; then the second state's, if there are any.
@@ -66,8 +70,7 @@ pub(super) fn of_variable(results: &Results, variable: &Variable) -> Option<Stri
         let _ = write!(text, ",{}", word(results.status[i]));
         if let Some((branch, second)) = second {
             second.data[i * width..][..width].iter().for_each(|value| cell(&mut text, *value));
-            let code = branch.status[i];
-            let _ = write!(text, ",{}", if code == NO_STATE { String::new() } else { word(code) });
+            let _ = write!(text, ",{}", word(branch.status[i]));
         }
         text.push('\n');
     }

@@ -1,19 +1,23 @@
 //! The first sentences of a page: what came out, and how good it is.
 
 use super::floor::accuracy;
-use super::frame::State;
+use super::frame::{State, status_word};
 use super::heatmap::{brief, label};
+use super::on_branch;
 use super::pictures::{Kind, capital, states};
 use super::quantity::{Unit, number};
 use crate::observe::Status;
-use crate::store::{Results, Variable};
+use crate::store::{NO_STATE, Results, Variable};
 
 /// Observables that are told at most.
 const MOST: usize = 3;
 
 /// These sentences, as far as there is something to say.
 pub(super) fn all(results: &Results) -> Vec<String> {
-    [ranges(results), jumps(results), Some(quality(results))].into_iter().flatten().collect()
+    [ranges(results), jumps(results), branches(results), Some(quality(results))]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// How many curves jump on each way, and from where to where.
@@ -37,6 +41,24 @@ fn jumps(results: &Results) -> Option<String> {
     Some(match told.as_slice() {
         [] => "No curve jumps.".into(),
         told => format!("Jumps: {}.", told.join("; ")),
+    })
+}
+
+/// How many states are on each branch, where there are several.
+fn branches(results: &Results) -> Option<String> {
+    let counts = on_branch::counts(results)?;
+    let told: Vec<String> = counts
+        .iter()
+        .skip(1)
+        .filter(|one| one.1 > 0)
+        .map(|(word, count)| format!("{count} {word}"))
+        .collect();
+    (told.len() > 1).then(|| {
+        format!(
+            "The states are on different branches: {}; --branch {} shows one of them.",
+            told.join(", "),
+            counts.last().map_or("", |one| one.0)
+        )
     })
 }
 
@@ -97,17 +119,14 @@ fn span(values: impl Iterator<Item = f64>, units: &str) -> Option<String> {
 
 /// How many are ok, how large their errors are, and how many carry a warning.
 fn quality(results: &Results) -> String {
-    let count = results.status.len();
+    let count = results.status.iter().filter(|code| **code != NO_STATE).count();
     let mut counts = [0usize; 256];
     results.status.iter().for_each(|code| counts[usize::from(*code)] += 1);
     let ok = counts[usize::from(Status::Ok as u8)];
-    let word = |code: usize| {
-        let status = u8::try_from(code).ok().and_then(Status::from_code);
-        status.map_or_else(|| format!("code {code}"), |status| status.meaning().replace('_', " "))
-    };
-    let others: Vec<String> = (0..counts.len())
-        .filter(|code| counts[*code] > 0 && *code != usize::from(Status::Ok as u8))
-        .map(|code| format!("{} {}", counts[code], word(code)))
+    let others: Vec<String> = (0u8..=u8::MAX)
+        .zip(counts)
+        .filter(|(code, count)| *count > 0 && ![Status::Ok as u8, NO_STATE].contains(code))
+        .map(|(code, count)| format!("{count} {}", status_word(code)))
         .collect();
     let mut text = match (others.is_empty(), count) {
         (true, 1) => "The instance is ok".to_owned(),
@@ -116,8 +135,11 @@ fn quality(results: &Results) -> String {
     };
     text += &errors(results);
     // Words by bits are warnings.
-    let warned = |i: &usize| results.flags.iter().any(|flags| flags.bits && flags.data.get(*i) != Some(&0));
-    match (0..count).filter(warned).count() {
+    let warned = |i: &usize| {
+        results.status[*i] != NO_STATE
+            && results.flags.iter().any(|flags| flags.bits && flags.data.get(*i) != Some(&0))
+    };
+    match (0..results.status.len()).filter(warned).count() {
         0 => text + ".",
         warned => format!("{text}; {warned} of {count} carry a warning of the contact law."),
     }

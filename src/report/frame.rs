@@ -4,6 +4,7 @@ use super::ReportError;
 use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, GREY, INK, PALE, WHITE, text_width};
 use crate::observe::Status;
+use crate::store::NO_STATE;
 use plotters::style::RGBColor;
 
 /// Letters of ticks and keys, of labels, of titles.
@@ -14,6 +15,15 @@ pub(super) const TITLE: f64 = 15.0;
 /// What keys say of values that are doubtful, and of those that are nothing.
 pub(super) const DOUBTFUL: &str = "not steady, sensitive or above the accuracy";
 pub(super) const NOTHING: &str = "0 within error";
+
+/// What a status code means, in words.
+pub(super) fn status_word(code: u8) -> String {
+    match Status::from_code(code) {
+        Some(status) => status.meaning().replace('_', " "),
+        None if code == NO_STATE => "no such state".to_owned(),
+        None => format!("code {code}"),
+    }
+}
 
 /// What a picture shows for one instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +49,7 @@ impl State {
                 Self::Doubtful
             }
             Some(Status::Ok | Status::NotSteady | Status::Sensitive | Status::AccuracyNotMet) => Self::Empty,
+            None if status == NO_STATE => Self::Empty,
             _ => Self::Failed,
         }
     }

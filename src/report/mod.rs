@@ -15,6 +15,7 @@ mod force_curve;
 mod frame;
 mod heatmap;
 mod hover;
+mod on_branch;
 mod page;
 mod pictures;
 mod quantity;
@@ -99,7 +100,10 @@ pub struct Pictured {
 pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, ReportError> {
     let folder = output.map_or_else(|| default_folder(file), Path::to_path_buf);
     check_folder(&folder, MARKER)?;
-    let results = read(file)?;
+    let results = match &wish.branch {
+        None => read(file)?,
+        Some(branch) => on_branch::chosen(read(file)?, branch)?,
+    };
     let drawn = pictures::all(&results, wish)?;
     let page = ("index.html".to_owned(), page::html(&results, file, &drawn));
     let text = ("report.md".to_owned(), page::markdown(&results, file, &drawn));

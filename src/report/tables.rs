@@ -1,13 +1,13 @@
 //! The tables of a page.
 
 use super::document::Table;
-use super::frame::{NOTHING, State};
+use super::frame::{NOTHING, State, status_word};
 use super::heatmap::{brief, label};
 use super::page::is_long;
 use super::pictures::{case, states};
 use super::quantity::{Unit, number};
 use crate::observe::Status;
-use crate::store::{Attribute, Results};
+use crate::store::{Attribute, NO_STATE, Results};
 
 /// Instances that are told one by one at most.
 const MOST_FAILED: usize = 20;
@@ -31,15 +31,15 @@ fn some(tables: impl Iterator<Item = Table>) -> Vec<Table> {
 /// Instances that are not ok, with what varies, and why.
 fn failed(results: &Results) -> Table {
     let ok = Status::Ok as u8;
-    let bad: Vec<usize> = (0..results.status.len()).filter(|i| results.status[*i] != ok).collect();
+    let bad: Vec<usize> =
+        (0..results.status.len()).filter(|i| ![ok, NO_STATE].contains(&results.status[*i])).collect();
     let names = results.axes.iter().map(|axis| brief(label(axis), &axis.name));
     let mut rows: Vec<Vec<String>> = vec![
         ["instance".to_owned()].into_iter().chain(names).chain(["status".into(), "why".into()]).collect(),
     ];
     for &i in bad.iter().take(MOST_FAILED) {
         let status = Status::from_code(results.status[i]);
-        let word =
-            status.map_or_else(|| results.status[i].to_string(), |one| one.meaning().replace('_', " "));
+        let word = status_word(results.status[i]);
         let why = status.map_or("", Status::reason);
         let mut row = vec![i.to_string()];
         row.extend(case(results, i));
@@ -105,11 +105,9 @@ fn status(results: &Results) -> Table {
     for code in &results.status {
         counts[usize::from(*code)] += 1;
     }
-    for (code, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let known = u8::try_from(code).ok().and_then(Status::from_code);
-        let meaning =
-            known.map_or_else(|| format!("code {code}"), |status| status.meaning().replace('_', " "));
-        let share = 100.0 * *count as f64 / results.status.len() as f64;
+    for (code, count) in (0u8..=u8::MAX).zip(counts).filter(|(_, count)| *count > 0) {
+        let meaning = status_word(code);
+        let share = 100.0 * count as f64 / results.status.len() as f64;
         rows.push(vec![meaning, count.to_string(), format!("{} %", number(share, 3))]);
     }
     Table { caption: "What became of the instances".into(), rows }

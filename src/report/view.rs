@@ -20,6 +20,8 @@ pub struct Wish {
     pub y: Option<String>,
     /// Axes that stand at one value each: path or name, and the value with its unit.
     pub at: Vec<(String, String)>,
+    /// The states of this branch alone, by the flag's word: `attractive` or `repulsive`.
+    pub branch: Option<String>,
 }
 
 /// A place for each axis of a grid, by the axes' numbers.

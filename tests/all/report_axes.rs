@@ -4,7 +4,7 @@
 use crate::common::{coordinate, grid, list, ramp, results, scalar, variable};
 use crate::report_pages::{Report, cube, number, save};
 use afmsweep::report::{self, Wish};
-use afmsweep::store::Results;
+use afmsweep::store::{Branch, Flags, Results};
 use std::fs;
 use std::process::Command;
 
@@ -44,6 +44,54 @@ fn a_short_axis_becomes_curves_and_second_states_are_dashed() {
     let wish = Wish { y: Some("a_0".into()), ..Wish::default() };
     report::write(&save(report.home.path(), &results), Some(&report.folder), &wish).unwrap();
     assert!(report.words("amplitude_second.svg").contains("second state"));
+}
+
+/// Truth: the data put in: of four instances two are on the branch, one has its second state there, one has none.
+#[test]
+fn one_branch_is_drawn_of_first_and_second_states() {
+    let flag = |data: Vec<u8>| Flags {
+        name: "branch".into(),
+        long_name: "branch".into(),
+        meanings: ["none", "attractive", "repulsive"].map(str::to_owned).to_vec(),
+        bits: false,
+        data,
+    };
+    let mut results = plain(&[4]);
+    results.variables = vec![variable("amplitude", "m", None, vec![1e-9, 2e-9, 3e-9, 4e-9])];
+    results.variables[0].error_scale = "free tip amplitude".into();
+    results.flags = vec![flag(vec![2, 2, 1, 1])];
+    results.other_branch = Some(Branch {
+        variables: vec![variable("amplitude", "m", None, vec![5e-9, f64::NAN, 7e-9, f64::NAN])],
+        status: vec![0, 255, 0, 255],
+        steps_per_period: vec![0; 4],
+        flags: vec![flag(vec![1, 0, 2, 0])],
+    });
+    let report = Report::of(&results);
+    let file = save(report.home.path(), &results);
+    let drawn = |branch: &str| {
+        let wish = Wish { branch: Some(branch.into()), ..Wish::default() };
+        report::write(&file, Some(&report.folder), &wish)
+    };
+    let ends = |cells: [&str; 4]| {
+        let csv = report.text("amplitude.csv");
+        let found: Vec<String> =
+            csv.lines().skip(1).map(|row| row.split(',').skip(2).collect::<Vec<_>>().join(" ")).collect();
+        assert_eq!(found, cells);
+    };
+    let found = drawn("repulsive").unwrap();
+    assert!(
+        found.findings.iter().any(|line| line.starts_with("All 3 instances are ok")),
+        "{:?}",
+        found.findings
+    );
+    ends(["1e-9 ok", "2e-9 ok", "7e-9 ok", " "]);
+    drawn("attractive").unwrap();
+    ends(["5e-9 ok", " ", "3e-9 ok", "4e-9 ok"]);
+    let refused = drawn("upper").unwrap_err().to_string();
+    assert_eq!(refused, "--branch upper: expected attractive or repulsive");
+    let all = report::write(&file, Some(&report.folder), &Wish::default()).unwrap();
+    let line = "The states are on different branches: 2 attractive, 2 repulsive; --branch repulsive shows one of them.";
+    assert!(all.findings.iter().any(|one| one == line), "{:?}", all.findings);
 }
 
 /// Truth: the data put in, read back from the text to the bit.

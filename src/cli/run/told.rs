@@ -88,6 +88,7 @@ fn searched(swept: &Swept, voice: Voice) {
         instances(stepped),
         stepped - spent.len()
     ));
+    branches(swept, voice);
     if let Some(others) = others {
         let ways = match others.grid {
             true => format!(
@@ -99,6 +100,21 @@ fn searched(swept: &Swept, voice: Voice) {
         let count = instances(others.states.len());
         voice
             .say(format_args!("branches: {count} with a second periodic state (group other_branch): {ways}"));
+    }
+}
+
+/// Where the states found are on different branches, how many are on each: they lie side by side in one picture then.
+fn branches(swept: &Swept, voice: Voice) {
+    let Some(flags) = swept.results.flags.iter().find(|one| one.name == "branch") else { return };
+    let count = |code| flags.data.iter().filter(|one| **one == code).count();
+    let counts = (1u8..=u8::MAX).zip(flags.meanings.iter().skip(1)).map(|(code, word)| (count(code), word));
+    let told: Vec<String> =
+        counts.filter(|one| one.0 > 0).map(|(count, word)| format!("{count} {word}")).collect();
+    if told.len() > 1 {
+        voice.say(format_args!(
+            "branch: the states are on different ones, {} (flag branch; report --branch shows one of them)",
+            told.join(" and ")
+        ));
     }
 }
 
