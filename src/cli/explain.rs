@@ -13,17 +13,21 @@ use anyhow::bail;
 )]
 pub struct ExplainArgs {
     /// A key of a scene, an observable, a status, an attribute or a variable of a results file; without it, all words
-    word: Option<String>,
+    word: Vec<String>,
 }
 
 pub fn main(args: &ExplainArgs) -> anyhow::Result<()> {
     let rows = all();
-    let Some(word) = &args.word else {
+    if args.word.is_empty() {
         let mut words: Vec<&str> = rows.iter().flat_map(|row| row.words()).collect();
         words.sort_unstable();
         words.dedup();
         return print(&(words.join("\n") + "\n"));
-    };
+    }
+    // As it is written, or as names here are: `set-point` and `contact time` with underscores.
+    let spelled = args.word.join("_");
+    let named = |word: &str| rows.iter().any(|row| row.names(word)) || scene::meant(word).is_some();
+    let word = &if named(&spelled) { spelled } else { spelled.replace('-', "_") };
     let found: Vec<String> = rows.iter().filter(|row| row.names(word)).map(Row::told).collect();
     if found.is_empty()
         && let Some(meant) = scene::meant(word)

@@ -25,6 +25,12 @@ struct Kind {
     /// A lever with two steady states, both branches over the gap
     #[arg(long)]
     bistable: bool,
+    /// Amplitude and phase on approach and retraction, with the jumps, of a lever on two samples
+    #[arg(long)]
+    curve: bool,
+    /// Phase and force of two polymers at the same set-points
+    #[arg(long)]
+    setpoint: bool,
     /// Peak-force tapping in water, over the sample's modulus
     #[arg(long)]
     peak_force: bool,
@@ -40,6 +46,8 @@ pub fn main(args: &InitArgs) -> anyhow::Result<()> {
         (kind.liquid, include_str!("../../scenes/liquid.toml")),
         (kind.paper, include_str!("../../scenes/quickstart.toml")),
         (kind.bistable, include_str!("../../scenes/bistable.toml")),
+        (kind.curve, include_str!("../../scenes/approach_curve.toml")),
+        (kind.setpoint, include_str!("../../scenes/phase_at_setpoint.toml")),
         (kind.peak_force, include_str!("../../scenes/peak_force.toml")),
         (kind.samples, include_str!("../../scenes/samples.toml")),
     ];

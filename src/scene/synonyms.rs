@@ -14,6 +14,10 @@ use Meant::{Instead, Name};
 const FLUID: Meant =
     Instead("there is no fluid model: give the lever's frequency and quality factor as measured in it");
 const ELASTIC: Meant = Instead("samples are elastic: only jkr loses energy");
+const WAYS: Meant = Instead(
+    "amplitude and phase there and back are a [curve] with direction = \"both\" (afmsweep init --curve); the force of a \
+     slow approach and retraction is afmsweep force --lever",
+);
 const PARALLEL: Meant = Instead("all cores work; --threads N takes fewer");
 
 /// Letters count as they are written; failing that, in small ones.
@@ -87,6 +91,13 @@ static SYNONYMS: &[(&str, Meant)] = &[
     ("sp", Name("setpoint")),
     ("set_point", Name("setpoint")),
     ("amplitude_ratio", Name("setpoint")),
+    ("hysteresis", WAYS),
+    ("retract", WAYS),
+    ("retraction", WAYS),
+    ("approach_curve", WAYS),
+    ("snap_in", WAYS),
+    ("jump_to_contact", WAYS),
+    ("deflection", Name("deflection_amplitude")),
     ("viscosity", ELASTIC),
     ("damping", Instead("a lever's damping is its `quality_factor`; samples are elastic")),
     ("medium", FLUID),

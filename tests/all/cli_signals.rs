@@ -128,13 +128,13 @@ fn a_signal_at_any_moment_leaves_what_is_true() {
     assert!(cut > 0, "all nine runs had ended before their signals ({ended})");
 }
 
-/// A run that would last for a minute ends soon, and its exit code says by what.
+/// A run that would last for a minute (six million steps of a thousand lanes) ends soon, and its exit code says by what.
 #[test]
 fn every_signal_keeps_what_is_complete_of_a_long_run() {
     let desk = Desk::new();
     let text = "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"9 nm\", points = 4000 }\n\
                 [contact]\nlaw = \"hertz\"\n[drive]\nfrequency = \"192 kHz\"\nvoltage = \"15 V\"\n\
-                [instrument.cantilever]\nquality_factor = 1e5\n[run]\nperiods = 2000\nsteps_per_period = 512\n";
+                [instrument.cantilever]\nquality_factor = 1e5\n[run]\nperiods = 20000\nsteps_per_period = 512\n";
     desk.write("long.toml", text);
     for (signal, code, word) in SIGNALS {
         let arguments = ["run", "long.toml", "-o", "long.h5"];
