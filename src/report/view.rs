@@ -230,7 +230,7 @@ mod tests {
         let wish = |x: &str, y: &str, at: &[(&str, &str)]| {
             let word = |text: &str| (!text.is_empty()).then(|| text.to_owned());
             let at = at.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
-            Wish { x: word(x), y: word(y), at }
+            Wish { x: word(x), y: word(y), at, branch: None }
         };
         let one = view(&[20, 19, 9], &wish("path.a.0", "a_1", &[("path.a.2", "3 nm")]));
         assert_eq!((one.x, one.y, one.fixed), (0, Some(1), vec![(2, 2)]));
