@@ -54,9 +54,8 @@ enum Command {
     Run(run::RunArgs),
     /// Say what a run would do, without running
     Plan(plan::PlanArgs),
-    /// Natural frequencies and each mode's share
-    #[command(after_help = "Example: afmsweep modes lever.toml")]
-    Modes(SceneArgs),
+    /// Natural frequencies and each mode's share; the lever in a fluid
+    Modes(modes::ModesArgs),
     /// Static force-indentation curves, approach and retraction
     Force(force::ForceArgs),
     /// What could run a scene here

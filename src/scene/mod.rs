@@ -5,6 +5,7 @@ mod drive_rules;
 mod error;
 mod file;
 mod given;
+mod levers;
 mod output;
 mod params;
 mod plausible;
@@ -21,6 +22,7 @@ mod values;
 mod zipped;
 
 pub use error::SceneError;
+pub use levers::{LEVERS, MakersLever};
 pub use params::*;
 pub use quantities::QUANTITIES;
 pub use quantity::{Address, Domain, Quantity};
@@ -47,6 +49,8 @@ pub struct Scene {
     pub sweep: SweptAxes,
     pub run: Run,
     pub output: Output,
+    /// The maker's lever that it names as its preset.
+    pub lever: Option<&'static MakersLever>,
     /// What the file says, and where.
     said: Vec<read::Said>,
 }

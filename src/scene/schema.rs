@@ -4,11 +4,12 @@
 
 use super::STEPPED_MODES;
 use super::curve;
+use super::levers;
 use super::output::{BRANCHES, KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
 use super::quantities::QUANTITIES;
 use super::quantity::{Address, Domain, Quantity};
-use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, PRESET, SECTIONS};
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS};
 use super::zipped::{LABEL, LAW};
 use crate::observe::Observable;
 use crate::units::Dimension;
@@ -119,7 +120,7 @@ impl Section<'_> {
 
 fn instrument(describe: &dyn Fn(&str) -> String) -> Value {
     let mut properties = Map::new();
-    let preset = word(&[(PRESET, ())]);
+    let preset = word(&levers::presets());
     properties.insert("preset".into(), told(preset, &describe("instrument.preset")));
     for name in ["instrument.actuator", "instrument.cantilever", "instrument.tip"] {
         let mut entries = Section { name, describe }.properties();

@@ -114,7 +114,6 @@ fn every_key_of_a_scene_has_its_row() {
 fn every_word_that_a_choice_may_have_is_told() {
     let scene = Document::open("scene.md");
     for (heading, key, text) in [
-        ("`[instrument]`", "preset", "[instrument]\npreset = \"zzz\""),
         ("`[instrument.actuator]`", "model", "[instrument.actuator]\nmodel = \"zzz\""),
         ("`[contact]`", "law", "[contact]\nlaw = \"zzz\""),
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
