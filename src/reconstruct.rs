@@ -53,7 +53,8 @@ pub fn force(orbits: &[Orbit], stiffness: f64) -> Vec<(f64, f64)> {
         let known: f64 = found.windows(2).map(|pair| cell(&orbit, pair[1], pair[0])).sum();
         // The mean is linear in the force at the orbit's end, with that at the last distance as it is.
         let beside = found[found.len() - 1];
-        let (without, with) = (cell(&orbit, (orbit.closest, 0.0), beside), cell(&orbit, (orbit.closest, 1.0), (last, 0.0)));
+        let (without, with) =
+            (cell(&orbit, (orbit.closest, 0.0), beside), cell(&orbit, (orbit.closest, 1.0), (last, 0.0)));
         let asked = -stiffness * orbit.amplitude * orbit.shift;
         found.push((orbit.closest, (asked - known - without) / with));
     }
@@ -96,7 +97,8 @@ pub fn force_by_sader_jarvis(orbits: &[Orbit], stiffness: f64) -> Vec<(f64, f64)
             let roots = 2.0 * (high.sqrt() - low.sqrt());
             let plain = 0.5 * (far.shift + near.shift) * (high - low);
             // W/sqrt(t - d), W being near.shift + slope (t - d - low).
-            let weighted = (near.shift - slope * low) * roots + slope * 2.0 / 3.0 * (high.powf(1.5) - low.powf(1.5));
+            let weighted =
+                (near.shift - slope * low) * roots + slope * 2.0 / 3.0 * (high.powf(1.5) - low.powf(1.5));
             plain + (amplitude / std::f64::consts::PI).sqrt() / 8.0 * weighted
                 - amplitude.powf(1.5) * std::f64::consts::FRAC_1_SQRT_2 * slope * roots
         });
