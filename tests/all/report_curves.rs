@@ -77,3 +77,24 @@ fn curves_become_bands_and_forces_beside_their_law() {
     }
     assert_eq!(variable(&results, "amplitude").len(), 11 * 2 * 241);
 }
+
+/// Truth: the file's own flags.
+#[test]
+fn points_reached_by_a_jump_are_marked() {
+    let desk = Desk::new();
+    let text = SCENE
+        .replace("\"sample.youngs_modulus\" = { from = \"50 MPa\", to = \"100 MPa\", points = 11 }", "")
+        .replace("youngs_modulus = \"50 MPa\"", "youngs_modulus = \"2 GPa\"")
+        .replace("surface_energy = \"0 J/m^2\"", "surface_energy = \"66 mJ/m^2\"")
+        .replace("hertz", "dmt");
+    let scene = desk.write("jumps.toml", &text);
+    let results = desk.run(&scene, &[]);
+    let jumps = results.flags.iter().find(|flags| flags.name == "jump").unwrap();
+    let count = jumps.data.iter().filter(|flag| **flag == 1).count();
+    assert_eq!(count, 2);
+    desk.works(&["report", desk.results(&scene).to_str().unwrap(), "-q"]);
+    let picture = std::fs::read_to_string(desk.path("results/jumps/amplitude.svg")).unwrap();
+    assert!(picture.contains("reached by a jump"));
+    // Dots of 4.2 pixels in tenths.
+    assert_eq!(picture.matches("r=\"42\"").count(), count, "{picture}");
+}
