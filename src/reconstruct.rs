@@ -7,7 +7,7 @@
 //! that is in use. Both amplify noise: errors of W count some `sqrt(A/h)` times, h being the step of d.
 
 /// Steps of the closest approach that are shorter, in amplitudes, are passed over.
-const FINEST: f64 = 1e-3;
+const FINEST: f64 = 2e-4;
 
 /// What one point of a curve tells: SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Orbit {
 
 /// The force (N, positive pushes) at distances (m) from the farthest to the nearest, of one continuous piece of a curve.
 ///
-/// Orbits are taken in their order; one that comes no nearer than those before it, by a thousandth of its amplitude, adds
+/// Orbits are taken in their order; one that comes no nearer than those before it, by some ten-thousandths of its amplitude, adds
 /// nothing. Beyond the first distance
 /// there is taken to be no force, between two it is taken to be linear: each orbit's mean is then exact and has one unknown,
 /// the force at its own closest approach (F. J. Giessibl, Appl. Phys. Lett. 78 (2001) 123, for amplitudes that vary).
