@@ -83,7 +83,10 @@ fn curves_become_bands_and_forces_beside_their_law() {
 fn points_reached_by_a_jump_are_marked() {
     let desk = Desk::new();
     let text = SCENE
-        .replace("\"sample.youngs_modulus\" = { from = \"50 MPa\", to = \"100 MPa\", points = 11 }", "")
+        .replace(
+            "[sweep]\n\"sample.youngs_modulus\" = { from = \"50 MPa\", to = \"100 MPa\", points = 11 }",
+            "",
+        )
         .replace("youngs_modulus = \"50 MPa\"", "youngs_modulus = \"2 GPa\"")
         .replace("surface_energy = \"0 J/m^2\"", "surface_energy = \"66 mJ/m^2\"")
         .replace("hertz", "dmt");
