@@ -72,10 +72,7 @@ impl FluidMode {
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();
         if !(REYNOLDS[0]..=REYNOLDS[1]).contains(&self.reynolds) {
-            doubts.push(format!(
-                "Reynolds number {:.1e} outside {:.0e} to {:.0e}",
-                self.reynolds, REYNOLDS[0], REYNOLDS[1]
-            ));
+            doubts.push(format!("Reynolds number outside {:.0e} to {:.0e}", REYNOLDS[0], REYNOLDS[1]));
         }
         if self.wave_number_times_width > SLENDER {
             doubts

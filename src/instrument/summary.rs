@@ -118,7 +118,8 @@ pub fn fluid_table(fluid: Fluid, modes: &[FluidMode]) -> String {
         }
     }
     for (doubt, of) in doubts {
-        text += &format!("doubt: mode {}: {doubt}\n", of.join(", "));
+        let modes = if of.len() > 1 { "modes" } else { "mode" };
+        text += &format!("doubt: {modes} {}: {doubt}\n", of.join(", "));
     }
     text + &fluid_toml(modes)
 }

@@ -9,15 +9,24 @@ use crate::store::{Results, Variable};
 
 /// So many curves make a band.
 const FEWEST: usize = 10;
+/// Words of the two ways.
+const WAYS: [&str; 2] = ["forward", "backward"];
 /// Shares of the values below each line.
 const SHARES: [f64; 3] = [0.05, 0.5, 0.95];
 
-/// The picture and a note on it; none where the results have no or few curves.
+/// A picture, a note on it and its numbers.
+pub(super) struct Band {
+    pub svg: String,
+    pub note: String,
+    pub csv: String,
+}
+
+/// None where the results have no or few curves.
 pub(super) fn draw(
     results: &Results,
     variable: &Variable,
     heading: &str,
-) -> Result<Option<(String, String)>, ReportError> {
+) -> Result<Option<Band>, ReportError> {
     let (Some(_), Some(axis), None) = (jumps(results), results.axes.last(), variable.harmonics) else {
         return Ok(None);
     };
@@ -28,6 +37,9 @@ pub(super) fn draw(
         return Ok(None);
     }
     let (mut series, mut lines) = (Vec::new(), Vec::new());
+    let mut csv = format!("way,{} [{}]", axis.name, axis.units);
+    SHARES.iter().for_each(|share| csv += &format!(",share {share} [{}]", variable.units));
+    csv.push('\n');
     for way in 0..ways {
         let values = |point: usize| -> Vec<f64> {
             let instances = (0..curves).map(|curve| (curve * ways + way) * length + point);
@@ -40,13 +52,12 @@ pub(super) fn draw(
             .map(|point| values(point))
             .map(|held| SHARES.map(|share| quantile(&held, share)))
             .collect();
+        for (x, [low, middle, high]) in axis.values.iter().zip(&bands) {
+            csv += &format!("{},{x:e},{low:e},{middle:e},{high:e}\n", WAYS[way]);
+        }
         let line = |which: usize| axis.values.iter().zip(&bands).map(move |(x, band)| (*x, band[which]));
         let gap = std::iter::once((f64::NAN, f64::NAN));
-        let name = match (both, way) {
-            (false, _) => "",
-            (true, 0) => "forward, ",
-            (true, _) => "backward, ",
-        };
+        let name = if both { format!("{}, ", WAYS[way]) } else { String::new() };
         let look = |name: String, width, dashed| Look { name, width, dashed, dots: false };
         series.push(look(format!("{name}median"), 2.4, false));
         lines.push(line(1).collect());
@@ -58,7 +69,8 @@ pub(super) fn draw(
         Plot { label: label.clone(), units: variable.units.clone(), lines, marks: Vec::new(), height: 360.0 };
     let x = Field { label: short(axis), units: axis.units.clone(), log: is_log_spaced(&axis.values) };
     let chart = Chart { title: heading.to_owned(), x, series, panels: vec![panel] };
-    Ok(Some((chart.draw()?, format!("Of {curves} curves, at each point of those that are ok."))))
+    let note = format!("Of {curves} curves, at each point of those that are ok.");
+    Ok(Some(Band { svg: chart.draw()?, note, csv }))
 }
 
 /// The value below which this share of sorted values lies, between neighbours linear; NaN of none.

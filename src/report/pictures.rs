@@ -1,13 +1,14 @@
 //! Which pictures a results file gets.
 
 use super::ReportError;
+use super::band::{self, Band};
 use super::floor::{SCALES, errors};
 use super::force_curve;
 use super::frame::State;
 use super::hover::Hover;
 use super::quantity::Unit;
 use super::view::{View, Wish};
-use super::{band, csv, from_curve, variable, waveform};
+use super::{csv, from_curve, variable, waveform};
 use crate::observe::Observable;
 use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable};
 
@@ -110,14 +111,14 @@ fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, Re
     }
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
     let title = format!("{}, median and band of curves", capital(name));
-    Ok(band::draw(results, variable, &title)?.map(|(svg, note)| Picture {
+    Ok(band::draw(results, variable, &title)?.map(|Band { svg, note, csv }| Picture {
         kind,
         name: format!("{}_band", variable.name),
         title,
         note,
         svg,
         hover: Hover::default(),
-        csv: None,
+        csv: Some(csv),
     }))
 }
 

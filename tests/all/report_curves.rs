@@ -53,6 +53,14 @@ fn curves_become_bands_and_forces_beside_their_law() {
     for words in ["forward, median", "backward, 5 % and 95 %"] {
         assert!(band.contains(words), "no {words:?}");
     }
+    // At a gap in the middle, of eleven curves the sixth in order is the middle one.
+    let table = std::fs::read_to_string(folder.join("amplitude_band.csv")).unwrap();
+    let amplitudes = variable(&results, "amplitude");
+    let mut first: Vec<f64> = (0..11).map(|curve| amplitudes[curve * 2 * 241 + 120]).collect();
+    first.sort_by(f64::total_cmp);
+    let row: Vec<&str> = table.lines().nth(1 + 120).unwrap().split(',').collect();
+    assert_eq!((row[0], row[3].parse()), ("forward", Ok(first[5])));
+    assert_eq!(table.lines().count(), 1 + 2 * 241);
     // Forces over the indentation: of the largest of each point, of the orbit and of the reconstruction.
     let table = std::fs::read_to_string(folder.join("force_curve_200.csv")).unwrap();
     let law = |depth: f64| 4.0 / 3.0 * 50e6 / (1.0 - 0.09) * 10e-9_f64.sqrt() * depth.max(0.0).powf(1.5);
