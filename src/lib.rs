@@ -56,6 +56,7 @@ pub mod bench;
 pub mod compare;
 pub mod contact;
 pub mod control;
+pub mod design;
 pub mod engine;
 pub mod instrument;
 pub mod observe;
