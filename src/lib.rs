@@ -66,6 +66,7 @@ pub mod record;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod scene;
+pub mod stats;
 pub mod steady;
 pub mod store;
 #[cfg(feature = "report")]

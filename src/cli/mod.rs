@@ -14,6 +14,7 @@ mod plan;
 mod progress;
 mod report;
 mod run;
+mod sample;
 mod schema;
 mod shell;
 mod signals;
@@ -63,6 +64,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Pictures and a page of tables from a results file
     Report(report::ReportArgs),
+    /// The points of a scene's samples, as CSV
+    Sample(sample::SampleArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),
     /// Speed and error of each engine over the size of the ensemble
@@ -133,6 +136,7 @@ pub fn main() -> ExitCode {
         Command::Force(args) => force::main(&args),
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
+        Command::Sample(args) => sample::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
         Command::Bench(args) => bench::main(&args, voice),
         Command::Init(args) => init::main(&args),

@@ -185,7 +185,10 @@ mod tests {
         }) {
             let value = one.value(share);
             assert!((value / truth - 1.0).abs() < 1e-12, "{one:?} at {share}: {value:e}, not {truth:e}");
-            assert!((one.below(value) - share).abs() < 1e-9 * share + 1e-13 || one == tail, "{one:?} {share}");
+            assert!(
+                (one.below(value) - share).abs() < 1e-9 * share + 1e-13 || one == tail,
+                "{one:?} {share}"
+            );
         }
     }
 

@@ -2,7 +2,7 @@
 
 /// A place in the stream of a seed: purpose, dimension, index, in any order that the caller keeps to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mix(u64);
+pub struct Mix(u64);
 
 impl Mix {
     pub fn new(seed: u64) -> Self {

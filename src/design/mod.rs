@@ -16,7 +16,7 @@ pub use describe::Described;
 pub use distribution::{Distribution, normal_below, normal_quantile};
 
 use self::sobol::Sequence;
-use mix::Mix;
+pub use mix::Mix;
 use morris::Trajectories;
 use serde::{Deserialize, Serialize};
 

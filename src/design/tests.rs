@@ -3,7 +3,8 @@
 use super::*;
 
 const SCIPY_5: [f64; 7] = [0.875, 0.875, 0.125, 0.375, 0.875, 0.625, 0.875];
-const SCIPY_1000: [f64; 7] = [0.2197265625, 0.0966796875, 0.5185546875, 0.6767578125, 0.2802734375, 0.9072265625, 0.0458984375];
+const SCIPY_1000: [f64; 7] =
+    [0.2197265625, 0.0966796875, 0.5185546875, 0.6767578125, 0.2802734375, 0.9072265625, 0.0458984375];
 const SOBOL_DISCREPANCY: f64 = 2.2e-4;
 
 fn parameter(n: usize, distribution: Distribution) -> Parameter {
@@ -78,9 +79,7 @@ fn discrepancy(points: &[Vec<f64>]) -> f64 {
         .flat_map(|x| points.iter().map(move |y| (x, y)))
         .map(|(x, y)| {
             let pairs = x.iter().zip(y);
-            pairs
-                .map(|(x, y)| 1.0 + 0.5 * off(*x) + 0.5 * off(*y) - 0.5 * (x - y).abs())
-                .product::<f64>()
+            pairs.map(|(x, y)| 1.0 + 0.5 * off(*x) + 0.5 * off(*y) - 0.5 * (x - y).abs()).product::<f64>()
         })
         .sum();
     (13.0f64 / 12.0).powi(d) - 2.0 / n * one + two / (n * n)

@@ -5,17 +5,17 @@ use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::values::{self, Key, Value};
-use super::{Scene, Steady, SweptAxes, curve, output, rules, setpoint, sweep};
+use super::{Drawn, Scene, Steady, SweptAxes, curve, design, output, rules, setpoint, sweep};
 use crate::observe::Observable;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 /// The one preset.
 pub(super) const PRESET: &str = "ha-fung-chen-2005";
 
 /// What stands at the top of a scene.
-pub(super) const SECTIONS: [&str; 11] = [
+pub(super) const SECTIONS: [&str; 13] = [
     "title",
     "instrument",
     "sample",
@@ -24,6 +24,8 @@ pub(super) const SECTIONS: [&str; 11] = [
     "approach",
     "sweep",
     "samples",
+    "uncertain",
+    "design",
     "curve",
     "run",
     "output",
@@ -64,6 +66,9 @@ pub(super) struct Draft {
     pub modes: Vec<Range<usize>>,
     /// Whether the scene names the preset, or has a section for the rod.
     pub names_rod: bool,
+    /// Where files that the scene names are looked for.
+    pub folder: PathBuf,
+    pub drawn: Drawn,
     pub faults: Faults,
 }
 
@@ -133,7 +138,8 @@ fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
 }
 
 fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene, Faults> {
-    let mut draft = Draft::default();
+    let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    let mut draft = Draft { folder, ..Draft::default() };
     for key in document.keys().filter(|key| !SECTIONS.contains(&key.get_ref().as_ref())) {
         draft.faults.push(*values::unknown_key(key, "", &SECTIONS));
     }
@@ -174,6 +180,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
         sweep,
         run,
         output,
+        drawn: draft.drawn,
         said: draft.said,
     })
 }
@@ -205,6 +212,7 @@ impl Draft {
             self.params.approach.branch = Some(branch);
         }
         let mut sweep = sweep::read(document, self);
+        design::read(document, &mut sweep, self);
         curve::read(document, &mut sweep, self);
         sweep
     }
