@@ -7,6 +7,7 @@ mod check;
 mod cite;
 mod devices;
 mod explain;
+mod export;
 mod force;
 mod init;
 mod modes;
@@ -18,6 +19,7 @@ mod sample;
 mod schema;
 mod shell;
 mod signals;
+mod stats;
 mod stopped;
 mod study;
 mod words;
@@ -66,6 +68,10 @@ enum Command {
     Report(report::ReportArgs),
     /// The points of a scene's samples, as CSV
     Sample(sample::SampleArgs),
+    /// How the observables of uncertain samples are distributed, and which parameters decide
+    Stats(stats::StatsArgs),
+    /// The samples of a results file for other programs
+    Export(export::ExportArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),
     /// Speed and error of each engine over the size of the ensemble
@@ -137,6 +143,8 @@ pub fn main() -> ExitCode {
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
         Command::Sample(args) => sample::main(&args, voice),
+        Command::Stats(args) => stats::main(&args, voice),
+        Command::Export(args) => export::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
         Command::Bench(args) => bench::main(&args, voice),
         Command::Init(args) => init::main(&args),

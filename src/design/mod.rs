@@ -12,7 +12,7 @@ mod morris;
 mod sobol;
 
 pub use copula::Copula;
-pub use describe::Described;
+pub use describe::{Described, Problem, Told};
 pub use distribution::{Distribution, normal_below, normal_quantile};
 
 use self::sobol::Sequence;

@@ -16,7 +16,7 @@ pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_ord
 pub use morris::{Effects, Steps, effects};
 pub use saltelli::{Indices as SobolIndices, indices};
 pub use study::{Output, Study};
-pub use summary::{Convergence, Distributed, Indices, Options, SHARES, Summary, summary};
+pub use summary::{Convergence, Distributed, Indices, Options, SHARES, Summary, sorted_out, summary};
 
 use thiserror::Error;
 

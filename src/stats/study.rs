@@ -112,6 +112,11 @@ impl Study {
         (0..self.rows()).map(|row| values[self.instance(point, row)]).collect()
     }
 
+    /// The status of an instance, as the file calls it.
+    pub fn status_word(&self, instance: usize) -> &'static str {
+        status_word(self.status[instance])
+    }
+
     /// An output by its name.
     ///
     /// # Errors

@@ -142,6 +142,15 @@ pub fn summary(
     })
 }
 
+/// The rows of base samples that are ok as a whole, at a point.
+pub fn sorted_out(study: &Study, point: usize) -> Vec<usize> {
+    let status = study.at(&study.status, point);
+    let per = study.design.rows_per_sample();
+    let values = vec![0.0; status.len()];
+    let (units, _) = sorted(&status, &values, per, &Options::default());
+    units.iter().flat_map(|unit| *unit as usize * per..(*unit as usize + 1) * per).collect()
+}
+
 /// Base samples of which every row counts, and how many rows do not, by why.
 fn sorted(
     status: &[u8],

@@ -18,6 +18,8 @@ mod continuum;
 mod pages;
 #[path = "../program/mod.rs"]
 mod program;
+#[path = "../study/mod.rs"]
+mod study;
 #[path = "../support/mod.rs"]
 mod support;
 
@@ -56,6 +58,7 @@ mod exact_contact;
 mod exact_deflection;
 mod exact_energy;
 mod exact_free_motion;
+mod exact_indices;
 mod exact_instrument;
 mod exact_kicks;
 mod exact_periodic;
