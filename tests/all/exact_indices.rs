@@ -57,10 +57,10 @@ fn coverage(
         let found = sobol_indices(&told(&study(settings, distributions, &function)));
         found.iter().zip(truth).map(|(one, truth)| f64::from(u8::from(covers(one, *truth)))).collect()
     };
-    let sums = (0..REPEATS).into_par_iter().map(one).reduce(
-        || vec![0.0; truth.len()],
-        |a, b| a.iter().zip(&b).map(|(a, b)| a + b).collect(),
-    );
+    let sums = (0..REPEATS)
+        .into_par_iter()
+        .map(one)
+        .reduce(|| vec![0.0; truth.len()], |a, b| a.iter().zip(&b).map(|(a, b)| a + b).collect());
     sums.into_iter().map(|sum| sum / REPEATS as f64).collect()
 }
 
@@ -111,7 +111,10 @@ fn a_normal_output_has_its_mean_spread_and_quantiles() {
         }
         // Balanced points know the mean far better than random ones, and their intervals say so.
         let half_width = spread.mean.half_width;
-        assert!((kind == Kind::MonteCarlo || kind == Kind::LatinHypercube) == (half_width > 2e-3), "{kind:?}");
+        assert!(
+            (kind == Kind::MonteCarlo || kind == Kind::LatinHypercube) == (half_width > 2e-3),
+            "{kind:?}"
+        );
     }
 }
 
@@ -146,7 +149,9 @@ fn failed_rows_are_counted_and_never_averaged_in() {
     assert_eq!(found.left_out["beside_a_failed_row"], 4 * failed);
     assert_eq!(found.count, results.status.len() - 5 * failed);
     for (one, truth) in sobol_indices(&found).iter().zip(&truth) {
-        assert!((one.value - truth).abs() < 0.02, "{one:?}, not {truth}");
+        // The points that are left are no longer balanced, and the interval says so.
+        assert!((one.value - truth).abs() < 1.5 * one.half_width, "{one:?}, not {truth}");
+        assert!(one.half_width < 0.06, "{one:?}");
     }
     results.status.iter_mut().take(1500).for_each(|code| *code = 3);
     let study = Study::of(&results).unwrap();

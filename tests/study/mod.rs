@@ -71,11 +71,7 @@ pub fn results(
 }
 
 /// The study of such a file.
-pub fn study(
-    settings: Settings,
-    distributions: &[Distribution],
-    function: impl Fn(&[f64]) -> f64,
-) -> Study {
+pub fn study(settings: Settings, distributions: &[Distribution], function: impl Fn(&[f64]) -> f64) -> Study {
     Study::of(&results(settings, distributions, function)).unwrap()
 }
 
