@@ -9,6 +9,7 @@ mod devices;
 mod explain;
 mod export;
 mod force;
+mod infer;
 mod init;
 mod modes;
 mod plan;
@@ -70,6 +71,8 @@ enum Command {
     Sample(sample::SampleArgs),
     /// How the observables of uncertain samples are distributed, and which parameters decide
     Stats(stats::StatsArgs),
+    /// What observed values tell of uncertain parameters
+    Infer(infer::InferArgs),
     /// The samples of a results file for other programs
     Export(export::ExportArgs),
     /// Every engine on a few instances, side by side with the reference
@@ -144,6 +147,7 @@ pub fn main() -> ExitCode {
         Command::Report(args) => report::main(&args, voice),
         Command::Sample(args) => sample::main(&args, voice),
         Command::Stats(args) => stats::main(&args, voice),
+        Command::Infer(args) => infer::main(&args, voice),
         Command::Export(args) => export::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
         Command::Bench(args) => bench::main(&args, voice),

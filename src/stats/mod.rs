@@ -5,6 +5,7 @@
 
 mod bins;
 mod estimate;
+mod infer;
 pub mod json;
 mod morris;
 mod saltelli;
@@ -13,6 +14,7 @@ mod summary;
 
 pub use bins::first_order;
 pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
+pub use infer::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
 pub use morris::{Effects, Steps, effects};
 pub use saltelli::{Indices as SobolIndices, indices};
 pub use study::{Output, Study};
@@ -37,4 +39,15 @@ pub enum StatsError {
          See why they failed (`afmsweep report`, `afmsweep explain`), or allow it: --left-out 100; --keep STATUS counts a status as ok"
     )]
     LeftOut { output: String, lost: usize, rows: usize, share: f64, told: String },
+    #[error(
+        "rows of a {kind} design are no sample of the parameters: indices come from it, not inference. Run the scene with \
+         kind = \"sobol\", \"latin-hypercube\" or \"monte-carlo\""
+    )]
+    NoSample { kind: &'static str },
+    #[error(
+        "only {effective:.1} effective samples of {rows} agree with what was observed, fewer than {FEWEST_EFFECTIVE}: nothing is told by so \
+         few. The best row misses by {best:.1} standard deviations in all. Take more samples, or distributions that lie \
+         closer around what agrees; where even the best row misses by many, the observed values or their errors do not fit the model"
+    )]
+    FewEffective { effective: f64, rows: usize, best: f64 },
 }
