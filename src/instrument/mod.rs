@@ -36,6 +36,7 @@ mod modes;
 mod reduce;
 mod response;
 mod rod;
+mod scaled;
 pub mod summary;
 
 use nalgebra::Complex;
@@ -46,6 +47,7 @@ pub use assemble::Mesh;
 pub use error::InstrumentError;
 pub use free_motion::Place;
 pub use reduce::DEFAULT_TOLERANCE;
+pub use scaled::Pattern;
 
 /// One mode: `q'' + (omega/Q) q' + omega^2 q = force * f + drive * (drive level)`, and
 /// the tip moves by `tip * q`, the rod's top by `top * q`.

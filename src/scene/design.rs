@@ -330,6 +330,10 @@ impl<'a> Section<'a> {
         };
         let columns = table_file::axes(columns, self.key.clone(), draft)?;
         let mut samples = zipped::samples(columns, rows);
+        if !ids.is_empty() {
+            // Names have no unit.
+            samples.units.clear();
+        }
         samples.words = ids;
         sweep.axes.push(samples);
         draft.drawn.design = Design::new(settings, parameters).map(Box::new);
