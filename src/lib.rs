@@ -56,6 +56,7 @@ pub mod bench;
 pub mod compare;
 pub mod contact;
 pub mod control;
+pub mod design;
 pub mod engine;
 pub mod instrument;
 pub mod observe;
@@ -66,6 +67,7 @@ pub mod record;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod scene;
+pub mod stats;
 pub mod steady;
 pub mod store;
 #[cfg(feature = "report")]

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs a scene and opens its results, and made-up ones of every kind, with Python's readers. Holds the schema of scenes
-# against all scenes there are, runs the examples of first steps and recipes, and builds the documents as pages.
+# Runs a scene and opens its results, and made-up ones of every kind, with Python's readers. Holds statistics against
+# SALib and SciPy, and the schema of scenes against all scenes there are, runs the examples of first steps and recipes, and
+# builds the documents as pages.
 # Arguments go to cargo.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,6 +15,7 @@ for scene in tests/python/*.toml; do
     "${CARGO_TARGET_DIR:-target}/debug/afmsweep" run "$scene" -q -o "$file"
     .venv/bin/python -W error tests/python/check_results.py "$file"
 done
+.venv/bin/python -W error tests/python/check_stats.py "${CARGO_TARGET_DIR:-target}/debug/afmsweep" tests/python/study/*.toml
 "${CARGO_TARGET_DIR:-target}/debug/afmsweep" schema > "$folder/schema.json"
 .venv/bin/python tests/python/check_schema.py "$folder/schema.json" .
 for page in docs/first_steps.md docs/recipes.md; do

@@ -7,16 +7,20 @@ mod check;
 mod cite;
 mod devices;
 mod explain;
+mod export;
 mod force;
+mod infer;
 mod init;
 mod modes;
 mod plan;
 mod progress;
 mod report;
 mod run;
+mod sample;
 mod schema;
 mod shell;
 mod signals;
+mod stats;
 mod stopped;
 mod study;
 mod words;
@@ -62,6 +66,14 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Pictures and a page of tables from a results file
     Report(report::ReportArgs),
+    /// The points of a scene's samples, as CSV
+    Sample(sample::SampleArgs),
+    /// How the observables of uncertain samples are distributed, and which parameters decide
+    Stats(stats::StatsArgs),
+    /// What observed values tell of uncertain parameters
+    Infer(infer::InferArgs),
+    /// The samples of a results file for other programs
+    Export(export::ExportArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),
     /// Speed and error of each engine over the size of the ensemble
@@ -132,6 +144,10 @@ pub fn main() -> ExitCode {
         Command::Force(args) => force::main(&args),
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
+        Command::Sample(args) => sample::main(&args, voice),
+        Command::Stats(args) => stats::main(&args, voice),
+        Command::Infer(args) => infer::main(&args, voice),
+        Command::Export(args) => export::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
         Command::Bench(args) => bench::main(&args, voice),
         Command::Init(args) => init::main(&args),

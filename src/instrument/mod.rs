@@ -37,6 +37,7 @@ mod modes;
 mod reduce;
 mod response;
 mod rod;
+mod scaled;
 pub mod summary;
 
 use nalgebra::Complex;
@@ -48,6 +49,7 @@ pub use error::InstrumentError;
 pub use fluid::{Fluid, FluidMode, hydrodynamic_function, modes_in};
 pub use free_motion::Place;
 pub use reduce::DEFAULT_TOLERANCE;
+pub use scaled::Pattern;
 
 /// One mode: `q'' + (omega/Q) q' + omega^2 q = force * f + drive * (drive level)`, and
 /// the tip moves by `tip * q`, the rod's top by `top * q`.

@@ -5,7 +5,7 @@ use super::{
     SetPoint, steps,
 };
 use crate::contact::Contact;
-use crate::instrument::{Instrument, InstrumentError};
+use crate::instrument::{Instrument, InstrumentError, Pattern};
 use crate::observe::{Wants, wants};
 use crate::scene::{ApproachParams, Axis, DriveFrequency, Held, Params, Run, Scene, Start, Steady};
 use rayon::prelude::*;
@@ -172,11 +172,17 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
         let values = scene.described(instance);
         move |source| PlanError::Instrument { instance, values, source }
     };
+    let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
+    // Levers that differ in scale alone are reduced once.
+    let served = bodies.first.first().filter(|&&one| Pattern::serves(&scene.instance(one).instrument));
+    let pattern = served.map(|&one| Pattern::new(scene.base.drive.on, tolerance).map_err(fail(one)));
+    let pattern = pattern.transpose()?;
     let instrument = |&instance: &usize| {
         let params = scene.instance(instance);
-        let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
-        let reduced = Instrument::reduce(&params.instrument, params.drive.on, tolerance);
-        reduced.map(Arc::new).map_err(fail(instance))
+        let scaled = pattern.as_ref().and_then(|pattern| pattern.instrument(&params.instrument));
+        let own =
+            scaled.unwrap_or_else(|| Instrument::reduce(&params.instrument, params.drive.on, tolerance));
+        own.map(Arc::new).map_err(fail(instance))
     };
     let instruments: Vec<Arc<Instrument>> =
         bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;

@@ -7,6 +7,7 @@ mod waveforms;
 use crate::compare::Scales;
 use crate::contact::{Contact, Law, Warning};
 use crate::control::Arithmetic;
+use crate::design::Described;
 use crate::engine::{Finished, Outcome};
 use crate::observe::Observable;
 use crate::plan::{Plan, Precision};
@@ -81,7 +82,10 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
             ("wall_time_seconds".into(), Attribute::Number(facts.wall_time)),
             ("instance_steps".into(), Attribute::Number(plan.instance_steps() as f64)),
             ("instance_steps_per_second".into(), Attribute::Number(facts.rate)),
-        ],
+        ]
+        .into_iter()
+        .chain(design(scene).map(|text| ("design".into(), Attribute::Text(text))))
+        .collect(),
         provenance: vec![
             ("scene".into(), scene.source.clone()),
             ("scene_resolved".into(), scene.resolved_toml()),
@@ -96,6 +100,22 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
 fn from_preset(scene: &Scene) -> String {
     let paths: Vec<String> = scene.from_preset().into_iter().map(|(path, _)| path).collect();
     if paths.is_empty() { "none".to_owned() } else { paths.join(" ") }
+}
+
+/// Attribute `design`: what the samples follow from, as JSON.
+fn design(scene: &Scene) -> Option<String> {
+    let design = scene.drawn.design.as_deref()?;
+    let ends = |values: &[f64]| {
+        let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
+        (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY))
+    };
+    let column = |path: &str| scene.sweep.quantities().find(|axis| axis.path == path);
+    let ends: Vec<(f64, f64)> = design
+        .parameters
+        .iter()
+        .map(|one| column(&one.path).map_or((f64::NAN, f64::NAN), |axis| ends(&axis.values)))
+        .collect();
+    serde_json::to_string(&Described::new(design, &ends)).ok()
 }
 
 /// Flag `precision`, where a run has both.

@@ -1,6 +1,8 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
 mod curve;
+mod design;
+mod drawn;
 mod drive_rules;
 mod error;
 mod file;
@@ -15,9 +17,13 @@ mod read;
 mod resolved;
 mod rules;
 mod schema;
+mod schema_design;
 mod setpoint;
 mod sweep;
 mod synonyms;
+mod table;
+mod table_file;
+mod uncertain;
 mod values;
 mod zipped;
 
@@ -30,6 +36,7 @@ pub use schema::schema;
 pub use synonyms::{Meant, meant};
 use zipped::{LAW, law_of};
 
+use crate::design::Design;
 use crate::observe::Observable;
 use std::path::{Path, PathBuf};
 
@@ -51,8 +58,30 @@ pub struct Scene {
     pub output: Output,
     /// The maker's lever that it names as its preset.
     pub lever: Option<&'static MakersLever>,
+    /// Where its samples come from.
+    pub drawn: Drawn,
     /// What the file says, and where.
     said: Vec<read::Said>,
+}
+
+/// Where the samples of a scene come from, if not from its own lists.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// `[uncertain]` and `[design]`.
+    pub design: Option<Box<Design>>,
+    /// The file of a table.
+    pub file: Option<TableFile>,
+    /// What is odd about them: a place of the scene and a line.
+    odd: Vec<(std::ops::Range<usize>, String)>,
+}
+
+/// A file of samples.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableFile {
+    /// As the scene names it, from its own folder.
+    pub file: String,
+    /// Paths of its columns, where it has no header.
+    pub names: Option<Vec<String>>,
 }
 
 impl Scene {

@@ -127,6 +127,7 @@ impl Scene {
     /// that rings for ever. One line each, with its place in the file.
     pub fn warnings(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.said.iter().filter_map(|said| self.odd(said)).collect();
+        lines.extend(self.drawn.odd.iter().map(|(key, line)| format!("{}: {line}", self.place(key))));
         lines.extend(self.undamped_rod());
         lines
     }

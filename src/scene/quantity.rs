@@ -37,6 +37,17 @@ impl Domain {
         }
     }
 
+    /// Between which values it lies; an end may be allowed itself or not.
+    pub fn ends(self) -> (f64, f64) {
+        match self {
+            Self::Finite => (f64::NEG_INFINITY, f64::INFINITY),
+            Self::NonNegative | Self::Positive | Self::PositiveOrInfinite => (0.0, f64::INFINITY),
+            Self::Share => (0.0, 1.0),
+            Self::PoissonRatio => (-1.0, 0.5),
+            Self::QualityFactor => (0.5, f64::INFINITY),
+        }
+    }
+
     /// What to do about a value that is not allowed.
     pub fn advice(self, value: f64) -> &'static str {
         match self {

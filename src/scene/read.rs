@@ -6,17 +6,17 @@ use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::values::{self, Key, Value};
-use super::{Scene, Steady, SweptAxes, curve, output, rules, setpoint, sweep};
+use super::{Drawn, Scene, Steady, SweptAxes, curve, design, output, rules, setpoint, sweep};
 use crate::observe::Observable;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 /// The preset of the whole instrument; the others are `levers.rs`'s.
 pub(super) const PRESET: &str = "ha-fung-chen-2005";
 
 /// What stands at the top of a scene.
-pub(super) const SECTIONS: [&str; 11] = [
+pub(super) const SECTIONS: [&str; 13] = [
     "title",
     "instrument",
     "sample",
@@ -25,6 +25,8 @@ pub(super) const SECTIONS: [&str; 11] = [
     "approach",
     "sweep",
     "samples",
+    "uncertain",
+    "design",
     "curve",
     "run",
     "output",
@@ -67,6 +69,9 @@ pub(super) struct Draft {
     pub lever: Option<(&'static MakersLever, Range<usize>)>,
     /// Whether the scene names the paper's preset, or has a section for the rod.
     pub names_rod: bool,
+    /// Where files that the scene names are looked for.
+    pub folder: PathBuf,
+    pub drawn: Drawn,
     pub faults: Faults,
 }
 
@@ -136,7 +141,8 @@ fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
 }
 
 fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene, Faults> {
-    let mut draft = Draft::default();
+    let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    let mut draft = Draft { folder, ..Draft::default() };
     for key in document.keys().filter(|key| !SECTIONS.contains(&key.get_ref().as_ref())) {
         draft.faults.push(*values::unknown_key(key, "", &SECTIONS));
     }
@@ -178,6 +184,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
         run,
         output,
         lever: draft.lever.map(|(lever, _)| lever),
+        drawn: draft.drawn,
         said: draft.said,
     })
 }
@@ -209,6 +216,7 @@ impl Draft {
             self.params.approach.branch = Some(branch);
         }
         let mut sweep = sweep::read(document, self);
+        design::read(document, &mut sweep, self);
         curve::read(document, &mut sweep, self);
         sweep
     }

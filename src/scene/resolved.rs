@@ -5,7 +5,7 @@ use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, PRESET, keys_of};
 use super::zipped::SAMPLES;
-use super::{Axis, Layout, Scene, curve, output, sweep};
+use super::{Axis, Drawn, Layout, Scene, curve, drawn, output, sweep};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
 
@@ -109,13 +109,18 @@ impl Scene {
             .filter(|axis| !axis.path.starts_with("curve."))
             .partition(|axis| axis.path == SAMPLES);
         let mut swept = swept.into_iter().peekable();
-        if swept.peek().is_some() {
+        // Rows of a list that stands in a file are not repeated.
+        let filed = self.sweep.layout == Layout::List && self.drawn.file.is_some();
+        if swept.peek().is_some() && !filed {
             writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
         }
-        for axis in swept {
+        for axis in swept.filter(|_| !filed) {
             writeln!(text, "{}", written_axis(axis, self.sweep.layout))?;
         }
-        for axis in samples {
+        if self.drawn.design.is_some() || self.drawn.file.is_some() {
+            text.push_str(&drawn::written(&self.drawn));
+        }
+        for axis in samples.into_iter().filter(|_| self.drawn == Drawn::default()) {
             writeln!(text, "\n[samples]")?;
             axis.columns
                 .iter()
@@ -215,7 +220,7 @@ fn value_list(axis: &Axis, address: Address) -> String {
 }
 
 /// A TOML string, whatever it contains.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.to_string()).to_string()
 }
 

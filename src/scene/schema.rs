@@ -2,7 +2,6 @@
 //!
 //! Editors complete keys and show units by it. It is draft 7, which TOML editors know. Rules between keys are not in it.
 
-use super::STEPPED_MODES;
 use super::curve;
 use super::levers;
 use super::output::{BRANCHES, KEYS, STARTS, WAVEFORM_KEYS, WAYS};
@@ -11,6 +10,7 @@ use super::quantities::QUANTITIES;
 use super::quantity::{Address, Domain, Quantity};
 use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS};
 use super::zipped::{LABEL, LAW};
+use super::{STEPPED_MODES, schema_design};
 use crate::observe::Observable;
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
@@ -29,7 +29,9 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
             "title" => json!({ "type": "string" }),
             "instrument" => instrument(describe),
             "sweep" => sweep(),
-            "samples" => varied(&listed),
+            "samples" => schema_design::samples(varied(&listed)),
+            "uncertain" => varied(&schema_design::distribution),
+            "design" => schema_design::design(describe),
             "curve" => curve(),
             "run" => run(describe),
             "output" => output(describe),
@@ -54,7 +56,7 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
 }
 
 /// With a description, if there is one.
-fn told(mut value: Value, text: &str) -> Value {
+pub(super) fn told(mut value: Value, text: &str) -> Value {
     if let (Some(object), false) = (value.as_object_mut(), text.is_empty()) {
         object.insert("description".into(), text.into());
     }
@@ -68,7 +70,7 @@ fn word<T>(words: &[(&str, T)]) -> Value {
 }
 
 /// A table with these entries and no others.
-fn object(properties: Map<String, Value>) -> Value {
+pub(super) fn object(properties: Map<String, Value>) -> Value {
     json!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
@@ -236,7 +238,7 @@ fn listed(quantity: &Quantity) -> Value {
 }
 
 /// A reference to what values of a quantity are.
-fn named(quantity: &Quantity) -> Value {
+pub(super) fn named(quantity: &Quantity) -> Value {
     json!({ "$ref": format!("#/definitions/{}", name(quantity)) })
 }
 

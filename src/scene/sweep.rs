@@ -5,7 +5,7 @@ use super::quantities::QUANTITIES;
 use super::quantity::Address;
 use super::read::{Draft, Said, keys_of};
 use super::values::{self, Key, Value};
-use super::{Axis, Layout, SweptAxes, zipped};
+use super::{Axis, Layout, SweptAxes, table_file, zipped};
 use crate::suggest::nearest;
 use crate::units::shortened;
 use toml::de::DeTable;
@@ -61,7 +61,7 @@ fn crossed(
 }
 
 /// Refuses more instances than a scene may have.
-fn in_all(instances: usize, key: &Key) -> Checked<()> {
+pub(super) fn in_all(instances: usize, key: &Key) -> Checked<()> {
     if instances <= MOST_INSTANCES {
         return Ok(());
     }
@@ -81,6 +81,9 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
                 "at least one line, such as \"sample.youngs_modulus\" = { values = [\"1 GPa\", \"2 GPa\"] }",
             )
             .help("leave the section out to run the one case"));
+    }
+    if let (Layout::List, Some(file)) = (layout, table.get("file")) {
+        return table_file::read(key, table, file, draft);
     }
     let mut sweep = SweptAxes { layout, ..SweptAxes::default() };
     let mut instances: usize = 1;

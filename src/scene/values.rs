@@ -41,7 +41,7 @@ pub(super) fn in_domain(
         .help(domain.advice(number)))
 }
 
-fn raw_quantity(value: &Value, dimension: Dimension, path: &str) -> Checked<f64> {
+pub(super) fn raw_quantity(value: &Value, dimension: Dimension, path: &str) -> Checked<f64> {
     let fault = |found: String| {
         let expected = match dimension {
             Dimension::Dimensionless => "a number without unit and without quotes, such as 0.3".to_string(),

@@ -221,12 +221,17 @@ fn named(key: &Key) -> Checked<()> {
 
 /// Refuses axes of one name.
 pub(super) fn check(sweep: &SweptAxes, key: &Key, draft: &Draft) -> Checked<()> {
+    check_at(sweep, key.span(), draft)
+}
+
+/// The same, of a section at this place.
+pub(super) fn check_at(sweep: &SweptAxes, place: Range<usize>, draft: &Draft) -> Checked<()> {
     let mut seen = HashSet::new();
     match sweep.quantities().find(|axis| !seen.insert(axis.name.as_str())) {
         None => Ok(()),
         Some(axis) => {
             let said = draft.said.iter().rev().find(|said| said.swept && said.path == axis.path);
-            Err(Fault::at(said.map_or(key.span(), |said| said.key.clone()), "two axes have one name")
+            Err(Fault::at(said.map_or(place, |said| said.key.clone()), "two axes have one name")
                 .label(format!("`{}`", axis.name))
                 .expected("axes whose names in the results file differ")
                 .help("give the table another name"))

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 const ORDER: [&[&str]; 14] = [
     // The kernel is a crate of its own: what it may know is Cargo's to say.
     &["suggest", "kernel", "reconstruct"],
-    &["units", "observe"],
+    &["units", "observe", "design"],
     &["scene"],
     &["instrument", "contact", "periodic"],
     &["plan"],
@@ -14,7 +14,7 @@ const ORDER: [&[&str]; 14] = [
     &["compare", "steady"],
     &["control"],
     &["store"],
-    &["record"],
+    &["record", "stats"],
     &["sweep"],
     &["report"],
     &["study", "bench"],
@@ -22,11 +22,13 @@ const ORDER: [&[&str]; 14] = [
 ];
 
 /// Beyond the order: modules that may import from these alone.
-const NARROW: [(&str, &[&str]); 2] = [
+const NARROW: [(&str, &[&str]); 3] = [
     // The file's format does not depend on how results came about. The kernel has the names and codes of laws.
     ("store", &["kernel", "observe"]),
     // Pictures come from the results file alone.
-    ("report", &["observe", "reconstruct", "store", "units"]),
+    ("report", &["design", "observe", "reconstruct", "stats", "store", "units"]),
+    // Statistics as well.
+    ("stats", &["design", "observe", "store"]),
 ];
 
 /// Words that stop the program or are left over from its making, and where one is meant: file, and why.

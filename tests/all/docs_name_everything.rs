@@ -82,7 +82,7 @@ fn choices(text: &str) -> Vec<String> {
 }
 
 /// Every table of a scene, by its heading, and a scene that asks for a key it does not have.
-const TABLES: [(&str, &str); 14] = [
+const TABLES: [(&str, &str); 15] = [
     ("Top level", "zzz = 1"),
     ("`[instrument]`", "[instrument]\nzzz = 1"),
     ("`[instrument.actuator]`", "[instrument.actuator]\nzzz = 1"),
@@ -93,6 +93,7 @@ const TABLES: [(&str, &str); 14] = [
     ("`[contact]`", "[contact]\nzzz = 1"),
     ("`[drive]`", "[drive]\nzzz = 1"),
     ("`[approach]`", "[approach]\nzzz = 1"),
+    ("`[design]`", "[design]\nzzz = 1"),
     ("`[curve]`", "[curve]\nzzz = 1"),
     ("`[run]`", "[run]\nzzz = 1"),
     ("`[output]`", "[output]\nzzz = 1"),
@@ -118,6 +119,12 @@ fn every_word_that_a_choice_may_have_is_told() {
         ("`[contact]`", "law", "[contact]\nlaw = \"zzz\""),
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
         ("`[curve]`", "quantity", "[curve]\nquantity = \"zzz\""),
+        ("`[design]`", "kind", "[design]\nkind = \"zzz\""),
+        (
+            "`[uncertain]`",
+            "distribution",
+            "[uncertain]\n\"approach.gap\" = { distribution = \"zzz\" }\n[design]\nkind = \"sobol\"",
+        ),
         ("`[curve]`", "direction", &format!("{CURVE}direction = \"zzz\"")),
         ("`[run]`", "start", "[run]\nstart = \"zzz\""),
         ("`[run]`", "steady", "[run]\nsteady = \"zzz\""),

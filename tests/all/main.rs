@@ -18,6 +18,8 @@ mod continuum;
 mod pages;
 #[path = "../program/mod.rs"]
 mod program;
+#[path = "../study/mod.rs"]
+mod study;
 #[path = "../support/mod.rs"]
 mod support;
 
@@ -44,6 +46,7 @@ mod cli_schema;
 mod cli_search;
 mod cli_sense;
 mod cli_signals;
+mod cli_study;
 mod cli_tables;
 mod cli_waveforms;
 mod cli_words;
@@ -59,6 +62,8 @@ mod exact_deflection;
 mod exact_energy;
 mod exact_fluid;
 mod exact_free_motion;
+mod exact_indices;
+mod exact_inference;
 mod exact_instrument;
 mod exact_kicks;
 mod exact_periodic;

@@ -1,0 +1,228 @@
+//! `afmsweep stats`: how the observables of a study are distributed, and which parameters decide them.
+
+use super::{Voice, print, print_json};
+use afmsweep::Status;
+use afmsweep::report::shown;
+use afmsweep::stats::{self, Estimate, Indices, Options, Output, SHARES, StatsError, Study, Summary, json};
+use afmsweep::store;
+use anyhow::bail;
+use serde_json::{Map, Value};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+#[command(after_help = "Examples: afmsweep stats results/uncertain_lever.h5\n          \
+                        afmsweep stats results/sensitivity.h5 --json --observable amplitude")]
+pub struct StatsArgs {
+    /// Results file (HDF5) of a scene with [uncertain] and [design], or [samples]
+    file: PathBuf,
+    /// Only this observable; may be given several times
+    #[arg(long = "observable", value_name = "NAME")]
+    observables: Vec<String>,
+    #[command(flatten)]
+    rows: RowArgs,
+    /// Machine-readable answer on standard output, SI units
+    #[arg(long)]
+    json: bool,
+}
+
+/// Which rows count.
+#[derive(clap::Args)]
+pub struct RowArgs {
+    /// Largest share of rows, in percent, that may be left out because they failed
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0, value_parser = percent)]
+    left_out: f64,
+    /// A status beside ok whose values count, such as accuracy_not_met; may be given several times
+    #[arg(long = "keep", value_name = "STATUS", value_parser = status)]
+    kept: Vec<Status>,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if (0.0..=100.0).contains(&share) => Ok(share),
+        _ => Err("expected a share from 0 to 100".into()),
+    }
+}
+
+fn status(text: &str) -> Result<Status, String> {
+    let found = Status::ALL.into_iter().find(|status| status.meaning() == text);
+    found.ok_or_else(|| {
+        let words: Vec<&str> = Status::ALL.iter().map(|status| status.meaning()).collect();
+        format!("expected one of {}", words.join(", "))
+    })
+}
+
+impl RowArgs {
+    pub fn options(&self) -> Options {
+        Options { most_left_out: self.left_out / 100.0, kept: self.kept.clone() }
+    }
+}
+
+/// What is told of each observable at a point.
+type Told<'a> = Vec<(&'a Output, Result<Summary, StatsError>)>;
+
+pub fn main(args: &StatsArgs, voice: Voice) -> anyhow::Result<()> {
+    let study = Study::of(&store::read(&args.file)?)?;
+    let outputs: Vec<&Output> = match args.observables.as_slice() {
+        [] => study.outputs.iter().collect(),
+        names => names.iter().map(|name| study.output(name)).collect::<Result<_, _>>()?,
+    };
+    let options = args.rows.options();
+    let points: Vec<Told> = (0..study.points())
+        .map(|point| {
+            let one = |output: &&'_ Output| stats::summary(&study, output, point, &options);
+            outputs.iter().map(|output| (*output, one(output))).collect()
+        })
+        .collect();
+    match args.json {
+        true => print_json(&as_json(args, &study, &points))?,
+        false => print(&as_text(&study, &points))?,
+    }
+    let failed: Vec<&StatsError> =
+        points.iter().flatten().filter_map(|(_, told)| told.as_ref().err()).collect();
+    if let Some(first) = failed.first() {
+        if failed.len() > 1 {
+            voice.say(format_args!("{} observables could not be told; the first:", failed.len()));
+        }
+        bail!("{first}");
+    }
+    Ok(())
+}
+
+fn as_json(args: &StatsArgs, study: &Study, points: &[Told]) -> Value {
+    let design = &study.design;
+    let mut answer = Map::new();
+    let mut say = |key: &str, value: Value| drop(answer.insert(key.into(), value));
+    say("version", 1.into());
+    say("file", args.file.to_string_lossy().into());
+    say("kind", design.kind.word().into());
+    say("samples", design.samples.into());
+    say("replicates", design.replicates.into());
+    say("rows", design.rows.into());
+    say("names", design.group_names().into());
+    let of = |told: &Told| -> Map<String, Value> {
+        let one = |(output, told): &(&Output, Result<Summary, StatsError>)| {
+            let value = match told {
+                Ok(summary) => json::summary(summary, output),
+                Err(error) => serde_json::json!({ "error": error.to_string() }),
+            };
+            (output.name.clone(), value)
+        };
+        told.iter().map(one).collect()
+    };
+    match (study.beside.is_empty(), points) {
+        (true, [only]) => say("observables", of(only).into()),
+        _ => {
+            let one = |(point, told): (usize, &Told)| -> Value {
+                serde_json::json!({ "at": json::place(study, point), "observables": of(told) })
+            };
+            say("points", points.iter().enumerate().map(one).collect());
+        }
+    }
+    Value::Object(answer)
+}
+
+fn as_text(study: &Study, points: &[Told]) -> String {
+    let design = &study.design;
+    let mut text = format!(
+        "{}: {} of {} samples, {} rows{}\n",
+        study.title,
+        design.kind.word(),
+        design.samples,
+        design.rows,
+        if design.replicates > 1 { format!(", {} replicates", design.replicates) } else { String::new() }
+    );
+    for (point, told) in points.iter().enumerate() {
+        if !study.beside.is_empty() {
+            let at = study.beside.iter().zip(study.place(point)).map(|(axis, at)| match axis.words.get(at) {
+                Some(word) => format!("{} {word}", axis.long_name),
+                None => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
+            });
+            text += &format!("\n== {}\n", at.collect::<Vec<_>>().join(", "));
+        }
+        for (output, told) in told {
+            text += &match told {
+                Ok(summary) => observable(study, output, summary),
+                Err(error) => format!("\n{}\n  nothing: {error}\n", output.name),
+            };
+        }
+    }
+    text
+}
+
+fn observable(study: &Study, output: &Output, summary: &Summary) -> String {
+    let mut text = format!("\n{} ({})\n  {} rows count", output.name, output.long_name, summary.count);
+    let left_out: Vec<String> =
+        summary.left_out.iter().map(|(word, count)| format!("{count} {word}")).collect();
+    if !left_out.is_empty() {
+        text += &format!(", left out: {}", left_out.join(", "));
+    }
+    text += &format!("; intervals of 95 % by {}\n", summary.intervals.name());
+    let value = |one: &Estimate| {
+        format!("{} +- {}", shown(one.value, &output.units, 5), shown(one.half_width, &output.units, 2))
+    };
+    if let Some(spread) = &summary.spread {
+        text += &format!("  mean {}\n  sd   {}\n", value(&spread.mean), value(&spread.sd));
+        for (share, one) in SHARES.iter().zip(&spread.quantiles) {
+            text += &format!("  {:>5.1} % below {}\n", 100.0 * share, value(one));
+        }
+    }
+    text += &indices(study, output, summary);
+    let (median, largest) = summary.simulation_error;
+    text += &format!(
+        "  error of the simulation, on the scale of accuracy ({}): median {median:.1e}, largest {largest:.1e}\n",
+        output.error_scale
+    );
+    let (half, all) = (summary.convergence.first(), summary.convergence.last());
+    if let (Some(half), Some(all)) = (half, all)
+        && half.samples < all.samples
+        && let (Some(before), Some(after)) = (half.mean, all.mean)
+    {
+        text += &format!(
+            "  converged? mean from {} samples {}, from {} {}\n",
+            half.samples,
+            value(&before),
+            all.samples,
+            value(&after)
+        );
+    }
+    text
+}
+
+/// A table of indices or effects.
+fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
+    let names = study.design.group_names();
+    let wide = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    let share = |one: &Estimate| format!("{:>7.4} +- {:<7.4}", one.value, one.half_width);
+    let mut text = String::new();
+    match &summary.indices {
+        Indices::Saltelli(indices) => {
+            text += &format!("  {:wide$}  {:<18}  {:<18}\n", "", "S1", "ST");
+            for (n, name) in names.iter().enumerate() {
+                text +=
+                    &format!("  {name:wide$}  {}  {}\n", share(&indices.first[n]), share(&indices.total[n]));
+            }
+            let pairs = (0..names.len()).flat_map(|j| (j + 1..names.len()).map(move |k| (j, k)));
+            for ((j, k), one) in pairs.zip(&indices.second) {
+                text += &format!("  S2 of {} and {}: {}\n", names[j], names[k], share(one).trim());
+            }
+        }
+        Indices::Morris(effects) => {
+            for (n, name) in names.iter().enumerate() {
+                let star = &effects.mu_star[n];
+                text += &format!(
+                    "  {name:wide$}  mu* {} +- {}, mu {}, sigma {}\n",
+                    shown(star.value, &output.units, 4),
+                    shown(star.half_width, &output.units, 2),
+                    shown(effects.mu[n], &output.units, 4),
+                    shown(effects.sigma[n], &output.units, 4)
+                );
+            }
+        }
+        Indices::Bins(first) => {
+            for (name, one) in names.iter().zip(first) {
+                text += &format!("  {name:wide$}  S1 (bins) {}\n", share(one).trim_end());
+            }
+        }
+    }
+    text
+}

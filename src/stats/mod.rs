@@ -1,0 +1,53 @@
+//! Statistics of the samples in a results file: how an observable is distributed, and which parameter decides it.
+//!
+//! Rows that failed never count silently: they are told by their status, and where rows of a design belong together the
+//! whole base sample goes.
+
+mod bins;
+mod estimate;
+mod infer;
+pub mod json;
+mod morris;
+mod saltelli;
+mod study;
+mod summary;
+
+pub use bins::first_order;
+pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
+pub use infer::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
+pub use morris::{Effects, Steps, effects};
+pub use saltelli::{Indices as SobolIndices, indices};
+pub use study::{Output, Study};
+pub use summary::{Convergence, Distributed, Indices, Options, SHARES, Summary, sorted_out, summary};
+
+use thiserror::Error;
+
+/// Why there are no statistics.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StatsError {
+    #[error(
+        "the file has no samples: it is a single case or a grid; give its scene [uncertain] and [design], or [samples]"
+    )]
+    NoSamples,
+    #[error("attribute `design` does not fit the file ({why}); run the scene again")]
+    Design { why: String },
+    #[error("the file has no observable {name}; it has {known}")]
+    Output { name: String, known: String },
+    #[error(
+        "{lost} of {rows} rows cannot count for {output} ({told}), more than {share} %: what is left is no fair sample. \
+         See why they failed (`afmsweep report`, `afmsweep explain`), or allow it: --left-out 100; --keep STATUS counts a status as ok"
+    )]
+    LeftOut { output: String, lost: usize, rows: usize, share: f64, told: String },
+    #[error(
+        "rows of a {kind} design are no sample of the parameters: indices come from it, not inference. Run the scene with \
+         kind = \"sobol\", \"latin-hypercube\" or \"monte-carlo\""
+    )]
+    NoSample { kind: &'static str },
+    #[error(
+        "only {effective:.1} effective samples of {rows} agree with what was observed, fewer than {FEWEST_EFFECTIVE}: nothing is told by so \
+         few. The best row misses by {best:.1} standard deviations in all. Take more samples, or distributions that lie \
+         closer around what agrees; where even the best row misses by many, the observed values or their errors do not fit the model"
+    )]
+    FewEffective { effective: f64, rows: usize, best: f64 },
+}
