@@ -7,10 +7,14 @@ mod check;
 mod cite;
 mod devices;
 mod explain;
+mod export;
 mod force;
 mod init;
+mod look_in;
+mod merge;
 mod modes;
 mod plan;
+mod prepare;
 mod progress;
 mod report;
 mod run;
@@ -52,6 +56,12 @@ struct Cli {
 enum Command {
     /// Run a scene and write its results file
     Run(run::RunArgs),
+    /// Make the choices of a run from all of its instances, for runs of its shares
+    Prepare(prepare::PrepareArgs),
+    /// Make the results of a run of its shares
+    Merge(merge::MergeArgs),
+    /// Look into the journal of a run that is not whole
+    Export(export::ExportArgs),
     /// Say what a run would do, without running
     Plan(plan::PlanArgs),
     /// Natural frequencies and each mode's share
@@ -128,6 +138,9 @@ pub fn main() -> ExitCode {
     let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
+        Command::Prepare(args) => prepare::main(&args, voice),
+        Command::Merge(args) => merge::main(&args, voice),
+        Command::Export(args) => export::main(&args, voice),
         Command::Plan(args) => plan::main(&args, voice),
         Command::Modes(args) => modes::main(&args),
         Command::Force(args) => force::main(&args),
