@@ -144,20 +144,7 @@ pub(super) fn run(
     let mut whole = Controlled::not_begun(plan, choices);
     whole.left_out.clone_from(&left_out);
     let work = Work { choices, poorer, left_out, stepped: !stepped.is_empty(), engine, progress };
-    let mut wanted = Vec::new();
-    for number in (0..division.len()).filter(|number| keep.wanted(*number)) {
-        let portion = division.portion(number);
-        let known = keep.known(number).map(|known| (known.whole, known));
-        let ended = known.and_then(|(is_whole, known)| {
-            Some((is_whole, known.controlled(whole.plan.part(portion), choices)?))
-        });
-        if !ended.as_ref().is_some_and(|(is_whole, _)| *is_whole) {
-            wanted.push(number);
-        }
-        if let Some((_, ended)) = ended {
-            whole.take(portion, ended);
-        }
-    }
+    let wanted = whole.take_known(&division, choices, keep);
     let all: u64 = wanted.iter().map(|number| division.portion(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
     if held.is_none() {
@@ -192,6 +179,30 @@ pub(super) fn run(
 }
 
 impl Controlled {
+    /// Takes in what earlier runs have ended; gives the numbers of the portions that are to be run.
+    fn take_known(&mut self, division: &Division, choices: &Choices, keep: &dyn Keep) -> Vec<usize> {
+        let mut wanted = Vec::new();
+        for number in 0..division.len() {
+            let portion = division.portion(number);
+            let known = keep.known(number);
+            let runs = keep.wanted(number);
+            // What was cut short is run anew, from what was chosen.
+            let of_use = known.filter(|known| known.whole || !runs);
+            let ended = of_use.and_then(|known| {
+                let whole = known.whole;
+                Some((whole, known.controlled(self.plan.part(portion), choices)?))
+            });
+            let done = ended.as_ref().is_some_and(|(whole, _)| *whole);
+            if let Some((_, ended)) = ended {
+                self.take(portion, ended);
+            }
+            if !done && runs {
+                wanted.push(number);
+            }
+        }
+        wanted
+    }
+
     /// Takes in what became of a portion.
     fn take(&mut self, portion: &[u32], part: Self) {
         let Arithmetic { of, .. } = part.arithmetic;
