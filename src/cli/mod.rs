@@ -21,6 +21,7 @@ mod run;
 mod schema;
 mod shell;
 mod signals;
+mod slurm;
 mod stopped;
 mod study;
 mod words;
@@ -60,6 +61,8 @@ enum Command {
     Prepare(prepare::PrepareArgs),
     /// Make the results of a run of its shares
     Merge(merge::MergeArgs),
+    /// Write the script that runs a scene in shares on a cluster with Slurm
+    Slurm(slurm::SlurmArgs),
     /// Look into the journal of a run that is not whole
     Export(export::ExportArgs),
     /// Say what a run would do, without running
@@ -140,6 +143,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run::main(&args, voice),
         Command::Prepare(args) => prepare::main(&args, voice),
         Command::Merge(args) => merge::main(&args, voice),
+        Command::Slurm(args) => slurm::main(&args, voice),
         Command::Export(args) => export::main(&args, voice),
         Command::Plan(args) => plan::main(&args, voice),
         Command::Modes(args) => modes::main(&args),

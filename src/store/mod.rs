@@ -12,6 +12,8 @@ mod error;
 mod heap;
 #[cfg(feature = "hdf5")]
 mod history;
+#[cfg(feature = "hdf5")]
+mod image;
 mod journal;
 #[cfg(feature = "hdf5")]
 mod labels;

@@ -15,6 +15,7 @@ use std::path::Path;
 pub fn read(path: &Path) -> Result<Results, StoreError> {
     let source = Source::open(path)?;
     source.file_scene()?;
+    source.refuse_share()?;
     let results = source.results()?;
     source.verify(&results)?;
     Ok(results)
@@ -26,12 +27,16 @@ pub fn scene_of(path: &Path) -> Result<String, StoreError> {
 }
 
 impl Source {
-    fn results(&self) -> Result<Results, StoreError> {
-        let root = self.file.group("/").map_err(|e| self.damaged(e))?;
+    fn refuse_share(&self) -> Result<(), StoreError> {
         if self.file.link_exists(JOURNAL) {
             let why = "it is a share of a run; `afmsweep merge` makes results of all of them".into();
             return Err(StoreError::Foreign { path: self.path.clone(), why });
         }
+        Ok(())
+    }
+
+    fn results(&self) -> Result<Results, StoreError> {
+        let root = self.file.group("/").map_err(|e| self.damaged(e))?;
         let members = self.members(&root)?;
         let status = self.dataset(&root, "status")?;
         let shape = status.shape();

@@ -1,7 +1,8 @@
 //! The file of a share of a run: an HDF5 file around the journal of its portions, which `afmsweep merge` takes.
 
+use super::image::{file_image, in_memory};
 use super::labels::{self, read_text};
-use super::write::{file_image, in_memory, scene_group};
+use super::write::scene_group;
 use super::{Journal, StoreError, journal};
 use hdf5::File;
 use std::path::Path;

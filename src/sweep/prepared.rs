@@ -199,7 +199,7 @@ impl Prepared {
         }
         if self.program != program() && !anyway {
             return wrong(format!(
-                "the choices are of {} and this is {}: their last bits may differ",
+                "the run was begun by {} and this is {}: their last bits may differ; --resume=anyway goes on all the same",
                 self.program,
                 program()
             ));
