@@ -4,12 +4,9 @@
 //! five (4), its bytes, and their CRC-32 (4). So a record that is spoilt is passed over, and what was cut off while it was
 //! written is known as such. The first record is the header.
 
-#[cfg(feature = "hdf5")]
 use super::StoreError;
-#[cfg(feature = "hdf5")]
 use std::io::Read;
 use std::ops::Range;
-#[cfg(feature = "hdf5")]
 use std::path::Path;
 
 /// What a journal begins with; the number is the format's.
@@ -125,14 +122,12 @@ impl Journal {
 }
 
 /// Whether a file begins as a journal does.
-#[cfg(feature = "hdf5")]
 pub(super) fn is_at(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
     std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
 }
 
 /// The journal in a file.
-#[cfg(feature = "hdf5")]
 pub(super) fn open(path: &Path) -> Result<Journal, StoreError> {
     let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", e))?;
     Journal::read(bytes).map_err(|why| StoreError::Journal { path: path.to_path_buf(), why })

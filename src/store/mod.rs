@@ -14,6 +14,7 @@ mod heap;
 mod history;
 #[cfg(feature = "hdf5")]
 mod image;
+#[cfg(feature = "hdf5")]
 mod journal;
 #[cfg(feature = "hdf5")]
 mod labels;
@@ -40,6 +41,7 @@ mod write;
 pub use error::StoreError;
 #[cfg(feature = "hdf5")]
 pub use history::now;
+#[cfg(feature = "hdf5")]
 pub use journal::{Journal, Kind};
 #[cfg(feature = "hdf5")]
 pub use occupant::{Earlier, same_file};

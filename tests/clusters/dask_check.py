@@ -25,7 +25,13 @@ def run_share(program, scene, number, shards):
     stem = pathlib.Path(scene).stem
     words = [program, "run", scene, "--shard", f"{number}/{shards}", "--resume"]
     words += ["--choices", f"results/{stem}.choices.toml", "--threads", "1", "--portion", "16"]
-    subprocess.run(words, check=True, capture_output=True)
+    for _ in range(600):
+        done = subprocess.run(words, capture_output=True, text=True)
+        # The program of a worker that died may still be at it.
+        if "another run is writing" not in done.stderr:
+            break
+        time.sleep(0.5)
+    done.check_returncode()
     return f"results/{stem}.{number}-of-{shards}.h5"
 
 

@@ -138,8 +138,10 @@ def main():
             print(f"array of {SHARDS}, one killed: {time.monotonic() - began:.1f} s")
             said = (folder / "results/slurm/tap-3.log").read_text()
             merged = (folder / "results/slurm/tap-merge.log").read_text()
-            if differing("whole.h5", "results/tap.h5"):
-                return f"the merged file differs: {differing('whole.h5', 'results/tap.h5')}"
+            # How many instances the merge has audited is a matter of time.
+            wrong = [one for one in differing("whole.h5", "results/tap.h5") if not one.startswith("audit/")]
+            if wrong:
+                return f"the merged file differs: {wrong}"
             if "Killed" not in said:
                 return f"share 3 was not killed: {said}"
 
