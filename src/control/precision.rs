@@ -7,8 +7,10 @@ use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady;
+use serde::{Deserialize, Serialize};
 
 /// What a trial found.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct Choice {
     pub precision: Precision,
     /// Whether instances that f32 does not serve go on in f64.
@@ -17,11 +19,12 @@ pub(super) struct Choice {
     pub rounding: f64,
     pub reason: String,
     /// What the engine had to say of the sample's runs.
+    #[serde(skip)]
     pub notes: Vec<String>,
 }
 
 impl Choice {
-    fn settled(plan: &Plan, reason: &str) -> Self {
+    pub fn settled(plan: &Plan, reason: &str) -> Self {
         Self {
             precision: plan.precision,
             mixed: false,

@@ -26,6 +26,7 @@ pub use precision::Precision;
 pub(crate) use rate::RICHEST;
 pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
+pub use variants::Fineness;
 
 use crate::contact::Contact;
 use crate::kernel::MODES_MAX;

@@ -1,6 +1,7 @@
 //! From a finished run to the plain data of its results file.
 
 mod audit;
+mod portion;
 mod search;
 mod waveforms;
 
@@ -16,6 +17,7 @@ use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
 pub use audit::{audit, error_estimate};
+pub use portion::{from_bytes as portion_from_bytes, number as portion_number, to_bytes as portion_to_bytes};
 pub use search::{BRANCHES, JUMPS, jumps, search};
 pub use waveforms::waveforms;
 

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// The version of the object: raised where a key changes its meaning or goes.
-const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 1;
 
 /// What became of a whole run that took `wall` seconds.
 pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
