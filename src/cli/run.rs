@@ -33,6 +33,9 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
+    /// Search for each instance's periodic state by itself, not from its neighbours' in the sweep
+    #[arg(long)]
+    cold: bool,
     /// Instances to redo with the reference engine after the run [default: as many as a tenth of the run's time allows, or
     /// 0.25 s, and at least one that touches the sample]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -95,6 +98,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         .engine
         .sweep(scene)?
         .estimate(!args.no_estimate)
+        .cold(args.cold)
         .audit(audit)
         .watched_by(&progress)
         .command_line(command_line());

@@ -47,6 +47,8 @@ pub struct Controlled {
     pub periods: Vec<u32>,
     /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
     pub jumps: Vec<bool>,
+    /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
+    pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
 }
 
@@ -58,6 +60,14 @@ pub struct Arithmetic {
     /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
     pub rounding: f64,
     pub reason: String,
+}
+
+impl Controlled {
+    /// The share of the instances whose results began at their neighbours' states.
+    pub fn neighbour_started(&self) -> f64 {
+        let count = self.neighbour_started.iter().filter(|one| **one).count();
+        count as f64 / self.plan.len().max(1) as f64
+    }
 }
 
 impl Arithmetic {
@@ -111,6 +121,7 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
             found: Vec::new(),
             periods: vec![0; count],
             jumps: Vec::new(),
+            neighbour_started: Vec::new(),
             arithmetic,
         });
     }
@@ -170,5 +181,15 @@ pub fn once(
     }
     let unknown = vec![f64::NAN; plan.len()];
     let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
-    Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, jumps, arithmetic })
+    Ok(Controlled {
+        plan,
+        outcome,
+        estimates: unknown,
+        left_out,
+        found,
+        periods,
+        jumps,
+        neighbour_started: Vec::new(),
+        arithmetic,
+    })
 }

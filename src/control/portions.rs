@@ -27,6 +27,7 @@ pub(super) fn run(
         found: Vec::new(),
         periods: vec![0; count],
         jumps: Vec::new(),
+        neighbour_started: Vec::new(),
         arithmetic: chosen.arithmetic(count),
         plan,
     };

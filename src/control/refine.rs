@@ -246,7 +246,8 @@ impl Controlled {
         chosen: &precision::Choice,
     ) -> Self {
         let arithmetic = chosen.arithmetic(plan.len());
-        Self { plan, outcome, estimates, left_out, found, periods, jumps, arithmetic }
+        let neighbour_started = Vec::new();
+        Self { plan, outcome, estimates, left_out, found, periods, jumps, neighbour_started, arithmetic }
     }
 
     /// Adds to an estimate what waiting may still change: an instance that was left before it had settled for good.

@@ -45,6 +45,7 @@ pub fn by_reference(
         found,
         periods,
         jumps,
+        neighbour_started: Vec::new(),
         arithmetic: Arithmetic::of(
             &plan.clone().in_precision(Precision::F64),
             "the reference engine has no other",

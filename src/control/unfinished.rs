@@ -34,6 +34,7 @@ impl Controlled {
             found: Vec::new(),
             periods: vec![0; count],
             jumps: Vec::new(),
+            neighbour_started: Vec::new(),
             arithmetic: chosen.arithmetic(count),
             plan,
         }

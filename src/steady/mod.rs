@@ -6,6 +6,7 @@ mod feedback;
 mod follow;
 mod lossless;
 mod map;
+mod measured;
 mod search;
 mod setpoint;
 mod wait;
@@ -61,8 +62,8 @@ pub struct Settled {
     pub jumps: Vec<bool>,
 }
 
-/// Periods that are run on from a state found, and measured but for the first: in a periodic state a few are as good as
-/// many, and a period's change counts four periods long, but the first one's is not known.
+/// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
+/// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
 const ON: u32 = 5;
 
 /// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
@@ -241,10 +242,12 @@ fn found(
     let searched = search::all(plan, &alike, begin, double, progress)?;
     let (mut found, mut periods) = (searched.found, searched.periods);
     let chosen: Vec<u32> = instances.iter().copied().filter(|i| found[*i as usize].is_some()).collect();
-    let on = run_on(plan.part(&chosen), &of(&found, &chosen), engine, progress)?;
     let mut outcome = Outcome::of(plan);
-    outcome.notes = [searched.notes, on.notes].concat();
-    for (i, finished) in chosen.iter().zip(on.results) {
+    outcome.notes = searched.notes;
+    let unsure = borne_out(plan, &chosen, &found, (&mut outcome, &mut periods), (engine, progress))?;
+    let on = run_on(plan.part(&unsure), &of(&found, &unsure), engine, progress)?;
+    outcome.notes.extend(on.notes);
+    for (i, finished) in unsure.iter().zip(on.results) {
         outcome.results[*i as usize] = finished;
         periods[*i as usize] += ON;
     }
@@ -264,6 +267,32 @@ fn found(
     }
     left(&outcome).into_iter().for_each(|i| found[i as usize] = None);
     Ok(Settled { outcome, found, periods, jumps: Vec::new() })
+}
+
+/// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change bears the
+/// state out. The others come back.
+fn borne_out(
+    plan: &Plan,
+    chosen: &[u32],
+    found: &[Option<Box<PeriodicState>>],
+    (outcome, periods): (&mut Outcome, &mut [u32]),
+    (engine, progress): (&dyn Engine, &Progress),
+) -> Result<Vec<u32>, EngineError> {
+    let state = |i: &u32| found[*i as usize].as_deref();
+    let place = |i| state(i).map_or(Station::FREE, |state| state.station);
+    progress.task("measuring", 0);
+    let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
+    outcome.notes.extend(once.notes);
+    let mut unsure = Vec::new();
+    for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
+        periods[*i as usize] += 1;
+        let sure = state(i).is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
+        match sure && finished.status.is_steady() {
+            true => outcome.results[*i as usize] = finished,
+            false => unsure.push(*i),
+        }
+    }
+    Ok(unsure)
 }
 
 /// These instances in the order of their classes: neighbours are alike, and searched for together.
