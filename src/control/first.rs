@@ -1,5 +1,6 @@
 //! The first two runs of every instance, and what their difference tells.
 
+use super::around::{self, Around, Solved};
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
 use super::{modes, precision};
@@ -15,6 +16,17 @@ pub(super) struct First<'a> {
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
+    /// Solved instances around these, where their searches may begin.
+    pub around: Option<Around<'a>>,
+    /// Whether others are to begin at these.
+    pub leads_on: bool,
+}
+
+impl<'a> First<'a> {
+    /// Of instances that are searched for one by one, and lead to no others.
+    pub fn alone(poorer: Option<Vec<BasisRule>>, left_out: Vec<f64>, chosen: &'a precision::Choice) -> Self {
+        Self { poorer, left_out, chosen, around: None, leads_on: false }
+    }
 }
 
 /// What the first two runs gave.
@@ -24,6 +36,10 @@ pub(super) struct Begun {
     pub settled: Settled,
     /// By instance.
     pub known: Vec<Refinement>,
+    /// By instance, whether it began at its neighbours' states; empty where none did.
+    pub neighbour_started: Vec<bool>,
+    /// By instance, what others begin at; empty where none does.
+    pub solved: Vec<Solved>,
 }
 
 /// With half of the plan's steps, which are on the safe side.
@@ -42,7 +58,7 @@ pub(super) fn quartered(plan: Plan) -> Plan {
 pub(super) fn run(
     plan: &Plan,
     stepped: &[u32],
-    First { poorer, left_out, .. }: First,
+    First { poorer, left_out, around, leads_on, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Begun, EngineError> {
@@ -51,12 +67,18 @@ pub(super) fn run(
         None => plan.part(stepped),
         Some(bases) => poorer_plan(plan, stepped, bases),
     });
-    let rough = steady::begin(&mut coarse, engine, progress)?;
+    let rough = match &around {
+        None => steady::begin(&mut coarse, engine, progress)?,
+        Some(around) => steady::from_neighbours(&coarse, &around.first(stepped), &[], engine, progress)?.0,
+    };
     let near = steady::among(&rough.found, stepped, plan.len());
     fine.take_gaps(stepped, &coarse);
-    let mut settled = steady::again(&mut fine, &near, engine, progress)?;
+    let (mut settled, neighbour_started) = match &around {
+        None => (steady::again(&mut fine, &near, engine, progress)?, Vec::new()),
+        Some(around) => steady::from_neighbours(&fine, &around.second(&near), &near, engine, progress)?,
+    };
     let kept = keep_curves(&mut settled, stepped, &rough, progress);
-    settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    settled.outcome.notes.splice(0..0, rough.outcome.notes.iter().cloned());
     if !rough.jumps.is_empty() {
         settled.jumps = vec![false; plan.len()];
         stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
@@ -71,7 +93,9 @@ pub(super) fn run(
         in_vain: false,
     };
     let known = fine.cases().zip(left_out).map(begin).collect();
-    let mut begun = Begun { plan: fine, settled, known };
+    let solved =
+        if leads_on { solved(plan.len(), stepped, (&coarse, &rough), (&fine, &settled)) } else { Vec::new() };
+    let mut begun = Begun { plan: fine, settled, known, neighbour_started, solved };
     let apart = differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
     for ((place, rough), apart) in coarse.instances().zip(&rough.outcome.results).zip(apart) {
         let i = stepped[place as usize];
@@ -88,6 +112,25 @@ pub(super) fn run(
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
+}
+
+/// Of each of so many instances what others may begin at, by both runs.
+fn solved(
+    count: usize,
+    stepped: &[u32],
+    (coarse, rough): (&Plan, &Settled),
+    (fine, settled): (&Plan, &Settled),
+) -> Vec<Solved> {
+    let mut all: Vec<Solved> = vec![None; count];
+    for (place, i) in coarse.instances().zip(stepped) {
+        let (p, n) = (place as usize, *i as usize);
+        all[n] = around::solved(
+            (coarse, place, &rough.outcome.results[p]),
+            (fine, *i, &settled.outcome.results[n]),
+            (rough.state(p), settled.state(n)),
+        );
+    }
+    all
 }
 
 /// A line on jumps whose place hangs on the steps.

@@ -1,11 +1,13 @@
 //! Error control: each instance's error is estimated, and what misses the accuracy asked for is done again
 //! with more steps or more modes; a few instances are audited by the reference engine.
 
+mod around;
 mod audit;
 mod branches;
 mod decide;
 mod difference;
 mod first;
+mod levels;
 mod modes;
 mod neighbours;
 mod portions;
@@ -30,6 +32,8 @@ use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 use crate::steady::{self, PeriodicState, Settled};
+use levels::Levels;
+use portions::Batch;
 
 /// A run to the accuracy asked for.
 #[derive(Clone, Debug)]
@@ -50,6 +54,8 @@ pub struct Controlled {
     /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
+    /// Of each instance what others begin at; empty where none does.
+    solved: Vec<around::Solved>,
 }
 
 /// Which arithmetic stepped what, and why.
@@ -123,30 +129,28 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
             jumps: Vec::new(),
             neighbour_started: Vec::new(),
             arithmetic,
+            solved: Vec::new(),
         });
     }
     progress.stage(&["trial"]);
     let modes::Choice { mut plan, poorer, left_out, mut notes } =
         modes::choose(planned, &stepped, engine, progress)?;
-    let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
+    let levels = Levels::of(planned);
+    let mut chosen = match levels.is_some() && engine.double() && plan.precision_open {
+        true => precision::for_neighbours(&plan),
+        false => precision::choose(&plan, &stepped, engine, progress)?,
+    };
     notes.append(&mut chosen.notes);
     (plan.precision, plan.precision_open) = (chosen.precision, false);
     if progress.stopped() {
         // In the trials, which no instance's result comes from.
         return Ok(Controlled::not_begun(plan, &chosen));
     }
-    let first = first::First { poorer, left_out, chosen: &chosen };
+    let first = first::First::alone(poorer, left_out, &chosen);
     progress.stage(&["estimate", "run", "refinement"]);
-    let mut all = match plan.len() > engine.portions().0 {
-        false => unfinished::marked(plan, &stepped, first, engine, progress)?,
-        true => {
-            // In the order that the scene's plan runs them; curves stay whole.
-            let alike = match plan.ensemble.curves {
-                Some(_) => plan.instances().collect(),
-                None => planned.by_class(),
-            };
-            portions::run(plan, &alike, first, engine, progress)?
-        }
+    let mut all = match (&levels, plan.len() > engine.portions().0) {
+        (None, false) => unfinished::marked(plan, &stepped, first, engine, progress)?,
+        _ => portions::run(plan, &batches(planned, levels.as_ref()), first, engine, progress)?,
     };
     all.outcome.notes.splice(0..0, notes);
     if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {
@@ -160,6 +164,28 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
         }
     }
     Ok(all)
+}
+
+/// The order in which a plan's instances are taken to their ends: within a batch that in which the plan runs them. Curves
+/// stay whole.
+fn batches<'a>(planned: &Plan, levels: Option<&'a Levels<'a>>) -> Vec<Batch<'a>> {
+    let Some(levels) = levels else {
+        let instances = match planned.ensemble.curves {
+            Some(_) => planned.instances().collect(),
+            None => planned.by_class(),
+        };
+        return vec![Batch { instances, level: None, leads_on: false }];
+    };
+    let alike = |points: &[u32]| -> Vec<u32> {
+        planned.part(points).by_class().into_iter().map(|place| points[place as usize]).collect()
+    };
+    let scouts = Batch { instances: alike(&levels.scouts), level: None, leads_on: true };
+    let later = levels.later.iter().enumerate().map(|(n, level)| Batch {
+        instances: alike(&level.points),
+        level: Some(level),
+        leads_on: levels.leads_on(n),
+    });
+    std::iter::once(scouts).chain(later).collect()
 }
 
 /// Runs the plan once as it is: nothing is estimated, in the arithmetic that was chosen for this `reason`.
@@ -191,5 +217,6 @@ pub fn once(
         jumps,
         neighbour_started: Vec::new(),
         arithmetic,
+        solved: Vec::new(),
     })
 }

@@ -1,6 +1,8 @@
 //! Many instances, portion by portion.
 
+use super::around::Around;
 use super::first::First;
+use super::levels::Level;
 use super::{Arithmetic, Controlled, unfinished};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::Plan;
@@ -8,19 +10,60 @@ use crate::steady::PeriodicState;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// [`refine::run`](super::refine::run) for `all` the plan's instances, in this order and in portions of the engine's size,
-/// some of them at once. Whoever stops a run keeps the portions that are done.
+/// Instances that may be taken to their ends in any order, once those of the batches before them are.
+pub(super) struct Batch<'a> {
+    pub instances: Vec<u32>,
+    /// Where they stand among those before.
+    pub level: Option<&'a Level<'a>>,
+    /// Whether later ones begin at their states.
+    pub leads_on: bool,
+}
+
+/// [`refine::run`](super::refine::run) for batch after batch, each in portions of the engine's size, some of them at once.
+/// Whoever stops a run keeps the portions that are done.
 pub(super) fn run(
     plan: Plan,
-    all: &[u32],
-    First { poorer, left_out, chosen }: First,
+    batches: &[Batch],
+    first: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let (size, at_once) = engine.portions();
     let size = whole_curves(&plan, size);
+    let mut whole = begun(plan, &first);
+    if batches.iter().any(|batch| batch.level.is_some()) {
+        whole.solved = vec![None; whole.plan.len()];
+        whole.neighbour_started = vec![false; whole.plan.len()];
+    }
+    let count = batches.iter().map(|batch| batch.instances.len()).sum::<usize>();
+    let held = progress.hold(&["run in portions"], count as u64);
+    for batch in batches {
+        let portions: Vec<&[u32]> = batch.instances.chunks(size).collect();
+        for some in portions.chunks(at_once) {
+            if progress.stopped() {
+                return Ok(whole);
+            }
+            let one = |portion: &[u32]| {
+                let ran = portion_of(&whole, batch, portion, &first, (engine, progress));
+                held.done(portion.len() as u64);
+                ran
+            };
+            let done: Vec<_> = match some {
+                [portion] => vec![one(portion)],
+                _ => some.par_iter().map(|portion| one(portion)).collect(),
+            };
+            for (portion, part) in some.iter().zip(done) {
+                whole.take(portion, part?);
+            }
+        }
+    }
+    Ok(whole)
+}
+
+/// Before any portion.
+fn begun(plan: Plan, First { left_out, chosen, .. }: &First) -> Controlled {
     let count = plan.len();
-    let mut whole = Controlled {
+    Controlled {
         outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
         estimates: vec![f64::NAN; count],
         left_out: left_out.clone(),
@@ -29,33 +72,26 @@ pub(super) fn run(
         jumps: Vec::new(),
         neighbour_started: Vec::new(),
         arithmetic: chosen.arithmetic(count),
+        solved: Vec::new(),
         plan,
-    };
-    let held = progress.hold(&["run in portions"], all.len() as u64);
-    let one = |plan: &Plan, portion: &[u32]| {
-        let part = plan.part(portion);
-        let stepped = part.stepped();
-        let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
-        let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
-        let first = First { poorer, left_out, chosen };
-        let ran = unfinished::marked(part, &stepped, first, engine, progress);
-        held.done(portion.len() as u64);
-        ran
-    };
-    let portions: Vec<&[u32]> = all.chunks(size).collect();
-    for some in portions.chunks(at_once) {
-        if progress.stopped() {
-            break;
-        }
-        let done: Vec<_> = match some {
-            [portion] => vec![one(&whole.plan, portion)],
-            _ => some.par_iter().map(|portion| one(&whole.plan, portion)).collect(),
-        };
-        for (portion, part) in some.iter().zip(done) {
-            whole.take(portion, part?);
-        }
     }
-    Ok(whole)
+}
+
+/// Takes a portion of a batch to its end.
+fn portion_of(
+    whole: &Controlled,
+    batch: &Batch,
+    portion: &[u32],
+    First { poorer, left_out, chosen, .. }: &First,
+    (engine, progress): (&dyn Engine, &Progress),
+) -> Result<Controlled, EngineError> {
+    let part = whole.plan.part(portion);
+    let stepped = part.stepped();
+    let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
+    let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
+    let around = batch.level.map(|level| Around::new(level, portion, &whole.solved));
+    let first = First { around, leads_on: batch.leads_on, ..First::alone(poorer, left_out, chosen) };
+    unfinished::marked(part, &stepped, first, engine, progress)
 }
 
 /// Curves that are followed side by side, at least: enough to fill an engine's lanes.
@@ -89,6 +125,9 @@ impl Controlled {
             self.jumps = vec![false; self.plan.len()];
         }
         portion.iter().zip(part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = jump);
+        let begun = portion.iter().zip(part.neighbour_started);
+        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);
+        portion.iter().zip(part.solved).for_each(|(place, solved)| self.solved[*place as usize] = solved);
         let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
@@ -133,6 +172,10 @@ mod tests {
         }
     }
 
+    fn in_order(all: &[u32]) -> [Batch<'static>; 1] {
+        [Batch { instances: all.to_vec(), level: None, leads_on: false }]
+    }
+
     /// The whole is what portions of it are, to the bit: waited for and searched for.
     #[test]
     fn portions_give_what_the_whole_gives() {
@@ -147,9 +190,10 @@ mod tests {
             let (engine, progress) = (Cpu::default(), Progress::default());
             let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
             let none = vec![0.0; all.len()];
-            let first = || First { poorer: None, left_out: none.clone(), chosen: &chosen };
+            let first = || First::alone(None, none.clone(), &chosen);
             let whole = refine::run(plan.clone(), &all, first(), &engine, &progress).expect("it runs");
-            let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
+            let parts =
+                super::run(plan, &in_order(&all), first(), &Small(engine), &progress).expect("it runs");
             for &i in &all {
                 let i = i as usize;
                 let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);
@@ -190,9 +234,9 @@ mod tests {
         let all: Vec<u32> = plan.instances().collect();
         let (engine, progress) = (Cpu::default(), Progress::default());
         let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
-        let first = || First { poorer: None, left_out: vec![0.0; all.len()], chosen: &chosen };
+        let first = || First::alone(None, vec![0.0; all.len()], &chosen);
         let whole = refine::run(plan.clone(), &all, first(), &engine, &progress).expect("it runs");
-        let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
+        let parts = super::run(plan, &in_order(&all), first(), &Small(engine), &progress).expect("it runs");
         let bits = |all: &Controlled| format!("{:?} {:?}", all.outcome.results, all.estimates);
         assert_eq!((bits(&whole), &whole.jumps), (bits(&parts), &parts.jumps));
         assert_eq!(parts.jumps.len(), 600);

@@ -50,6 +50,7 @@ pub fn by_reference(
             &plan.clone().in_precision(Precision::F64),
             "the reference engine has no other",
         ),
+        solved: Vec::new(),
     })
 }
 

@@ -36,6 +36,7 @@ impl Controlled {
             jumps: Vec::new(),
             neighbour_started: Vec::new(),
             arithmetic: chosen.arithmetic(count),
+            solved: Vec::new(),
             plan,
         }
     }

@@ -218,6 +218,23 @@ pub(super) fn own(plan: &Plan, instance: u32, place: &PeriodicState) -> Station 
     }
 }
 
+/// The same, as the numbers that a search goes by.
+pub(super) fn own_state<D: Size + DimName>(
+    plan: &Plan,
+    instance: u32,
+    place: &PeriodicState,
+) -> OVector<f64, D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    vector(&own(plan, instance, place))
+}
+
+/// Travel and rate of so many modes, one after the other.
+pub(super) fn own_vector(station: &Station, modes: usize) -> Box<[f64]> {
+    station.x[..modes].iter().chain(&station.u[..modes]).copied().collect()
+}
+
 /// A state found with other steps per period or another lever as it is met with the instance's own, and the map's slope
 /// there.
 pub(super) fn as_its_own<D: Size + DimName>(

@@ -1,18 +1,22 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
 mod approach;
+mod beside;
 mod carried;
 mod feedback;
 mod follow;
 mod lossless;
 mod map;
 mod measured;
+mod node;
 mod search;
 mod setpoint;
+mod sizes;
 mod wait;
 
 pub use carried::carried;
 pub use follow::jumps_moved;
+pub use node::{Hint, Neighbour, Node};
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
@@ -60,6 +64,13 @@ pub struct Settled {
     pub periods: Vec<u32>,
     /// By instance, whether its curve's state was not reached continuously from the point before; empty without curves.
     pub jumps: Vec<bool>,
+}
+
+impl Settled {
+    /// The state found of an instance.
+    pub fn state(&self, instance: usize) -> Option<&PeriodicState> {
+        self.found.get(instance).and_then(Option::as_deref)
+    }
 }
 
 /// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
@@ -160,6 +171,48 @@ fn as_followed(
         outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
     }
     Ok(Settled { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
+}
+
+/// As [`run`] with `near`, but for instances with a hint: these begin where their neighbours lead to, and are searched for
+/// where that is no periodic state. Which of them began so and ended there comes, too.
+///
+/// # Errors
+/// What the engine says.
+pub fn from_neighbours(
+    plan: &Plan,
+    hints: &[Option<Hint>],
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(Settled, Vec<bool>), EngineError> {
+    let mut settled = beside::all(plan, hints, engine, progress)?;
+    let mut led: Vec<u32> = plan.instances().filter(|i| settled.found[*i as usize].is_some()).collect();
+    if plan.precision == Precision::F32 {
+        // As told: the states are known in f64, and what is measured of them is in f32.
+        let Settled { outcome, found, periods, .. } = &mut settled;
+        let unsure = borne_out(plan, &led, found, (outcome, periods), (engine, progress))?;
+        unsure.into_iter().for_each(|i| found[i as usize] = None);
+        led.retain(|i| found[*i as usize].is_some());
+    }
+    let mut begun = vec![false; plan.len()];
+    led.into_iter().for_each(|i| begun[i as usize] = true);
+    let others: Vec<u32> = plan.instances().filter(|i| !begun[*i as usize]).collect();
+    if others.is_empty() {
+        progress.part();
+        return Ok((settled, begun));
+    }
+    let near: Vec<Option<&PeriodicState>> = match near.is_empty() {
+        true => Vec::new(),
+        false => others.iter().map(|i| near[*i as usize]).collect(),
+    };
+    let mut rest = run(&plan.part(&others), &near, engine, progress)?;
+    for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
+        settled.outcome.results[i] = rest.outcome.results[place];
+        settled.periods[i] += rest.periods[place];
+        settled.found[i] = rest.found.get_mut(place).and_then(Option::take);
+    }
+    settled.outcome.notes.extend(rest.outcome.notes);
+    Ok((settled, begun))
 }
 
 /// Another run of the plan's instances, with other steps or bases: as [`run`], and set-points are held again, from the plan's

@@ -2,11 +2,11 @@
 
 use super::PeriodicState;
 use super::map::{PeriodMap, as_its_own, free_slope, own, station, still, vector};
+use super::sizes::{Sized, by_size, with_size};
 use crate::engine::{Engine, EngineError, Progress};
-use crate::kernel::MODES_MAX;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
 use crate::plan::{Case, KeptMode, Plan, Station};
-use nalgebra::{Const, DefaultAllocator, DimName, OVector};
+use nalgebra::{DefaultAllocator, DimName, OVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,8 +15,6 @@ use std::sync::Arc;
 const CHUNK: usize = 8192;
 /// The same where there are many modes: a slope of 24 modes has 18 kB.
 const CHUNK_MANY: usize = 1024;
-/// Numbers of modes that searches are compiled for: those that plans keep.
-const SIZES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, MODES_MAX];
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
 /// of contact, and before the beats that follow it, in which no stride is of use.
 const WARM: [u32; 3] = [3, 32, 128];
@@ -106,14 +104,7 @@ pub(super) fn all(
 ) -> Result<Searched, EngineError> {
     let mut done =
         Searched { found: vec![None; plan.len()], periods: vec![0; plan.len()], notes: Vec::new() };
-    let modes = |i: &u32| {
-        let kept = &plan.driven(*i).kept;
-        kept.modes.len().clamp(1, MODES_MAX)
-    };
-    // Where a lever has fewer modes than its search, the others are at rest.
-    let size = |i: &u32| SIZES.into_iter().find(|size| modes(i) <= *size).unwrap_or(MODES_MAX);
-    for count in SIZES {
-        let group: Vec<u32> = stepped.iter().copied().filter(|i| size(i) == count).collect();
+    for (count, group) in by_size(plan, stepped) {
         for chunk in group.chunks(if count > 8 { CHUNK_MANY } else { CHUNK }) {
             if progress.stopped() {
                 return Ok(done);
@@ -121,21 +112,7 @@ pub(super) fn all(
             let map = PeriodMap::new(plan, chunk, engine, progress)?;
             let parts = map.spread(|slots| {
                 let batch = Batch { plan, from, instances: chunk, map: &map };
-                match count {
-                    1 => batch.run::<Const<2>>(slots),
-                    2 => batch.run::<Const<4>>(slots),
-                    3 => batch.run::<Const<6>>(slots),
-                    4 => batch.run::<Const<8>>(slots),
-                    5 => batch.run::<Const<10>>(slots),
-                    6 => batch.run::<Const<12>>(slots),
-                    7 => batch.run::<Const<14>>(slots),
-                    8 => batch.run::<Const<16>>(slots),
-                    10 => batch.run::<Const<20>>(slots),
-                    12 => batch.run::<Const<24>>(slots),
-                    16 => batch.run::<Const<32>>(slots),
-                    20 => batch.run::<Const<40>>(slots),
-                    _ => batch.run::<Const<48>>(slots),
-                }
+                with_size(count, Part { batch, slots })
             });
             for part in parts {
                 for end in part? {
@@ -165,6 +142,23 @@ struct Batch<'a> {
     from: Begin<'a>,
     instances: &'a [u32],
     map: &'a PeriodMap<'a>,
+}
+
+/// Some of them.
+struct Part<'a> {
+    batch: Batch<'a>,
+    slots: Range<u32>,
+}
+
+impl Sized for Part<'_> {
+    type Output = Result<Vec<End>, EngineError>;
+
+    fn run<D: Size + DimName>(self) -> Self::Output
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        self.batch.run::<D>(self.slots)
+    }
 }
 
 /// An instance without a state, the periods stepped for it so far, and where the last search began.
@@ -362,10 +356,24 @@ where
 /// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
 /// free lever's largest multiplier has. One-sided differences are good to a thousandth.
 fn clearly(plan: &Plan, instance: u32) -> f64 {
+    certainly(plan, instance).min(CLEARLY.1)
+}
+
+/// The same for multipliers that are known well.
+pub(super) fn certainly(plan: &Plan, instance: u32) -> f64 {
+    (1.0 - DOUBTED * (1.0 - free_multiplier(plan, instance))).max(CLEARLY.0)
+}
+
+/// Length of a state that is not small, m, and the distance to the periodic state that is aimed at in units of it.
+pub(super) fn goal(plan: &Plan, instance: u32) -> (f64, f64) {
+    (plan.driven(instance).free_amplitude().max(1e-15), NEAR * plan.run.accuracy)
+}
+
+/// The free lever's largest multiplier.
+fn free_multiplier(plan: &Plan, instance: u32) -> f64 {
     let driven = plan.driven(instance);
     let left = |mode: &KeptMode| (-TAU * mode.damping * mode.omega / driven.free.omega).exp();
-    let free = driven.kept.modes.iter().map(left).fold(0.0, f64::max);
-    (1.0 - DOUBTED * (1.0 - free)).clamp(CLEARLY.0, CLEARLY.1)
+    driven.kept.modes.iter().map(left).fold(0.0, f64::max)
 }
 
 /// Whether contact is a memory, and how a search for the instance's state goes about.
@@ -373,9 +381,10 @@ fn options(plan: &Plan, instance: u32) -> (bool, Options) {
     let case = plan.case(instance);
     let remembers = case.contact.law.has_memory();
     let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
+    let (scale, tolerance) = goal(plan, instance);
     let options = Options {
-        scale: plan.driven(instance).free_amplitude().max(1e-15),
-        tolerance: NEAR * plan.run.accuracy,
+        scale,
+        tolerance,
         enough: ENOUGH * plan.run.accuracy,
         step,
         last_step,
