@@ -12,6 +12,8 @@ use std::sync::Arc;
 /// Two starts for one instance, by many of its neighbours and by the nearest alone, are farther apart than this share of
 /// the free amplitude only where its neighbours are no guide.
 const ASTRAY: f64 = 0.02;
+/// So many times farther apart than the neighbours beyond them, the nearest two are on different branches.
+const JUMP: f64 = 4.0;
 
 /// A periodic state, and the period map's slope there.
 #[derive(Clone, Debug)]
@@ -89,10 +91,11 @@ impl Node {
         Turned::new(plan, instance, (&self.kept, self.steps), D::DIM / 2)
     }
 
-    /// Whether both move alike: in the same contact, as often, drawn or pushed.
+    /// Whether both move alike: under one law, in the same contact, as often.
     fn moves_as(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
-        self.touching == other.touching && self.drawn == other.drawn && self.law == other.law && contacts
+        let touching = self.touching == other.touching || !self.law.has_memory();
+        touching && self.law == other.law && contacts
     }
 }
 
@@ -147,8 +150,13 @@ impl Hint<'_> {
             touching: first.touching,
         };
         let mut nearest = OVector::<f64, D>::zeros();
-        for one in &self.neighbours {
-            let mut state = one.node.state_for::<D>(plan, instance);
+        let states: Vec<OVector<f64, D>> =
+            self.neighbours.iter().map(|one| one.node.state_for::<D>(plan, instance)).collect();
+        let scale = plan.driven(instance).free_amplitude().max(1e-15);
+        if self.own.is_none() && self.jumps(&states, scale) {
+            return None;
+        }
+        for (one, mut state) in self.neighbours.iter().zip(states) {
             if let Some(before) = one.before {
                 state -= before.state_for::<D>(plan, instance);
             }
@@ -159,12 +167,34 @@ impl Hint<'_> {
             guess.multiplier += one.nearest * one.node.multiplier;
         }
         if let Some(own) = self.own {
-            if own.station.touching != first.touching {
+            if own.station.touching != first.touching && first.law.has_memory() {
                 return None;
             }
             guess.state += super::map::own_state::<D>(plan, instance, own);
         }
-        let apart = (&guess.state - nearest).norm() / plan.driven(instance).free_amplitude().max(1e-15);
+        let apart = (&guess.state - nearest).norm() / scale;
         (self.own.is_some() || apart <= ASTRAY).then_some(guess)
+    }
+
+    /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is
+    /// drawn to the sample and the other is not.
+    fn jumps<D: Size>(&self, states: &[OVector<f64, D>], scale: f64) -> bool
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let all = &self.neighbours;
+        let inner = |n: usize| all[n].nearest != 0.0 && all[n + 1].nearest != 0.0;
+        let (mut between, mut beyond) = (0.0f64, None::<f64>);
+        for n in 0..all.len().saturating_sub(1) {
+            let apart = (&states[n + 1] - &states[n]).norm();
+            match inner(n) {
+                true => between = between.max(apart),
+                false => beyond = Some(beyond.unwrap_or(0.0).max(apart)),
+            }
+        }
+        match beyond {
+            Some(beyond) => between > ASTRAY * scale && between > JUMP * beyond,
+            None => all.iter().any(|one| one.node.drawn != all[0].node.drawn),
+        }
     }
 }
