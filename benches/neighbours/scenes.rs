@@ -41,18 +41,20 @@ fn cube(points: usize, modulus: &str) -> String {
 /// Six quantities at random, levers among them.
 fn scattered(points: usize) -> String {
     let mut random = Random(18);
-    let mut list = |path: &str, low: f64, high: f64| {
-        let values: Vec<String> = (0..points).map(|_| format!("{:.9e}", random.log(low, high))).collect();
+    let mut list = |path: &str, low: f64, high: f64, unit: &str| {
+        let unit = if unit == "1" { "" } else { unit };
+        let values: Vec<String> =
+            (0..points).map(|_| format!("\"{:.9} {unit}\"", random.log(low, high))).collect();
         format!("\"{path}\" = [{}]\n", values.join(", "))
     };
     [
         "[samples]\n".to_owned(),
-        list("sample.surface_energy", 1e-3, 0.1),
-        list("sample.youngs_modulus", 1e8, 1e10),
-        list("instrument.tip.radius", 5e-9, 40e-9),
-        list("sample.poisson_ratio", 0.2, 0.45),
-        list("approach.gap", 15e-9, 18e-9),
-        list("drive.free_amplitude", 19e-9, 23e-9),
+        list("sample.surface_energy", 1.0, 100.0, "mJ/m^2"),
+        list("sample.youngs_modulus", 0.1, 10.0, "GPa"),
+        list("instrument.tip.radius", 5.0, 40.0, "nm"),
+        list("sample.poisson_ratio", 0.2, 0.45, "1"),
+        list("approach.gap", 15.0, 18.0, "nm"),
+        list("drive.free_amplitude", 19.0, 23.0, "nm"),
     ]
     .concat()
 }

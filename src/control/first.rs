@@ -67,16 +67,9 @@ pub(super) fn run(
         None => plan.part(stepped),
         Some(bases) => poorer_plan(plan, stepped, bases),
     });
-    let rough = match &around {
-        None => steady::begin(&mut coarse, engine, progress)?,
-        Some(around) => steady::from_neighbours(&coarse, &around.first(stepped), &[], engine, progress)?.0,
-    };
+    let (rough, mut settled, neighbour_started) =
+        two_runs(&mut coarse, &mut fine, stepped, around.as_ref(), (engine, progress))?;
     let near = steady::among(&rough.found, stepped, plan.len());
-    fine.take_gaps(stepped, &coarse);
-    let (mut settled, neighbour_started) = match &around {
-        None => (steady::again(&mut fine, &near, engine, progress)?, Vec::new()),
-        Some(around) => steady::from_neighbours(&fine, &around.second(&near), &near, engine, progress)?,
-    };
     let kept = keep_curves(&mut settled, stepped, &rough, progress);
     settled.outcome.notes.splice(0..0, rough.outcome.notes.iter().cloned());
     if !rough.jumps.is_empty() {
@@ -102,8 +95,11 @@ pub(super) fn run(
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
         let of_both = rough.status == Status::Ok && !same_basis;
         let left = if of_both { left_of_bases(&begun.plan, i) } else { plan.policy.left_of_steps };
+        // A first run that has not told leaves it to another one.
+        let told =
+            rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
         let known = &mut begun.known[i as usize];
-        known.of_steps = left * apart;
+        known.of_steps = if told { left * apart } else { f64::INFINITY };
         known.untold = of_both.then_some(apart);
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
@@ -114,6 +110,30 @@ pub(super) fn run(
     Ok(begun)
 }
 
+/// A run of `stepped` alone with the coarse plan, then one of all with the fine one; which of these began at their
+/// neighbours' states.
+fn two_runs(
+    coarse: &mut Plan,
+    fine: &mut Plan,
+    stepped: &[u32],
+    around: Option<&Around>,
+    (engine, progress): (&dyn Engine, &Progress),
+) -> Result<(Settled, Settled, Vec<bool>), EngineError> {
+    let Some(around) = around else {
+        let rough = steady::begin(coarse, engine, progress)?;
+        let near = steady::among(&rough.found, stepped, fine.len());
+        fine.take_gaps(stepped, coarse);
+        let settled = steady::again(fine, &near, engine, progress)?;
+        return Ok((rough, settled, Vec::new()));
+    };
+    // What no search finds is waited for once, in the second run.
+    let (rough, _) = steady::from_neighbours(coarse, &around.first(stepped), (&[], false), engine, progress)?;
+    let near = steady::among(&rough.found, stepped, fine.len());
+    let leads = around.second(&near);
+    let (settled, begun) = steady::from_neighbours(fine, &leads, (&near, true), engine, progress)?;
+    Ok((rough, settled, begun))
+}
+
 /// Of each of so many instances what others may begin at, by both runs.
 fn solved(
     count: usize,
@@ -121,13 +141,12 @@ fn solved(
     (coarse, rough): (&Plan, &Settled),
     (fine, settled): (&Plan, &Settled),
 ) -> Vec<Solved> {
-    let mut all: Vec<Solved> = vec![None; count];
+    let mut all = vec![Solved::Unknown; count];
     for (place, i) in coarse.instances().zip(stepped) {
         let (p, n) = (place as usize, *i as usize);
         all[n] = around::solved(
-            (coarse, place, &rough.outcome.results[p]),
-            (fine, *i, &settled.outcome.results[n]),
-            (rough.state(p), settled.state(n)),
+            (coarse, place, &rough.outcome.results[p], rough.state(p)),
+            (fine, *i, &settled.outcome.results[n], settled.state(n)),
         );
     }
     all

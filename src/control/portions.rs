@@ -1,6 +1,6 @@
 //! Many instances, portion by portion.
 
-use super::around::Around;
+use super::around::{Around, Solved};
 use super::first::First;
 use super::levels::Level;
 use super::{Arithmetic, Controlled, unfinished};
@@ -32,7 +32,7 @@ pub(super) fn run(
     let size = whole_curves(&plan, size);
     let mut whole = begun(plan, &first);
     if batches.iter().any(|batch| batch.level.is_some()) {
-        whole.solved = vec![None; whole.plan.len()];
+        whole.solved = vec![Solved::Unknown; whole.plan.len()];
         whole.neighbour_started = vec![false; whole.plan.len()];
     }
     let count = batches.iter().map(|batch| batch.instances.len()).sum::<usize>();

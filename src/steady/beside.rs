@@ -2,7 +2,7 @@
 
 use super::map::{station, vector};
 use super::measured::{self, SURE};
-use super::node::{Guess, Hint};
+use super::node::{Guess, Lead};
 use super::search::goal;
 use super::sizes::{Sized, by_size, with_size};
 use super::{PeriodicState, Settled};
@@ -24,12 +24,12 @@ const PART: usize = 512;
 /// one. Of the others only the periods are told; they are as not run.
 pub(super) fn all(
     plan: &Plan,
-    hints: &[Option<Hint>],
+    leads: &[Lead],
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    let tried: Vec<u32> =
-        plan.instances().filter(|i| plan.steps(*i) > 0 && hints[*i as usize].is_some()).collect();
+    let hinted = |i: &u32| matches!(leads[*i as usize], Lead::Hint(_));
+    let tried: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) > 0 && hinted(i)).collect();
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     progress.task("from neighbours", 0);
@@ -46,7 +46,7 @@ pub(super) fn all(
         .flat_map(|(size, some)| some.chunks(part).map(|some| (size, some.to_vec())).collect::<Vec<_>>())
         .collect();
     let one = |(size, some): &(usize, Vec<u32>)| {
-        with_size(*size, Several { plan, some, hints, engine: double, progress })
+        with_size(*size, Several { plan, some, leads, engine: double, progress })
     };
     let done: Vec<_> = parts.par_iter().map(one).collect();
     for part in done {
@@ -74,7 +74,7 @@ struct Several<'a> {
     plan: &'a Plan,
     some: &'a [u32],
     /// By instance of the plan.
-    hints: &'a [Option<Hint<'a>>],
+    leads: &'a [Lead<'a>],
     engine: &'a dyn Engine,
     progress: &'a Progress,
 }
@@ -86,11 +86,11 @@ impl Sized for Several<'_> {
     where
         DefaultAllocator: Memory<D>,
     {
-        let Self { plan, some, hints, engine, progress } = self;
+        let Self { plan, some, leads, engine, progress } = self;
         let mut ended = Ended { ends: Vec::with_capacity(some.len()), notes: Vec::new() };
         let mut left: Vec<One<D>> = Vec::with_capacity(some.len());
         for &i in some {
-            let guess = hints[i as usize].as_ref().and_then(|hint| hint.guess::<D>(plan, i));
+            let guess = leads[i as usize].hint().and_then(|hint| hint.guess::<D>(plan, i));
             match guess.and_then(|guess| One::new(i, guess)) {
                 Some(one) => left.push(one),
                 None => ended.ends.push((i, 0, None)),

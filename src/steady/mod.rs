@@ -1,10 +1,12 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
 mod approach;
+mod astir;
 mod beside;
 mod carried;
 mod feedback;
 mod follow;
+mod led;
 mod lossless;
 mod map;
 mod measured;
@@ -16,7 +18,8 @@ mod wait;
 
 pub use carried::carried;
 pub use follow::jumps_moved;
-pub use node::{Hint, Neighbour, Node};
+pub use led::from_neighbours;
+pub use node::{Hint, Lead, Neighbour, Node};
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
@@ -92,26 +95,52 @@ pub fn run(
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     progress.part();
-    let stepped = plan.stepped();
-    if plan.run.steady == Steady::Wait || stepped.is_empty() {
+    if plan.run.steady == Steady::Wait || plan.stepped().is_empty() {
         return wait::run(plan, engine, progress);
     }
     // What a curve or an approach leads to is not to be looked for elsewhere.
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
+    searched(plan, begin, Waits::Long, engine, progress)
+}
+
+/// What becomes of instances that no search finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Waits {
+    /// They are left as not run.
+    Not,
+    /// They are waited for until they are known not to settle.
+    Briefly,
+    /// They are waited for as long as the scene says.
+    Long,
+}
+
+/// The plan's instances as a search from there finds them, and the others.
+fn searched(
+    plan: &Plan,
+    begin: Begin,
+    waits: Waits,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let stepped = plan.stepped();
     let mut settled = found(plan, &stepped, begin, engine, progress)?;
-    let rest = stepped.into_iter().filter(|i| settled.found[*i as usize].is_none());
+    let rest = stepped.into_iter().filter(|i| waits != Waits::Not && settled.found[*i as usize].is_none());
     // What is free of the sample is finished beside those that wait.
     let others: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0).chain(rest).collect();
+    let followed = matches!(begin, Begin::Followed(_));
     if !others.is_empty() && !progress.stopped() {
         let mut part = plan.part(&others);
-        if followed {
+        if let Begin::Followed(near) = begin {
             let start =
                 |i: &u32| near[*i as usize].map_or(Station::free(plan, *i), |one| map::own(plan, *i, one));
             part = part.starting_at(others.iter().map(|i| start(i).into()).collect());
         }
-        let waited = wait::run(&part, engine, progress)?;
+        let waited = match waits {
+            Waits::Briefly => astir::run(&part, engine, progress)?,
+            Waits::Not | Waits::Long => wait::run(&part, engine, progress)?,
+        };
         for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
             settled.outcome.results[i] = waited.outcome.results[place];
             settled.periods[i] += waited.periods[place];
@@ -171,48 +200,6 @@ fn as_followed(
         outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
     }
     Ok(Settled { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
-}
-
-/// As [`run`] with `near`, but for instances with a hint: these begin where their neighbours lead to, and are searched for
-/// where that is no periodic state. Which of them began so and ended there comes, too.
-///
-/// # Errors
-/// What the engine says.
-pub fn from_neighbours(
-    plan: &Plan,
-    hints: &[Option<Hint>],
-    near: &[Option<&PeriodicState>],
-    engine: &dyn Engine,
-    progress: &Progress,
-) -> Result<(Settled, Vec<bool>), EngineError> {
-    let mut settled = beside::all(plan, hints, engine, progress)?;
-    let mut led: Vec<u32> = plan.instances().filter(|i| settled.found[*i as usize].is_some()).collect();
-    if plan.precision == Precision::F32 {
-        // As told: the states are known in f64, and what is measured of them is in f32.
-        let Settled { outcome, found, periods, .. } = &mut settled;
-        let unsure = borne_out(plan, &led, found, (outcome, periods), (engine, progress))?;
-        unsure.into_iter().for_each(|i| found[i as usize] = None);
-        led.retain(|i| found[*i as usize].is_some());
-    }
-    let mut begun = vec![false; plan.len()];
-    led.into_iter().for_each(|i| begun[i as usize] = true);
-    let others: Vec<u32> = plan.instances().filter(|i| !begun[*i as usize]).collect();
-    if others.is_empty() {
-        progress.part();
-        return Ok((settled, begun));
-    }
-    let near: Vec<Option<&PeriodicState>> = match near.is_empty() {
-        true => Vec::new(),
-        false => others.iter().map(|i| near[*i as usize]).collect(),
-    };
-    let mut rest = run(&plan.part(&others), &near, engine, progress)?;
-    for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
-        settled.outcome.results[i] = rest.outcome.results[place];
-        settled.periods[i] += rest.periods[place];
-        settled.found[i] = rest.found.get_mut(place).and_then(Option::take);
-    }
-    settled.outcome.notes.extend(rest.outcome.notes);
-    Ok((settled, begun))
 }
 
 /// Another run of the plan's instances, with other steps or bases: as [`run`], and set-points are held again, from the plan's

@@ -111,6 +111,25 @@ pub struct Neighbour<'a> {
     pub nearest: f64,
 }
 
+/// Where neighbours lead an instance.
+#[derive(Clone, Debug)]
+pub enum Lead<'a> {
+    Hint(Hint<'a>),
+    /// They were searched for in vain.
+    Vain,
+    /// They are no guide.
+    None,
+}
+
+impl<'a> Lead<'a> {
+    pub(super) fn hint(&self) -> Option<&Hint<'a>> {
+        match self {
+            Self::Hint(hint) => Some(hint),
+            Self::Vain | Self::None => None,
+        }
+    }
+}
+
 /// What is known of an instance before it is stepped.
 #[derive(Clone, Debug, Default)]
 pub struct Hint<'a> {
