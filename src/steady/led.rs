@@ -2,7 +2,7 @@
 
 use super::node::Lead;
 use super::search::Begin;
-use super::{PeriodicState, Settled, Waits, beside, borne_out, searched};
+use super::{PeriodicState, Settled, beside, borne_out, searched};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{Plan, Precision};
 
@@ -36,8 +36,7 @@ pub fn from_neighbours(
     let vain = |i: &u32| matches!(leads[*i as usize], Lead::Vain);
     let (mut once, often): (Vec<u32>, Vec<u32>) = rest.into_iter().partition(vain);
     once.retain(|_| waits);
-    let long = if waits { Waits::Long } else { Waits::Not };
-    for (some, once, waits) in [(often, false, long), (once, true, Waits::Briefly)] {
+    for (some, once) in [(often, false), (once, true)] {
         if some.is_empty() {
             continue;
         }

@@ -31,13 +31,9 @@ pub(super) fn period(
 pub(super) fn bears_out(plan: &Plan, instance: u32, state: &PeriodicState, end: Option<&Station>) -> bool {
     let Some(end) = end.filter(|end| end.finite) else { return false };
     let same_contact = !plan.contact(instance).law.has_memory() || end.touching == state.station.touching;
-    let change = distance(end, &state.station) / state.spectrum.least_change;
+    let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
+    let moved = squares(&end.x, &state.station.x) + squares(&end.u, &state.station.u);
+    let change = moved.sqrt() / state.spectrum.least_change;
     let share = if plan.precision == Precision::F32 { SURE_SINGLE } else { SURE };
     same_contact && change <= share * plan.run.accuracy * plan.driven(instance).free_amplitude().max(1e-15)
-}
-
-/// How far two places are apart, m.
-pub(super) fn distance(a: &Station, b: &Station) -> f64 {
-    let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
-    (squares(&a.x, &b.x) + squares(&a.u, &b.u)).sqrt()
 }

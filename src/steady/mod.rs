@@ -1,7 +1,6 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
 mod approach;
-mod astir;
 mod beside;
 mod carried;
 mod feedback;
@@ -102,31 +101,20 @@ pub fn run(
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
-    searched(plan, begin, Waits::Long, engine, progress)
+    searched(plan, begin, true, engine, progress)
 }
 
-/// What becomes of instances that no search finds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Waits {
-    /// They are left as not run.
-    Not,
-    /// They are waited for until they are known not to settle.
-    Briefly,
-    /// They are waited for as long as the scene says.
-    Long,
-}
-
-/// The plan's instances as a search from there finds them, and the others.
+/// The plan's instances as a search from there finds them; what it does not find is waited for, or left as not run.
 fn searched(
     plan: &Plan,
     begin: Begin,
-    waits: Waits,
+    waits: bool,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     let stepped = plan.stepped();
     let mut settled = found(plan, &stepped, begin, engine, progress)?;
-    let rest = stepped.into_iter().filter(|i| waits != Waits::Not && settled.found[*i as usize].is_none());
+    let rest = stepped.into_iter().filter(|i| waits && settled.found[*i as usize].is_none());
     // What is free of the sample is finished beside those that wait.
     let others: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0).chain(rest).collect();
     let followed = matches!(begin, Begin::Followed(_));
@@ -137,10 +125,7 @@ fn searched(
                 |i: &u32| near[*i as usize].map_or(Station::free(plan, *i), |one| map::own(plan, *i, one));
             part = part.starting_at(others.iter().map(|i| start(i).into()).collect());
         }
-        let waited = match waits {
-            Waits::Briefly => astir::run(&part, engine, progress)?,
-            Waits::Not | Waits::Long => wait::run(&part, engine, progress)?,
-        };
+        let waited = wait::run(&part, engine, progress)?;
         for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
             settled.outcome.results[i] = waited.outcome.results[place];
             settled.periods[i] += waited.periods[place];

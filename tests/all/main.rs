@@ -25,6 +25,7 @@ mod agree_branches;
 mod agree_compare;
 mod agree_control;
 mod agree_curves;
+mod agree_neighbours;
 mod agree_plan;
 mod agree_precision;
 mod agree_reference;
