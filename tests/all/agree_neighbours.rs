@@ -57,8 +57,7 @@ fn what_neighbours_lead_to_is_what_a_search_finds() {
             if b.status != Status::Ok {
                 continue;
             }
-            let error =
-                worst(&plan.observables, &a.measured, &b.measured, &Scales::of(plan, i, &b.measured));
+            let error = worst(&plan.observables, &a.measured, &b.measured, &Scales::of(plan, i, &b.measured));
             // Two refinements that end at other steps are each within the accuracy.
             let same = ours.run.plan.steps(i as u32) == plan.steps(i as u32);
             let bound = if same { 0.5 } else { 2.0 };
@@ -102,5 +101,10 @@ fn threads_and_order_change_no_bit() {
     let back = run(&turned, false, 2);
     // All axes reversed: the instances come in reverse order.
     let other: Vec<usize> = (0..count).filter(|i| bits(&back, count - 1 - i) != all[*i]).collect();
-    assert!(other.is_empty(), "{} of {count} in another order, {:?}", other.len(), &other[..other.len().min(9)]);
+    assert!(
+        other.is_empty(),
+        "{} of {count} in another order, {:?}",
+        other.len(),
+        &other[..other.len().min(9)]
+    );
 }
