@@ -1,9 +1,9 @@
 //! Periodic states from their neighbours': one measured period from where these lead to tells how far it still is.
 
+use super::aims::goal;
 use super::map::{station, vector};
 use super::measured::{self, SURE};
 use super::node::{Guess, Lead};
-use super::search::goal;
 use super::sizes::{Sized, by_size, with_size};
 use super::{PeriodicState, Settled};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};

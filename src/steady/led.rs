@@ -2,7 +2,7 @@
 
 use super::node::Lead;
 use super::search::Begin;
-use super::{PeriodicState, Settled, beside, borne_out, searched};
+use super::{PeriodicState, Settled, beside, searched};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{Plan, Precision};
 
@@ -25,10 +25,9 @@ pub fn from_neighbours(
     let mut led: Vec<u32> = plan.instances().filter(|i| settled.found[*i as usize].is_some()).collect();
     if plan.precision == Precision::F32 {
         // As told: the states are known in f64, and what is measured of them is in f32.
-        let Settled { outcome, found, periods, .. } = &mut settled;
-        let unsure = borne_out(plan, &led, found, (outcome, periods), (engine, progress))?;
-        unsure.into_iter().for_each(|i| found[i as usize] = None);
-        led.retain(|i| found[*i as usize].is_some());
+        let unsure = settled.borne_out(plan, &led, engine, progress)?;
+        unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
+        led.retain(|i| settled.found[*i as usize].is_some());
     }
     let mut begun = vec![false; plan.len()];
     led.into_iter().for_each(|i| begun[i as usize] = true);

@@ -1,5 +1,6 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
+mod aims;
 mod approach;
 mod beside;
 mod carried;
@@ -265,59 +266,72 @@ fn found(
     progress.task("search", instances.len() as u64);
     let alike = alike(plan, instances);
     let searched = search::all(plan, &alike, begin, double, progress)?;
-    let (mut found, mut periods) = (searched.found, searched.periods);
-    let chosen: Vec<u32> = instances.iter().copied().filter(|i| found[*i as usize].is_some()).collect();
-    let mut outcome = Outcome::of(plan);
-    outcome.notes = searched.notes;
-    let unsure = borne_out(plan, &chosen, &found, (&mut outcome, &mut periods), (engine, progress))?;
-    let on = run_on(plan.part(&unsure), &of(&found, &unsure), engine, progress)?;
-    outcome.notes.extend(on.notes);
-    for (i, finished) in unsure.iter().zip(on.results) {
-        outcome.results[*i as usize] = finished;
-        periods[*i as usize] += ON;
-    }
-    let left = |outcome: &Outcome| -> Vec<u32> {
-        let stays = |i: u32| outcome.results[i as usize].status.is_steady();
+    let is_found = |i: &u32| searched.found[*i as usize].is_some();
+    let chosen: Vec<u32> = instances.iter().copied().filter(is_found).collect();
+    let mut settled = Settled {
+        outcome: Outcome { notes: searched.notes, ..Outcome::of(plan) },
+        found: searched.found,
+        periods: searched.periods,
+        jumps: Vec::new(),
+    };
+    let unsure = settled.borne_out(plan, &chosen, engine, progress)?;
+    settled.run_on(&plan.part(&unsure), &unsure, engine, progress)?;
+    let left = |settled: &Settled| -> Vec<u32> {
+        let stays = |i: u32| settled.outcome.results[i as usize].status.is_steady();
         chosen.iter().copied().filter(|i| !stays(*i)).collect()
     };
-    let rough = left(&outcome);
+    let rough = left(&settled);
     if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
         // A weakly damped state drifts in f32 by more than it may.
-        let finer = plan.part(&rough).in_precision(Precision::F64);
-        let again = run_on(finer, &of(&found, &rough), double, progress)?;
-        for (i, finished) in rough.into_iter().zip(again.results) {
-            outcome.results[i as usize] = finished;
-            periods[i as usize] += ON;
-        }
+        settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
     }
-    left(&outcome).into_iter().for_each(|i| found[i as usize] = None);
-    Ok(Settled { outcome, found, periods, jumps: Vec::new() })
+    left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
+    Ok(settled)
 }
 
-/// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change bears the
-/// state out. The others come back.
-fn borne_out(
-    plan: &Plan,
-    chosen: &[u32],
-    found: &[Option<Box<PeriodicState>>],
-    (outcome, periods): (&mut Outcome, &mut [u32]),
-    (engine, progress): (&dyn Engine, &Progress),
-) -> Result<Vec<u32>, EngineError> {
-    let state = |i: &u32| found[*i as usize].as_deref();
-    let place = |i| state(i).map_or(Station::FREE, |state| state.station);
-    progress.task("measuring", 0);
-    let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
-    outcome.notes.extend(once.notes);
-    let mut unsure = Vec::new();
-    for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
-        periods[*i as usize] += 1;
-        let sure = state(i).is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
-        match sure && finished.status.is_steady() {
-            true => outcome.results[*i as usize] = finished,
-            false => unsure.push(*i),
+impl Settled {
+    /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
+    /// bears the state out. The others come back.
+    fn borne_out(
+        &mut self,
+        plan: &Plan,
+        chosen: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<Vec<u32>, EngineError> {
+        let place = |i: &u32| self.state(*i as usize).map_or(Station::FREE, |state| state.station);
+        progress.task("measuring", 0);
+        let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
+        self.outcome.notes.extend(once.notes);
+        let mut unsure = Vec::new();
+        for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
+            self.periods[*i as usize] += 1;
+            let state = self.state(*i as usize);
+            let sure = state.is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
+            match sure && finished.status.is_steady() {
+                true => self.outcome.results[*i as usize] = finished,
+                false => unsure.push(*i),
+            }
         }
+        Ok(unsure)
     }
-    Ok(unsure)
+
+    /// Runs on from the states found of these instances, of which the plan is, and measures them.
+    fn run_on(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let on = run_on(plan.clone(), &of(&self.found, instances), engine, progress)?;
+        self.outcome.notes.extend(on.notes);
+        for (i, finished) in instances.iter().zip(on.results) {
+            self.outcome.results[*i as usize] = finished;
+            self.periods[*i as usize] += ON;
+        }
+        Ok(())
+    }
 }
 
 /// These instances in the order of their classes: neighbours are alike, and searched for together.

@@ -157,7 +157,7 @@ impl Hint<'_> {
         DefaultAllocator: Memory<D>,
     {
         let first = self.neighbours.first()?.node;
-        let stable = super::search::certainly(plan, instance);
+        let stable = super::aims::certainly(plan, instance);
         let sound = |one: &Neighbour| one.node.moves_as(first) && one.node.multiplier < stable;
         if !self.neighbours.iter().all(sound) || first.law != plan.contact(instance).law {
             return None;
