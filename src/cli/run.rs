@@ -35,6 +35,9 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
+    /// Search for each instance's periodic state by itself, not from its neighbours' in the sweep
+    #[arg(long, conflicts_with = "choices")]
+    cold: bool,
     /// Instances to redo with the reference engine after the run [default: as many as a tenth of the run's time allows, or
     /// 0.25 s, and at least one that touches the sample]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -178,6 +181,7 @@ fn begin(
         .engine
         .sweep(scene)?
         .estimate(!args.no_estimate)
+        .cold(args.cold)
         .audit(args.audit())
         .portion(args.portion.map(|count| count as usize))
         .prepared(prepared)

@@ -1,6 +1,7 @@
 //! What is chosen once for all of a plan's instances, as plain data that can be written down: a run that is given it does
 //! what the run did that chose it, to the bit, and so does one of a share of the instances.
 
+use super::levels::Blocks;
 use super::modes::Tried;
 use super::{modes, precision};
 use crate::engine::{Engine, EngineError, Progress};
@@ -21,13 +22,14 @@ pub enum Course {
 }
 
 /// The choices of a run. As TOML they are a few kilobytes: what each instance gets follows from the plan and these numbers.
-///
-/// The key `neighbours` is kept free, for the order in which instances are to start from their neighbours' states.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Choices {
     pub course: Course,
     /// Most instances that are taken to their ends together: some ten seconds of work of one core or one GPU.
     pub portion: usize,
+    /// Whether the instances of a large grid begin at one another's states; the grid decides in which order.
+    #[serde(default)]
+    pub neighbours: bool,
     /// What the engine had to say of the trials.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -67,7 +69,8 @@ impl Choices {
     /// Where nothing is tried, for this `reason`.
     pub fn untried(planned: &Plan, course: Course, engine: &dyn Engine, reason: &str) -> Self {
         let precision = precision::Choice::settled(planned, reason);
-        Self { course, portion: portion(planned, engine), notes: Vec::new(), precision, bases: None }
+        let portion = portion(planned, engine);
+        Self { course, portion, neighbours: false, notes: Vec::new(), precision, bases: None }
     }
 }
 
@@ -93,9 +96,14 @@ pub fn choose(
     progress.stage(&["trial"]);
     let (bases, mut notes) = modes::tried(planned, &stepped, engine, progress)?;
     let plan = modes::chosen(planned, &stepped, bases.as_ref()).plan;
-    let mut precision = precision::choose(&plan, &stepped, engine, progress)?;
+    let neighbours = !planned.cold && Blocks::of(planned).is_some();
+    let mut precision = match neighbours && engine.double() && plan.precision_open {
+        true => precision::for_neighbours(&plan),
+        false => precision::choose(&plan, &stepped, engine, progress)?,
+    };
     notes.append(&mut precision.notes);
     // Trials that were cut short, which no instance's result comes from.
     let portion = portion(planned, engine);
-    Ok((!progress.stopped()).then_some(Choices { course, portion, notes, precision, bases }))
+    let chosen = Choices { course, portion, neighbours, notes, precision, bases };
+    Ok((!progress.stopped()).then_some(chosen))
 }

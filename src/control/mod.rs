@@ -1,12 +1,15 @@
 //! Error control: each instance's error is estimated, and what misses the accuracy asked for is done again
 //! with more steps or more modes; a few instances are audited by the reference engine.
 
+mod around;
 mod audit;
+mod block;
 mod branches;
 mod choices;
 mod decide;
 mod difference;
 mod first;
+mod levels;
 mod modes;
 mod neighbours;
 mod portion;
@@ -52,7 +55,11 @@ pub struct Controlled {
     pub periods: Vec<u32>,
     /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
     pub jumps: Vec<bool>,
+    /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
+    pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
+    /// Of each instance what others begin at; empty where none does.
+    solved: Vec<around::Solved>,
 }
 
 /// Which arithmetic stepped what, and why.
@@ -63,6 +70,14 @@ pub struct Arithmetic {
     /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
     pub rounding: f64,
     pub reason: String,
+}
+
+impl Controlled {
+    /// The share of the instances whose results began at their neighbours' states.
+    pub fn neighbour_started(&self) -> f64 {
+        let count = self.neighbour_started.iter().filter(|one| **one).count();
+        count as f64 / self.plan.len().max(1) as f64
+    }
 }
 
 impl Arithmetic {
@@ -156,5 +171,16 @@ pub fn once(
     }
     let unknown = vec![f64::NAN; plan.len()];
     let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
-    Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, jumps, arithmetic })
+    Ok(Controlled {
+        plan,
+        outcome,
+        estimates: unknown,
+        left_out,
+        found,
+        periods,
+        jumps,
+        neighbour_started: Vec::new(),
+        arithmetic,
+        solved: Vec::new(),
+    })
 }

@@ -30,6 +30,8 @@ pub struct Ended {
     pub left_out: f64,
     pub periods: u32,
     pub jump: bool,
+    /// Whether it began at its neighbours' states.
+    pub neighbour_started: bool,
     pub precision: Precision,
     pub fineness: Fineness,
     pub state: Option<Place>,
@@ -95,6 +97,7 @@ impl Portion {
                 left_out: run.left_out[n],
                 periods: run.periods[n],
                 jump: run.jumps.get(n).is_some_and(|jump| *jump),
+                neighbour_started: run.neighbour_started.get(n).is_some_and(|begun| *begun),
                 precision: run.arithmetic.of[n],
                 fineness: run.plan.fineness(i),
                 state: run.found.get(n).and_then(|state| state.as_deref()).map(place),
@@ -136,7 +139,12 @@ impl Portion {
             found,
             periods: all.iter().map(|one| one.periods).collect(),
             jumps,
+            neighbour_started: match choices.neighbours {
+                true => all.iter().map(|one| one.neighbour_started).collect(),
+                false => Vec::new(),
+            },
             arithmetic: Arithmetic { of, ..choices.precision.arithmetic(0) },
+            solved: Vec::new(),
             plan,
         })
     }

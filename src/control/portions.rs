@@ -1,7 +1,9 @@
 //! All instances of a plan, portion by portion.
 
+use super::block::{self, Block};
 use super::choices::{Choices, Course};
 use super::first::First;
+use super::levels::Blocks;
 use super::portion::{Keep, Portion};
 use super::{Arithmetic, Controlled, by_reference, modes, once, unfinished};
 use crate::engine::{Engine, EngineError, Progress, Reference};
@@ -11,12 +13,14 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How a plan's instances are divided: the order in which they run, and how many make a portion. Every run of the plan with
+/// How a plan's instances are divided: the order in which they run, and which make a portion. Every run of the plan with
 /// the same choices divides them so.
-#[derive(Clone, Debug)]
 pub struct Division {
     order: Vec<u32>,
-    size: usize,
+    /// Where in the order each portion ends.
+    ends: Vec<usize>,
+    /// Where the portions are blocks whose instances begin at one another's states.
+    blocks: Option<Blocks>,
 }
 
 /// Portions that each share of a run has at least, as far as there are instances: so no share waits long for another.
@@ -27,32 +31,43 @@ const LEAST: usize = 16;
 impl Division {
     /// Of the scene's plan, for a run in so many shares.
     pub fn of(planned: &Plan, choices: &Choices, shares: usize) -> Self {
+        if let Some(blocks) = choices.neighbours.then(|| Blocks::of(planned)).flatten() {
+            let end = |end: &mut usize, size: usize| {
+                *end += size;
+                Some(*end)
+            };
+            let ends = blocks.sizes().scan(0, end).collect();
+            return Self { order: blocks.order.clone(), ends, blocks: Some(blocks) };
+        }
         let even = match shares {
             ..=1 => usize::MAX,
             _ => planned.len().div_ceil(EACH * shares).max(LEAST),
         };
         let size = choices.portion.min(even).max(1);
         // In the order that the scene's plan runs them; curves stay whole.
-        match planned.ensemble.curves {
-            Some(_) => Self { order: planned.instances().collect(), size: whole_curves(planned, size) },
-            None => Self { order: planned.by_class(), size },
-        }
+        let (order, size) = match planned.ensemble.curves {
+            Some(_) => (planned.instances().collect(), whole_curves(planned, size)),
+            None => (planned.by_class(), size),
+        };
+        let ends =
+            (1..=order.len().div_ceil(size)).map(|n| n.saturating_mul(size).min(order.len())).collect();
+        Self { order, ends, blocks: None }
     }
 
     /// How many portions there are.
     pub fn len(&self) -> usize {
-        self.order.len().div_ceil(self.size)
+        self.ends.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.order.is_empty()
+        self.ends.is_empty()
     }
 
     /// The instances of a portion, by their numbers in the plan.
     pub fn portion(&self, number: usize) -> &[u32] {
-        let from = (number * self.size).min(self.order.len());
-        &self.order[from..(from + self.size).min(self.order.len())]
+        let from = if number == 0 { 0 } else { self.ends[number - 1] };
+        &self.order[from..self.ends[number]]
     }
 }
 
@@ -78,13 +93,16 @@ struct Work<'a> {
     left_out: Vec<f64>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
+    division: &'a Division,
     engine: &'a dyn Engine,
     progress: &'a Progress,
 }
 
 impl Work<'_> {
-    fn run(&self, part: Plan, portion: &[u32]) -> Result<Controlled, EngineError> {
+    /// Takes a portion, by its number and with its plan, to its end.
+    fn run(&self, number: usize, part: Plan) -> Result<Controlled, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
+        let portion = self.division.portion(number);
         match self.choices.course {
             Course::Reference => by_reference(&part, &Reference::default(), progress),
             Course::Once => once(part, &self.choices.precision.reason, engine, progress),
@@ -93,8 +111,12 @@ impl Work<'_> {
                 let stepped = part.stepped();
                 let left_out = portion.iter().map(|i| self.left_out[*i as usize]).collect();
                 let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
-                let first =
-                    First { poorer: self.poorer.as_ref().map(of), left_out, chosen: &self.choices.precision };
+                let poorer = self.poorer.as_ref().map(of);
+                if let Some(blocks) = &self.division.blocks {
+                    let block = Block { plan: part, poorer, left_out, choices: self.choices };
+                    return block::run(block, &blocks.levels(number), engine, progress);
+                }
+                let first = First::alone(poorer, left_out, &self.choices.precision);
                 unfinished::marked(part, &stepped, first, engine, progress)
             }
         }
@@ -120,7 +142,9 @@ fn free(
         found: Vec::new(),
         periods: vec![0; count],
         jumps: Vec::new(),
+        neighbour_started: Vec::new(),
         arithmetic: choices.precision.arithmetic(count),
+        solved: Vec::new(),
         plan,
     })
 }
@@ -143,7 +167,11 @@ pub(super) fn run(
     let division = Division::of(planned, choices, keep.shares());
     let mut whole = Controlled::not_begun(plan, choices);
     whole.left_out.clone_from(&left_out);
-    let work = Work { choices, poorer, left_out, stepped: !stepped.is_empty(), engine, progress };
+    if division.blocks.is_some() {
+        whole.neighbour_started = vec![false; count];
+    }
+    let stepped = !stepped.is_empty();
+    let work = Work { choices, poorer, left_out, stepped, division: &division, engine, progress };
     let wanted = whole.take_known(&division, choices, keep);
     let all: u64 = wanted.iter().map(|number| division.portion(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
@@ -153,7 +181,7 @@ pub(super) fn run(
     let ended = AtomicBool::new(false);
     let one = |plan: &Plan, number: usize| {
         let portion = division.portion(number);
-        let ran = work.run(plan.part(portion), portion)?;
+        let ran = work.run(number, plan.part(portion))?;
         if let Some(held) = &held {
             held.done(portion.len() as u64);
         }
@@ -204,7 +232,7 @@ impl Controlled {
     }
 
     /// Takes in what became of a portion.
-    fn take(&mut self, portion: &[u32], part: Self) {
+    pub(super) fn take(&mut self, portion: &[u32], part: Self) {
         let Arithmetic { of, .. } = part.arithmetic;
         if !part.found.is_empty() && self.found.is_empty() {
             self.found = vec![None; self.plan.len()];
@@ -219,6 +247,9 @@ impl Controlled {
             self.jumps = vec![false; self.plan.len()];
         }
         portion.iter().zip(part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = jump);
+        let begun = portion.iter().zip(part.neighbour_started);
+        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);
+        portion.iter().zip(part.solved).for_each(|(place, solved)| self.solved[*place as usize] = solved);
         let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;

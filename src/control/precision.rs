@@ -40,6 +40,14 @@ impl Choice {
     }
 }
 
+/// In f64, for a plan whose instances mostly begin at their neighbours' states.
+pub(super) fn for_neighbours(plan: &Plan) -> Choice {
+    Choice::settled(
+        plan,
+        "most instances take a period or two from their neighbours' states, which are known in f64",
+    )
+}
+
 /// Whether `plan`, of which `stepped` need steps, is to run in f32. Its sample runs in both with the bases chosen and
 /// the steps of its first estimate.
 pub(super) fn choose(

@@ -35,7 +35,9 @@ impl Controlled {
             found: Vec::new(),
             periods: vec![0; count],
             jumps: Vec::new(),
+            neighbour_started: Vec::new(),
             arithmetic: choices.precision.arithmetic(count),
+            solved: Vec::new(),
             plan,
         }
     }

@@ -33,6 +33,7 @@ impl Plan {
             precision: self.precision,
             precision_open: self.precision_open,
             policy: self.policy,
+            cold: self.cold,
             waveforms: None,
             starts: None,
         }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Modes that a station has room for.
 const MODES: usize = Station::FREE.x.len();
 /// Numbers of an instance.
-const WIDTH: usize = HARMONICS + 15 + 9 + 3 + 7 + 3 + 2 * MODES;
+const WIDTH: usize = HARMONICS + 15 + 10 + 3 + 7 + 3 + 2 * MODES;
 
 /// A portion and its number as bytes.
 pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
@@ -142,7 +142,8 @@ fn rule(one: BasisRule) -> [u64; 3] {
 
 /// An instance's numbers, by their bits.
 fn row(one: &Ended) -> [u64; WIDTH] {
-    let Ended { finished, estimate, left_out, periods, jump, precision, fineness, state } = one;
+    let Ended { finished, estimate, left_out, periods, jump, neighbour_started, precision, fineness, state } =
+        one;
     let mut row = [0; WIDTH];
     let mut places = row.iter_mut();
     let mut put = |value: u64| places.next().map_or((), |place| *place = value);
@@ -152,6 +153,7 @@ fn row(one: &Ended) -> [u64; WIDTH] {
     put(left_out.to_bits());
     put(u64::from(*periods));
     put(u64::from(*jump));
+    put(u64::from(*neighbour_started));
     put(u64::from(*precision == Precision::F64));
     put(u64::from(fineness.steps));
     put(fineness.gap.to_bits());
@@ -176,7 +178,7 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     let status = Status::ALL.into_iter().find(|status| *status as u64 == code)?;
     let (estimate, left_out) = (f64::from_bits(numbers.next()?), f64::from_bits(numbers.next()?));
     let periods = u32::try_from(numbers.next()?).ok()?;
-    let jump = numbers.next()? == 1;
+    let (jump, neighbour_started) = (numbers.next()? == 1, numbers.next()? == 1);
     let precision = if numbers.next()? == 1 { Precision::F64 } else { Precision::F32 };
     let steps = u32::try_from(numbers.next()?).ok()?;
     let gap = f64::from_bits(numbers.next()?);
@@ -186,7 +188,7 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
         _ => Some(place(numbers)?),
     };
     let finished = Finished { measured, status };
-    Some(Ended { finished, estimate, left_out, periods, jump, precision, fineness, state })
+    Some(Ended { finished, estimate, left_out, periods, jump, neighbour_started, precision, fineness, state })
 }
 
 fn of_measured(numbers: &mut impl Iterator<Item = u64>) -> Option<Measured> {
@@ -265,6 +267,7 @@ mod tests {
             left_out: -f64::NAN,
             periods: draw(state) as u32,
             jump: draw(state).is_multiple_of(2),
+            neighbour_started: draw(state).is_multiple_of(2),
             precision: [Precision::F32, Precision::F64][draw(state) as usize % 2],
             fineness: Fineness { steps: draw(state) as u32, gap: 0.0, rule },
             state: draw(state).is_multiple_of(2).then_some(Place { station, spectrum, steps: 64, rule }),

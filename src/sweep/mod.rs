@@ -101,6 +101,7 @@ struct Options {
     precision: Option<Precision>,
     threads: Option<usize>,
     estimate: bool,
+    cold: bool,
     policy: Policy,
     audit: Audit,
     portion: Option<usize>,
@@ -116,6 +117,7 @@ impl Sweep {
             precision: None,
             threads: None,
             estimate: true,
+            cold: false,
             policy: Policy::STANDARD,
             audit: Audit::Auto,
             portion: None,
@@ -172,6 +174,14 @@ impl Sweep {
     #[must_use]
     pub fn estimate(mut self, estimate: bool) -> Self {
         self.options.estimate = estimate;
+        self
+    }
+
+    /// Whether each instance's periodic state is searched for from its own free oscillation, whatever its neighbours in
+    /// the sweep have; else a large sweep's searches begin at their neighbours' states.
+    #[must_use]
+    pub fn cold(mut self, cold: bool) -> Self {
+        self.options.cold = cold;
         self
     }
 
@@ -237,6 +247,7 @@ impl Sweep {
         let mut plan = Plan::new(&self.scene, precision).map_err(|error| error.in_scene(&self.scene))?;
         plan.precision_open = self.options.precision.is_none();
         plan.policy = self.options.policy;
+        plan.cold = self.options.cold;
         let engine = choose::engine(&self.options, &mut plan, observer)?;
         Ok((plan, engine))
     }
@@ -354,14 +365,15 @@ impl Sweep {
         let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {
             control::others(&run, &scene.sweep.shape(), engine.as_ref(), progress).map(Some)
         })?;
-        let stepping = stepping.elapsed().as_secs_f64();
+        let (stepping, taken) = (stepping.elapsed().as_secs_f64(), progress.steps());
         let audit = if exact { Audit::None } else { self.options.audit };
         let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
             audit::redo(audit, &run, stepping, progress)
         })?;
         control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
         let command_line = self.options.command_line.clone();
-        let done = swept::Done { scene, run, others, audited, exact, estimated, summary, command_line };
+        let done =
+            swept::Done { scene, run, taken, others, audited, exact, estimated, summary, command_line };
         swept::collect(done, (start, stepping), engine.as_ref(), missing, progress)
     }
 }

@@ -271,7 +271,9 @@ fn mixed_and_stopped(swept: &Swept) -> Results {
     let facts = Facts {
         device: String::new(),
         wall_time: 0.0,
+        steps_taken: 0,
         rate: 0.0,
+        neighbour_started: 0.0,
         plan: run.plan.summary(None).json().to_string(),
         command_line: String::new(),
         arithmetic: Arithmetic { of: vec![Precision::F32, Precision::F64], ..run.arithmetic.clone() },

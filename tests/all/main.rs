@@ -28,6 +28,7 @@ mod agree_compare;
 mod agree_control;
 mod agree_curves;
 mod agree_kicked;
+mod agree_neighbours;
 mod agree_plan;
 mod agree_precision;
 mod agree_reference;

@@ -31,7 +31,9 @@ pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
         "device": results.text("device"),
         "wall_time_s": wall,
         "stepping_time_s": swept.stepping,
+        "instance_steps_taken": swept.steps_taken,
         "instance_steps_per_second": swept.rate,
+        "neighbour_started": swept.run.neighbour_started(),
     })
 }
 
