@@ -40,7 +40,7 @@ pub(super) fn draw(
     let mut csv = format!("way,{} [{}]", axis.name, axis.units);
     SHARES.iter().for_each(|share| csv += &format!(",share {share} [{}]", variable.units));
     csv.push('\n');
-    for way in 0..ways {
+    for (way, word) in WAYS.iter().enumerate().take(ways) {
         let values = |point: usize| -> Vec<f64> {
             let instances = (0..curves).map(|curve| (curve * ways + way) * length + point);
             let held = instances.filter(|i| is_ok(results, *i)).map(|i| variable.data[i]);
@@ -48,16 +48,14 @@ pub(super) fn draw(
             held.sort_by(f64::total_cmp);
             held
         };
-        let bands: Vec<[f64; 3]> = (0..length)
-            .map(|point| values(point))
-            .map(|held| SHARES.map(|share| quantile(&held, share)))
-            .collect();
+        let bands: Vec<[f64; 3]> =
+            (0..length).map(values).map(|held| SHARES.map(|share| quantile(&held, share))).collect();
         for (x, [low, middle, high]) in axis.values.iter().zip(&bands) {
-            csv += &format!("{},{x:e},{low:e},{middle:e},{high:e}\n", WAYS[way]);
+            csv += &format!("{word},{x:e},{low:e},{middle:e},{high:e}\n");
         }
         let line = |which: usize| axis.values.iter().zip(&bands).map(move |(x, band)| (*x, band[which]));
         let gap = std::iter::once((f64::NAN, f64::NAN));
-        let name = if both { format!("{}, ", WAYS[way]) } else { String::new() };
+        let name = if both { format!("{word}, ") } else { String::new() };
         let look = |name: String, width, dashed| Look { name, width, dashed, dots: false };
         series.push(look(format!("{name}median"), 2.4, false));
         lines.push(line(1).collect());

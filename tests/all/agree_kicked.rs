@@ -33,18 +33,26 @@ accuracy = 1e-3
 observables = ["amplitude", "force_mean"]
 "#;
 
+/// At resonance, so that the force is a Q-th of what would bend the lever as far.
+fn place(gap: f64) -> Place {
+    Place { gap, frequency: 300e3, force: 40.0 * 20e-9 / 279.227 }
+}
+
+/// The lever of the scene in free oscillation.
+fn far_away(gap: f64) -> Sweeper {
+    let mode = Mode { stiffness: 40.0, frequency: 300e3, quality: 279.227 };
+    let k = 4.0 / 3.0 * 5.22593e9 / (1.0 - 0.25);
+    let law = Law::Dmt { k, r: 25.548e-9, w: 99.8735e-3, d0: 0.3e-9 };
+    Sweeper::free(&[mode], law, place(gap))
+}
+
 #[test]
 fn a_curve_is_followed_as_a_slow_approach_goes() {
     let scene = Scene::parse("kicked.toml".as_ref(), SCENE).unwrap();
     let results = Sweep::new(scene).audit(Audit::None).run().unwrap().results;
     let ours = results.observable("amplitude").unwrap().values;
     let gaps = results.axes.last().unwrap().values.clone();
-    let (stiffness, quality) = (40.0, 279.227);
-    let mode = Mode { stiffness, frequency: 300e3, quality };
-    let k = 4.0 / 3.0 * 5.22593e9 / (1.0 - 0.25);
-    let law = Law::Dmt { k, r: 25.548e-9, w: 99.8735e-3, d0: 0.3e-9 };
-    let place = |gap: f64| Place { gap, frequency: 300e3, force: stiffness * 20e-9 / quality };
-    let mut lever = Sweeper::free(&[mode], law, place(25e-9));
+    let mut lever = far_away(25e-9);
     let there = (0..gaps.len()).map(|i| (i, 0));
     let back = (0..gaps.len()).rev().map(|i| (i, gaps.len()));
     for (i, way) in there.chain(back) {
@@ -52,4 +60,18 @@ fn a_curve_is_followed_as_a_slow_approach_goes() {
         let off = (motion.amplitude - ours[way + i]).abs() / 20e-9;
         assert!(off < 1e-3, "{} nm: {:e}, not {:e}", 1e9 * gaps[i], ours[way + i], motion.amplitude);
     }
+}
+
+/// The same integrator, whose sample comes in strokes of a quarter of a nanometre: at 12 nm it has left the branch, with an
+/// amplitude 0.84 nm above that of the slow approach.
+#[test]
+fn strokes_of_the_sample_throw_a_tip_off_its_branch() {
+    let mut lever = far_away(21e-9);
+    let mut amplitude = f64::NAN;
+    for n in 0..=36 {
+        let to = place(21e-9 - 0.25e-9 * f64::from(n));
+        lever.at = to;
+        amplitude = lever.go(to).expect("it settles").amplitude;
+    }
+    assert!((amplitude - 12.964e-9).abs() < 0.02e-9, "{amplitude:e}");
 }
