@@ -58,6 +58,7 @@ mod converge_steps;
 mod docs_levers;
 mod docs_links;
 mod docs_name_everything;
+mod docs_name_results;
 mod exact_axes;
 mod exact_calibration;
 mod exact_contact;
