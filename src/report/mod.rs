@@ -21,6 +21,7 @@ mod pictures;
 mod quantity;
 mod raster;
 mod tables;
+pub mod uncertainty;
 mod variable;
 mod view;
 mod waveform;

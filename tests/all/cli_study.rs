@@ -118,6 +118,22 @@ fn a_design_over_a_sweep_has_statistics_at_every_point() {
         assert_eq!(numbers(&amplitude["S1"]).len(), 2);
         assert_eq!(amplitude["count"], 64);
     }
+    // Pictures: bands over the gap, and each point's distributions, indices and scatter.
+    desk.works(&["stats", "results/bands.h5", "-o", "page", "-q"]);
+    let page = std::fs::read_to_string(desk.path("page/index.html")).unwrap();
+    for file in [
+        "phase_bands_0.svg",
+        "force_max_0_distribution.svg",
+        "amplitude_1_indices.svg",
+        "phase_1_sample_youngs_modulus.svg",
+    ] {
+        assert!(page.contains(file), "{file}");
+        roxmltree::Document::parse(&std::fs::read_to_string(desk.path("page").join(file)).unwrap()).unwrap();
+    }
+    desk.works(&["stats", "results/bands.h5", "-o", "page", "-q"]);
+    desk.write("other.txt", "mine");
+    let said = desk.call(&["stats", "results/bands.h5", "-o", "."]);
+    assert!(said.code == Some(1) && said.err.contains("holds other things"), "{}", said.err);
     // Two rows of a table, and where they stand.
     let csv = desk.works(&["export", "results/bands.h5", "--format", "csv"]).out;
     assert!(csv.starts_with("approach_gap [m],instrument.cantilever.stiffness [N/m],"), "{csv}");
@@ -163,6 +179,9 @@ fn inference_tells_modulus_and_prediction() {
     assert!((at("0.025")..=at("0.975")).contains(&truth), "{truth:e}: {told}");
     assert!(at("0.975") - at("0.025") < 1.5e9, "{told}");
     assert!(told["effective_samples"].as_f64().unwrap() > 50.0);
+    desk.works(&["infer", "results/prior.h5", "--observed", &seen, "-o", "corner", "-q"]);
+    let corner = std::fs::read_to_string(desk.path("corner/corner.svg")).unwrap();
+    assert!(corner.contains("sample Young") && roxmltree::Document::parse(&corner).is_ok());
     let force = variable(&results, "force_max")[row];
     let predicted = &told["predicted"]["force_max"]["quantiles"];
     assert!(predicted["0.025"].as_f64().unwrap() < force && force < predicted["0.975"].as_f64().unwrap());

@@ -10,10 +10,8 @@ use super::histogram::Bars;
 /// A corner of panels; `weights` has one for each row.
 pub(super) fn draw(heading: &str, sides: &[Side], weights: &[f64]) -> Result<String, ReportError> {
     let (panel, gap) = (150.0, 12.0);
-    let bars: Vec<Bars> = sides
-        .iter()
-        .map(|one| Bars::of(one.values, weights, (one.label, one.units), one.log))
-        .collect();
+    let bars: Vec<Bars> =
+        sides.iter().map(|one| Bars::of(one.values, weights, (one.label, one.units), one.log)).collect();
     let left = bars.iter().map(|one| left_margin(&one.axis, panel)).fold(0.0, f64::max);
     let count = sides.len() as f64;
     let size = count * (panel + gap);

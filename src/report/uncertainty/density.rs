@@ -40,7 +40,11 @@ pub(super) fn rows(frame: &Frame, x: &[f64], y: &[f64], weights: &[f64]) -> Resu
         let left = frame.left + across as f64 * wide;
         let bottom = frame.top + frame.height - up as f64 * high;
         // By the root: rare cells are seen too.
-        frame.canvas.rectangle((left, bottom - high), (left + wide, bottom), colour((share / most).sqrt()))?;
+        frame.canvas.rectangle(
+            (left, bottom - high),
+            (left + wide, bottom),
+            colour((share / most).sqrt()),
+        )?;
     }
     Ok(())
 }

@@ -29,8 +29,11 @@ pub(super) fn draw(
     let (width, step) = (460.0, 16.0 + 12.0 * rows.len() as f64);
     let left = 16.0 + names.iter().map(|name| text_width(name, SMALL)).fold(0.0, f64::max);
     let height = step * names.len() as f64;
-    let entries: Vec<(Key, String)> =
-        rows.iter().enumerate().map(|(n, row)| (Key::Dot(LINES[n % LINES.len()]), row.word.to_owned())).collect();
+    let entries: Vec<(Key, String)> = rows
+        .iter()
+        .enumerate()
+        .map(|(n, row)| (Key::Dot(LINES[n % LINES.len()]), row.word.to_owned()))
+        .collect();
     let top = 36.0 + KEY_ROW;
     picture((left + width + 24.0, top + height + 52.0), |canvas| {
         title(canvas, heading, 8.0, left + width)?;

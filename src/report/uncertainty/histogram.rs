@@ -58,10 +58,17 @@ pub(super) fn draw(
     left_out: &str,
 ) -> Result<String, ReportError> {
     let bars = Bars::of(values, &[], (label, units), false);
-    let y = Axis::over([0.0].into_iter().chain(bars.shares.iter().copied()), "1", "share of the rows", false, 0.02);
+    let y = Axis::over(
+        [0.0].into_iter().chain(bars.shares.iter().copied()),
+        "1",
+        "share of the rows",
+        false,
+        0.02,
+    );
     let (width, height) = (560.0, 260.0);
     let left = left_margin(&y, height);
-    let unit = Unit::fitting(units, quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())));
+    let unit =
+        Unit::fitting(units, quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())));
     let mut entries: Vec<(Key, String)> = quantiles
         .iter()
         .map(|(share, value)| {
