@@ -30,6 +30,9 @@ pub struct InferArgs {
     json: bool,
 }
 
+/// Standard deviations in all that the best of many rows does not miss by where the model is right.
+const FAR: f64 = 2.0;
+
 /// Shares of which quantiles are told.
 const SHARES: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
 
@@ -49,8 +52,16 @@ pub fn main(args: &InferArgs, voice: Voice) -> anyhow::Result<()> {
             })
         })
         .collect::<anyhow::Result<_>>()?;
-    for found in points.iter().filter(|found| found.left_out > 0) {
-        voice.say(format_args!("{} rows that are not ok were left out", found.left_out));
+    for found in &points {
+        if found.left_out > 0 {
+            voice.say(format_args!("{} rows that are not ok were left out", found.left_out));
+        }
+        let best = found.best_chi_squared.sqrt();
+        if best > FAR {
+            voice.say(format_args!(
+                "warning: even the best row misses by {best:.1} standard deviations: the observed values, their errors or the model are wrong"
+            ));
+        }
     }
     if let Some(folder) = &args.output {
         let [found] = &points[..] else {

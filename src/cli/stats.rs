@@ -203,7 +203,10 @@ fn observable(study: &Study, output: &Output, summary: &Summary) -> String {
 fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
     let names = study.design.group_names();
     let wide = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    let share = |one: &Estimate| format!("{:>7.4} +- {:<7.4}", one.value, one.half_width);
+    let share = |one: &Estimate| match one.half_width {
+        small if small < 1e-3 => format!("{:>7.4} +- {small:<7.0e}", one.value),
+        half_width => format!("{:>7.4} +- {half_width:<7.4}", one.value),
+    };
     let mut text = String::new();
     match &summary.indices {
         Indices::Saltelli(indices) => {
