@@ -147,6 +147,18 @@ fn a_design_over_a_sweep_has_statistics_at_every_point() {
 }
 
 #[test]
+fn every_distribution_has_its_word_in_the_document() {
+    let desk = Desk::new();
+    desk.write("odd.toml", &design("sobol", 8, "").replace("\"normal\"", "\"gauss\""));
+    let said = desk.call(&["plan", "odd.toml"]).err;
+    let text = include_str!("../../docs/scene.md");
+    for word in afmsweep::design::Distribution::WORDS {
+        assert!(said.contains(&format!("\"{word}\"")), "{said}");
+        assert!(text.contains(&format!("`\"{word}\"`")), "{word} is not told");
+    }
+}
+
+#[test]
 fn what_is_odd_about_a_design_is_said() {
     let desk = Desk::new();
     let text = design("sobol", 24, "").replace("sd = \"5 %\"", "sd = \"30 %\"");

@@ -121,7 +121,6 @@ fn every_word_that_a_choice_may_have_is_told() {
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
         ("`[curve]`", "quantity", "[curve]\nquantity = \"zzz\""),
         ("`[design]`", "kind", "[design]\nkind = \"zzz\""),
-        ("`[uncertain]`", "distribution", "uncertain.\"approach.gap\".distribution = \"zzz\"\ndesign = {}"),
         ("`[curve]`", "direction", &format!("{CURVE}direction = \"zzz\"")),
         ("`[run]`", "start", "[run]\nstart = \"zzz\""),
         ("`[run]`", "steady", "[run]\nsteady = \"zzz\""),
