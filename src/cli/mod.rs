@@ -23,6 +23,7 @@ mod signals;
 mod stats;
 mod stopped;
 mod study;
+mod table;
 mod words;
 
 use afmsweep::Error;

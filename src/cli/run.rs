@@ -7,7 +7,8 @@ use super::audit;
 use super::backend::EngineArgs;
 use super::signals;
 use super::stopped::Stopped;
-use super::{Voice, load, print_json};
+use super::table::TableArgs;
+use super::{Voice, print_json};
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, Writer};
 use afmsweep::{Audit, Error};
@@ -48,6 +49,8 @@ pub struct RunArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    table: TableArgs,
+    #[command(flatten)]
     engine: EngineArgs,
 }
 
@@ -77,7 +80,7 @@ fn default_output(scene: &Path) -> PathBuf {
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
-    let scene = load(&args.scene)?;
+    let scene = args.table.load(&args.scene)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
     if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
         anyhow::bail!("{} is the scene itself; name another file with -o", output.display());

@@ -78,6 +78,13 @@ fn a_table_of_points_gives_the_bits_of_their_grid() {
     let scene = format!("{LEVER}[design]\nkind = \"table\"\nfile = \"plain.txt\"\n{names}\n");
     let plain = desk.run(&desk.write("plain.toml", &scene), &[]);
     assert_eq!(variable(&plain, "phase"), variable(&grid, "phase"));
+    // And told on the command line.
+    let names = "sample.youngs_modulus, instrument.cantilever.stiffness";
+    let told = desk.run(&desk.write("told.toml", LEVER), &["--table", "plain.txt", "--names", names]);
+    assert_eq!(variable(&told, "phase"), variable(&grid, "phase"));
+    assert!(told.text("scene").unwrap().contains("file = \"plain.txt\""));
+    let said = desk.call(&["plan", "table.toml", "--table", "plain.txt"]);
+    assert!(said.code == Some(1) && said.err.contains("duplicate"), "{}", said.err);
 }
 
 #[test]
