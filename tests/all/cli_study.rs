@@ -82,7 +82,7 @@ fn a_table_of_points_gives_the_bits_of_their_grid() {
     let names = "sample.youngs_modulus, instrument.cantilever.stiffness";
     let told = desk.run(&desk.write("told.toml", LEVER), &["--table", "plain.txt", "--names", names]);
     assert_eq!(variable(&told, "phase"), variable(&grid, "phase"));
-    assert!(told.text("scene").unwrap().contains("file = \"plain.txt\""));
+    assert!(told.text("scene").unwrap().contains("plain.txt\"\nnames = ["));
     let said = desk.call(&["plan", "table.toml", "--table", "plain.txt"]);
     assert!(said.code == Some(1) && said.err.contains("duplicate"), "{}", said.err);
 }
@@ -95,6 +95,10 @@ fn points_do_not_depend_on_threads_and_survive_their_csv() {
     let two = desk.run(&scene, &["--threads", "2", "--overwrite"]);
     assert_eq!(one.axes, two.axes);
     assert_eq!(variable(&one, "amplitude"), variable(&two, "amplitude"));
+    // Its report is that of a list: scatter over both quantities.
+    desk.works(&["report", "results/study.h5", "-o", "report", "-q"]);
+    let page = std::fs::read_to_string(desk.path("report/index.html")).unwrap();
+    assert!(page.contains("lever stiffness, first mode") && page.len() < 200_000, "{} bytes", page.len());
     desk.works(&["sample", "study.toml", "-o", "points.csv", "-q"]);
     assert_eq!(
         desk.works(&["sample", "study.toml"]).out,
