@@ -158,6 +158,27 @@ fn a_design_over_a_sweep_has_statistics_at_every_point() {
 }
 
 #[test]
+fn a_design_of_curves_has_statistics_at_every_point_of_them() {
+    let desk = Desk::new();
+    let curve = "[curve]\nquantity = \"approach.gap\"\nfrom = \"16 nm\"\nto = \"15 nm\"\npoints = 3\ndirection = \"both\"\n";
+    let text = design("latin-hypercube", 8, curve).replace("[approach]\ngap = \"15 nm\"\n", "");
+    let results = desk.run(&desk.write("curves.toml", &text), &[]);
+    assert_eq!(results.shape(), [8, 2, 3]);
+    let told = desk.json(&["stats", "results/curves.h5", "--json", "--observable", "phase"]);
+    let points = told["points"].as_array().unwrap();
+    assert_eq!(points.len(), 6);
+    let phase = variable(&results, "phase");
+    for (n, point) in points.iter().enumerate() {
+        let mean = (0..8).map(|row| phase[6 * row + n]).sum::<f64>() / 8.0;
+        assert!(
+            (point["observables"]["phase"]["mean"].as_f64().unwrap() / mean - 1.0).abs() < 1e-14,
+            "{point}"
+        );
+        assert_eq!(point["at"]["direction"], ["forward", "backward"][n / 3]);
+    }
+}
+
+#[test]
 fn every_distribution_has_its_word_in_the_document() {
     let desk = Desk::new();
     desk.write("odd.toml", &design("sobol", 8, "").replace("\"normal\"", "\"gauss\""));
