@@ -132,6 +132,7 @@ fn observable(
         );
         page.figure(&format!("{stem}_distribution"), &caption, svg);
     }
+    page.document.table("", numbers(output, summary));
     decides(page, study, (&stem, output), summary)?;
     for parameter in study.parameters.iter().take(MOST_PARAMETERS) {
         let at = |rows: &[usize]| rows.iter().map(|row| parameter.values[*row]).collect::<Vec<f64>>();
@@ -142,6 +143,36 @@ fn observable(
         page.figure(&format!("{stem}_{}", parameter.name), &heading, svg);
     }
     Ok(())
+}
+
+/// What is known of an observable as a table: estimates, the mean from half of the samples, the simulation's own error.
+fn numbers(output: &Output, summary: &Summary) -> Vec<Vec<String>> {
+    let mut rows = vec![["", "value", "± (95 %)"].map(str::to_owned).to_vec()];
+    let mut say = |words: String, one: &Estimate| {
+        rows.push(vec![words, shown(one.value, &output.units, 5), shown(one.half_width, &output.units, 2)]);
+    };
+    if let Some(spread) = &summary.spread {
+        say("mean".into(), &spread.mean);
+        if let Some(half) = summary.convergence.first().filter(|_| summary.convergence.len() > 1)
+            && let Some(mean) = &half.mean
+        {
+            say(format!("mean of the first {} samples", half.samples), mean);
+        }
+        say("standard deviation".into(), &spread.sd);
+        for (share, one) in SHARES.iter().zip(&spread.quantiles) {
+            say(format!("{} % below", 100.0 * share), one);
+        }
+    }
+    let (median, largest) = summary.simulation_error;
+    if largest.is_finite() {
+        let words = format!("error of the simulation, on the {}", output.error_scale);
+        rows.push(vec![words, format!("median {median:.1e}"), format!("largest {largest:.1e}")]);
+    }
+    rows.push(vec!["rows that count".into(), summary.count.to_string(), String::new()]);
+    for (word, count) in &summary.left_out {
+        rows.push(vec![format!("left out: {}", word.replace('_', " ")), count.to_string(), String::new()]);
+    }
+    rows
 }
 
 /// The side of a parameter, of these of its values.
