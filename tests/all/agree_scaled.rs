@@ -2,7 +2,8 @@
 
 use afmsweep::design::Mix;
 use afmsweep::instrument::{Instrument, Pattern};
-use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, QualityFactor};
+use afmsweep::plan::{Plan, Precision};
+use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, QualityFactor, Scene};
 
 /// A lever of a random stiffness (0.01 to 1,000 N/m), frequency (1 kHz to 10 MHz) and quality factors.
 fn lever(number: u64) -> InstrumentParams {
@@ -69,4 +70,20 @@ fn other_levers_are_not_scaled() {
     bad.cantilever.lever = Lever::Calibrated { stiffness: -1.0, frequency: 1e5 };
     let pattern = Pattern::new(DriveOn::Tip, 1e-8).unwrap();
     assert!(pattern.instrument(&bad).unwrap().unwrap_err().to_string().contains("stiffness"));
+}
+/// Rows of Saltelli's design between two points A and B share the lever of one of them unless they change it themselves: of
+/// the 8 rows over 6 quantities, 2 of them the lever's, 4 have levers of their own.
+#[test]
+fn rows_that_share_a_lever_share_its_instrument() {
+    let text = std::fs::read_to_string(crate::program::scene("sensitivity.toml")).unwrap();
+    let text = text.replace("samples = 2048", "samples = 32");
+    let scene = Scene::parse("sensitivity.toml".as_ref(), &text).unwrap();
+    let plan = Plan::new(&scene, Precision::F64).unwrap();
+    assert_eq!((plan.len(), plan.ensemble.drives.len()), (32 * 8, 32 * 4));
+    for i in 0..plan.len() as u32 {
+        let own = scene.instance(i as usize).instrument.cantilever;
+        let Lever::Calibrated { stiffness, .. } = own.lever else { panic!() };
+        let first = plan.ensemble.drives[plan.ensemble.instances[i as usize].drive as usize].free.first_mode;
+        assert!((first.1 / stiffness - 1.0).abs() < 1e-9, "{i}: {first:?}, not {stiffness}");
+    }
 }
