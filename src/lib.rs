@@ -62,6 +62,7 @@ pub mod instrument;
 pub mod observe;
 pub mod periodic;
 pub mod plan;
+pub mod reconstruct;
 pub mod record;
 #[cfg(feature = "report")]
 pub mod report;

@@ -40,6 +40,8 @@ pub enum Dimension {
     Stiffness,
     /// Pa
     Pressure,
+    /// Pa s
+    Viscosity,
     /// J
     Energy,
     /// J/m^2, the same as N/m
@@ -54,7 +56,7 @@ pub enum Dimension {
 
 impl Dimension {
     /// Every dimension.
-    pub const ALL: [Dimension; 14] = [
+    pub const ALL: [Dimension; 15] = [
         Self::Dimensionless,
         Self::Length,
         Self::Time,
@@ -64,6 +66,7 @@ impl Dimension {
         Self::Force,
         Self::Stiffness,
         Self::Pressure,
+        Self::Viscosity,
         Self::Energy,
         Self::SurfaceEnergy,
         Self::Voltage,
@@ -83,6 +86,7 @@ impl Dimension {
             Self::Force => "N",
             Self::Stiffness => "N/m",
             Self::Pressure => "Pa",
+            Self::Viscosity => "Pa s",
             Self::Energy => "J",
             Self::SurfaceEnergy => "J/m^2",
             Self::Voltage => "V",
@@ -103,6 +107,7 @@ impl Dimension {
             Self::Force => "a force",
             Self::Stiffness => "a stiffness",
             Self::Pressure => "a pressure or modulus",
+            Self::Viscosity => "a viscosity",
             Self::Energy => "an energy",
             Self::SurfaceEnergy => "a surface energy",
             Self::Voltage => "a voltage",
@@ -123,6 +128,7 @@ impl Dimension {
             Self::Force => "\"2 nN\"",
             Self::Stiffness => "\"42 N/m\"",
             Self::Pressure => "\"1 GPa\"",
+            Self::Viscosity => "\"1 mPa s\"",
             Self::Energy => "\"6.4e-20 J\"",
             Self::SurfaceEnergy => "\"50 mJ/m^2\"",
             Self::Voltage => "\"15 V\"",
@@ -143,6 +149,7 @@ impl Dimension {
             Self::Force => &["nN", "pN", "uN", "mN", "N"],
             Self::Stiffness => &["N/m", "mN/m", "nN/nm", "pN/nm", "kN/m"],
             Self::Pressure => &["GPa", "MPa", "kPa", "Pa", "N/m^2"],
+            Self::Viscosity => &["mPa s", "Pa s", "uPa s"],
             Self::Energy => &["aJ", "zJ", "fJ", "J"],
             Self::SurfaceEnergy => &["mJ/m^2", "J/m^2", "uJ/m^2", "mN/m", "N/m"],
             Self::Voltage => &["V", "mV", "kV"],
@@ -163,6 +170,7 @@ impl Dimension {
             Self::Force => [1, 1, -2, 0],
             Self::Stiffness | Self::SurfaceEnergy => [0, 1, -2, 0],
             Self::Pressure => [-1, 1, -2, 0],
+            Self::Viscosity => [-1, 1, -1, 0],
             Self::Energy => [2, 1, -2, 0],
             Self::Voltage => [2, 1, -3, -1],
             Self::ElectricField => [1, 1, -3, -1],

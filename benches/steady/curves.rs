@@ -115,7 +115,8 @@ fn fresh(law: &str, count: usize, seed: u64) -> Vec<u32> {
     steady::run(&plan, &[], &Cpu::default(), &Progress::default()).expect("it runs").periods
 }
 
-/// Each point waited for from where the one before ended, all curves side by side.
+/// Each point waited for from where the one before ended, all curves side by side. The gap changes at one stroke, which may
+/// throw a tip off its branch that a slow approach would keep on it (`tests/all/agree_kicked.rs`).
 fn waited(law: &str, count: usize, seed: u64) -> Points {
     let plan = plan(law, count, seed, &grid("wait", LOOK));
     let mut all = Points {

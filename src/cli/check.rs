@@ -54,44 +54,16 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
         plan.len(),
         if free { ", none of which feels the sample: the free motion is the answer" } else { "" }
     ));
-    let members = with_their_curves(&plan, &instances);
-    if members.len() > instances.len() {
-        voice.say(format_args!(
-            "points of curves are followed along all {} points of theirs by each engine",
-            members.len()
-        ));
-    }
-    let chosen: Vec<u32> =
-        instances.iter().filter_map(|i| Some(members.binary_search(i).ok()? as u32)).collect();
-    let part = &plan.part(&members);
-    let column = |name: &str, engine: &dyn Engine, precision: Precision| -> anyhow::Result<Column> {
-        let run = control::run(&part.clone().in_precision(precision), engine, &Progress::default())?;
-        Ok(of_run(format!("{name} {}", precision.name()), &run, &chosen))
-    };
+    let checked = Checked::new(&plan, &instances, voice);
     let progress = Progress::default();
-    let ours = control::run(part, &Cpu::default(), &progress)?;
-    let truths = control::beside(&ours, &chosen, &Reference::default(), &progress)?;
+    let ours = control::run(&checked.part, &Cpu::default(), &progress)?;
+    let truths = control::beside(&ours, &checked.places, &Reference::default(), &progress)?;
     let mut columns: Vec<Column> =
         stored.map(|results| file_column(&results, &plan, &instances)).into_iter().collect();
-    columns.push(of_run("cpu f64".into(), &ours, &chosen));
-    columns.push(column("cpu", &Cpu::default(), Precision::F32)?);
-    match Gpu::new(args.device.as_deref()) {
-        Ok(gpu) => {
-            voice.say(format_args!("gpu: {}", gpu.report().title()));
-            let strict = Cpu { strict: true };
-            for precision in [Precision::F64, Precision::F32] {
-                if precision == Precision::F64 && !gpu.report().double {
-                    continue;
-                }
-                let twin = column("cpu", &strict, precision)?;
-                let ours = column("gpu", &gpu, precision)?;
-                columns.push(Column { strict: Some(twin.numbers), ..ours });
-            }
-        }
-        Err(error) if args.device.is_some() => return Err(error.into()),
-        Err(error) => voice.say(format_args!("gpu: not checked; {error}")),
-    }
-    let plan = ours.plan.part(&chosen);
+    columns.push(of_run("cpu f64".into(), &ours, &checked.places));
+    columns.push(checked.column("cpu", &Cpu::default(), Precision::F32)?);
+    columns.extend(checked.on_gpu(args.device.as_deref(), voice)?);
+    let plan = ours.plan.part(&checked.places);
     let scales = (0..instances.len()).map(|i| Scales::of(&plan, i, &truths[i].0.measured)).collect();
     let table = Table { scales, instances, plan, truths, columns };
     if args.json {
@@ -199,14 +171,58 @@ fn all_numbers(plan: &Plan, measured: &Measured) -> Vec<Vec<f64>> {
     plan.observables.iter().map(|observable| numbers(*observable, measured)).collect()
 }
 
-/// These instances in rising order, and all points of the curves that they lie on: a point alone would be reached from the
-/// free oscillation, perhaps on another branch.
-fn with_their_curves(plan: &Plan, instances: &[u32]) -> Vec<u32> {
-    let curve = |i: u32| plan.ensemble.curves.map(|curves| curves.place(plan.id(i)).0);
-    let wanted: BTreeSet<u32> = instances.iter().filter_map(|i| curve(*i)).collect();
-    let mut members: BTreeSet<u32> = instances.iter().copied().collect();
-    members.extend(plan.instances().filter(|i| curve(*i).is_some_and(|one| wanted.contains(&one))));
-    members.into_iter().collect()
+/// What the engines run, and which of it is looked at.
+struct Checked {
+    /// The chosen instances in rising order, and all points of the curves that they lie on: a point alone would be reached
+    /// from the free oscillation, perhaps on another branch.
+    part: Plan,
+    /// Where the chosen instances stand in it.
+    places: Vec<u32>,
+}
+
+impl Checked {
+    fn new(plan: &Plan, instances: &[u32], voice: Voice) -> Self {
+        let curve = |i: u32| plan.ensemble.curves.map(|curves| curves.place(plan.id(i)).0);
+        let wanted: BTreeSet<u32> = instances.iter().filter_map(|i| curve(*i)).collect();
+        let mut members: BTreeSet<u32> = instances.iter().copied().collect();
+        members.extend(plan.instances().filter(|i| curve(*i).is_some_and(|one| wanted.contains(&one))));
+        let members: Vec<u32> = members.into_iter().collect();
+        if members.len() > instances.len() {
+            voice.say(format_args!(
+                "points of curves are followed along all {} points of theirs by each engine",
+                members.len()
+            ));
+        }
+        let places = instances.iter().filter_map(|i| Some(members.binary_search(i).ok()? as u32)).collect();
+        Self { part: plan.part(&members), places }
+    }
+
+    /// What an engine makes of the chosen instances.
+    fn column(&self, name: &str, engine: &dyn Engine, precision: Precision) -> anyhow::Result<Column> {
+        let run = control::run(&self.part.clone().in_precision(precision), engine, &Progress::default())?;
+        Ok(of_run(format!("{name} {}", precision.name()), &run, &self.places))
+    }
+
+    /// The same of a GPU in each precision that it has, with the CPU that rounds alike beside it; nothing where there is no
+    /// GPU and none was asked for.
+    fn on_gpu(&self, device: Option<&str>, voice: Voice) -> anyhow::Result<Vec<Column>> {
+        let gpu = match Gpu::new(device) {
+            Ok(gpu) => gpu,
+            Err(error) if device.is_some() => return Err(error.into()),
+            Err(error) => {
+                voice.say(format_args!("gpu: not checked; {error}"));
+                return Ok(Vec::new());
+            }
+        };
+        voice.say(format_args!("gpu: {}", gpu.report().title()));
+        let has = |precision: &Precision| *precision == Precision::F32 || gpu.report().double;
+        let columns = [Precision::F64, Precision::F32].into_iter().filter(has).map(|precision| {
+            let twin = self.column("cpu", &Cpu { strict: true }, precision)?;
+            let ours = self.column("gpu", &gpu, precision)?;
+            Ok(Column { strict: Some(twin.numbers), ..ours })
+        });
+        columns.collect()
+    }
 }
 
 /// What a run has of the instances of these places in it.

@@ -1,6 +1,6 @@
-//! `afmsweep export`: the samples of a results file for other programs.
+//! `afmsweep export`: the samples of a results file for other programs, and a journal as a results file.
 
-use super::{Voice, print};
+use super::{Voice, look_in, print};
 use afmsweep::stats::{Study, sorted_out};
 use afmsweep::{Status, store};
 use anyhow::{Context, bail};
@@ -10,20 +10,26 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: afmsweep export results/uncertain_lever.h5 --format csv -o rows.csv\n          \
-                        afmsweep export results/sensitivity.h5 --format salib -o salib"
+                        afmsweep export results/sensitivity.h5 --format salib -o salib\n          \
+                        afmsweep export results/lever.h5.partial -o soon.h5"
 )]
 pub struct ExportArgs {
-    /// Results file (HDF5) of a scene with [uncertain] and [design], or [samples]
+    /// Results file (HDF5) of a scene with [uncertain] and [design], or [samples]; without --format the journal of a run
+    /// that is not whole (FILE.partial), or the file of a share
     file: PathBuf,
     /// csv: one table of parameters and observables; salib: a folder with problem.json, X.txt and Y.txt
     #[arg(long, value_enum)]
-    format: Format,
-    /// File for csv [default: standard output], or folder for salib [default: the file's name without .h5]
+    format: Option<Format>,
+    /// File for csv [default: standard output], folder for salib [default: the file's name without .h5], results file of a
+    /// journal
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// What becomes of rows that are not ok
     #[arg(long, value_enum, default_value_t = Failed::Refuse)]
     failed: Failed,
+    /// Replace whatever results file stands at the output of a journal
+    #[arg(long)]
+    overwrite: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -43,6 +49,17 @@ enum Failed {
 }
 
 pub fn main(args: &ExportArgs, voice: Voice) -> anyhow::Result<()> {
+    match (args.format, &args.output) {
+        (Some(format), _) => samples(args, format, voice),
+        (None, Some(output)) => look_in::main(&args.file, output, args.overwrite, voice),
+        (None, None) => bail!(
+            "nothing says what to export: --format csv or --format salib for the samples of a results file, -o FILE.h5 for what \
+             a journal has"
+        ),
+    }
+}
+
+fn samples(args: &ExportArgs, format: Format, voice: Voice) -> anyhow::Result<()> {
     let study = Study::of(&store::read(&args.file)?)?;
     let failed = study.status.iter().filter(|code| **code != Status::Ok as u8).count();
     if failed > 0 && args.failed == Failed::Refuse {
@@ -52,7 +69,7 @@ pub fn main(args: &ExportArgs, voice: Voice) -> anyhow::Result<()> {
             args.file.display()
         );
     }
-    match args.format {
+    match format {
         Format::Csv => {
             let text = csv(&study, args.failed)?;
             match &args.output {

@@ -11,8 +11,11 @@ mod export;
 mod force;
 mod infer;
 mod init;
+mod look_in;
+mod merge;
 mod modes;
 mod plan;
+mod prepare;
 mod progress;
 mod report;
 mod run;
@@ -20,6 +23,7 @@ mod sample;
 mod schema;
 mod shell;
 mod signals;
+mod slurm;
 mod stats;
 mod stopped;
 mod study;
@@ -57,11 +61,16 @@ struct Cli {
 enum Command {
     /// Run a scene and write its results file
     Run(run::RunArgs),
+    /// Make the choices of a run from all of its instances, for runs of its shares
+    Prepare(prepare::PrepareArgs),
+    /// Make the results of a run of its shares
+    Merge(merge::MergeArgs),
+    /// Write the script that runs a scene in shares on a cluster with Slurm
+    Slurm(slurm::SlurmArgs),
     /// Say what a run would do, without running
     Plan(plan::PlanArgs),
-    /// Natural frequencies and each mode's share
-    #[command(after_help = "Example: afmsweep modes lever.toml")]
-    Modes(SceneArgs),
+    /// Natural frequencies and each mode's share; the lever in a fluid
+    Modes(modes::ModesArgs),
     /// Static force-indentation curves, approach and retraction
     Force(force::ForceArgs),
     /// What could run a scene here
@@ -74,7 +83,7 @@ enum Command {
     Stats(stats::StatsArgs),
     /// What observed values tell of uncertain parameters
     Infer(infer::InferArgs),
-    /// The samples of a results file for other programs
+    /// The samples of a results file for other programs; what the journal of a run has so far
     Export(export::ExportArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),
@@ -141,6 +150,9 @@ pub fn main() -> ExitCode {
     let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
+        Command::Prepare(args) => prepare::main(&args, voice),
+        Command::Merge(args) => merge::main(&args, voice),
+        Command::Slurm(args) => slurm::main(&args, voice),
         Command::Plan(args) => plan::main(&args, voice),
         Command::Modes(args) => modes::main(&args),
         Command::Force(args) => force::main(&args),

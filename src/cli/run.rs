@@ -5,13 +5,15 @@ mod told;
 
 use super::audit;
 use super::backend::EngineArgs;
+use super::prepare;
 use super::signals;
 use super::stopped::Stopped;
 use super::table::TableArgs;
 use super::{Voice, print_json};
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, Writer};
-use afmsweep::{Audit, Error};
+use afmsweep::store::{self, Earlier, Journal, RunFile};
+use afmsweep::sweep::{Keeper, Share};
+use afmsweep::{Audit, Error, Scene, Sweep};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -34,6 +36,9 @@ pub struct RunArgs {
     /// Run each instance once as planned: no error estimates, no refinement where they are too large
     #[arg(long)]
     no_estimate: bool,
+    /// Search for each instance's periodic state by itself, not from its neighbours' in the sweep
+    #[arg(long, conflicts_with = "choices")]
+    cold: bool,
     /// Instances to redo with the reference engine after the run [default: as many as a tenth of the run's time allows, or
     /// 0.25 s, and at least one that touches the sample]
     #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -45,6 +50,19 @@ pub struct RunArgs {
     /// that is called ok; the file is whole all the same
     #[arg(long)]
     strict: bool,
+    /// Go on with what an earlier run of the scene has left in its journal, FILE.partial; where there is none, begin. A run that
+    /// was begun on another kind of engine is refused unless `anyway`: its last bits would be of both
+    #[arg(long, value_enum, value_name = "HOW", num_args = 0..=1, require_equals = true, default_missing_value = "same", conflicts_with = "overwrite")]
+    resume: Option<Resume>,
+    /// Run share K of N, from 1, into <scene>.K-of-N.h5; `afmsweep merge` makes results of all N
+    #[arg(long, value_name = "K/N", value_parser = parse_share)]
+    shard: Option<Share>,
+    /// Choices that `afmsweep prepare` has made [default: made first]
+    #[arg(long, value_name = "FILE")]
+    choices: Option<PathBuf>,
+    /// Instances that are run and written down together [default: some ten seconds of work]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    portion: Option<u32>,
     /// What became of the run as one JSON object on standard output; messages go to standard error all the same
     #[arg(long)]
     json: bool,
@@ -54,8 +72,25 @@ pub struct RunArgs {
     engine: EngineArgs,
 }
 
+/// Whether a run may go on with what was begun on another kind of engine.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Resume {
+    /// No
+    Same,
+    /// Yes
+    Anyway,
+}
+
+fn parse_share(text: &str) -> Result<Share, String> {
+    let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match parts {
+        Some((number, of @ 1..=100_000)) if (1..=of).contains(&number) => Ok(Share { number, of }),
+        _ => Err("expected K/N with K from 1 to N, as 3/8".into()),
+    }
+}
+
 /// How this program was called, as a shell would take it again.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let quoted = |word: std::ffi::OsString| {
         let word = word.to_string_lossy().into_owned();
         let plain = |c: char| c.is_alphanumeric() || "-_./:=,+@%".contains(c);
@@ -69,54 +104,147 @@ fn command_line() -> String {
     std::iter::once("afmsweep".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// `results/<scene>.h5`, in the current folder.
-fn default_output(scene: &Path) -> PathBuf {
+/// `results/<scene>.h5`, in the current folder; of a share `results/<scene>.K-of-N.h5`.
+pub(super) fn default_output(scene: &Path, ending: &str) -> PathBuf {
     let stem = scene.file_stem().unwrap_or(scene.as_os_str());
     let mut name = stem.to_owned();
-    name.push(".h5");
+    name.push(ending);
     Path::new("results").join(name)
+}
+
+impl RunArgs {
+    fn output(&self) -> PathBuf {
+        let ending = match self.shard {
+            Some(Share { number, of }) => format!(".{number}-of-{of}.h5"),
+            None => ".h5".into(),
+        };
+        self.output.clone().unwrap_or_else(|| default_output(&self.scene, &ending))
+    }
+
+    fn earlier(&self) -> Earlier {
+        match (self.overwrite, self.resume) {
+            (true, _) => Earlier::Replaced,
+            (_, Some(_)) => Earlier::GoneOnWith,
+            _ => Earlier::Kept,
+        }
+    }
+
+    fn audit(&self) -> Audit {
+        match self.audit {
+            _ if self.no_audit => Audit::None,
+            Some(count) => Audit::Instances(count),
+            None => Audit::Auto,
+        }
+    }
+
+    /// Whether there is nothing left to go on with: the results stand there.
+    fn is_done(&self, output: &Path, scene: &Scene) -> bool {
+        self.resume.is_some()
+            && !store::partial_path(output).exists()
+            && store::scene_of(output).is_ok_and(|text| text == scene.source)
+    }
+}
+
+/// What a run says and does until its sweep begins.
+struct Begun {
+    sweep: Sweep,
+    keeper: Keeper,
+    output: PathBuf,
+    /// A folder that was made for the results, that somebody named, who may have misspelt it.
+    folder: Option<PathBuf>,
+}
+
+fn begin(
+    args: &RunArgs,
+    scene: Scene,
+    output: PathBuf,
+    progress: &Arc<Progress>,
+    voice: Voice,
+) -> anyhow::Result<Begun> {
+    if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
+        anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
+    }
+    let prepared = args.choices.as_deref().map(prepare::read).transpose()?;
+    let (file, earlier) = RunFile::create(&output, &scene.source, args.earlier())?;
+    let folder = file.made_folder().filter(|_| args.output.is_some()).map(Path::to_path_buf);
+    if let Some(journal) = &earlier {
+        lost(journal, file.partial(), voice);
+    }
+    let partial = file.partial().to_path_buf();
+    let share = args.shard.unwrap_or(Share::ALL);
+    let anyway = args.resume == Some(Resume::Anyway);
+    let keeper = Keeper::of_run(file, earlier, share, anyway)?;
+    if args.resume.is_some() {
+        match keeper.known_portions() {
+            0 => voice.say(format_args!("{} has no portion to go on with: begins", partial.display())),
+            count => voice.say(format_args!("goes on with {} of {}", portions(count), partial.display())),
+        }
+    }
+    let sweep = args
+        .engine
+        .sweep(scene)?
+        .estimate(!args.no_estimate)
+        .cold(args.cold)
+        .audit(args.audit())
+        .portion(args.portion.map(|count| count as usize))
+        .prepared(prepared)
+        .watched_by(progress)
+        .command_line(command_line());
+    Ok(Begun { sweep, keeper, output, folder })
+}
+
+/// Says what of a journal cannot be gone on with.
+pub(super) fn lost(journal: &Journal, path: &Path, voice: Voice) {
+    if journal.torn() > 0 {
+        voice.say(format_args!(
+            "{}: {} bytes at its end are of a record that was not written whole; they are left out",
+            path.display(),
+            journal.torn()
+        ));
+    }
+    if journal.spoilt > 0 {
+        voice.say(format_args!("{}: {} spoilt; left out", path.display(), portions(journal.spoilt)));
+    }
+}
+
+/// `1 portion`, `2 portions`.
+fn portions(count: usize) -> String {
+    format!("{count} portion{}", if count == 1 { "" } else { "s" })
 }
 
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
     let scene = args.table.load(&args.scene)?;
-    let output = args.output.clone().unwrap_or_else(|| default_output(&args.scene));
-    if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
-        anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
+    let output = args.output();
+    if args.is_done(&output, &scene) {
+        voice.say(format_args!("{} is whole: nothing to go on with", output.display()));
+        let kept =
+            serde_json::json!({ "version": json::VERSION, "file": output.to_string_lossy(), "kept": true });
+        return if args.json { print_json(&kept) } else { Ok(()) };
     }
-    let mut writer = Writer::create(&output, &scene.source, args.overwrite)?;
     let start = Instant::now();
-    // Told of a folder that somebody named, who may have misspelt it.
-    let folder = writer.made_folder().filter(|_| args.output.is_some()).map(Path::to_path_buf);
-    let audit = match args.audit {
-        _ if args.no_audit => Audit::None,
-        Some(count) => Audit::Instances(count),
-        None => Audit::Auto,
-    };
-    let sweep = args
-        .engine
-        .sweep(scene)?
-        .estimate(!args.no_estimate)
-        .audit(audit)
-        .watched_by(&progress)
-        .command_line(command_line());
+    let Begun { sweep, keeper, output, folder } = begin(args, scene, output, &progress, voice)?;
+    let partial = store::partial_path(&output);
     let told =
         Told { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown: Mutex::default() };
-    let swept = sweep.run_with(&told);
+    if args.shard.is_some_and(|share| share.of > 1) {
+        let whole = sweep.run_share(&keeper, &told);
+        drop(told);
+        return share(whole, keeper, &output, start, voice);
+    }
+    let swept = sweep.run_kept(&keeper, &told);
     drop(told);
     let swept = match swept {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
         other => other?,
     };
-    signals::held(|| writer.write(&swept.results))?;
-    let outcome = &swept.run.outcome;
     if !swept.missing.is_empty() {
-        return Err(Stopped::with(&swept.missing, &outcome.results, writer.partial()).into());
+        return Err(Stopped::with(&swept.missing, &swept.run.outcome.results, &partial).into());
     }
-    let partial = writer.partial().to_path_buf();
-    signals::held(|| writer.finish())
-        .with_context(|| format!("the run is whole, but its file stays {}", partial.display()))?;
+    let file = keeper.into_file().context("the run has no file")?;
+    signals::held(|| file.finish(&swept.results))
+        .with_context(|| format!("the run is whole, and its journal stays {}", partial.display()))?;
     told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice);
     let wall = start.elapsed().as_secs_f64();
     voice.say(format_args!(
@@ -129,4 +257,26 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         print_json(&json::object(&swept, &output, wall))?;
     }
     audit::strict(args.strict, &swept.verdict, &output)
+}
+
+/// The end of a share: its journal becomes its file.
+fn share(
+    whole: Result<bool, Error>,
+    keeper: Keeper,
+    output: &Path,
+    start: Instant,
+    voice: Voice,
+) -> anyhow::Result<()> {
+    let share = keeper.share();
+    let file = |keeper: Keeper| keeper.into_file().context("the run has no file");
+    match whole {
+        Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
+        Ok(false) => return Err(Stopped::share(share, file(keeper)?.partial()).into()),
+        other => other?,
+    };
+    let title = format!("share {share} of a run");
+    signals::held(|| file(keeper)?.finish_share(&title).map_err(anyhow::Error::from))?;
+    let wall = start.elapsed().as_secs_f64();
+    voice.say(format_args!("wrote share {share}, {}, in {wall:.2} s", output.display()));
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::signals::{self, Signal};
 use afmsweep::Status;
 use afmsweep::engine::Finished;
-use afmsweep::sweep::Phase;
+use afmsweep::sweep::{Phase, Share};
 use std::path::Path;
 
 /// Ends the program with the code of a signal, after saying what became of the run.
@@ -28,6 +28,16 @@ impl Stopped {
         })
     }
 
+    /// A share of a run, with its journal at `partial`.
+    pub fn share(share: Share, partial: &Path) -> Self {
+        Self::new(|word| {
+            format!(
+                "{word} in the stepping of share {share}: the portions that are done are in {}; run it again with --resume",
+                partial.display()
+            )
+        })
+    }
+
     /// With a partial file at `partial`.
     pub fn with(missing: &[Phase], results: &[Finished], partial: &Path) -> Self {
         let done = results.iter().filter(|one| one.status != Status::NotRun).count();
@@ -40,7 +50,7 @@ impl Stopped {
         };
         Self::new(|word| {
             format!(
-                "{word} in the {}: {done} of {} instances{begun} are in {}; missing: {}; run the scene again for a whole file",
+                "{word} in the {}: {done} of {} instances{begun} are in {}; missing: {}; run the scene again with --resume for a whole file",
                 words.first().copied().unwrap_or("writing"),
                 results.len(),
                 partial.display(),

@@ -1,5 +1,6 @@
 //! The first two runs of every instance, and what their difference tells.
 
+use super::around::{self, Around, Solved};
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
 use super::{modes, precision};
@@ -15,6 +16,17 @@ pub(super) struct First<'a> {
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
+    /// Solved instances around these, where their searches may begin.
+    pub around: Option<Around<'a>>,
+    /// Whether others are to begin at these.
+    pub leads_on: bool,
+}
+
+impl<'a> First<'a> {
+    /// Of instances that are searched for one by one, and lead to no others.
+    pub fn alone(poorer: Option<Vec<BasisRule>>, left_out: Vec<f64>, chosen: &'a precision::Choice) -> Self {
+        Self { poorer, left_out, chosen, around: None, leads_on: false }
+    }
 }
 
 /// What the first two runs gave.
@@ -24,6 +36,10 @@ pub(super) struct Begun {
     pub settled: Settled,
     /// By instance.
     pub known: Vec<Refinement>,
+    /// By instance, whether it began at its neighbours' states; empty where none did.
+    pub neighbour_started: Vec<bool>,
+    /// By instance, what others begin at; empty where none does.
+    pub solved: Vec<Solved>,
 }
 
 /// With half of the plan's steps, which are on the safe side.
@@ -42,7 +58,7 @@ pub(super) fn quartered(plan: Plan) -> Plan {
 pub(super) fn run(
     plan: &Plan,
     stepped: &[u32],
-    First { poorer, left_out, .. }: First,
+    First { poorer, left_out, around, leads_on, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Begun, EngineError> {
@@ -51,12 +67,11 @@ pub(super) fn run(
         None => plan.part(stepped),
         Some(bases) => poorer_plan(plan, stepped, bases),
     });
-    let rough = steady::begin(&mut coarse, engine, progress)?;
+    let (rough, mut settled, neighbour_started) =
+        two_runs(&mut coarse, &mut fine, stepped, around.as_ref(), (engine, progress))?;
     let near = steady::among(&rough.found, stepped, plan.len());
-    fine.take_gaps(stepped, &coarse);
-    let mut settled = steady::again(&mut fine, &near, engine, progress)?;
     let kept = keep_curves(&mut settled, stepped, &rough, progress);
-    settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    settled.outcome.notes.splice(0..0, rough.outcome.notes.iter().cloned());
     if !rough.jumps.is_empty() {
         settled.jumps = vec![false; plan.len()];
         stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
@@ -71,15 +86,20 @@ pub(super) fn run(
         in_vain: false,
     };
     let known = fine.cases().zip(left_out).map(begin).collect();
-    let mut begun = Begun { plan: fine, settled, known };
+    let solved =
+        if leads_on { solved(plan.len(), stepped, (&coarse, &rough), (&fine, &settled)) } else { Vec::new() };
+    let mut begun = Begun { plan: fine, settled, known, neighbour_started, solved };
     let apart = differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
     for ((place, rough), apart) in coarse.instances().zip(&rough.outcome.results).zip(apart) {
         let i = stepped[place as usize];
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
         let of_both = rough.status == Status::Ok && !same_basis;
         let left = if of_both { left_of_bases(&begun.plan, i) } else { plan.policy.left_of_steps };
+        // A first run that has not told leaves it to another one.
+        let told =
+            rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
         let known = &mut begun.known[i as usize];
-        known.of_steps = left * apart;
+        known.of_steps = if told { left * apart } else { f64::INFINITY };
         known.untold = of_both.then_some(apart);
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
@@ -88,6 +108,48 @@ pub(super) fn run(
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
+}
+
+/// A run of `stepped` alone with the coarse plan, then one of all with the fine one; which of these began at their
+/// neighbours' states.
+fn two_runs(
+    coarse: &mut Plan,
+    fine: &mut Plan,
+    stepped: &[u32],
+    around: Option<&Around>,
+    (engine, progress): (&dyn Engine, &Progress),
+) -> Result<(Settled, Settled, Vec<bool>), EngineError> {
+    let Some(around) = around else {
+        let rough = steady::begin(coarse, engine, progress)?;
+        let near = steady::among(&rough.found, stepped, fine.len());
+        fine.take_gaps(stepped, coarse);
+        let settled = steady::again(fine, &near, engine, progress)?;
+        return Ok((rough, settled, Vec::new()));
+    };
+    // What no search finds is waited for once, in the second run.
+    let (rough, _) = steady::from_neighbours(coarse, &around.first(stepped), (&[], false), engine, progress)?;
+    let near = steady::among(&rough.found, stepped, fine.len());
+    let leads = around.second(&near);
+    let (settled, begun) = steady::from_neighbours(fine, &leads, (&near, true), engine, progress)?;
+    Ok((rough, settled, begun))
+}
+
+/// Of each of so many instances what others may begin at, by both runs.
+fn solved(
+    count: usize,
+    stepped: &[u32],
+    (coarse, rough): (&Plan, &Settled),
+    (fine, settled): (&Plan, &Settled),
+) -> Vec<Solved> {
+    let mut all = vec![Solved::Unknown; count];
+    for (place, i) in coarse.instances().zip(stepped) {
+        let (p, n) = (place as usize, *i as usize);
+        all[n] = around::solved(
+            (coarse, place, &rough.outcome.results[p], rough.state(p)),
+            (fine, *i, &settled.outcome.results[n], settled.state(n)),
+        );
+    }
+    all
 }
 
 /// A line on jumps whose place hangs on the steps.

@@ -1,13 +1,18 @@
 //! Error control: each instance's error is estimated, and what misses the accuracy asked for is done again
 //! with more steps or more modes; a few instances are audited by the reference engine.
 
+mod around;
 mod audit;
+mod block;
 mod branches;
+mod choices;
 mod decide;
 mod difference;
 mod first;
+mod levels;
 mod modes;
 mod neighbours;
+mod portion;
 mod portions;
 mod precision;
 mod prescribed;
@@ -22,6 +27,9 @@ mod verdict;
 
 pub use audit::{Audited, audit, audit_of, contacts, mark};
 pub use branches::{Other, Others, others};
+pub use choices::{Choices, Course, choose};
+pub use portion::{Ended, InMemory, Keep, Place, Portion};
+pub use portions::Division;
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
 
@@ -47,7 +55,11 @@ pub struct Controlled {
     pub periods: Vec<u32>,
     /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
     pub jumps: Vec<bool>,
+    /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
+    pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
+    /// Of each instance what others begin at; empty where none does.
+    solved: Vec<around::Solved>,
 }
 
 /// Which arithmetic stepped what, and why.
@@ -58,6 +70,14 @@ pub struct Arithmetic {
     /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
     pub rounding: f64,
     pub reason: String,
+}
+
+impl Controlled {
+    /// The share of the instances whose results began at their neighbours' states.
+    pub fn neighbour_started(&self) -> f64 {
+        let count = self.neighbour_started.iter().filter(|one| **one).count();
+        count as f64 / self.plan.len().max(1) as f64
+    }
 }
 
 impl Arithmetic {
@@ -94,50 +114,31 @@ impl Arithmetic {
 /// # Errors
 /// What the engine says.
 pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
+    match choose(planned, Course::Controlled, engine, progress)? {
+        Some(choices) => carry_out(planned, &choices, &InMemory, engine, progress),
+        None => Ok(Controlled::not_begun(planned.clone(), &Choices::stopped(planned, engine))),
+    }
+}
+
+/// Carries out what was chosen for the scene's plan: what [`run`] does once it has chosen. `keep` knows portions that an
+/// earlier run has ended, and is told of each that this one ends.
+///
+/// # Errors
+/// What the engine says.
+pub fn carry_out(
+    planned: &Plan,
+    choices: &Choices,
+    keep: &dyn Keep,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let mut all = portions::run(planned, choices, keep, engine, progress)?;
+    all.outcome.notes.splice(0..0, choices.notes.iter().cloned());
     let stepped = planned.stepped();
-    if stepped.is_empty() {
-        let (count, mut plan) = (planned.len(), planned.clone());
-        // What feels no sample is as it is, but holds no set-point.
-        let outcome = match plan.has_setpoints() {
-            true => steady::begin(&mut plan, engine, progress)?.outcome,
-            false => engine.run(&plan, progress)?,
-        };
-        let arithmetic = Arithmetic::of(&plan, "nothing was stepped");
-        return Ok(Controlled {
-            plan,
-            outcome,
-            estimates: vec![0.0; count],
-            left_out: vec![0.0; count],
-            found: Vec::new(),
-            periods: vec![0; count],
-            jumps: Vec::new(),
-            arithmetic,
-        });
+    if choices.course != Course::Controlled || keep.partly() || stepped.is_empty() {
+        return Ok(all);
     }
-    progress.stage(&["trial"]);
-    let modes::Choice { mut plan, poorer, left_out, mut notes } =
-        modes::choose(planned, &stepped, engine, progress)?;
-    let mut chosen = precision::choose(&plan, &stepped, engine, progress)?;
-    notes.append(&mut chosen.notes);
-    (plan.precision, plan.precision_open) = (chosen.precision, false);
-    if progress.stopped() {
-        // In the trials, which no instance's result comes from.
-        return Ok(Controlled::not_begun(plan, &chosen));
-    }
-    let first = first::First { poorer, left_out, chosen: &chosen };
-    progress.stage(&["estimate", "run", "refinement"]);
-    let mut all = match plan.len() > engine.portions().0 {
-        false => unfinished::marked(plan, &stepped, first, engine, progress)?,
-        true => {
-            // In the order that the scene's plan runs them; curves stay whole.
-            let alike = match plan.ensemble.curves {
-                Some(_) => plan.instances().collect(),
-                None => planned.by_class(),
-            };
-            portions::run(plan, &alike, first, engine, progress)?
-        }
-    };
-    all.outcome.notes.splice(0..0, notes);
+    let chosen = &choices.precision;
     if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {
         precision::add_rounding(&mut all, &stepped, engine, progress)?;
     }
@@ -170,5 +171,16 @@ pub fn once(
     }
     let unknown = vec![f64::NAN; plan.len()];
     let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
-    Ok(Controlled { plan, outcome, estimates: unknown, left_out, found, periods, jumps, arithmetic })
+    Ok(Controlled {
+        plan,
+        outcome,
+        estimates: unknown,
+        left_out,
+        found,
+        periods,
+        jumps,
+        neighbour_started: Vec::new(),
+        arithmetic,
+        solved: Vec::new(),
+    })
 }

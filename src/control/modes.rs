@@ -8,6 +8,16 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::{Measured, Observable};
 use crate::plan::{BasisRule, Plan, RICHEST};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// What was tried to choose modes by: plain numbers, from which every instance's basis follows.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub(super) struct Tried {
+    /// Instances of the sample.
+    pub sample: Vec<u32>,
+    /// From the poorest basis to the first that serves all of it.
+    pub trials: Vec<Trial>,
+}
 
 /// The plan with the modes that each instance needs.
 pub(super) struct Choice {
@@ -16,54 +26,66 @@ pub(super) struct Choice {
     pub poorer: Option<Vec<BasisRule>>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
-    /// What the engine had to say of the sample's runs.
-    pub notes: Vec<String>,
 }
 
-/// Chooses the basis of each of `stepped`, the plan's instances that need steps.
+/// The instances that are on trial for their bases: those of `stepped`, the plan's instances that need steps, whose
+/// contacts have no basis of their own.
+fn usual(plan: &Plan, stepped: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    stepped.iter().copied().partition(|i| is_fast(plan, *i))
+}
+
+/// Tries bases on a sample of `stepped`; none where there is nothing to choose.
 ///
 /// Contacts that are too fast for the modes with the largest shares have a basis of their own from the plan: their first
 /// run has fewer oscillators, and the difference is each instance's own estimate. For the others bases are tried on a
 /// sample.
-///
-/// The harder a contact presses the lever, the more modes it moves: within a law the instances are put in the order
-/// of their contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the
-/// first member of the sample that it fails.
-pub(super) fn choose(
+pub(super) fn tried(
     plan: &Plan,
     stepped: &[u32],
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Choice, EngineError> {
-    let (fast, usual): (Vec<u32>, Vec<u32>) = stepped.iter().copied().partition(|i| is_fast(plan, *i));
+) -> Result<(Option<Tried>, Vec<String>), EngineError> {
+    let (_, usual) = usual(plan, stepped);
     if plan.run.modes.is_some() || usual.is_empty() {
-        return Ok(as_planned(plan, !fast.is_empty()));
+        return Ok((None, Vec::new()));
     }
     let order = by_stiffness(plan, &usual);
     let sample = spread(plan, &order);
     // A plan of its own: trials cost what the sample is, not what it is of.
     let part = plan.part(&sample);
     if trial::is_richest(&part) {
-        return Ok(as_planned(plan, !fast.is_empty()));
+        return Ok((None, Vec::new()));
     }
     let trials = trial::run(&part, order.len(), engine, progress)?;
+    Ok((Some(Tried { sample, trials: trials.all }), trials.notes))
+}
+
+/// Gives each of `stepped` the basis that the trials choose for it.
+///
+/// The harder a contact presses the lever, the more modes it moves: within a law the instances are put in the order
+/// of their contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the
+/// first member of the sample that it fails.
+pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Choice {
+    let (fast, usual) = usual(plan, stepped);
+    let Some(Tried { sample, trials }) = tried else { return as_planned(plan, !fast.is_empty()) };
+    let order = by_stiffness(plan, &usual);
     let mut bases = Bases::new(plan);
     fast.iter().for_each(|i| bases.keep(*i));
     for (law, members) in laws(plan, &order) {
-        bases.choose(members, &OfLaw::new(plan, law, &sample, &trials.all));
+        bases.choose(members, &OfLaw::new(plan, law, sample, trials));
     }
     // Of the sample itself all is known, but for those whose own difference has to tell.
     let own = bases.wanted.iter().any(|(_, basis)| basis.poorer().is_some());
     let poorer = (order.len() > sample.len() || own).then_some(bases.poorer);
     let left_out = bases.left_out;
-    Ok(Choice { plan: plan.with_bases(&bases.wanted), poorer, left_out, notes: trials.notes })
+    Choice { plan: plan.with_bases(&bases.wanted), poorer, left_out }
 }
 
 /// The bases that the plan has; the first run of fast contacts, if there are any, is with the next poorer ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> Choice {
     let count = plan.len();
     let poorer = some_fast.then(|| (0..count as u32).map(|i| next_poorer(plan.basis_rule(i))).collect());
-    Choice { plan: plan.clone(), poorer, left_out: vec![0.0; count], notes: Vec::new() }
+    Choice { plan: plan.clone(), poorer, left_out: vec![0.0; count] }
 }
 
 fn next_poorer(basis: BasisRule) -> BasisRule {

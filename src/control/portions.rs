@@ -1,64 +1,78 @@
-//! Many instances, portion by portion.
+//! All instances of a plan, portion by portion.
 
+use super::block::{self, Block};
+use super::choices::{Choices, Course};
 use super::first::First;
-use super::{Arithmetic, Controlled, unfinished};
-use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
-use crate::plan::Plan;
-use crate::steady::PeriodicState;
+use super::levels::Blocks;
+use super::portion::{Keep, Portion};
+use super::{Arithmetic, Controlled, by_reference, modes, once, unfinished};
+use crate::engine::{Engine, EngineError, Progress, Reference};
+use crate::plan::{BasisRule, Plan};
+use crate::steady::{self, PeriodicState};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// [`refine::run`](super::refine::run) for `all` the plan's instances, in this order and in portions of the engine's size,
-/// some of them at once. Whoever stops a run keeps the portions that are done.
-pub(super) fn run(
-    plan: Plan,
-    all: &[u32],
-    First { poorer, left_out, chosen }: First,
-    engine: &dyn Engine,
-    progress: &Progress,
-) -> Result<Controlled, EngineError> {
-    let (size, at_once) = engine.portions();
-    let size = whole_curves(&plan, size);
-    let count = plan.len();
-    let mut whole = Controlled {
-        outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
-        estimates: vec![f64::NAN; count],
-        left_out: left_out.clone(),
-        found: Vec::new(),
-        periods: vec![0; count],
-        jumps: Vec::new(),
-        arithmetic: chosen.arithmetic(count),
-        plan,
-    };
-    let held = progress.hold(&["run in portions"], all.len() as u64);
-    let one = |plan: &Plan, portion: &[u32]| {
-        let part = plan.part(portion);
-        let stepped = part.stepped();
-        let left_out = portion.iter().map(|i| left_out[*i as usize]).collect();
-        let poorer = poorer.as_ref().map(|all| portion.iter().map(|i| all[*i as usize]).collect());
-        let first = First { poorer, left_out, chosen };
-        let ran = unfinished::marked(part, &stepped, first, engine, progress);
-        held.done(portion.len() as u64);
-        ran
-    };
-    let portions: Vec<&[u32]> = all.chunks(size).collect();
-    for some in portions.chunks(at_once) {
-        if progress.stopped() {
-            break;
-        }
-        let done: Vec<_> = match some {
-            [portion] => vec![one(&whole.plan, portion)],
-            _ => some.par_iter().map(|portion| one(&whole.plan, portion)).collect(),
-        };
-        for (portion, part) in some.iter().zip(done) {
-            whole.take(portion, part?);
-        }
-    }
-    Ok(whole)
+/// How a plan's instances are divided: the order in which they run, and which make a portion. Every run of the plan with
+/// the same choices divides them so.
+pub struct Division {
+    order: Vec<u32>,
+    /// Where in the order each portion ends.
+    ends: Vec<usize>,
+    /// Where the portions are blocks whose instances begin at one another's states.
+    blocks: Option<Blocks>,
 }
 
-/// Curves that are followed side by side, at least: enough to fill an engine's lanes.
-const CURVES: usize = 128;
+/// Portions that each share of a run has at least, as far as there are instances: so no share waits long for another.
+const EACH: usize = 4;
+/// Fewest instances of them: a lane's worth.
+const LEAST: usize = 16;
+
+impl Division {
+    /// Of the scene's plan, for a run in so many shares.
+    pub fn of(planned: &Plan, choices: &Choices, shares: usize) -> Self {
+        if let Some(blocks) = choices.neighbours.then(|| Blocks::of(planned)).flatten() {
+            let end = |end: &mut usize, size: usize| {
+                *end += size;
+                Some(*end)
+            };
+            let ends = blocks.sizes().scan(0, end).collect();
+            return Self { order: blocks.order.clone(), ends, blocks: Some(blocks) };
+        }
+        let even = match shares {
+            ..=1 => usize::MAX,
+            _ => planned.len().div_ceil(EACH * shares).max(LEAST),
+        };
+        let size = choices.portion.min(even).max(1);
+        // In the order that the scene's plan runs them; curves stay whole.
+        let (order, size) = match planned.ensemble.curves {
+            Some(_) => (planned.instances().collect(), whole_curves(planned, size)),
+            None => (planned.by_class(), size),
+        };
+        let ends =
+            (1..=order.len().div_ceil(size)).map(|n| n.saturating_mul(size).min(order.len())).collect();
+        Self { order, ends, blocks: None }
+    }
+
+    /// How many portions there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The instances of a portion, by their numbers in the plan.
+    pub fn portion(&self, number: usize) -> &[u32] {
+        let from = if number == 0 { 0 } else { self.ends[number - 1] };
+        &self.order[from..self.ends[number]]
+    }
+}
+
+/// Curves that are followed side by side, at least: enough to fill a processor's lanes.
+const CURVES: usize = 32;
 
 /// The size of a portion, so that no curve is in two.
 fn whole_curves(plan: &Plan, size: usize) -> usize {
@@ -71,9 +85,154 @@ fn whole_curves(plan: &Plan, size: usize) -> usize {
     }
 }
 
+/// How the instances of a portion are taken to their ends.
+struct Work<'a> {
+    choices: &'a Choices,
+    /// By instance of the plan; see [`First`].
+    poorer: Option<Vec<BasisRule>>,
+    left_out: Vec<f64>,
+    /// Whether any instance of the plan needs steps.
+    stepped: bool,
+    division: &'a Division,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+}
+
+impl Work<'_> {
+    /// Takes a portion, by its number and with its plan, to its end.
+    fn run(&self, number: usize, part: Plan) -> Result<Controlled, EngineError> {
+        let (engine, progress) = (self.engine, self.progress);
+        let portion = self.division.portion(number);
+        match self.choices.course {
+            Course::Reference => by_reference(&part, &Reference::default(), progress),
+            Course::Once => once(part, &self.choices.precision.reason, engine, progress),
+            Course::Controlled if !self.stepped => free(part, self.choices, engine, progress),
+            Course::Controlled => {
+                let stepped = part.stepped();
+                let left_out = portion.iter().map(|i| self.left_out[*i as usize]).collect();
+                let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
+                let poorer = self.poorer.as_ref().map(of);
+                if let Some(blocks) = &self.division.blocks {
+                    let block = Block { plan: part, poorer, left_out, choices: self.choices };
+                    return block::run(block, &blocks.levels(number), engine, progress);
+                }
+                let first = First::alone(poorer, left_out, &self.choices.precision);
+                unfinished::marked(part, &stepped, first, engine, progress)
+            }
+        }
+    }
+}
+
+/// What feels no sample is as it is, but holds no set-point.
+fn free(
+    mut plan: Plan,
+    choices: &Choices,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let outcome = match plan.has_setpoints() {
+        true => steady::begin(&mut plan, engine, progress)?.outcome,
+        false => engine.run(&plan, progress)?,
+    };
+    let count = plan.len();
+    Ok(Controlled {
+        outcome,
+        estimates: vec![0.0; count],
+        left_out: vec![0.0; count],
+        found: Vec::new(),
+        periods: vec![0; count],
+        jumps: Vec::new(),
+        neighbour_started: Vec::new(),
+        arithmetic: choices.precision.arithmetic(count),
+        solved: Vec::new(),
+        plan,
+    })
+}
+
+/// Takes all instances of the scene's plan to their ends by what was chosen, in portions, some of them at once. Whoever stops
+/// a run keeps the portions that are done. What `keep` does not want stays not run.
+pub(super) fn run(
+    planned: &Plan,
+    choices: &Choices,
+    keep: &dyn Keep,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let (stepped, count) = (planned.stepped(), planned.len());
+    let modes::Choice { mut plan, poorer, left_out } = match choices.course {
+        Course::Controlled => modes::chosen(planned, &stepped, choices.bases.as_ref()),
+        _ => modes::Choice { plan: planned.clone(), poorer: None, left_out: vec![f64::NAN; count] },
+    };
+    (plan.precision, plan.precision_open) = (choices.precision.precision, false);
+    let division = Division::of(planned, choices, keep.shares());
+    let mut whole = Controlled::not_begun(plan, choices);
+    whole.left_out.clone_from(&left_out);
+    if division.blocks.is_some() {
+        whole.neighbour_started = vec![false; count];
+    }
+    let stepped = !stepped.is_empty();
+    let work = Work { choices, poorer, left_out, stepped, division: &division, engine, progress };
+    let wanted = whole.take_known(&division, choices, keep);
+    let all: u64 = wanted.iter().map(|number| division.portion(*number).len() as u64).sum();
+    let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
+    if held.is_none() {
+        progress.stage(&["estimate", "run", "refinement"]);
+    }
+    let ended = AtomicBool::new(false);
+    let one = |plan: &Plan, number: usize| {
+        let portion = division.portion(number);
+        let ran = work.run(number, plan.part(portion))?;
+        if let Some(held) = &held {
+            held.done(portion.len() as u64);
+        }
+        if keep.ended(number, &|| Portion::of(&ran, !progress.stopped())).is_break() {
+            ended.store(true, Ordering::Relaxed);
+            progress.stop();
+        }
+        Ok::<_, EngineError>(ran)
+    };
+    for some in wanted.chunks(engine.portions().1.max(1)) {
+        if progress.stopped() || ended.load(Ordering::Relaxed) {
+            break;
+        }
+        let done: Vec<_> = match some {
+            [number] => vec![one(&whole.plan, *number)],
+            _ => some.par_iter().map(|number| one(&whole.plan, *number)).collect(),
+        };
+        for (number, part) in some.iter().zip(done) {
+            whole.take(division.portion(*number), part?);
+        }
+    }
+    Ok(whole)
+}
+
 impl Controlled {
+    /// Takes in what earlier runs have ended; gives the numbers of the portions that are to be run.
+    fn take_known(&mut self, division: &Division, choices: &Choices, keep: &dyn Keep) -> Vec<usize> {
+        let mut wanted = Vec::new();
+        for number in 0..division.len() {
+            let portion = division.portion(number);
+            let known = keep.known(number);
+            let runs = keep.wanted(number);
+            // What was cut short is run anew, from what was chosen.
+            let of_use = known.filter(|known| known.whole || !runs);
+            let ended = of_use.and_then(|known| {
+                let whole = known.whole;
+                Some((whole, known.controlled(self.plan.part(portion), choices)?))
+            });
+            let done = ended.as_ref().is_some_and(|(whole, _)| *whole);
+            if let Some((_, ended)) = ended {
+                self.take(portion, ended);
+            }
+            if !done && runs {
+                wanted.push(number);
+            }
+        }
+        wanted
+    }
+
     /// Takes in what became of a portion.
-    fn take(&mut self, portion: &[u32], part: Self) {
+    pub(super) fn take(&mut self, portion: &[u32], part: Self) {
         let Arithmetic { of, .. } = part.arithmetic;
         if !part.found.is_empty() && self.found.is_empty() {
             self.found = vec![None; self.plan.len()];
@@ -88,6 +247,9 @@ impl Controlled {
             self.jumps = vec![false; self.plan.len()];
         }
         portion.iter().zip(part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = jump);
+        let begun = portion.iter().zip(part.neighbour_started);
+        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);
+        portion.iter().zip(part.solved).for_each(|(place, solved)| self.solved[*place as usize] = solved);
         let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
@@ -105,8 +267,8 @@ impl Controlled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::{precision, refine};
-    use crate::engine::{Cpu, ReturnMap};
+    use crate::control::{InMemory, choose};
+    use crate::engine::{Cpu, Outcome, ReturnMap};
     use crate::plan::Precision;
     use crate::scene::Scene;
     use std::path::Path;
@@ -132,6 +294,18 @@ mod tests {
         }
     }
 
+    /// A plan in one piece and in portions, by the same choices.
+    fn both(plan: &Plan) -> (Controlled, Controlled) {
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let chosen = choose(plan, Course::Controlled, &engine, &progress).expect("trials run");
+        let chosen = chosen.expect("nobody stops it");
+        let run = |portion, engine: &dyn Engine| {
+            let choices = Choices { portion, ..chosen.clone() };
+            super::run(plan, &choices, &InMemory, engine, &progress).expect("it runs")
+        };
+        (run(usize::MAX, &engine), run(20, &Small(engine)))
+    }
+
     /// The whole is what portions of it are, to the bit: waited for and searched for.
     #[test]
     fn portions_give_what_the_whole_gives() {
@@ -142,15 +316,8 @@ mod tests {
             let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
             let some: Vec<u32> = (0..plan.len() as u32).step_by(83).collect();
             let plan = plan.part(&some);
-            let all: Vec<u32> = (0..plan.len() as u32).collect();
-            let (engine, progress) = (Cpu::default(), Progress::default());
-            let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
-            let none = vec![0.0; all.len()];
-            let first = || First { poorer: None, left_out: none.clone(), chosen: &chosen };
-            let whole = refine::run(plan.clone(), &all, first(), &engine, &progress).expect("it runs");
-            let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
-            for &i in &all {
-                let i = i as usize;
+            let (whole, parts) = both(&plan);
+            for i in 0..plan.len() {
                 let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);
                 assert_eq!(format!("{a:?}"), format!("{b:?}"), "{steady}, instance {i}");
                 assert_eq!(whole.estimates[i].to_bits(), parts.estimates[i].to_bits());
@@ -185,13 +352,8 @@ mod tests {
         "#;
         let scene = Scene::parse(Path::new("curves.toml"), text).expect("the scene is whole");
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
-        assert_eq!((plan.len(), whole_curves(&plan, 20)), (600, 512));
-        let all: Vec<u32> = plan.instances().collect();
-        let (engine, progress) = (Cpu::default(), Progress::default());
-        let chosen = precision::choose(&plan, &all, &engine, &progress).expect("nothing is open");
-        let first = || First { poorer: None, left_out: vec![0.0; all.len()], chosen: &chosen };
-        let whole = refine::run(plan.clone(), &all, first(), &engine, &progress).expect("it runs");
-        let parts = super::run(plan, &all, first(), &Small(engine), &progress).expect("it runs");
+        assert_eq!((plan.len(), whole_curves(&plan, 20)), (600, 128));
+        let (whole, parts) = both(&plan);
         let bits = |all: &Controlled| format!("{:?} {:?}", all.outcome.results, all.estimates);
         assert_eq!((bits(&whole), &whole.jumps), (bits(&parts), &parts.jumps));
         assert_eq!(parts.jumps.len(), 600);

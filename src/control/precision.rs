@@ -7,8 +7,10 @@ use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::steady;
+use serde::{Deserialize, Serialize};
 
 /// What a trial found.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct Choice {
     pub precision: Precision,
     /// Whether instances that f32 does not serve go on in f64.
@@ -17,11 +19,12 @@ pub(super) struct Choice {
     pub rounding: f64,
     pub reason: String,
     /// What the engine had to say of the sample's runs.
+    #[serde(skip)]
     pub notes: Vec<String>,
 }
 
 impl Choice {
-    fn settled(plan: &Plan, reason: &str) -> Self {
+    pub fn settled(plan: &Plan, reason: &str) -> Self {
         Self {
             precision: plan.precision,
             mixed: false,
@@ -35,6 +38,14 @@ impl Choice {
     pub fn arithmetic(&self, count: usize) -> Arithmetic {
         Arithmetic { of: vec![self.precision; count], rounding: self.rounding, reason: self.reason.clone() }
     }
+}
+
+/// In f64, for a plan whose instances mostly begin at their neighbours' states.
+pub(super) fn for_neighbours(plan: &Plan) -> Choice {
+    Choice::settled(
+        plan,
+        "most instances take a period or two from their neighbours' states, which are known in f64",
+    )
 }
 
 /// Whether `plan`, of which `stepped` need steps, is to run in f32. Its sample runs in both with the bases chosen and

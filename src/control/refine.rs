@@ -76,7 +76,7 @@ struct Refining<'a> {
 
 impl<'a> Refining<'a> {
     fn new(
-        Begun { plan, settled, known }: Begun,
+        Begun { plan, settled, known, neighbour_started, solved }: Begun,
         chosen: &precision::Choice,
         engine: &'a dyn Engine,
         progress: &'a Progress,
@@ -84,6 +84,7 @@ impl<'a> Refining<'a> {
         let estimates = known.iter().map(Refinement::error).collect();
         let left_out = known.iter().map(|known| known.of_modes).collect();
         let now = Controlled::new(plan, settled, (estimates, left_out), chosen);
+        let now = Controlled { neighbour_started, solved, ..now };
         Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
     }
 
@@ -246,7 +247,19 @@ impl Controlled {
         chosen: &precision::Choice,
     ) -> Self {
         let arithmetic = chosen.arithmetic(plan.len());
-        Self { plan, outcome, estimates, left_out, found, periods, jumps, arithmetic }
+        let (neighbour_started, solved) = (Vec::new(), Vec::new());
+        Self {
+            plan,
+            outcome,
+            estimates,
+            left_out,
+            found,
+            periods,
+            jumps,
+            neighbour_started,
+            arithmetic,
+            solved,
+        }
     }
 
     /// Adds to an estimate what waiting may still change: an instance that was left before it had settled for good.
@@ -280,7 +293,7 @@ mod tests {
         let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
         let with = |accuracy| whole.with_bases(&[(0, BasisRule::Shares { accuracy })]);
         let run = |poorer| {
-            let first = First { poorer, left_out: vec![0.0], chosen: &chosen };
+            let first = First::alone(poorer, vec![0.0], &chosen);
             run(with(0.1), &[0], first, &engine, &progress).expect("it runs")
         };
         let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);

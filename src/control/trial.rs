@@ -5,8 +5,10 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{KeptMode, Plan, Precision, RICHEST};
 use crate::steady;
+use serde::{Deserialize, Serialize};
 
 /// One basis on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct Trial {
     pub accuracy: f64,
     pub differences: Vec<f64>,

@@ -45,10 +45,12 @@ pub fn by_reference(
         found,
         periods,
         jumps,
+        neighbour_started: Vec::new(),
         arithmetic: Arithmetic::of(
             &plan.clone().in_precision(Precision::F64),
             "the reference engine has no other",
         ),
+        solved: Vec::new(),
     })
 }
 

@@ -1,5 +1,6 @@
 //! What a stopped run has not brought to its end.
 
+use super::choices::Choices;
 use super::first::{First, halved};
 use super::{Controlled, precision, refine};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
@@ -24,8 +25,8 @@ pub(super) fn marked(
 }
 
 impl Controlled {
-    /// Stopped before anything.
-    pub(super) fn not_begun(plan: Plan, chosen: &precision::Choice) -> Self {
+    /// Before anything.
+    pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
         let count = plan.len();
         Self {
             outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
@@ -34,7 +35,9 @@ impl Controlled {
             found: Vec::new(),
             periods: vec![0; count],
             jumps: Vec::new(),
-            arithmetic: chosen.arithmetic(count),
+            neighbour_started: Vec::new(),
+            arithmetic: choices.precision.arithmetic(count),
+            solved: Vec::new(),
             plan,
         }
     }

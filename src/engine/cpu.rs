@@ -43,6 +43,11 @@ impl Engine for Cpu {
         format!("{}, {}", processor(), threads::described())
     }
 
+    fn kind(&self) -> String {
+        let times = if Rounding::new(self.strict) == Rounding::STRICT { "twice" } else { "once" };
+        format!("cpu, products and sums round {times}")
+    }
+
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         let mut outcome = Outcome::of(plan);
         for class in &plan.classes() {

@@ -35,6 +35,11 @@ pub trait Engine: Send + Sync {
     /// Name of the device, for the results file.
     fn device(&self) -> String;
 
+    /// What its last bits hang on: two engines of one kind give the same.
+    fn kind(&self) -> String {
+        self.device()
+    }
+
     /// Whether it can compute in f64.
     fn double(&self) -> bool {
         true

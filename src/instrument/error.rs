@@ -11,6 +11,12 @@ pub enum InstrumentError {
     #[error("the lever is given by a list of modes, but the list is empty; give at least one mode")]
     NoModes,
 
+    #[error(
+        "what a fluid does to a lever follows from its dimensions, and this one is given otherwise; give length, width, \
+         thickness, density and youngs_modulus in [instrument.cantilever]"
+    )]
+    NoDimensions,
+
     #[error("the list of the lever's quality factors is empty; give at least one, or `inf` for no damping")]
     NoQualityFactors,
 

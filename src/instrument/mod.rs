@@ -24,11 +24,12 @@
 //!
 //! Flow: `rod.rs`, `beam.rs` (elements) and `lever.rs` (three descriptions of a lever) ->
 //! `assemble.rs` -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
-//! `summary.rs`.
+//! `summary.rs`; `fluid.rs` has the lever in a fluid.
 
 mod assemble;
 mod beam;
 mod error;
+mod fluid;
 mod free_motion;
 mod legendre;
 mod lever;
@@ -45,6 +46,7 @@ use crate::scene::DriveOn;
 
 pub use assemble::Mesh;
 pub use error::InstrumentError;
+pub use fluid::{Fluid, FluidMode, hydrodynamic_function, modes_in};
 pub use free_motion::Place;
 pub use reduce::DEFAULT_TOLERANCE;
 pub use scaled::Pattern;

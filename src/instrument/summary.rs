@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::Instrument;
+use super::{Fluid, FluidMode, Instrument};
+use crate::units::{Dimension, format as written};
 
 /// `{"modes": [{"frequency_hz", "quality_factor", "tip_share", "drive_share"}, ...]}`: the resolved
 /// modes in rising frequency. `tip_share` is c_k^2/omega_k^2 over its sum over all modes;
@@ -61,4 +62,100 @@ pub fn modes_table(instrument: &Instrument) -> String {
         );
     }
     text
+}
+
+/// `{"fluid": {"density_kg_per_m3", "viscosity_pa_s"}, "modes": [...]}`: each mode of the lever in the fluid, with its doubts.
+pub fn fluid_json(fluid: Fluid, modes: &[FluidMode]) -> Value {
+    let mode = |mode: &FluidMode| {
+        json!({
+            "vacuum_frequency_hz": mode.vacuum_frequency,
+            "frequency_hz": mode.frequency,
+            "quality_factor": mode.quality_factor,
+            "stiffness_n_per_m": mode.stiffness,
+            "drive": mode.drive,
+            "reynolds_number": mode.reynolds,
+            "hydrodynamic_function": [mode.hydrodynamic.re, mode.hydrodynamic.im],
+            "doubts": mode.doubts(),
+        })
+    };
+    json!({
+        "fluid": { "density_kg_per_m3": fluid.density, "viscosity_pa_s": fluid.viscosity },
+        "modes": modes.iter().map(mode).collect::<Vec<_>>(),
+    })
+}
+
+/// The same for reading, and below it what a scene says of such a lever, to be pasted.
+pub fn fluid_table(fluid: Fluid, modes: &[FluidMode]) -> String {
+    let mut text = format!(
+        "the lever alone in a fluid of {}, {}\n{:>4}  {:>16}  {:>16}  {:>9}  {:>10}  {:>12}\n",
+        written(fluid.density, Dimension::Density),
+        written(fluid.viscosity, Dimension::Viscosity),
+        "mode",
+        "vacuum",
+        "fluid",
+        "Q",
+        "Reynolds",
+        "stiffness"
+    );
+    for (k, mode) in modes.iter().enumerate() {
+        text += &format!(
+            "{:>4}  {:>12.4} kHz  {:>12.4} kHz  {:>9.3}  {:>10.3e}  {:>8.4} N/m\n",
+            k + 1,
+            mode.vacuum_frequency / 1e3,
+            mode.frequency / 1e3,
+            mode.quality_factor,
+            mode.reynolds,
+            mode.stiffness
+        );
+    }
+    let mut doubts: Vec<(String, Vec<String>)> = Vec::new();
+    for (k, mode) in modes.iter().enumerate() {
+        for doubt in mode.doubts() {
+            match doubts.iter_mut().find(|(told, _)| *told == doubt) {
+                Some((_, of)) => of.push((k + 1).to_string()),
+                None => doubts.push((doubt, vec![(k + 1).to_string()])),
+            }
+        }
+    }
+    for (doubt, of) in doubts {
+        let modes = if of.len() > 1 { "modes" } else { "mode" };
+        text += &format!("doubt: {modes} {}: {doubt}\n", of.join(", "));
+    }
+    text + &fluid_toml(modes)
+}
+
+/// Lines for `[instrument.cantilever]`: as a calibrated lever, and mode by mode as a comment.
+fn fluid_toml(modes: &[FluidMode]) -> String {
+    // A scene takes no quality factor of 1/2 or less, and of modes that are no blade's nothing is known.
+    let told: Vec<&FluidMode> =
+        modes.iter().take_while(|mode| mode.slender() && rounded(mode.quality_factor) > 0.5).collect();
+    let Some(first) = told.first() else {
+        return "nothing to paste: the first mode is no oscillator in this fluid\n".to_owned();
+    };
+    let stiffness = |mode: &FluidMode| written(rounded(mode.stiffness), Dimension::Stiffness);
+    let frequency = |mode: &FluidMode| written(rounded(mode.frequency), Dimension::Frequency);
+    let qualities: Vec<String> =
+        told.iter().map(|mode| format!("{:?}", rounded(mode.quality_factor))).collect();
+    let mut text = format!(
+        "\n# In place of the lever's dimensions and the tip's shape; higher modes are a beam's in vacuum:\n\
+         [instrument.cantilever]\nstiffness = \"{}\"\nfrequency = \"{}\"\nquality_factor = [{}]\n",
+        stiffness(first),
+        frequency(first),
+        qualities.join(", ")
+    );
+    text += "# or, with each mode's own frequency in the fluid (drive: for a base that shakes the lever; 1 for a drive on the tip):\n# modes = [\n";
+    for (mode, quality) in told.iter().zip(qualities) {
+        text += &format!(
+            "#     {{ stiffness = \"{}\", frequency = \"{}\", quality_factor = {quality}, drive = {:?} }},\n",
+            stiffness(mode),
+            frequency(mode),
+            rounded(mode.drive)
+        );
+    }
+    text + "# ]\n"
+}
+
+/// To six digits, which is more than dimensions are known to.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }

@@ -37,6 +37,7 @@ impl Plan {
             drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
             instances,
             curves: None,
+            grid: None,
         };
         Self {
             ids: (0..pairs.len() as u32).map(InstanceId).collect(),

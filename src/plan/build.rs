@@ -1,13 +1,15 @@
 //! From a scene to its plan.
 
 use super::{
-    Curves, Drive, Driven, Ensemble, Instance, InstanceId, Plan, Policy, Precision, ReducedBasis, Resolution,
-    SetPoint, steps,
+    Curves, Drive, Driven, Ensemble, Grid, GridAxis, Instance, InstanceId, Plan, Policy, Precision,
+    ReducedBasis, Resolution, SetPoint, steps,
 };
 use crate::contact::Contact;
 use crate::instrument::{Instrument, InstrumentError, Pattern};
 use crate::observe::{Wants, wants};
-use crate::scene::{ApproachParams, Axis, DriveFrequency, Held, Params, Run, Scene, Start, Steady};
+use crate::scene::{
+    ApproachParams, Axis, DriveFrequency, Held, Layout, Params, Run, Scene, Start, Steady, SweptAxes,
+};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -60,6 +62,7 @@ impl Plan {
             precision,
             precision_open: false,
             policy: Policy::STANDARD,
+            cold: false,
             waveforms: scene.output.waveforms.clone(),
             starts: None,
         })
@@ -217,7 +220,26 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
             let points = scene.sweep.axes.last()?.values.len() as u32;
             Some(Curves { points, ways: 1 + u32::from(curve.both) })
         }),
+        grid: grid(&scene.sweep),
     }
+}
+
+/// How the axes of a grid lie in the order of its instances; none for a list and where nothing is swept.
+fn grid(sweep: &SweptAxes) -> Option<Grid> {
+    if sweep.layout == Layout::List || sweep.axes.is_empty() {
+        return None;
+    }
+    let mut stride = 1;
+    let of = |axis: &Axis| {
+        let length = axis.values.len() as u32;
+        let mut order: Vec<u32> = if axis.words.is_empty() { (0..length).collect() } else { Vec::new() };
+        order.sort_by(|a, b| axis.values[*a as usize].total_cmp(&axis.values[*b as usize]));
+        stride *= length;
+        GridAxis { stride: stride / length, length, order }
+    };
+    let mut axes: Vec<GridAxis> = sweep.axes.iter().rev().map(of).collect();
+    axes.reverse();
+    Some(Grid { axes })
 }
 
 fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result<Driven, InstrumentError> {

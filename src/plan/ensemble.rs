@@ -20,6 +20,32 @@ pub struct Ensemble {
     pub instances: Vec<Instance>,
     /// Where the instances are points of curves, how these lie in their order.
     pub curves: Option<Curves>,
+    /// Where the instances are every combination of the values of some axes, how these lie in their order.
+    pub grid: Option<Grid>,
+}
+
+/// Every combination of the places along some axes; the last one runs fastest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid {
+    pub axes: Vec<GridAxis>,
+}
+
+impl Grid {
+    /// How many instances it has.
+    #[expect(clippy::len_without_is_empty, reason = "a grid has an instance at least")]
+    pub fn len(&self) -> usize {
+        self.axes.iter().map(|axis| axis.length as usize).product()
+    }
+}
+
+/// An axis of a grid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GridAxis {
+    /// How far apart instances stand that are next to one another along it.
+    pub stride: u32,
+    pub length: u32,
+    /// Its places by their values, least first; empty where they are no values of one quantity: laws, labels, samples.
+    pub order: Vec<u32>,
 }
 
 /// Curves of equal length, one after the other; where they are followed both ways, the points of the way back come after

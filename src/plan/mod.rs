@@ -19,13 +19,14 @@ mod variants;
 pub use build::PlanError;
 pub use classes::Class;
 pub use compliance::{compliance, reduced};
-pub use ensemble::{Curves, Drive, Ensemble, Instance, InstanceId, SetPoint};
+pub use ensemble::{Curves, Drive, Ensemble, Grid, GridAxis, Instance, InstanceId, SetPoint};
 pub use modes::{BasisRule, KeptMode, ReducedBasis};
 pub use policy::Policy;
 pub use precision::Precision;
 pub(crate) use rate::RICHEST;
 pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
+pub use variants::Fineness;
 
 use crate::contact::Contact;
 use crate::kernel::MODES_MAX;
@@ -55,6 +56,8 @@ pub struct Plan {
     pub precision_open: bool,
     /// What error control decides by.
     pub policy: Policy,
+    /// Whether each instance's state is searched for without a look at its neighbours'.
+    pub cold: bool,
     /// Waveforms asked for.
     pub waveforms: Option<WaveformRequest>,
     /// Where each instance starts, in place of the scene's start; where they end is then told too.

@@ -2,9 +2,11 @@
 
 use super::Plan;
 use crate::scene::{Start, Steady};
+use serde::{Deserialize, Serialize};
 
 /// Arithmetic of the engine's inner loop.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Precision {
     F32,
     #[default]

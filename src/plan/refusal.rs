@@ -27,6 +27,11 @@ fn told(error: &InstrumentError) -> (&'static [&'static str], &'static str, &'st
         &["instrument.actuator.length", "instrument.cantilever", "instrument.actuator"];
     match error {
         E::BadValue { expected, .. } => (&["instrument", "drive"], expected, "correct this value"),
+        E::NoDimensions => (
+            &["instrument.cantilever"],
+            "a lever given by its dimensions",
+            "give length, width, thickness, density and youngs_modulus",
+        ),
         E::NoModes => (&["instrument.cantilever.modes"], "at least one mode", "list a mode"),
         E::NoQualityFactors => {
             (&["instrument.cantilever.quality_factor"], "at least one number or inf", "give one")

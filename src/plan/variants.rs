@@ -33,6 +33,7 @@ impl Plan {
             precision: self.precision,
             precision_open: self.precision_open,
             policy: self.policy,
+            cold: self.cold,
             waveforms: None,
             starts: None,
         }
@@ -192,6 +193,37 @@ impl Plan {
         }
     }
 
+    /// An instance's steps, gap and the rule of its basis.
+    pub fn fineness(&self, instance: u32) -> Fineness {
+        let Resolution { gap, steps, .. } = self.resolution[instance as usize];
+        Fineness { steps, gap, rule: self.basis_rule(instance) }
+    }
+
+    /// With what another plan of the same instances had, one for each.
+    #[must_use]
+    pub fn with_fineness(mut self, all: &[Fineness]) -> Self {
+        let mut made: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
+        for (i, one) in all.iter().enumerate().take(self.len()) {
+            let drive = self.resolution[i].drive;
+            let of = *made.entry((drive, one.rule.key())).or_insert_with(|| {
+                let own = &self.drives[drive as usize];
+                if own.kept.rule == one.rule {
+                    return drive;
+                }
+                let driven = Driven { kept: reduced_by(own, one.rule, &self.run), ..own.clone() };
+                self.drives.push(driven);
+                self.drives.len() as u32 - 1
+            });
+            self.resolution[i] = Resolution { gap: one.gap, drive: of, steps: one.steps };
+        }
+        self
+    }
+
+    /// The basis that a rule makes for an instance.
+    pub fn basis_by(&self, instance: u32, rule: BasisRule) -> Arc<ReducedBasis> {
+        reduced_by(self.driven(instance), rule, &self.run)
+    }
+
     /// Takes an instance's steps, basis and gap from another plan of the same ensemble, where it is number `there`; `taken`
     /// knows by that plan's drives those of this one.
     pub fn take_resolution(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
@@ -207,6 +239,16 @@ impl Plan {
             });
         }
     }
+}
+
+/// How finely an instance of a plan runs, as plain numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fineness {
+    /// Per period of the drive; 0 where nothing needs stepping.
+    pub steps: u32,
+    /// m; NaN where no gap holds its set-point.
+    pub gap: f64,
+    pub rule: BasisRule,
 }
 
 /// Bases that a plan's drives were given, so that each is made once.

@@ -1,6 +1,7 @@
 //! From a finished run to the plain data of its results file.
 
 mod audit;
+mod portion;
 mod search;
 mod waveforms;
 
@@ -16,6 +17,7 @@ use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
 pub use audit::{audit, error_estimate};
+pub use portion::{from_bytes as portion_from_bytes, number as portion_number, to_bytes as portion_to_bytes};
 pub use search::{BRANCHES, JUMPS, jumps, search};
 pub use waveforms::waveforms;
 
@@ -28,8 +30,12 @@ pub struct Facts {
     pub device: String,
     /// Planning and stepping, s.
     pub wall_time: f64,
+    /// Instance-steps taken: trials, searches and estimates among them, audits not.
+    pub steps_taken: u64,
     /// Instance-steps per second of the stepping.
     pub rate: f64,
+    /// Share of the instances whose results began at their neighbours' states.
+    pub neighbour_started: f64,
     /// The plan as JSON.
     pub plan: String,
     /// How the program was called; of a library, that it is one.
@@ -81,7 +87,9 @@ pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> 
             ("precision_reason".into(), Attribute::Text(facts.arithmetic.reason.clone())),
             ("wall_time_seconds".into(), Attribute::Number(facts.wall_time)),
             ("instance_steps".into(), Attribute::Number(plan.instance_steps() as f64)),
+            ("instance_steps_taken".into(), Attribute::Number(facts.steps_taken as f64)),
             ("instance_steps_per_second".into(), Attribute::Number(facts.rate)),
+            ("neighbour_started".into(), Attribute::Number(facts.neighbour_started)),
         ]
         .into_iter()
         .chain(design(scene).map(|text| ("design".into(), Attribute::Text(text))))

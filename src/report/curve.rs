@@ -22,12 +22,18 @@ const BOTH: RGBColor = RGBColor(20, 115, 195);
 /// Markers on a curve are drawn up to this many points.
 const MOST_MARKERS: usize = 80;
 
+/// Radius of the dot on a point that was reached by a jump.
+const JUMP: f64 = 4.2;
+
 /// One curve or cloud: a value and its state for each instance.
+#[derive(Default)]
 pub(super) struct Series {
     pub name: String,
     pub values: Vec<(f64, State)>,
     /// A second state's: dashed, in the colour of the series before it.
     pub second: bool,
+    /// Of a curve that is followed: the points that were reached by a jump.
+    pub jumps: Vec<bool>,
 }
 
 /// Curves side by side on common axes.
@@ -56,7 +62,10 @@ impl Curves<'_> {
         let mut order: Vec<usize> = (0..x.values.len()).filter(|&i| x.values[i].is_finite()).collect();
         order.sort_by(|&a, &b| x.values[a].total_cmp(&x.values[b]));
         let lines = self.panels.first().map_or(Vec::new(), |(_, series)| line_entries(&self.by, series));
-        let entries: Vec<(Key, String)> = lines.into_iter().chain(state_entries(all())).collect();
+        let mut entries: Vec<(Key, String)> = lines.into_iter().chain(state_entries(all())).collect();
+        if all().any(|one| one.jumps.contains(&true)) {
+            entries.push((Key::Dot(INK), "reached by a jump".to_owned()));
+        }
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let rows = self.panels.len().div_ceil(columns);
         let (width, height) = if columns == 1 { (560.0, 360.0) } else { (270.0, 230.0) };
@@ -103,6 +112,9 @@ impl Curves<'_> {
             let pen = Pen::of(series, number);
             draw_line(frame, &points, &pen)?;
             draw_markers(frame, &points, &pen)?;
+            for (point, _) in points.iter().zip(order).filter(|(_, i)| one.jumps.get(**i) == Some(&true)) {
+                point.place(frame).map_or(Ok(()), |at| frame.canvas.dot(at, JUMP, pen.shade))?;
+            }
             for (point, i) in points.iter().zip(order) {
                 let Some(at) = point.place(frame) else { continue };
                 let name = if one.name.is_empty() { String::new() } else { format!(", {}", one.name) };

@@ -3,6 +3,7 @@
 //! What such a page is made of serves other pages too: [`Document`], [`Chart`], [`Heatmap`], [`shown`].
 
 mod axis;
+mod band;
 mod canvas;
 mod cells;
 mod chart;
@@ -13,6 +14,7 @@ mod findings;
 mod floor;
 mod force_curve;
 mod frame;
+mod from_curve;
 mod heatmap;
 mod hover;
 mod on_branch;

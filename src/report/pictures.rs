@@ -1,13 +1,14 @@
 //! Which pictures a results file gets.
 
 use super::ReportError;
+use super::band::{self, Band};
 use super::floor::{SCALES, errors};
 use super::force_curve;
 use super::frame::State;
 use super::hover::Hover;
 use super::quantity::Unit;
 use super::view::{View, Wish};
-use super::{csv, variable, waveform};
+use super::{csv, from_curve, variable, waveform};
 use crate::observe::Observable;
 use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable};
 
@@ -67,7 +68,10 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
     for one in results.variables.iter().filter(|one| !SCALES.contains(&one.name.as_str())) {
         match says_nothing(results, one) {
             Some(line) => undrawn.push(line),
-            None => pictures.extend(variable::draw(results, one, wish)?),
+            None => {
+                pictures.extend(variable::draw(results, one, wish)?);
+                pictures.extend(band_of(results, one)?);
+            }
         }
     }
     if let Some(waveforms) = &results.waveforms {
@@ -86,8 +90,9 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
     instances.sort_unstable();
     instances.dedup();
     for (row, instance) in instances.iter().enumerate().take(MOST_INSTANCES) {
-        let curves: Vec<&ForceCurve> =
-            results.force_curves.iter().filter(|curve| curve.instance == *instance).collect();
+        let told = from_curve::forces(results, *instance);
+        let laws = results.force_curves.iter().filter(|curve| curve.instance == *instance);
+        let curves: Vec<&ForceCurve> = laws.chain(&told).collect();
         let title = format!("Force curve of instance {instance}");
         let svg = force_curve::draw(&curves, &with_case(results, &title, *instance))?;
         let note = left_out(row, instances.len(), "force curves");
@@ -96,6 +101,25 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
         pictures.push(Picture { kind: Kind::Asked, name, title, note, svg, hover: Hover::default(), csv });
     }
     Ok(Drawn { pictures, left_out: undrawn })
+}
+
+/// What an observable is over many curves.
+fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
+    let kind = Kind::of(variable);
+    if kind == Kind::Computed {
+        return Ok(None);
+    }
+    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    let title = format!("{}, median and band of curves", capital(name));
+    Ok(band::draw(results, variable, &title)?.map(|Band { svg, note, csv }| Picture {
+        kind,
+        name: format!("{}_band", variable.name),
+        title,
+        note,
+        svg,
+        hover: Hover::default(),
+        csv: Some(csv),
+    }))
 }
 
 /// A variable's values with what became of each.

@@ -3,6 +3,7 @@
 use super::ReportError;
 use super::curve::{self, Curves, Series};
 use super::frame::State;
+use super::from_curve::jumps;
 use super::heatmap::{Heatmap, Panel, brief, label};
 use super::hover::Hover;
 use super::pictures::{Kind, Picture, capital, second_states, shown, states};
@@ -27,6 +28,8 @@ struct Subject<'a> {
     states: Vec<(f64, State)>,
     /// Likewise of the second states, where there are any.
     second: Option<Vec<(f64, State)>>,
+    /// Whether an instance was not reached continuously along its curve; empty without curves.
+    jumps: Vec<bool>,
 }
 
 /// A drawn picture and a note on it.
@@ -42,6 +45,7 @@ pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Resul
         harmonics: variable.harmonics.unwrap_or(1).max(1),
         states: states(results, variable),
         second: second_states(results, variable),
+        jumps: jumps(results).unwrap_or_default().iter().map(|flag| *flag != 0).collect(),
     };
     let kind = Kind::of(variable);
     let picture = |subject: &Subject, end: &str, (svg, hover, note): Shown| Picture {
@@ -112,7 +116,7 @@ impl Subject<'_> {
     fn over_harmonics(&self) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let values = self.states.iter().take(self.harmonics).copied().collect();
-        let series = vec![Series { name: String::new(), values, second: false }];
+        let series = vec![Series { values, ..Series::default() }];
         self.curves((&orders, ""), 1, vec![(String::new(), series)], String::new())
     }
 
@@ -122,7 +126,7 @@ impl Subject<'_> {
             1 => String::new(),
             harmonics => format!("The first of {harmonics} harmonics."),
         };
-        let series = Series { name: String::new(), values: self.harmonic(0), second: false };
+        let series = Series { values: self.harmonic(0), ..Series::default() };
         let (svg, hover) = curve::scatter(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
         Ok((svg, hover, note))
     }
@@ -159,15 +163,17 @@ impl Subject<'_> {
                     let rows = values.chunks(x.values.len()).map(<[_]>::to_vec);
                     rows.map(|values| (values, second)).collect::<Vec<_>>()
                 };
-                let panel = |(caption, values, second): Slice| {
+                let panel = |Slice { caption, values, second, jumps }: Slice| {
                     let first = split(values, false);
                     let second = second.map_or(Vec::new(), |values| split(values, true));
+                    let torn: Vec<&[bool]> = jumps.chunks(x.values.len()).collect();
                     let series = names.iter().enumerate().flat_map(|(i, name)| {
                         let both = first.get(i).into_iter().chain(second.get(i));
                         both.map(|(values, second)| Series {
                             name: name.clone(),
                             values: values.clone(),
                             second: *second,
+                            jumps: torn.get(i).filter(|_| !second).map_or(Vec::new(), |torn| torn.to_vec()),
                         })
                         .collect::<Vec<_>>()
                     });
@@ -215,7 +221,12 @@ impl Subject<'_> {
                     let take = |states: &Vec<(f64, State)>| -> Vec<(f64, State)> {
                         instances.iter().map(|i| states[i * self.harmonics + harmonic]).collect()
                     };
-                    panels.push((captions.join(", "), take(&self.states), self.second.as_ref().map(take)));
+                    panels.push(Slice {
+                        caption: captions.join(", "),
+                        values: take(&self.states),
+                        second: self.second.as_ref().map(take),
+                        jumps: instances.iter().filter_map(|i| self.jumps.get(*i).copied()).collect(),
+                    });
                 }
             }
         }
@@ -244,7 +255,7 @@ impl Subject<'_> {
         note: String,
     ) -> Result<Shown, ReportError> {
         let (units, long_name, title) = (self.units, self.axis_name.as_str(), self.heading.clone());
-        let panel = |(caption, values, _): Slice| Panel { caption, values, lines: Vec::new() };
+        let panel = |Slice { caption, values, .. }: Slice| Panel { caption, values, lines: Vec::new() };
         let panels = panels.into_iter().map(panel).collect();
         let (svg, hover) =
             Heatmap { title, units, long_name, x, y, columns, panels, lines: Vec::new() }.draw_told()?;
@@ -253,7 +264,14 @@ impl Subject<'_> {
 }
 
 /// A panel's caption, values, and values of the second states.
-type Slice = (String, Vec<(f64, State)>, Option<Vec<(f64, State)>>);
+struct Slice {
+    caption: String,
+    values: Vec<(f64, State)>,
+    /// Of the second states, where there are any.
+    second: Option<Vec<(f64, State)>>,
+    /// Whether a point was reached by a jump; empty without curves.
+    jumps: Vec<bool>,
+}
 
 /// A value above a panel; a plain number says of what.
 fn caption(axis: &Coordinate, value: f64) -> String {

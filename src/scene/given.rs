@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::error::{Fault, SceneError};
+use super::levers;
 use super::params::{ActuatorModel, LawChoice, Lever};
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
@@ -39,30 +40,16 @@ impl Scene {
 
     /// The same in one line for people; none where the scene gives all.
     pub fn preset_line(&self) -> Option<String> {
-        let taken = self.from_preset();
-        let part_of = |path: &str| {
-            PARTS.iter().find(|(prefix, alone, _)| {
-                path.strip_prefix(prefix).is_some_and(|key| !key.contains('.') && !alone.contains(&key))
-            })
-        };
-        let name_of = |path: &str| part_of(path).map(|(_, _, name)| *name);
-        let mut parts: Vec<String> = Vec::new();
-        for (place, (path, value)) in taken.iter().enumerate() {
-            let name = name_of(path);
-            let same = |(other, _): &&(String, f64)| name.is_some() && name_of(other) == name;
-            let count = taken.iter().filter(same).count();
-            if count < MANY {
-                let dimension =
-                    Address::find(path).map_or(Dimension::Dimensionless, |at| at.quantity.dimension);
-                let shown = if value.is_infinite() { "inf".to_owned() } else { written(*value, dimension) };
-                parts.push(format!("{path} {shown}"));
-            } else if !taken[..place].iter().any(|one| same(&one)) {
-                parts.push(format!("{count} values of {}", name.unwrap_or_default()));
-            }
-        }
-        (!parts.is_empty()).then(|| format!("from the preset {PRESET}: {}", parts.join(", ")))
+        let named =
+            |(path, _): &(String, f64)| self.lever.is_some() && levers::GIVEN.contains(&path.as_str());
+        let (makers, papers): (Vec<_>, Vec<_>) = self.from_preset().into_iter().partition(named);
+        let makers = self.lever.zip(told(&makers)).map(|(lever, values)| {
+            format!("from the preset {}, nominal values (calibrate your lever): {values}", lever.preset)
+        });
+        let papers = told(&papers).map(|values| format!("from the preset {PRESET}: {values}"));
+        let lines: Vec<String> = makers.into_iter().chain(papers).collect();
+        (!lines.is_empty()).then(|| lines.join("; "))
     }
-
     fn says(&self, path: &str) -> bool {
         self.said.iter().any(|said| said.path == path)
     }
@@ -118,4 +105,28 @@ impl Scene {
         let source = self.source.strip_prefix('\u{FEFF}').unwrap_or(&self.source);
         fault.label(found).expected(expected).help(help).in_file(&self.path, source)
     }
+}
+
+/// Paths and values in one line, those of a part that has many together.
+fn told(taken: &[(String, f64)]) -> Option<String> {
+    let part_of = |path: &str| {
+        PARTS.iter().find(|(prefix, alone, _)| {
+            path.strip_prefix(prefix).is_some_and(|key| !key.contains('.') && !alone.contains(&key))
+        })
+    };
+    let name_of = |path: &str| part_of(path).map(|(_, _, name)| *name);
+    let mut parts: Vec<String> = Vec::new();
+    for (place, (path, value)) in taken.iter().enumerate() {
+        let name = name_of(path);
+        let same = |(other, _): &&(String, f64)| name.is_some() && name_of(other) == name;
+        let count = taken.iter().filter(same).count();
+        if count < MANY {
+            let dimension = Address::find(path).map_or(Dimension::Dimensionless, |at| at.quantity.dimension);
+            let shown = if value.is_infinite() { "inf".to_owned() } else { written(*value, dimension) };
+            parts.push(format!("{path} {shown}"));
+        } else if !taken[..place].iter().any(|one| same(&one)) {
+            parts.push(format!("{count} values of {}", name.unwrap_or_default()));
+        }
+    }
+    (!parts.is_empty()).then(|| parts.join(", "))
 }

@@ -7,6 +7,7 @@ mod drive_rules;
 mod error;
 mod file;
 mod given;
+mod levers;
 mod output;
 mod params;
 mod plausible;
@@ -27,6 +28,7 @@ mod values;
 mod zipped;
 
 pub use error::SceneError;
+pub use levers::{LEVERS, MakersLever};
 pub use params::*;
 pub use quantities::QUANTITIES;
 pub use quantity::{Address, Domain, Quantity};
@@ -54,6 +56,8 @@ pub struct Scene {
     pub sweep: SweptAxes,
     pub run: Run,
     pub output: Output,
+    /// The maker's lever that it names as its preset.
+    pub lever: Option<&'static MakersLever>,
     /// Where its samples come from.
     pub drawn: Drawn,
     /// What the file says, and where.

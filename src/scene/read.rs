@@ -1,6 +1,7 @@
 //! From the file's text to a checked scene: the sections of the instrument, the sample and the drive.
 
 use super::error::{Checked, Fault, Faults, SceneError};
+use super::levers::{self, MakersLever};
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quantity::Address;
@@ -11,7 +12,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-/// The one preset.
+/// The preset of the whole instrument; the others are `levers.rs`'s.
 pub(super) const PRESET: &str = "ha-fung-chen-2005";
 
 /// What stands at the top of a scene.
@@ -64,7 +65,9 @@ pub(super) struct Draft {
     pub said: Vec<Said>,
     /// The places of the listed lever modes.
     pub modes: Vec<Range<usize>>,
-    /// Whether the scene names the preset, or has a section for the rod.
+    /// The maker's lever that the scene names as its preset, and where.
+    pub lever: Option<(&'static MakersLever, Range<usize>)>,
+    /// Whether the scene names the paper's preset, or has a section for the rod.
     pub names_rod: bool,
     /// Where files that the scene names are looked for.
     pub folder: PathBuf,
@@ -180,6 +183,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
         sweep,
         run,
         output,
+        lever: draft.lever.map(|(lever, _)| lever),
         drawn: draft.drawn,
         said: draft.said,
     })
@@ -277,10 +281,15 @@ impl Draft {
         for key in table.keys().filter(|key| !KEYS.contains(&key.get_ref().as_ref())) {
             self.faults.push(*values::unknown_key(key, "instrument", &KEYS));
         }
-        if let Some(value) = table.get("preset") {
-            self.faults.take(values::keyword(value, "instrument.preset", &[(PRESET, ())]));
+        if let Some((key, value)) = table.get_key_value("preset") {
+            let named = values::keyword(value, "instrument.preset", &levers::presets());
+            if let Some(Some(lever)) = self.faults.take(named) {
+                lever.put(&mut self.params.instrument);
+                self.lever = Some((lever, key.span()));
+            }
         }
-        self.names_rod = ["preset", "actuator"].iter().any(|key| table.contains_key(*key));
+        let paper = table.contains_key("preset") && self.lever.is_none();
+        self.names_rod = paper || table.contains_key("actuator");
         if let Some(table) = self.section(table, "instrument.actuator", &["model"])
             && let Some(model) = self.choice(table, "instrument.actuator.model", &MODELS)
         {

@@ -22,7 +22,11 @@ impl Scene {
     fn write(&self, text: &mut String) -> std::fmt::Result {
         let base = &self.base;
         writeln!(text, "title = {}", quoted(&self.title))?;
-        writeln!(text, "\n[instrument]\npreset = {}", quoted(PRESET))?;
+        writeln!(
+            text,
+            "\n[instrument]\npreset = {}",
+            quoted(self.lever.map_or(PRESET, |lever| lever.preset))
+        )?;
         writeln!(text, "\n[instrument.actuator]\nmodel = {}", word(&MODELS, base.instrument.actuator.model))?;
         self.write_section(text, "instrument.actuator")?;
         writeln!(text, "\n[instrument.cantilever]")?;

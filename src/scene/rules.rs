@@ -55,7 +55,8 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
 /// A lever given by its calibration or its modes stands on a rod only where the scene names one.
 pub(super) fn base(draft: &mut Draft) {
     let named = draft.names_rod || draft.first_under("instrument.actuator").is_some();
-    let own = draft.first_of(&CALIBRATION).is_some() || draft.first_under(MODES).is_some();
+    let own =
+        draft.lever.is_some() || draft.first_of(&CALIBRATION).is_some() || draft.first_under(MODES).is_some();
     if own && !named {
         draft.params.instrument.actuator.model = ActuatorModel::Rigid;
     }
@@ -96,8 +97,14 @@ fn one_lever(draft: &Draft) -> Checked<()> {
     const TITLE: &str = "the cantilever is described in two ways";
     const EXPECTED: &str =
         "its dimensions and material, or its calibrated stiffness and frequency, or its modes";
-    let (sizes, calibration, modes) =
-        (draft.first_of(&LEVER_SIZES), draft.first_of(&CALIBRATION), draft.first_under(MODES));
+    let preset = draft.lever.as_ref().map(|(_, key)| Said {
+        path: "instrument.preset".to_owned(),
+        key: key.clone(),
+        swept: false,
+    });
+    // A maker's lever is one by its calibration.
+    let calibration = draft.first_of(&CALIBRATION).or(preset.as_ref());
+    let (sizes, modes) = (draft.first_of(&LEVER_SIZES), draft.first_under(MODES));
     for (one, other) in [(sizes, calibration), (sizes, modes), (calibration, modes)] {
         if let (Some(one), Some(other)) = (one, other) {
             return Err(clash(one, other, TITLE, EXPECTED));
@@ -263,6 +270,14 @@ fn axes_matter(draft: &Draft) -> Checked<()> {
 }
 
 fn lever_is_complete(draft: &Draft) -> Checked<()> {
+    if let Some((lever, key)) = &draft.lever
+        && draft.first_under(LEVER_QUALITY).is_none()
+    {
+        return Err(Fault::at(key.clone(), format!("the preset {} has no quality factor", lever.preset))
+            .label("a data sheet has none: it is the surroundings' as much as the lever's")
+            .expected("quality_factor in [instrument.cantilever], as measured beside the stiffness")
+            .help("add a line such as quality_factor = 400; in air stiff levers have some 300 to 600, soft ones 30 to 200"));
+    }
     match &draft.params.instrument.cantilever.lever {
         Lever::Dimensions { .. } => Ok(()),
         Lever::Calibrated { stiffness, frequency } => {

@@ -3,11 +3,12 @@
 //! Editors complete keys and show units by it. It is draft 7, which TOML editors know. Rules between keys are not in it.
 
 use super::curve;
+use super::levers;
 use super::output::{BRANCHES, KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
 use super::quantities::QUANTITIES;
 use super::quantity::{Address, Domain, Quantity};
-use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, PRESET, SECTIONS};
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS};
 use super::zipped::{LABEL, LAW};
 use super::{STEPPED_MODES, schema_design};
 use crate::observe::Observable;
@@ -124,7 +125,7 @@ impl Section<'_> {
 
 fn instrument(describe: &dyn Fn(&str) -> String) -> Value {
     let mut properties = Map::new();
-    let preset = word(&[(PRESET, ())]);
+    let preset = word(&levers::presets());
     properties.insert("preset".into(), told(preset, &describe("instrument.preset")));
     for name in ["instrument.actuator", "instrument.cantilever", "instrument.tip"] {
         let mut entries = Section { name, describe }.properties();

@@ -4,7 +4,7 @@ use super::PeriodicState;
 use crate::engine::{Engine, EngineError, Progress, ReturnMap};
 use crate::kernel::{MODES_MAX, flown, increments};
 use crate::periodic::{Memory, Size};
-use crate::plan::{KeptMode, Plan, Precision, StartState, Station};
+use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, StartState, Station};
 use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -111,7 +111,7 @@ pub(super) fn still(plan: &Plan, instance: u32) -> Station {
 
 /// How a state with other steps per period or another lever is met with an instance's own: stations stand half a step into
 /// the period.
-struct Turned {
+pub(super) struct Turned {
     /// Of each of the instance's modes, its place among the other's; none where the other lever lacks it. The residual
     /// oscillator of a poorer basis swings as the mode that a richer one has in its place.
     known: Vec<Option<usize>>,
@@ -121,12 +121,23 @@ struct Turned {
 }
 
 impl Turned {
-    fn new(plan: &Plan, instance: u32, place: &PeriodicState, modes: usize) -> Self {
+    pub(super) fn new(
+        plan: &Plan,
+        instance: u32,
+        (theirs, steps): (&ReducedBasis, u32),
+        modes: usize,
+    ) -> Self {
         let driven = plan.driven(instance);
-        let steps = f64::from(plan.steps(instance));
-        let later = PI / driven.free.omega * (1.0 / steps - 1.0 / f64::from(place.steps));
+        let own_steps = f64::from(plan.steps(instance));
+        let later = PI / driven.free.omega * (1.0 / own_steps - 1.0 / f64::from(steps));
         let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
-        let same = |omega: f64| place.kept.modes.iter().position(|other| other.omega == omega);
+        // Modes of two levers are the same by their number.
+        let numbered = |mode: &KeptMode| {
+            theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
+        };
+        let same = |mode: &KeptMode| {
+            theirs.modes.iter().position(|other| other.omega == mode.omega).or_else(|| numbered(mode))
+        };
         let turn = |time: f64| {
             let of = |mode: &KeptMode| {
                 let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
@@ -134,13 +145,56 @@ impl Turned {
             };
             own.iter().map(of).collect::<Vec<_>>()
         };
-        let known = own.iter().map(|mode| same(mode.omega)).collect();
+        let known = own.iter().map(same).collect();
         Self { known, there: turn(later), back: turn(-later) }
     }
 
     /// Modes that both have: the instance's number and the other's.
     fn both(&self) -> impl Iterator<Item = (usize, usize)> {
         self.known.iter().enumerate().filter_map(|(k, j)| Some((k, (*j)?)))
+    }
+
+    /// A state from the other's numbers: travels, then rates. A mode that the other lever lacks is at rest.
+    pub(super) fn state<D: Size + DimName>(&self, theirs: &[f64]) -> OVector<f64, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let (modes, others) = (D::DIM / 2, theirs.len() / 2);
+        let mut state = OVector::<f64, D>::zeros();
+        for (k, j) in self.both() {
+            let now = self.there[k] * Vector2::new(theirs[j], theirs[others + j]);
+            (state[k], state[modes + k]) = (now[0], now[1]);
+        }
+        state
+    }
+
+    /// The map's slope from the other's, column by column.
+    pub(super) fn slope<D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        theirs: &[f64],
+    ) -> OMatrix<f64, D, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        // A slope has a row and a column for each number of a state, of which many may be at rest.
+        let (modes, others) = (D::DIM / 2, theirs.len().isqrt() / 2);
+        let mut slope = match self.known.iter().all(Option::is_some) {
+            true => OMatrix::<f64, D, D>::zeros(),
+            false => free_slope::<D>(plan, instance).0,
+        };
+        for (k, j) in self.both() {
+            for (l, i) in self.both() {
+                let theirs = |row: usize, column: usize| theirs[column * 2 * others + row];
+                let (n, m) = (others + j, others + i);
+                let block = Matrix2::new(theirs(j, i), theirs(j, m), theirs(n, i), theirs(n, m));
+                let block = self.there[k] * block * self.back[l];
+                (slope[(k, l)], slope[(k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
+                (slope[(modes + k, l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
+            }
+        }
+        slope
     }
 
     /// A mode that the other lever lacks is at rest and free.
@@ -157,7 +211,28 @@ impl Turned {
 /// Where a state found with other steps per period or another lever is by the instance's own.
 pub(super) fn own(plan: &Plan, instance: u32, place: &PeriodicState) -> Station {
     let same = Arc::ptr_eq(&plan.driven(instance).kept, &place.kept) && plan.steps(instance) == place.steps;
-    if same { place.station } else { Turned::new(plan, instance, place, MODES_MAX).station(place) }
+    if same {
+        place.station
+    } else {
+        Turned::new(plan, instance, (&place.kept, place.steps), MODES_MAX).station(place)
+    }
+}
+
+/// The same, as the numbers that a search goes by.
+pub(super) fn own_state<D: Size + DimName>(
+    plan: &Plan,
+    instance: u32,
+    place: &PeriodicState,
+) -> OVector<f64, D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    vector(&own(plan, instance, place))
+}
+
+/// Travel and rate of so many modes, one after the other.
+pub(super) fn own_vector(station: &Station, modes: usize) -> Box<[f64]> {
+    station.x[..modes].iter().chain(&station.u[..modes]).copied().collect()
 }
 
 /// A state found with other steps per period or another lever as it is met with the instance's own, and the map's slope
@@ -170,23 +245,8 @@ pub(super) fn as_its_own<D: Size + DimName>(
 where
     DefaultAllocator: Memory<D>,
 {
-    // A slope has a row and a column for each number of a state, of which many may be at rest.
-    let (modes, others) = (D::DIM / 2, place.slope.len().isqrt() / 2);
-    let turned = Turned::new(plan, instance, place, modes);
-    let mut slope = match turned.known.iter().all(Option::is_some) {
-        true => OMatrix::<f64, D, D>::zeros(),
-        false => free_slope::<D>(plan, instance).0,
-    };
-    for (k, j) in turned.both() {
-        for (l, i) in turned.both() {
-            let theirs = |row: usize, column: usize| place.slope[column * 2 * others + row];
-            let (n, m) = (others + j, others + i);
-            let block = Matrix2::new(theirs(j, i), theirs(j, m), theirs(n, i), theirs(n, m));
-            let block = turned.there[k] * block * turned.back[l];
-            (slope[(k, l)], slope[(k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
-            (slope[(modes + k, l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
-        }
-    }
+    let turned = Turned::new(plan, instance, (&place.kept, place.steps), D::DIM / 2);
+    let slope = turned.slope(plan, instance, &place.slope);
     (turned.station(place), slope)
 }
 

@@ -1,17 +1,25 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
+mod aims;
 mod approach;
+mod beside;
 mod carried;
 mod feedback;
 mod follow;
+mod led;
 mod lossless;
 mod map;
+mod measured;
+mod node;
 mod search;
 mod setpoint;
+mod sizes;
 mod wait;
 
 pub use carried::carried;
 pub use follow::jumps_moved;
+pub use led::from_neighbours;
+pub use node::{Hint, Lead, Neighbour, Node};
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
@@ -61,8 +69,15 @@ pub struct Settled {
     pub jumps: Vec<bool>,
 }
 
-/// Periods that are run on from a state found, and measured but for the first: in a periodic state a few are as good as
-/// many, and a period's change counts four periods long, but the first one's is not known.
+impl Settled {
+    /// The state found of an instance.
+    pub fn state(&self, instance: usize) -> Option<&PeriodicState> {
+        self.found.get(instance).and_then(Option::as_deref)
+    }
+}
+
+/// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
+/// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
 const ON: u32 = 5;
 
 /// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
@@ -80,21 +95,33 @@ pub fn run(
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     progress.part();
-    let stepped = plan.stepped();
-    if plan.run.steady == Steady::Wait || stepped.is_empty() {
+    if plan.run.steady == Steady::Wait || plan.stepped().is_empty() {
         return wait::run(plan, engine, progress);
     }
     // What a curve or an approach leads to is not to be looked for elsewhere.
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
+    searched(plan, begin, true, engine, progress)
+}
+
+/// The plan's instances as a search from there finds them; what it does not find is waited for, or left as not run.
+fn searched(
+    plan: &Plan,
+    begin: Begin,
+    waits: bool,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let stepped = plan.stepped();
     let mut settled = found(plan, &stepped, begin, engine, progress)?;
-    let rest = stepped.into_iter().filter(|i| settled.found[*i as usize].is_none());
+    let rest = stepped.into_iter().filter(|i| waits && settled.found[*i as usize].is_none());
     // What is free of the sample is finished beside those that wait.
     let others: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0).chain(rest).collect();
+    let followed = matches!(begin, Begin::Followed(_));
     if !others.is_empty() && !progress.stopped() {
         let mut part = plan.part(&others);
-        if followed {
+        if let Begin::Followed(near) = begin {
             let start =
                 |i: &u32| near[*i as usize].map_or(Station::free(plan, *i), |one| map::own(plan, *i, one));
             part = part.starting_at(others.iter().map(|i| start(i).into()).collect());
@@ -239,31 +266,72 @@ fn found(
     progress.task("search", instances.len() as u64);
     let alike = alike(plan, instances);
     let searched = search::all(plan, &alike, begin, double, progress)?;
-    let (mut found, mut periods) = (searched.found, searched.periods);
-    let chosen: Vec<u32> = instances.iter().copied().filter(|i| found[*i as usize].is_some()).collect();
-    let on = run_on(plan.part(&chosen), &of(&found, &chosen), engine, progress)?;
-    let mut outcome = Outcome::of(plan);
-    outcome.notes = [searched.notes, on.notes].concat();
-    for (i, finished) in chosen.iter().zip(on.results) {
-        outcome.results[*i as usize] = finished;
-        periods[*i as usize] += ON;
-    }
-    let left = |outcome: &Outcome| -> Vec<u32> {
-        let stays = |i: u32| outcome.results[i as usize].status.is_steady();
+    let is_found = |i: &u32| searched.found[*i as usize].is_some();
+    let chosen: Vec<u32> = instances.iter().copied().filter(is_found).collect();
+    let mut settled = Settled {
+        outcome: Outcome { notes: searched.notes, ..Outcome::of(plan) },
+        found: searched.found,
+        periods: searched.periods,
+        jumps: Vec::new(),
+    };
+    let unsure = settled.borne_out(plan, &chosen, engine, progress)?;
+    settled.run_on(&plan.part(&unsure), &unsure, engine, progress)?;
+    let left = |settled: &Settled| -> Vec<u32> {
+        let stays = |i: u32| settled.outcome.results[i as usize].status.is_steady();
         chosen.iter().copied().filter(|i| !stays(*i)).collect()
     };
-    let rough = left(&outcome);
+    let rough = left(&settled);
     if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
         // A weakly damped state drifts in f32 by more than it may.
-        let finer = plan.part(&rough).in_precision(Precision::F64);
-        let again = run_on(finer, &of(&found, &rough), double, progress)?;
-        for (i, finished) in rough.into_iter().zip(again.results) {
-            outcome.results[i as usize] = finished;
-            periods[i as usize] += ON;
-        }
+        settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
     }
-    left(&outcome).into_iter().for_each(|i| found[i as usize] = None);
-    Ok(Settled { outcome, found, periods, jumps: Vec::new() })
+    left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
+    Ok(settled)
+}
+
+impl Settled {
+    /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
+    /// bears the state out. The others come back.
+    fn borne_out(
+        &mut self,
+        plan: &Plan,
+        chosen: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<Vec<u32>, EngineError> {
+        let place = |i: &u32| self.state(*i as usize).map_or(Station::FREE, |state| state.station);
+        progress.task("measuring", 0);
+        let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
+        self.outcome.notes.extend(once.notes);
+        let mut unsure = Vec::new();
+        for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
+            self.periods[*i as usize] += 1;
+            let state = self.state(*i as usize);
+            let sure = state.is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
+            match sure && finished.status.is_steady() {
+                true => self.outcome.results[*i as usize] = finished,
+                false => unsure.push(*i),
+            }
+        }
+        Ok(unsure)
+    }
+
+    /// Runs on from the states found of these instances, of which the plan is, and measures them.
+    fn run_on(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let on = run_on(plan.clone(), &of(&self.found, instances), engine, progress)?;
+        self.outcome.notes.extend(on.notes);
+        for (i, finished) in instances.iter().zip(on.results) {
+            self.outcome.results[*i as usize] = finished;
+            self.periods[*i as usize] += ON;
+        }
+        Ok(())
+    }
 }
 
 /// These instances in the order of their classes: neighbours are alike, and searched for together.

@@ -1,13 +1,13 @@
 //! Many searches side by side: all that they ask for in one run.
 
 use super::PeriodicState;
+use super::aims::options;
 use super::map::{PeriodMap, as_its_own, free_slope, own, station, still, vector};
+use super::sizes::{Sized, by_size, with_size};
 use crate::engine::{Engine, EngineError, Progress};
-use crate::kernel::MODES_MAX;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
-use crate::plan::{Case, KeptMode, Plan, Station};
-use nalgebra::{Const, DefaultAllocator, DimName, OVector};
-use std::f64::consts::TAU;
+use crate::plan::{Case, Plan, Station};
+use nalgebra::{DefaultAllocator, DimName, OVector};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -15,26 +15,11 @@ use std::sync::Arc;
 const CHUNK: usize = 8192;
 /// The same where there are many modes: a slope of 24 modes has 18 kB.
 const CHUNK_MANY: usize = 1024;
-/// Numbers of modes that searches are compiled for: those that plans keep.
-const SIZES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, MODES_MAX];
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
 /// of contact, and before the beats that follow it, in which no stride is of use.
 const WARM: [u32; 3] = [3, 32, 128];
-/// Evaluations after which a search gives up.
-const MOST: u32 = 300;
-/// Distance to the periodic state that is aimed at, and that is near enough where the map is rough, as shares of the
-/// accuracy asked for.
-const NEAR: f64 = 1e-3;
-const ENOUGH: f64 = 0.1;
-/// Differences, in units of the free amplitude, that make the map's slope on the way and at the end: jumps of the
-/// contact make it rough.
-const SMOOTH: (f64, Option<f64>) = (1e-6, None);
-const ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
-
-/// See [`clearly`]: the share, and its least and largest value.
-const DOUBTED: f64 = 0.35;
-const CLEARLY: (f64, f64) = (0.99, 0.999);
-
+/// The same for a search that is the only one: as late as the last of several.
+const LATE: [u32; 1] = [160];
 /// What the searches ended with, by instance of the plan.
 pub(super) struct Searched {
     pub found: Vec<Option<Box<PeriodicState>>>,
@@ -49,6 +34,8 @@ pub(super) enum Begin<'a> {
     Still,
     /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
     Near(&'a [Option<&'a PeriodicState>]),
+    /// The same, where those like it were searched for in vain: one search alone.
+    Once(&'a [Option<&'a PeriodicState>]),
     /// At these places, by instance, which are thought to be next to a state.
     At(&'a [Station]),
     /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
@@ -75,17 +62,29 @@ impl Begin<'_> {
     /// A state of the instance with other steps or another lever.
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
-            Self::Near(near) | Self::Followed(near) | Self::Along(Along { states: near, .. }) => {
+            Self::Near(near)
+            | Self::Once(near)
+            | Self::Followed(near)
+            | Self::Along(Along { states: near, .. }) => {
                 near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
             }
             Self::Still | Self::At(_) => None,
         }
     }
 
+    /// Periods before each search that may follow.
+    fn warm(&self) -> &'static [u32] {
+        match self {
+            Self::Along(..) => &[],
+            Self::Once(_) => &LATE,
+            _ => &WARM,
+        }
+    }
+
     /// Where the instance begins without one.
     fn place(&self, plan: &Plan, instance: u32) -> Station {
         match self {
-            Self::Near(_) => Station::free(plan, instance),
+            Self::Near(_) | Self::Once(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
             Self::At(places) | Self::Along(Along { places, .. }) => places[instance as usize],
             Self::Followed(states) => match states[instance as usize] {
@@ -106,14 +105,7 @@ pub(super) fn all(
 ) -> Result<Searched, EngineError> {
     let mut done =
         Searched { found: vec![None; plan.len()], periods: vec![0; plan.len()], notes: Vec::new() };
-    let modes = |i: &u32| {
-        let kept = &plan.driven(*i).kept;
-        kept.modes.len().clamp(1, MODES_MAX)
-    };
-    // Where a lever has fewer modes than its search, the others are at rest.
-    let size = |i: &u32| SIZES.into_iter().find(|size| modes(i) <= *size).unwrap_or(MODES_MAX);
-    for count in SIZES {
-        let group: Vec<u32> = stepped.iter().copied().filter(|i| size(i) == count).collect();
+    for (count, group) in by_size(plan, stepped) {
         for chunk in group.chunks(if count > 8 { CHUNK_MANY } else { CHUNK }) {
             if progress.stopped() {
                 return Ok(done);
@@ -121,21 +113,7 @@ pub(super) fn all(
             let map = PeriodMap::new(plan, chunk, engine, progress)?;
             let parts = map.spread(|slots| {
                 let batch = Batch { plan, from, instances: chunk, map: &map };
-                match count {
-                    1 => batch.run::<Const<2>>(slots),
-                    2 => batch.run::<Const<4>>(slots),
-                    3 => batch.run::<Const<6>>(slots),
-                    4 => batch.run::<Const<8>>(slots),
-                    5 => batch.run::<Const<10>>(slots),
-                    6 => batch.run::<Const<12>>(slots),
-                    7 => batch.run::<Const<14>>(slots),
-                    8 => batch.run::<Const<16>>(slots),
-                    10 => batch.run::<Const<20>>(slots),
-                    12 => batch.run::<Const<24>>(slots),
-                    16 => batch.run::<Const<32>>(slots),
-                    20 => batch.run::<Const<40>>(slots),
-                    _ => batch.run::<Const<48>>(slots),
-                }
+                with_size(count, Part { batch, slots })
             });
             for part in parts {
                 for end in part? {
@@ -165,6 +143,23 @@ struct Batch<'a> {
     from: Begin<'a>,
     instances: &'a [u32],
     map: &'a PeriodMap<'a>,
+}
+
+/// Some of them.
+struct Part<'a> {
+    batch: Batch<'a>,
+    slots: Range<u32>,
+}
+
+impl Sized for Part<'_> {
+    type Output = Result<Vec<End>, EngineError>;
+
+    fn run<D: Size + DimName>(self) -> Self::Output
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        self.batch.run::<D>(self.slots)
+    }
 }
 
 /// An instance without a state, the periods stepped for it so far, and where the last search began.
@@ -198,9 +193,9 @@ impl Batch<'_> {
         }
         let lost = self.together(close, &mut done)?;
         left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
-        for warm in WARM {
+        for &warm in from.warm() {
             // Waiting would be cheaper.
-            if left.is_empty() || warm >= plan.run.periods || matches!(from, Begin::Along(..)) {
+            if left.is_empty() || warm >= plan.run.periods {
                 break;
             }
             let starts: Vec<_> = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
@@ -357,33 +352,4 @@ where
         let good = end.finite && (!self.remembers || end.touching == self.start.touching);
         good.then(|| vector(&end))
     }
-}
-
-/// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
-/// free lever's largest multiplier has. One-sided differences are good to a thousandth.
-fn clearly(plan: &Plan, instance: u32) -> f64 {
-    let driven = plan.driven(instance);
-    let left = |mode: &KeptMode| (-TAU * mode.damping * mode.omega / driven.free.omega).exp();
-    let free = driven.kept.modes.iter().map(left).fold(0.0, f64::max);
-    (1.0 - DOUBTED * (1.0 - free)).clamp(CLEARLY.0, CLEARLY.1)
-}
-
-/// Whether contact is a memory, and how a search for the instance's state goes about.
-fn options(plan: &Plan, instance: u32) -> (bool, Options) {
-    let case = plan.case(instance);
-    let remembers = case.contact.law.has_memory();
-    let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
-    let options = Options {
-        scale: plan.driven(instance).free_amplitude().max(1e-15),
-        tolerance: NEAR * plan.run.accuracy,
-        enough: ENOUGH * plan.run.accuracy,
-        step,
-        last_step,
-        most: MOST,
-        near: false,
-        carried: false,
-        clearly: clearly(plan, instance),
-        stable: true,
-    };
-    (remembers, options)
 }

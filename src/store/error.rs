@@ -26,6 +26,18 @@ pub enum StoreError {
         path.display()
     )]
     PartialTaken { path: PathBuf, why: String },
+    #[error(
+        "{} holds {kept} portion{} of a run of this scene: go on with --resume, begin anew with --overwrite, or name another file with -o",
+        partial.display(), if *kept == 1 { "" } else { "s" }
+    )]
+    Unresumed { partial: PathBuf, kept: usize },
+    #[error("{} cannot be gone on with: {why}; --overwrite begins anew", path.display())]
+    Journal { path: PathBuf, why: String },
+    #[error(
+        "{} is the journal of a run that is not whole: `afmsweep export {} -o FILE.h5` looks in, `afmsweep run SCENE --resume` goes on",
+        path.display(), path.display()
+    )]
+    Running { path: PathBuf },
     #[error("{} holds results of another scene; --overwrite replaces them, -o names another file", path.display())]
     OtherScene { path: PathBuf },
     #[error(
@@ -41,7 +53,7 @@ pub enum StoreError {
     #[error("{}: no such file", path.display())]
     Missing { path: PathBuf },
     #[error(
-        "{}: no such file, but the unfinished {} is there: the run is still going or was broken off; run the scene again",
+        "{}: no such file, but the unfinished {} is there: the run is still going or was broken off; `afmsweep run SCENE --resume` goes on with it",
         path.display(), partial.display()
     )]
     Unfinished { path: PathBuf, partial: PathBuf },

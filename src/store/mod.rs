@@ -13,6 +13,10 @@ mod heap;
 #[cfg(feature = "hdf5")]
 mod history;
 #[cfg(feature = "hdf5")]
+mod image;
+#[cfg(feature = "hdf5")]
+mod journal;
+#[cfg(feature = "hdf5")]
 mod labels;
 #[cfg(feature = "hdf5")]
 mod lock;
@@ -22,6 +26,10 @@ mod occupant;
 mod place;
 #[cfg(feature = "hdf5")]
 mod read;
+#[cfg(feature = "hdf5")]
+mod run_file;
+#[cfg(feature = "hdf5")]
+mod share;
 #[cfg(feature = "hdf5")]
 mod source;
 #[cfg(feature = "hdf5")]
@@ -34,11 +42,17 @@ pub use error::StoreError;
 #[cfg(feature = "hdf5")]
 pub use history::now;
 #[cfg(feature = "hdf5")]
-pub use occupant::same_file;
+pub use journal::{Journal, Kind};
+#[cfg(feature = "hdf5")]
+pub use occupant::{Earlier, same_file};
 #[cfg(feature = "hdf5")]
 pub use place::{Writer, partial_path};
 #[cfg(feature = "hdf5")]
-pub use read::read;
+pub use read::{read, scene_of};
+#[cfg(feature = "hdf5")]
+pub use run_file::RunFile;
+#[cfg(feature = "hdf5")]
+pub use share::open as open_journal;
 
 /// Root attributes the store writes itself; in [`Results::attributes`] they are passed over, except that
 /// a `history` given there replaces the one made here.

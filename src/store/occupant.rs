@@ -1,10 +1,27 @@
 //! What stands at the place of a results file: whether it may be replaced, and what the new file takes from it.
 
 use super::place::TORN;
-use super::{StoreError, read};
+use super::{StoreError, journal, read};
 use std::fs::{self, File, Metadata};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+
+/// What is to become of what an earlier run has left at the place of the results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Earlier {
+    /// Whole results of the same scene may be replaced, and what holds nothing; else the run is refused.
+    Kept,
+    /// As `Kept`; the journal of a run of the same scene is gone on with.
+    GoneOnWith,
+    /// Whatever it is, it is replaced.
+    Replaced,
+}
+
+impl From<bool> for Earlier {
+    fn from(overwrite: bool) -> Self {
+        if overwrite { Self::Replaced } else { Self::Kept }
+    }
+}
 
 /// The file that a symbolic link leads to; anything else is itself.
 pub(super) fn follow(path: &Path) -> Result<PathBuf, StoreError> {
@@ -43,13 +60,14 @@ pub(super) fn check_occupant(path: &Path, scene_text: &str, overwrite: bool) -> 
     }
 }
 
-/// Refuses a partial file that is not left over from a run of this scene: links always, all else unless `overwrite`
-/// says so. Empty files and those that a run was killed while writing hold nothing.
+/// Refuses a partial file that is not left over from a run of this scene: links always, all else unless `earlier`
+/// says so. Empty files and those that a run was killed while writing hold nothing; a journal of the same scene that does
+/// is for a run that goes on with it.
 pub(super) fn may_be_taken(
     partial: &Path,
     found: &Metadata,
     scene_text: &str,
-    overwrite: bool,
+    earlier: Earlier,
 ) -> Result<(), StoreError> {
     let refuse = |why: &str| StoreError::PartialTaken { path: partial.to_path_buf(), why: why.into() };
     if found.is_symlink() {
@@ -61,8 +79,18 @@ pub(super) fn may_be_taken(
     if has_other_names(found) {
         return Err(StoreError::PartialLink { path: partial.to_path_buf() });
     }
-    if overwrite || found.len() == 0 || is_torn(partial) {
+    if earlier == Earlier::Replaced || found.len() == 0 || is_torn(partial) {
         return Ok(());
+    }
+    if journal::is_at(partial) {
+        let journal = journal::open(partial)?;
+        let kept = journal.records().filter(|(kind, _)| *kind == journal::Kind::Portion).count();
+        return match journal.scene() {
+            Some(scene) if scene != scene_text => Err(refuse("it holds a run of another scene")),
+            None => Err(refuse("its journal names no scene")),
+            Some(_) if earlier == Earlier::GoneOnWith || kept == 0 => Ok(()),
+            Some(_) => Err(StoreError::Unresumed { partial: partial.to_path_buf(), kept }),
+        };
     }
     match read::scene_of(partial) {
         Ok(scene) if scene == scene_text => Ok(()),

@@ -1,10 +1,10 @@
 //! Where a results file goes: checked and reserved before the run, filled and renamed after it.
 
-use super::occupant::{check_occupant, follow, give_rights, is_at, may_be_taken};
+use super::occupant::{Earlier, check_occupant, follow, give_rights, is_at, may_be_taken};
 use super::{Results, StoreError, write};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Seek, Write};
+use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -53,6 +53,12 @@ impl Writer {
     /// replaced if it holds results of the same scene, or if `overwrite` says so; so may what stands at the partial
     /// name, but never through a link.
     pub fn create(path: &Path, scene_text: &str, overwrite: bool) -> Result<Self, StoreError> {
+        Self::reserve(path, scene_text, overwrite.into())
+    }
+
+    /// As [`Writer::create`], with more to say of what is there.
+    pub(super) fn reserve(path: &Path, scene_text: &str, earlier: Earlier) -> Result<Self, StoreError> {
+        let overwrite = earlier == Earlier::Replaced;
         if path.as_os_str() == "-" {
             return Err(StoreError::Stream);
         }
@@ -73,7 +79,7 @@ impl Writer {
             fs::create_dir_all(parent).map_err(|e| StoreError::io(parent, "make the folder", e))?;
         }
         let partial = partial_path(&path);
-        let (file, holds) = reserve(&path, &partial, scene_text, overwrite)?;
+        let (file, holds) = reserve(&path, &partial, scene_text, earlier)?;
         give_rights(&file, &path, true);
         Ok(Self {
             path,
@@ -119,12 +125,18 @@ impl Writer {
         if !self.written {
             return Err(StoreError::inconsistent("the file was finished before anything was written to it"));
         }
+        self.put_in_place(&self.file, &self.partial)?;
+        self.finished = true;
+        Ok(())
+    }
+
+    /// Makes the file `of`, which is open, the results file.
+    fn put_in_place(&self, file: &File, of: &Path) -> Result<(), StoreError> {
         // The place was free before the run; something may have been put there since.
         check_occupant(&self.path, &self.scene_text, self.overwrite)?;
-        give_rights(&self.file, &self.path, false);
-        self.file.sync_all().map_err(|e| StoreError::io(&self.partial, "write", e))?;
-        fs::rename(&self.partial, &self.path).map_err(|e| StoreError::io(&self.path, "put in place", e))?;
-        self.finished = true;
+        give_rights(file, &self.path, false);
+        file.sync_all().map_err(|e| StoreError::io(of, "write", e))?;
+        fs::rename(of, &self.path).map_err(|e| StoreError::io(&self.path, "put in place", e))?;
         // The new name should outlast a power cut too; where a folder cannot be synced, nothing is lost
         // but that.
         let parent = self.path.parent().filter(|parent| !parent.as_os_str().is_empty());
@@ -132,6 +144,57 @@ impl Writer {
             let _ = folder.sync_all();
         }
         Ok(())
+    }
+
+    /// Makes these bytes the results file by way of a neighbour, while the partial file stays what it is; then that is
+    /// removed.
+    pub(super) fn finish_beside(mut self, bytes: &[u8]) -> Result<(), StoreError> {
+        let beside = partial_path(&self.partial).with_extension("new");
+        // What a run that was killed here has left; nothing is written through a link.
+        let _ = fs::remove_file(&beside);
+        let opened = OpenOptions::new().write(true).create_new(true).open(&beside);
+        let put = opened.and_then(|mut file| file.write_all(bytes).map(|()| file));
+        let done = put
+            .map_err(|e| StoreError::io(&beside, "write", e))
+            .and_then(|file| self.put_in_place(&file, &beside));
+        match done {
+            Ok(()) => {
+                self.finished = true;
+                // If it cannot be removed, the next run of the scene says that it is there.
+                let _ = fs::remove_file(&self.partial);
+            }
+            Err(_) => drop(fs::remove_file(&beside)),
+        }
+        done
+    }
+
+    /// Appends to the partial file, which then holds something if `holds` says so; what was not written whole is taken
+    /// away again.
+    pub(super) fn append(&mut self, bytes: &[u8], holds: bool) -> Result<(), StoreError> {
+        let put = |file: &mut File| {
+            let end = file.seek(std::io::SeekFrom::End(0))?;
+            let put = file.write_all(bytes).and_then(|()| file.sync_data());
+            if put.is_err() {
+                let _ = file.set_len(end);
+            }
+            put
+        };
+        let put = put(&mut self.file).map_err(|e| StoreError::io(&self.partial, "write", e));
+        self.holds |= holds && put.is_ok();
+        put
+    }
+
+    /// All that the partial file holds.
+    pub(super) fn contents(&mut self) -> Result<Vec<u8>, StoreError> {
+        let mut bytes = Vec::new();
+        let read = self.file.rewind().and_then(|()| self.file.read_to_end(&mut bytes));
+        read.map(|_| bytes).map_err(|e| StoreError::io(&self.partial, "read", e))
+    }
+
+    /// Cuts the partial file off after so many bytes.
+    pub(super) fn cut(&mut self, length: u64) -> Result<(), StoreError> {
+        self.holds &= length > 0;
+        self.file.set_len(length).map_err(|e| StoreError::io(&self.partial, "write", e))
     }
 
     /// Where the results are until [`Writer::finish`].
@@ -159,7 +222,7 @@ fn reserve(
     path: &Path,
     partial: &Path,
     scene_text: &str,
-    overwrite: bool,
+    earlier: Earlier,
 ) -> Result<(File, bool), StoreError> {
     let failed = |e| StoreError::io(partial, "create", e);
     let busy = || StoreError::Busy { path: path.to_path_buf(), partial: partial.to_path_buf() };
@@ -172,13 +235,13 @@ fn reserve(
             Err(e) => return Err(failed(e)),
         };
         if let Some(before) = &before {
-            match may_be_taken(partial, before, scene_text, overwrite) {
+            match may_be_taken(partial, before, scene_text, earlier) {
                 Err(StoreError::InUse { .. }) => return Err(busy()),
                 taken => taken?,
             }
         }
         let mut options = OpenOptions::new();
-        options.write(true).create_new(before.is_none());
+        options.read(true).write(true).create_new(before.is_none());
         // Nothing that was a file a moment ago is followed if it is a link now.
         #[cfg(unix)]
         std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NOFOLLOW);

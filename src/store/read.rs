@@ -1,6 +1,7 @@
 //! Reads a results file back, and says clearly what is wrong with one that cannot be read.
 
 use super::labels::{is_scale, read_text};
+use super::share::JOURNAL;
 use super::source::Source;
 use super::{
     Attribute, AuditTable, Branch, Coordinate, ERROR, Flags, ForceCurve, HDF5_VERSION, OBSERVABLE,
@@ -14,17 +15,26 @@ use std::path::Path;
 pub fn read(path: &Path) -> Result<Results, StoreError> {
     let source = Source::open(path)?;
     source.file_scene()?;
+    source.refuse_share()?;
     let results = source.results()?;
     source.verify(&results)?;
     Ok(results)
 }
 
 /// The scene whose results a file holds.
-pub(super) fn scene_of(path: &Path) -> Result<String, StoreError> {
+pub fn scene_of(path: &Path) -> Result<String, StoreError> {
     Source::open(path)?.file_scene()
 }
 
 impl Source {
+    fn refuse_share(&self) -> Result<(), StoreError> {
+        if self.file.link_exists(JOURNAL) {
+            let why = "it is a share of a run; `afmsweep merge` makes results of all of them".into();
+            return Err(StoreError::Foreign { path: self.path.clone(), why });
+        }
+        Ok(())
+    }
+
     fn results(&self) -> Result<Results, StoreError> {
         let root = self.file.group("/").map_err(|e| self.damaged(e))?;
         let members = self.members(&root)?;

@@ -2,7 +2,9 @@
 
 use super::labels::read_text;
 use super::place::TORN;
-use super::{COLUMNS, Coordinate, PROVENANCE, Results, StoreError, heap, lock, partial_path, sums};
+use super::{
+    COLUMNS, Coordinate, PROVENANCE, Results, StoreError, heap, journal, lock, partial_path, share, sums,
+};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, Location, LocationType};
 use std::cell::Cell;
@@ -54,6 +56,7 @@ impl Source {
         if start != SIGNATURE {
             return Err(match (start.is_empty(), broken_off) {
                 _ if start == TORN => StoreError::Partial { path: own() },
+                _ if journal::is_at(path) => StoreError::Running { path: own() },
                 (true, true) => StoreError::Partial { path: own() },
                 (true, false) => StoreError::Foreign { path: own(), why: "it is empty".into() },
                 _ if path.extension().is_some_and(|extension| extension == "toml") => StoreError::Foreign {
@@ -84,7 +87,7 @@ impl Source {
         let provenance = self.file.group(PROVENANCE).ok();
         let scene = provenance.and_then(|group| read_text(&group, "scene"));
         let scene = scene.ok_or_else(|| foreign("it names no scene"))?;
-        if !self.file.link_exists("status") {
+        if !self.file.link_exists("status") && !self.file.link_exists(share::JOURNAL) {
             return Err(foreign("it has no variable status"));
         }
         Ok(scene)

@@ -11,8 +11,11 @@ mod waveforms;
 
 use super::check::check;
 use super::history::history;
+use super::image::{file_image, in_memory};
 use super::labels::{self, Scale, attach};
-use super::{Attribute, COLUMNS, Coordinate, Flags, OWN_ATTRIBUTES, Results, StoreError, Variable, sums};
+use super::{
+    Attribute, COLUMNS, Coordinate, Flags, OWN_ATTRIBUTES, PROVENANCE, Results, StoreError, Variable, sums,
+};
 use crate::observe::Status;
 use chunk::chunk;
 use hdf5::dataset::Layout as Storage;
@@ -20,7 +23,6 @@ use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder}
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Below this many bytes a chunk's bookkeeping is larger than what compression saves: the data lie in the dataset's
 /// header, which has a checksum of its own.
@@ -33,13 +35,7 @@ const DIRECTION: &str = "curve.direction";
 pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Vec<u8>, StoreError> {
     check(results)?;
     let build = || -> hdf5::Result<Vec<u8>> {
-        // The library takes two files in memory of one name for one file.
-        static NUMBER: AtomicU64 = AtomicU64::new(0);
-        let name = format!("afmsweep-{}", NUMBER.fetch_add(1, Ordering::Relaxed));
-        let file = File::with_options()
-            .with_fapl(|p| p.core_filebacked(false))
-            .with_fcpl(|p| p.link_creation_order(LinkOrder::Indexed).attr_creation_order(AttrOrder::Indexed))
-            .create(&name)?;
+        let file = in_memory()?;
         root(&file, results)?;
         groups::write(&file, results, scene_text)?;
         file.flush()?;
@@ -48,21 +44,9 @@ pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<
     build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
 }
 
-/// The whole file as it would stand on a disk.
-fn file_image(file: &File) -> hdf5::Result<Vec<u8>> {
-    use hdf5_sys::h5f::H5Fget_file_image;
-    let _lock = hdf5_sys::LOCK.lock();
-    // SAFETY: the lock is held and the file open; the first call only asks for the size, the second
-    // writes at most that many bytes into a buffer of that size.
-    unsafe {
-        let size = usize::try_from(H5Fget_file_image(file.id(), std::ptr::null_mut(), 0)).unwrap_or(0);
-        let mut bytes = vec![0u8; size];
-        let copied = H5Fget_file_image(file.id(), bytes.as_mut_ptr().cast(), size);
-        if size == 0 || usize::try_from(copied).ok() != Some(size) {
-            return Err("the file's bytes could not be taken from memory".into());
-        }
-        Ok(bytes)
-    }
+/// The group of long texts with the scene's alone.
+pub(super) fn scene_group(file: &File, scene_text: &str) -> hdf5::Result<()> {
+    labels::text(&Layout::group(file, PROVENANCE)?.group, "scene", scene_text)
 }
 
 const INSTANCE: &str = "instance number, counted from 0";

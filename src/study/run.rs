@@ -51,6 +51,8 @@ impl Ran {
         let facts = Facts {
             device: Cpu::default().device(),
             wall_time: self.wall_time,
+            steps_taken: self.plan.instance_steps(),
+            neighbour_started: 0.0,
             rate: self.plan.instance_steps() as f64 / self.wall_time,
             plan: self.plan.summary(None).json().to_string(),
             command_line: "afmsweep study paper".into(),

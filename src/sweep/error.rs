@@ -22,7 +22,22 @@ pub enum Error {
     /// A GPU was asked for, and this build has no GPU engine.
     #[error("this build has no GPU engine: it was made without the feature gpu")]
     NoGpuEngine,
+    /// What was chosen cannot be taken.
+    #[error("{what}")]
+    Prepared { what: String },
+    /// What was chosen, and what has been run, is an engine's whose last bits are others.
+    #[error(
+        "the run was begun on another kind of engine ({theirs}; here: {ours}): its bits would be of both; --resume=anyway goes on all the same"
+    )]
+    OtherEngine { theirs: String, ours: String },
+    /// Shares of a run that are not there, or not whole: by their numbers.
+    #[error("portions of these shares are missing: {}", words(.shares))]
+    Missing { shares: Vec<usize> },
     /// Stopped before any instance was done.
     #[error("stopped in the {}, before any instance was done", .0.word())]
     Stopped(Phase),
+}
+
+fn words(shares: &[usize]) -> String {
+    shares.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }

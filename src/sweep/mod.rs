@@ -30,24 +30,32 @@
 //! ```
 
 mod audit;
+mod begun;
 mod choose;
 mod error;
+#[cfg(feature = "hdf5")]
+mod keeper;
 mod observer;
 mod phase;
+mod prepared;
 mod swept;
 
 pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUDIT_SHARE};
 pub use choose::Choice;
 pub use error::Error;
+#[cfg(feature = "hdf5")]
+pub use keeper::{Keeper, Share, command_of, read_header};
 pub use observer::{Observer, Silent};
 pub use phase::Phase;
+pub use prepared::Prepared;
 pub use swept::Swept;
 
-use crate::control;
-use crate::engine::{Engine, Progress, Reference, on_threads};
+use crate::control::{self, Controlled, Course, InMemory};
+use crate::engine::{Engine, Progress, on_threads};
 use crate::observe::Status;
 use crate::plan::{Plan, Policy, Precision};
 use crate::scene::Scene;
+use begun::Begun;
 use phase::Missing;
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -82,6 +90,7 @@ pub enum Audit {
 pub struct Sweep {
     scene: Scene,
     options: Options,
+    prepared: Option<Prepared>,
     progress: Arc<Progress>,
 }
 
@@ -92,8 +101,10 @@ struct Options {
     precision: Option<Precision>,
     threads: Option<usize>,
     estimate: bool,
+    cold: bool,
     policy: Policy,
     audit: Audit,
+    portion: Option<usize>,
     command_line: String,
 }
 
@@ -106,11 +117,13 @@ impl Sweep {
             precision: None,
             threads: None,
             estimate: true,
+            cold: false,
             policy: Policy::STANDARD,
             audit: Audit::Auto,
+            portion: None,
             command_line: "none: run by the library".into(),
         };
-        Self { scene, options, progress: Arc::default() }
+        Self { scene, options, prepared: None, progress: Arc::default() }
     }
 
     /// Which engine.
@@ -164,11 +177,41 @@ impl Sweep {
         self
     }
 
+    /// Whether each instance's periodic state is searched for from its own free oscillation, whatever its neighbours in
+    /// the sweep have; else a large sweep's searches begin at their neighbours' states.
+    #[must_use]
+    pub fn cold(mut self, cold: bool) -> Self {
+        self.options.cold = cold;
+        self
+    }
+
     /// What is redone by the reference engine.
     #[must_use]
     pub fn audit(mut self, audit: Audit) -> Self {
         self.options.audit = audit;
         self
+    }
+
+    /// Instances that are taken to their ends together, and written down together; none leaves that to the run. No result
+    /// hangs on it.
+    #[must_use]
+    pub fn portion(mut self, instances: Option<usize>) -> Self {
+        self.options.portion = instances;
+        self
+    }
+
+    /// By choices that were made before, in place of its own.
+    #[must_use]
+    pub fn prepared(mut self, prepared: Option<Prepared>) -> Self {
+        self.prepared = prepared.or(self.prepared);
+        self
+    }
+
+    /// As the run that chose was told: its precision, its steps, whether errors are estimated.
+    #[must_use]
+    pub fn told_as(mut self, prepared: &Prepared) -> Self {
+        prepared.put_into(&mut self.options, &mut self.scene);
+        self.prepared(Some(prepared.clone()))
     }
 
     /// How the program that runs it was called: attribute `command_line` of its results.
@@ -204,6 +247,7 @@ impl Sweep {
         let mut plan = Plan::new(&self.scene, precision).map_err(|error| error.in_scene(&self.scene))?;
         plan.precision_open = self.options.precision.is_none();
         plan.policy = self.options.policy;
+        plan.cold = self.options.cold;
         let engine = choose::engine(&self.options, &mut plan, observer)?;
         Ok((plan, engine))
     }
@@ -222,44 +266,98 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run`].
     pub fn run_with(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        on_threads(self.options.threads, || self.watched(observer))?
+        self.watched(observer, || self.carried_out(observer, &|run| run.of_all(&InMemory)))
     }
 
-    /// Tells the observer how far the run is while it lasts.
-    fn watched(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        let (end, ended) = mpsc::channel::<()>();
-        std::thread::scope(|scope| {
-            scope.spawn(move || {
-                while ended.recv_timeout(Duration::from_millis(50)) == Err(RecvTimeoutError::Timeout) {
-                    if observer.progress(&self.progress.phase()).is_break() {
-                        self.progress.stop();
-                    }
-                }
-            });
-            let done = self.carried_out(observer);
-            drop(end);
-            done
+    /// Chooses what a run of the scene needs: bases, first steps, precision, size of portions.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    pub fn prepare(&self, observer: &dyn Observer) -> Result<Prepared, Error> {
+        self.watched(observer, || self.begun(observer)?.chosen())
+    }
+
+    /// Runs it by way of a journal: what that knows is not run again, and what ends is written there.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`]; choices of another run; what the journal's disk says.
+    #[cfg(feature = "hdf5")]
+    pub fn run_kept(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<Swept, Error> {
+        self.watched(observer, || self.carried_out(observer, &|run| run.kept(keeper)))
+    }
+
+    /// Runs a share of it, into the journal alone; true if all of it has ended.
+    ///
+    /// # Errors
+    /// As [`Sweep::run_kept`].
+    #[cfg(feature = "hdf5")]
+    pub fn run_share(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<bool, Error> {
+        self.watched(observer, || {
+            self.begun(observer)?.kept(keeper)?;
+            Ok(!self.progress.stopped())
         })
     }
 
-    fn carried_out(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
-        let exact = self.options.backend == Backend::Reference;
-        let estimated = self.options.estimate && !exact;
+    /// What a journal knows, as results that are not whole; nothing is run.
+    ///
+    /// # Errors
+    /// As [`Sweep::run_kept`].
+    #[cfg(feature = "hdf5")]
+    pub fn looked_into(&self, keeper: &Keeper) -> Result<Swept, Error> {
+        self.carried_out(&Silent, &|run| {
+            let prepared = run.given(keeper)?;
+            self.progress.stop();
+            run.by(prepared, keeper)
+        })
+    }
+
+    /// Does it on as many threads as asked for, and tells the observer how far the run is while it lasts.
+    fn watched<T: Send>(
+        &self,
+        observer: &dyn Observer,
+        work: impl FnOnce() -> Result<T, Error> + Send,
+    ) -> Result<T, Error> {
+        on_threads(self.options.threads, || {
+            let (end, ended) = mpsc::channel::<()>();
+            std::thread::scope(|scope| {
+                scope.spawn(move || {
+                    while ended.recv_timeout(Duration::from_millis(50)) == Err(RecvTimeoutError::Timeout) {
+                        if observer.progress(&self.progress.phase()).is_break() {
+                            self.progress.stop();
+                        }
+                    }
+                });
+                let done = work();
+                drop(end);
+                done
+            })
+        })?
+    }
+
+    /// Planned, on an engine.
+    fn begun(&self, observer: &dyn Observer) -> Result<Begun<'_>, Error> {
+        let course = Prepared::course(&self.options, &self.scene);
         let (mut plan, engine) = self.plan(observer)?;
-        let unchosen = if plan.precision_open { "nothing to choose it by" } else { "as told" };
-        plan.precision_open &= estimated;
+        plan.precision_open &= course == Course::Controlled;
         observer.planned(&plan, engine.as_ref());
-        if progress.stopped() {
+        if self.progress.stopped() {
             return Err(Error::Stopped(Phase::Planning));
         }
-        let summary = plan.summary(None).json().to_string();
+        Ok(Begun { sweep: self, course, plan, engine })
+    }
+
+    fn carried_out(
+        &self,
+        observer: &dyn Observer,
+        instances: &dyn Fn(&Begun) -> Result<Controlled, Error>,
+    ) -> Result<Swept, Error> {
+        let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
+        let begun = self.begun(observer)?;
+        let summary = begun.plan.summary(None).json().to_string();
         let stepping = Instant::now();
-        let mut run = match (exact, estimated) {
-            (true, _) => control::by_reference(&plan, &Reference::default(), progress)?,
-            (_, true) => control::run(&plan, engine.as_ref(), progress)?,
-            _ => control::once(plan, unchosen, engine.as_ref(), progress)?,
-        };
+        let mut run = instances(&begun)?;
+        let Begun { course, engine, .. } = begun;
+        let (exact, estimated) = (course == Course::Reference, course == Course::Controlled);
         let mut missing = Missing::of(&run, progress);
         if run.outcome.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
             return Err(Error::Stopped(Phase::Stepping));
@@ -267,14 +365,15 @@ impl Sweep {
         let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {
             control::others(&run, &scene.sweep.shape(), engine.as_ref(), progress).map(Some)
         })?;
-        let stepping = stepping.elapsed().as_secs_f64();
+        let (stepping, taken) = (stepping.elapsed().as_secs_f64(), progress.steps());
         let audit = if exact { Audit::None } else { self.options.audit };
         let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
             audit::redo(audit, &run, stepping, progress)
         })?;
         control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
         let command_line = self.options.command_line.clone();
-        let done = swept::Done { scene, run, others, audited, exact, estimated, summary, command_line };
+        let done =
+            swept::Done { scene, run, taken, others, audited, exact, estimated, summary, command_line };
         swept::collect(done, (start, stepping), engine.as_ref(), missing, progress)
     }
 }

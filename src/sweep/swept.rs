@@ -25,6 +25,8 @@ pub struct Swept {
     pub warnings: Vec<String>,
     /// What was not done because the run was stopped: nothing of a whole run.
     pub missing: Vec<Phase>,
+    /// Instance-steps taken: trials, searches and estimates among them, audits not.
+    pub steps_taken: u64,
     /// Stepping, s, and instance-steps per second of it.
     pub stepping: f64,
     pub rate: f64,
@@ -34,6 +36,8 @@ pub struct Swept {
 pub(super) struct Done<'a> {
     pub scene: &'a Scene,
     pub run: Controlled,
+    /// Instance-steps of it and of the second states.
+    pub taken: u64,
     pub others: Option<Others>,
     pub audited: Vec<Audited>,
     /// By the reference engine.
@@ -52,14 +56,15 @@ pub(super) fn collect(
     mut missing: Missing,
     progress: &Progress,
 ) -> Result<Swept, Error> {
-    let Done { scene, run, others, audited, exact, estimated, summary, command_line } = done;
+    let Done { scene, run, taken, others, audited, exact, estimated, summary, command_line } = done;
     let verdict = Verdict::of(&run, &audited, exact);
     let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
-    let steps = progress.steps();
     let facts = Facts {
         device: engine.device(),
         wall_time: start.elapsed().as_secs_f64(),
-        rate: if steps == 0 { 0.0 } else { steps as f64 / stepping },
+        steps_taken: taken,
+        rate: if taken == 0 { 0.0 } else { taken as f64 / stepping },
+        neighbour_started: run.neighbour_started(),
         plan: summary,
         command_line,
         arithmetic: run.arithmetic.clone(),
@@ -77,5 +82,6 @@ pub(super) fn collect(
     record::audit(&mut results, plan, &audited, &verdict);
     results.attributes.extend(record::complete(&missing.words()));
     let warnings = record::warning_lines(scene, plan, outcome, &results);
-    Ok(Swept { results, verdict, others, warnings, missing: missing.0, stepping, rate: facts.rate, run })
+    let (rate, steps_taken) = (facts.rate, taken);
+    Ok(Swept { results, verdict, others, warnings, missing: missing.0, steps_taken, stepping, rate, run })
 }

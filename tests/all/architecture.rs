@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Modules from the first to the last; a module imports only from those before it, and from none beside it.
 const ORDER: [&[&str]; 14] = [
     // The kernel is a crate of its own: what it may know is Cargo's to say.
-    &["suggest", "kernel"],
+    &["suggest", "kernel", "reconstruct"],
     &["units", "observe", "design"],
     &["scene"],
     &["instrument", "contact", "periodic"],
@@ -26,7 +26,7 @@ const NARROW: [(&str, &[&str]); 3] = [
     // The file's format does not depend on how results came about. The kernel has the names and codes of laws.
     ("store", &["kernel", "observe"]),
     // Pictures come from the results file alone.
-    ("report", &["design", "observe", "stats", "store", "units"]),
+    ("report", &["design", "observe", "reconstruct", "stats", "store", "units"]),
     // Statistics as well.
     ("stats", &["design", "observe", "store"]),
 ];

@@ -115,7 +115,6 @@ fn every_key_of_a_scene_has_its_row() {
 fn every_word_that_a_choice_may_have_is_told() {
     let scene = Document::open("scene.md");
     for (heading, key, text) in [
-        ("`[instrument]`", "preset", "[instrument]\npreset = \"zzz\""),
         ("`[instrument.actuator]`", "model", "[instrument.actuator]\nmodel = \"zzz\""),
         ("`[contact]`", "law", "[contact]\nlaw = \"zzz\""),
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
@@ -267,7 +266,9 @@ fn mixed_and_stopped(swept: &Swept) -> Results {
     let facts = Facts {
         device: String::new(),
         wall_time: 0.0,
+        steps_taken: 0,
         rate: 0.0,
+        neighbour_started: 0.0,
         plan: run.plan.summary(None).json().to_string(),
         command_line: String::new(),
         arithmetic: Arithmetic { of: vec![Precision::F32, Precision::F64], ..run.arithmetic.clone() },

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// The version of the object: raised where a key changes its meaning or goes.
-const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 1;
 
 /// What became of a whole run that took `wall` seconds.
 pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
@@ -31,7 +31,9 @@ pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
         "device": results.text("device"),
         "wall_time_s": wall,
         "stepping_time_s": swept.stepping,
+        "instance_steps_taken": swept.steps_taken,
         "instance_steps_per_second": swept.rate,
+        "neighbour_started": swept.run.neighbour_started(),
     })
 }
 

@@ -247,6 +247,11 @@ impl Engine for Gpu {
         self.report.title()
     }
 
+    fn kind(&self) -> String {
+        // What it hands back to the processor, and searches in f64 where it has none, counts too.
+        format!("gpu {} beside {}", self.device(), cpu::Cpu::default().kind())
+    }
+
     fn double(&self) -> bool {
         self.report.double
     }

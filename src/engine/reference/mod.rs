@@ -80,6 +80,16 @@ impl Engine for Reference {
         )
     }
 
+    fn kind(&self) -> String {
+        // Its searches begin where the CPU engine's end.
+        format!("reference {:e} beside {}", self.tolerance, super::Cpu::default().kind())
+    }
+
+    /// It takes a tenth of a second for an instance, or many.
+    fn portions(&self) -> (usize, usize) {
+        (256, 1)
+    }
+
     fn resumes(&self) -> bool {
         false
     }

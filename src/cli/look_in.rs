@@ -1,0 +1,27 @@
+//! What a run that is not whole has done so far, as a results file.
+
+use super::run::lost;
+use super::{Voice, instances};
+use afmsweep::sweep::{Keeper, read_header};
+use afmsweep::{Error, Status, Sweep, store};
+use anyhow::Context;
+use std::path::Path;
+
+/// Makes results of the journal in `file`: what is not done is called not run.
+pub fn main(file: &Path, output: &Path, overwrite: bool, voice: Voice) -> anyhow::Result<()> {
+    let journal = store::open_journal(file)?;
+    lost(&journal, file, voice);
+    let named = || file.display().to_string();
+    let (prepared, share) = read_header(journal.header()).with_context(named)?;
+    let sweep = Sweep::new(prepared.scene().with_context(named)?).told_as(&prepared);
+    let keeper = Keeper::of_journals(vec![journal], share).with_context(named)?;
+    let swept = match sweep.looked_into(&keeper) {
+        Err(Error::Stopped(_)) => anyhow::bail!("{} has no portion that has ended yet", file.display()),
+        other => other?,
+    };
+    let statuses = &swept.results.status;
+    let done = statuses.iter().filter(|code| **code != Status::NotRun as u8).count();
+    swept.results.write(output, overwrite)?;
+    voice.say(format_args!("wrote {}: {done} of {} are done", output.display(), instances(statuses.len())));
+    Ok(())
+}

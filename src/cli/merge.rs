@@ -1,0 +1,156 @@
+//! `afmsweep merge`: the results that one run would have made, of the files of its shares.
+
+use super::run::lost;
+use super::stopped::Stopped;
+use super::{Voice, signals};
+use afmsweep::engine::Progress;
+use afmsweep::store::{self, Journal};
+use afmsweep::sweep::{Keeper, Prepared, Share, command_of, read_header};
+use afmsweep::{Audit, Error, Sweep};
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+#[derive(clap::Args)]
+#[command(after_help = "Example: afmsweep merge results/lever.*-of-8.h5 -o results/lever.h5")]
+pub struct MergeArgs {
+    /// Files of all shares of a run
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Results file
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Replace whatever file stands at the output
+    #[arg(long)]
+    overwrite: bool,
+    /// Instances to redo with the reference engine [default: as many as take 0.25 s, and at least one that touches the sample]
+    #[arg(long, value_name = "N", conflicts_with = "no_audit", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    audit: Option<u32>,
+    /// Redo none
+    #[arg(long)]
+    no_audit: bool,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = super::backend::parse_threads)]
+    threads: Option<usize>,
+    /// Merge here what was run on another kind of engine
+    #[arg(long)]
+    anyway: bool,
+}
+
+/// The file of a share.
+struct Part {
+    path: PathBuf,
+    journal: Journal,
+    prepared: Prepared,
+    share: Share,
+}
+
+fn part(path: &Path, voice: Voice) -> anyhow::Result<Part> {
+    let journal = store::open_journal(path)?;
+    lost(&journal, path, voice);
+    let (prepared, share) = read_header(journal.header()).with_context(|| path.display().to_string())?;
+    Ok(Part { path: path.to_path_buf(), journal, prepared, share })
+}
+
+pub fn main(args: &MergeArgs, voice: Voice) -> anyhow::Result<()> {
+    let progress = Arc::new(Progress::default());
+    signals::listen(&progress, voice);
+    let parts: Vec<Part> = args.files.iter().map(|path| part(path, voice)).collect::<Result<_, _>>()?;
+    fit(&parts)?;
+    let Some(first) = parts.first() else { bail!("no files to merge") };
+    let prepared = first.prepared.clone();
+    let share = Share { number: 1, of: first.share.of };
+    let again = Again::of(&parts);
+    let audit = match args.audit {
+        _ if args.no_audit => Audit::None,
+        Some(count) => Audit::Instances(count),
+        None => Audit::Auto,
+    };
+    let sweep = Sweep::new(prepared.scene()?)
+        .told_as(&prepared)
+        .audit(audit)
+        .threads(args.threads)
+        .watched_by(&progress)
+        .command_line(super::run::command_line());
+    let journals = parts.into_iter().map(|part| part.journal).collect();
+    let keeper = Keeper::of_journals(journals, share)?.on_any_engine(args.anyway);
+    let mut writer = store::Writer::create(&args.output, prepared.scene_text(), args.overwrite)?;
+    let swept = match sweep.run_kept(&keeper, &afmsweep::sweep::Silent) {
+        Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
+        Err(Error::Missing { shares }) => bail!("{}", again.words(&shares)),
+        other => other?,
+    };
+    if let Some(phase) = swept.missing.first() {
+        return Err(Stopped::before(*phase).into());
+    }
+    signals::held(|| writer.write(&swept.results).and_then(|()| writer.finish()))?;
+    voice.say(format_args!("wrote {} of {} shares", args.output.display(), share.of));
+    Ok(())
+}
+
+/// Refuses files that are not of one run, or of one share.
+fn fit(parts: &[Part]) -> anyhow::Result<()> {
+    for (n, part) in parts.iter().enumerate() {
+        let first = &parts[0];
+        if !part.prepared.is_of_one_run_with(&first.prepared) || part.share.of != first.share.of {
+            bail!(
+                "{} (share {}) and {} (share {}) are not of one run: their scenes, options or choices differ",
+                first.path.display(),
+                first.share,
+                part.path.display(),
+                part.share
+            );
+        }
+        if let Some(other) = parts[..n].iter().find(|other| other.share == part.share) {
+            bail!(
+                "{} and {} are both share {}: leave one of them out",
+                other.path.display(),
+                part.path.display(),
+                part.share
+            );
+        }
+    }
+    Ok(())
+}
+
+/// How shares that are missing are made.
+struct Again {
+    of: usize,
+    /// A share that is there, and the command that made it.
+    known: usize,
+    command: String,
+    /// Files of shares, by number.
+    files: Vec<(usize, PathBuf)>,
+}
+
+impl Again {
+    fn of(parts: &[Part]) -> Self {
+        let files = parts.iter().map(|part| (part.share.number, part.path.clone())).collect();
+        let (known, of, command) = parts.first().map_or((1, 1, String::new()), |part| {
+            (part.share.number, part.share.of, command_of(part.journal.header()).to_owned())
+        });
+        Self { of, known, command, files }
+    }
+
+    /// The command that makes a share, or goes on with it.
+    fn command(&self, share: usize) -> String {
+        let (known, of) = (self.known, self.of);
+        let text = self.command.replace(&format!("{known}/{of}"), &format!("{share}/{of}"));
+        let text = text.replace(&format!("{known}-of-{of}"), &format!("{share}-of-{of}"));
+        let text = text.replace(" --overwrite", "");
+        if text.contains("--resume") { text } else { format!("{text} --resume") }
+    }
+
+    fn words(&self, shares: &[usize]) -> String {
+        let line = |share: &usize| {
+            let what = match self.files.iter().find(|(number, _)| number == share) {
+                Some((_, path)) => format!("{} is not whole", path.display()),
+                None => "has no file here".into(),
+            };
+            format!("share {share}/{} {what}: {}", self.of, self.command(*share))
+        };
+        let lines: Vec<String> = shares.iter().map(line).collect();
+        let verb = if shares.len() == 1 { "share is" } else { "shares are" };
+        format!("{} {verb} missing; make them and merge again:\n{}", shares.len(), lines.join("\n"))
+    }
+}

@@ -1,0 +1,93 @@
+//! A block of a grid, whose instances begin at one another's states.
+
+use super::around::{Around, Solved};
+use super::choices::Choices;
+use super::first::First;
+use super::levels::{Level, Levels};
+use super::{Controlled, unfinished};
+use crate::engine::{Engine, EngineError, Progress};
+use crate::plan::{BasisRule, Plan};
+use rayon::prelude::*;
+
+/// Instances that may be taken to their ends in any order, once those of the batches before them are.
+struct Batch<'a> {
+    instances: Vec<u32>,
+    /// Where they stand among those before.
+    level: Option<&'a Level<'a>>,
+    /// Whether later ones begin at their states.
+    leads_on: bool,
+}
+
+/// A block, and what was chosen for it; see [`First`].
+pub(super) struct Block<'a> {
+    pub plan: Plan,
+    pub poorer: Option<Vec<BasisRule>>,
+    pub left_out: Vec<f64>,
+    pub choices: &'a Choices,
+}
+
+/// Takes a block to its end, batch after batch, each in pieces of the engine's size, some of them at once. Whoever stops a
+/// run keeps the pieces that are done.
+pub(super) fn run(
+    block: Block,
+    levels: &Levels,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let (size, at_once) = engine.portions();
+    let mut whole = Controlled::not_begun(block.plan.clone(), block.choices);
+    whole.left_out.clone_from(&block.left_out);
+    whole.solved = vec![Solved::Unknown; whole.plan.len()];
+    whole.neighbour_started = vec![false; whole.plan.len()];
+    for batch in batches(&block.plan, levels) {
+        let pieces: Vec<&[u32]> = batch.instances.chunks(size).collect();
+        for some in pieces.chunks(at_once.max(1)) {
+            if progress.stopped() {
+                return Ok(whole);
+            }
+            let one = |piece: &&[u32]| piece_of(&block, (&batch, piece), &whole, engine, progress);
+            let done: Vec<_> = match some {
+                [piece] => vec![one(piece)],
+                _ => some.par_iter().map(one).collect(),
+            };
+            for (piece, part) in some.iter().zip(done) {
+                whole.take(piece, part?);
+            }
+        }
+    }
+    // Nobody begins at them any more.
+    whole.solved = Vec::new();
+    Ok(whole)
+}
+
+/// Within a batch the order is that in which the plan runs its instances.
+fn batches<'a>(plan: &Plan, levels: &'a Levels<'a>) -> Vec<Batch<'a>> {
+    let alike = |points: &[u32]| -> Vec<u32> {
+        plan.part(points).by_class().into_iter().map(|place| points[place as usize]).collect()
+    };
+    let scouts = Batch { instances: alike(&levels.scouts), level: None, leads_on: true };
+    let later = levels.later.iter().enumerate().map(|(n, level)| Batch {
+        instances: alike(&level.points),
+        level: Some(level),
+        leads_on: levels.leads_on(n),
+    });
+    std::iter::once(scouts).chain(later).collect()
+}
+
+/// Takes a piece of a batch to its end.
+fn piece_of(
+    block: &Block,
+    (batch, piece): (&Batch, &[u32]),
+    whole: &Controlled,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Controlled, EngineError> {
+    let part = whole.plan.part(piece);
+    let stepped = part.stepped();
+    let left_out = piece.iter().map(|i| block.left_out[*i as usize]).collect();
+    let poorer = block.poorer.as_ref().map(|all| piece.iter().map(|i| all[*i as usize]).collect());
+    let around = batch.level.map(|level| Around::new(level, piece, &whole.solved));
+    let alone = First::alone(poorer, left_out, &block.choices.precision);
+    let first = First { around, leads_on: batch.leads_on, ..alone };
+    unfinished::marked(part, &stepped, first, engine, progress)
+}

@@ -1,0 +1,271 @@
+//! The order in which the instances of a grid begin at one another's states: some are searched for, and between those
+//! along one axis after the other the others are, until the grid is full.
+//!
+//! A large grid is divided into blocks, each filled by itself: a run that has some of the blocks does with them what a run of
+//! all does. The order depends on the grid alone: not on threads, on the engine or on the way in which an axis is written.
+
+use crate::plan::{Grid, GridAxis, Plan};
+use crate::scene::{Start, Steady};
+
+/// Fewer instances than these are searched for one by one.
+const LEAST: usize = 1000;
+/// Scouts are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.
+const APART: (u32, u32) = (16, 8);
+const SPANS: u32 = 7;
+/// Where more than one in so many would be a scout there is too little to win.
+const SHARE: usize = 4;
+/// Places of an axis on which a guess rests: a cubic.
+const NODES: usize = 4;
+/// Most instances of a block. More: fewer scouts, and guesses that rest on more of the grid. Less: less is lost where a run
+/// is killed, and more shares have work.
+const BLOCK: usize = 1 << 15;
+
+/// The blocks of a plan's grid.
+pub(super) struct Blocks {
+    /// Each with the axes along which it extends, as a grid of its own.
+    grids: Vec<Grid>,
+    /// The instances of the plan, block after block, in each in the order of its own grid.
+    pub order: Vec<u32>,
+}
+
+impl Blocks {
+    /// None where the plan is not of a whole grid, too small, waited for, or led otherwise: along curves, to set-points.
+    pub fn of(plan: &Plan) -> Option<Self> {
+        let ensemble = &plan.ensemble;
+        let grid = ensemble.grid.as_ref()?;
+        let whole = plan.len() == ensemble.instances.len() && plan.len() >= LEAST;
+        let searched = plan.run.steady == Steady::Search && plan.run.start == Start::Steady;
+        let led = ensemble.curves.is_some() || plan.has_setpoints() || plan.run.steps_per_period.is_some();
+        if !whole || !searched || led {
+            return None;
+        }
+        let blocks = Self::over(grid, BLOCK);
+        let worth = |grid: &Grid| Levels::over(grid).scouts.len() * SHARE <= grid.len();
+        blocks.grids.iter().all(worth).then_some(blocks)
+    }
+
+    /// As many slabs along one axis go together as have `most` instances, as even as can be; the axes before it stand still.
+    /// The axis is cut by its values, so that it may be written in any order.
+    fn over(grid: &Grid, most: usize) -> Self {
+        let slab = |n: usize| grid.axes[n + 1..].iter().map(|axis| axis.length as usize).product::<usize>();
+        let (mut grids, mut order) = (Vec::new(), Vec::new());
+        let Some(along) = (0..grid.axes.len()).find(|n| slab(*n) <= most) else {
+            return Self { grids, order };
+        };
+        let axis = &grid.axes[along];
+        let count = (axis.length as usize).div_ceil((most / slab(along)).max(1)) as u32;
+        let outer = (grid.len() / (slab(along) * axis.length as usize)) as u32;
+        for (before, n) in (0..outer).flat_map(|before| (0..count).map(move |n| (before, n))) {
+            let ranks = n * axis.length / count..(n + 1) * axis.length / count;
+            let length = ranks.len() as u32;
+            let own = if axis.order.is_empty() { Vec::new() } else { (0..length).collect() };
+            let mut axes = vec![GridAxis { stride: axis.stride, length, order: own }];
+            axes.extend_from_slice(&grid.axes[along + 1..]);
+            grids.push(Grid { axes });
+            let place = |rank: u32| axis.order.get(rank as usize).copied().unwrap_or(rank);
+            let first = |rank: u32| (before * axis.length + place(rank)) * axis.stride;
+            order.extend(ranks.flat_map(|rank| first(rank)..first(rank) + axis.stride));
+        }
+        Self { grids, order }
+    }
+
+    /// How many instances each has.
+    pub fn sizes(&self) -> impl Iterator<Item = usize> {
+        self.grids.iter().map(Grid::len)
+    }
+
+    /// The order within one of them.
+    pub fn levels(&self, block: usize) -> Levels<'_> {
+        Levels::over(&self.grids[block])
+    }
+}
+
+/// Instances of a grid between which all others stand, and then these, axis after axis.
+pub(super) struct Levels<'a> {
+    pub scouts: Vec<u32>,
+    pub later: Vec<Level<'a>>,
+}
+
+/// Instances that stand between known ones along one axis.
+pub(super) struct Level<'a> {
+    axis: &'a GridAxis,
+    /// Of each place of the axis its rank among the values.
+    rank: Vec<u32>,
+    /// Ranks that are known.
+    known: Vec<u32>,
+    pub points: Vec<u32>,
+}
+
+/// What an instance's guess rests on: another instance, its weight, and its weight where only the nearest two count.
+pub(super) type Weighted = (u32, f64, f64);
+
+impl<'a> Levels<'a> {
+    fn over(grid: &'a Grid) -> Self {
+        let mut spans: Vec<u32> = grid.axes.iter().map(scouted).collect();
+        let mut known: Vec<Vec<u32>> =
+            grid.axes.iter().zip(&spans).map(|(axis, spans)| places(axis, *spans)).collect();
+        let scouts = points(grid, &known);
+        let mut later = Vec::new();
+        let full = |axis: &GridAxis, spans: u32| axis.order.is_empty() || spans + 1 >= axis.length;
+        while grid.axes.iter().zip(&spans).any(|(axis, spans)| !full(axis, *spans)) {
+            for (n, axis) in grid.axes.iter().enumerate() {
+                if full(axis, spans[n]) {
+                    continue;
+                }
+                spans[n] *= 2;
+                let all = places(axis, spans[n]);
+                let before = std::mem::replace(&mut known[n], all);
+                let fresh = known[n].iter().copied().filter(|place| before.binary_search(place).is_err());
+                let mut between = known.clone();
+                between[n] = fresh.collect();
+                let points = points(grid, &between);
+                later.push(Level { axis, rank: ranks(axis), known: before, points });
+            }
+        }
+        Self { scouts, later }
+    }
+
+    /// Whether instances of this level, the number of later ones, lead to others.
+    pub fn leads_on(&self, level: usize) -> bool {
+        level + 1 < self.later.len()
+    }
+}
+
+impl Level<'_> {
+    /// What the guess for one of its points rests on: four known ones of its line where there are so many.
+    pub fn line(&self, point: u32) -> Vec<Weighted> {
+        let Self { axis, known, .. } = self;
+        let place = point / axis.stride % axis.length;
+        let rank = self.rank[place as usize];
+        let above = known.partition_point(|other| *other < rank);
+        let many = NODES.min(known.len());
+        let first = above.saturating_sub(many / 2).min(known.len() - many);
+        let (low, high) = (known[above - 1], known[above]);
+        let share = f64::from(rank - low) / f64::from(high - low);
+        let some = &known[first..first + many];
+        let weight = |a: u32| -> f64 {
+            let others = some.iter().filter(|b| **b != a);
+            others.map(|b| (f64::from(rank) - f64::from(*b)) / (f64::from(a) - f64::from(*b))).product()
+        };
+        let nearest = |a: u32| match a {
+            a if a == low => 1.0 - share,
+            a if a == high => share,
+            _ => 0.0,
+        };
+        let base = point - place * axis.stride;
+        let instance = |rank: u32| base + axis.order[rank as usize] * axis.stride;
+        some.iter().map(|rank| (instance(*rank), weight(*rank), nearest(*rank))).collect()
+    }
+}
+
+/// Spans between scouts along an axis; of one without an order every place is taken.
+fn scouted(axis: &GridAxis) -> u32 {
+    let steps = axis.length - 1;
+    match axis.order.is_empty() {
+        true => steps,
+        false => steps.div_ceil(APART.0).max(steps.div_ceil(APART.1).min(SPANS)),
+    }
+}
+
+/// The ranks at the ends of so many spans, as even as can be.
+fn places(axis: &GridAxis, spans: u32) -> Vec<u32> {
+    let steps = axis.length - 1;
+    match spans >= steps {
+        true => (0..axis.length).collect(),
+        false => (0..=spans).map(|n| (2 * n * steps + spans) / (2 * spans)).collect(),
+    }
+}
+
+/// Of each place of an axis its rank.
+fn ranks(axis: &GridAxis) -> Vec<u32> {
+    let mut ranks = vec![0; axis.length as usize];
+    axis.order.iter().enumerate().for_each(|(rank, place)| ranks[*place as usize] = rank as u32);
+    ranks
+}
+
+/// The instances with these ranks along the axes.
+fn points(grid: &Grid, ranks: &[Vec<u32>]) -> Vec<u32> {
+    let mut all = vec![0];
+    for (axis, ranks) in grid.axes.iter().zip(ranks) {
+        let place = |rank: &u32| axis.order.get(*rank as usize).copied().unwrap_or(*rank);
+        all = all
+            .iter()
+            .flat_map(|base| ranks.iter().map(move |rank| base + place(rank) * axis.stride))
+            .collect();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(lengths: &[(u32, bool)]) -> Grid {
+        let mut stride = lengths.iter().map(|one| one.0).product();
+        let axis = |&(length, ordered): &(u32, bool)| {
+            stride /= length;
+            let order = if ordered { (0..length).rev().collect() } else { Vec::new() };
+            GridAxis { stride, length, order }
+        };
+        Grid { axes: lengths.iter().map(axis).collect() }
+    }
+
+    #[test]
+    fn every_instance_comes_once_and_rests_on_those_before() {
+        let grid = grid(&[(40, true), (3, false), (50, true)]);
+        let levels = Levels::over(&grid);
+        let mut seen = vec![false; 6000];
+        levels.scouts.iter().for_each(|i| seen[*i as usize] = true);
+        // 40 places have 5 spans, 50 have 7.
+        assert_eq!(levels.scouts.len(), 6 * 3 * 8);
+        for level in &levels.later {
+            for point in &level.points {
+                assert!(!seen[*point as usize]);
+                let line = level.line(*point);
+                assert!(line.len() == 4 && line.iter().all(|one| seen[one.0 as usize]), "{line:?}");
+            }
+            level.points.iter().for_each(|i| seen[*i as usize] = true);
+        }
+        assert!(seen.iter().all(|seen| *seen));
+    }
+
+    #[test]
+    fn every_instance_is_in_one_block_and_every_block_is_filled() {
+        for (lengths, most, sizes) in [
+            (vec![(40, true), (50, true), (50, true)], 32_768, vec![25_000; 4]),
+            (vec![(5, true), (50, true), (50, true)], 5_000, vec![2_500, 5_000, 5_000]),
+            (vec![(3, false), (100, true)], 50, vec![50; 6]),
+            (vec![(7, true)], 100, vec![7]),
+        ] {
+            let whole = grid(&lengths);
+            let blocks = Blocks::over(&whole, most);
+            assert_eq!(blocks.sizes().collect::<Vec<_>>(), sizes);
+            for n in 0..sizes.len() {
+                let Levels { scouts, later } = blocks.levels(n);
+                let mut all: Vec<u32> = scouts;
+                all.extend(later.iter().flat_map(|level| level.points.iter().copied()));
+                all.sort_unstable();
+                assert!(all.iter().copied().eq(0..sizes[n] as u32), "{lengths:?}, block {n}");
+            }
+            let mut all = blocks.order.clone();
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..whole.len() as u32), "{lengths:?}");
+        }
+    }
+
+    /// Lagrange's weights hold cubics, those of the nearest hold lines, of the rank as of the place.
+    #[test]
+    fn weights_hold_cubics() {
+        let grid = grid(&[(50, true)]);
+        let levels = Levels::over(&grid);
+        let cubic = |i: u32| (f64::from(i) / 10.0 - 2.0).powi(3) + f64::from(i);
+        for level in &levels.later {
+            for point in &level.points {
+                let line = level.line(*point);
+                let told: f64 = line.iter().map(|(i, weight, _)| weight * cubic(*i)).sum();
+                let even: f64 = line.iter().map(|(i, _, nearest)| nearest * f64::from(*i)).sum();
+                assert!((told - cubic(*point)).abs() < 1e-10 && (even - f64::from(*point)).abs() < 1e-12);
+            }
+        }
+    }
+}

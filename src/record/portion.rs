@@ -1,0 +1,314 @@
+//! A portion of a run as bytes and back: every number by its bits, column by column, and a column of one number as that.
+
+use crate::control::{Ended, Place, Portion};
+use crate::engine::Finished;
+use crate::observe::{HARMONICS, Measured, Status};
+use crate::periodic::Spectrum;
+use crate::plan::{BasisRule, Fineness, Precision, Station};
+use rayon::prelude::*;
+
+/// Modes that a station has room for.
+const MODES: usize = Station::FREE.x.len();
+/// Numbers of an instance.
+const WIDTH: usize = HARMONICS + 15 + 10 + 3 + 7 + 3 + 2 * MODES;
+
+/// A portion and its number as bytes.
+pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
+    let Portion { whole, searched, curves, instances, notes } = portion;
+    let mut bytes = Vec::new();
+    bytes.extend((number as u64).to_le_bytes());
+    bytes.extend([*whole, *searched, *curves].map(u8::from));
+    bytes.extend((instances.len() as u32).to_le_bytes());
+    let notes = notes.join("\n");
+    bytes.extend((notes.len() as u32).to_le_bytes());
+    bytes.extend(notes.as_bytes());
+    let rows: Vec<[u64; WIDTH]> = instances.par_iter().map(row).collect();
+    for column in 0..WIDTH {
+        let values = rows.iter().map(|row| row[column]);
+        put(&mut bytes, values);
+    }
+    bytes
+}
+
+/// Appends a column: the bytes of its numbers (0 where all are the first), then these.
+fn put(bytes: &mut Vec<u8>, values: impl Iterator<Item = u64> + Clone) {
+    let first = values.clone().next().unwrap_or_default();
+    if values.clone().all(|value| value == first) {
+        bytes.push(0);
+        bytes.extend(first.to_le_bytes());
+        return;
+    }
+    let most = values.clone().fold(0, |most, value| most | value);
+    let width = (8 - most.leading_zeros() / 8).max(1) as usize;
+    bytes.push(width as u8);
+    values.for_each(|value| bytes.extend(&value.to_le_bytes()[..width]));
+}
+
+/// The number of the portion that the bytes hold, and how many instances it has.
+pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
+    let mut rest = Rest(bytes);
+    let number = rest.whole(8)?;
+    rest.take(3)?;
+    Some((usize::try_from(number).ok()?, rest.whole(4)? as usize))
+}
+
+/// A portion of so many instances from its bytes; none where they are no such portion.
+pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
+    let mut rest = Rest(bytes);
+    rest.take(8)?;
+    let mut flag = || match rest.whole(1)? {
+        value @ 0..=1 => Some(value == 1),
+        _ => None,
+    };
+    let (whole, searched, curves) = (flag()?, flag()?, flag()?);
+    // Before memory is asked for it.
+    if rest.whole(4)? as usize != count {
+        return None;
+    }
+    let length = rest.whole(4)? as usize;
+    let notes = std::str::from_utf8(rest.take(length)?).ok()?;
+    let notes = notes.lines().map(str::to_owned).collect();
+    let columns: Vec<Vec<u64>> = (0..WIDTH).map(|_| column(&mut rest, count)).collect::<Option<_>>()?;
+    if !rest.0.is_empty() {
+        return None;
+    }
+    let one = |i: usize| ended(&mut columns.iter().map(|column| column[i]));
+    let instances = (0..count).into_par_iter().map(one).collect::<Option<_>>()?;
+    Some(Portion { whole, searched, curves, instances, notes })
+}
+
+fn column(rest: &mut Rest, count: usize) -> Option<Vec<u64>> {
+    match rest.whole(1)? as usize {
+        0 => Some(vec![rest.whole(8)?; count]),
+        width @ 1..=8 => {
+            let bytes = rest.take(width.checked_mul(count)?)?;
+            Some(bytes.chunks_exact(width).map(little).collect())
+        }
+        _ => None,
+    }
+}
+
+/// Bytes that are still to be read.
+struct Rest<'a>(&'a [u8]);
+
+impl<'a> Rest<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    /// A whole number of so many bytes.
+    fn whole(&mut self, width: usize) -> Option<u64> {
+        self.take(width).map(little)
+    }
+}
+
+fn little(bytes: &[u8]) -> u64 {
+    bytes.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte))
+}
+
+/// Measured numbers in their order here.
+fn measured(one: &Measured) -> impl Iterator<Item = f64> {
+    let Measured {
+        harmonics,
+        phase,
+        force_max,
+        force_min,
+        force_mean,
+        indentation_max,
+        contact_time,
+        dissipation,
+        virial,
+        contacts,
+        deflection_amplitude,
+        deflection_phase,
+        deflection_mean,
+        free_phase,
+        frequency_shift,
+        gap,
+    } = *one;
+    let rest = [phase, force_max, force_min, force_mean, indentation_max, contact_time, dissipation, virial];
+    let more = [contacts, deflection_amplitude, deflection_phase, deflection_mean, free_phase];
+    harmonics.into_iter().chain(rest).chain(more).chain([frequency_shift, gap])
+}
+
+fn rule(one: BasisRule) -> [u64; 3] {
+    match one {
+        BasisRule::Shares { accuracy } => [0, accuracy.to_bits(), 0],
+        BasisRule::Contact { rate, count } => [1, rate.to_bits(), count as u64],
+    }
+}
+
+/// An instance's numbers, by their bits.
+fn row(one: &Ended) -> [u64; WIDTH] {
+    let Ended { finished, estimate, left_out, periods, jump, neighbour_started, precision, fineness, state } =
+        one;
+    let mut row = [0; WIDTH];
+    let mut places = row.iter_mut();
+    let mut put = |value: u64| places.next().map_or((), |place| *place = value);
+    measured(&finished.measured).for_each(|value| put(value.to_bits()));
+    put(finished.status as u64);
+    put(estimate.to_bits());
+    put(left_out.to_bits());
+    put(u64::from(*periods));
+    put(u64::from(*jump));
+    put(u64::from(*neighbour_started));
+    put(u64::from(*precision == Precision::F64));
+    put(u64::from(fineness.steps));
+    put(fineness.gap.to_bits());
+    rule(fineness.rule).into_iter().for_each(&mut put);
+    put(u64::from(state.is_some()));
+    if let Some(Place { station, spectrum, steps, rule: of }) = state {
+        put(u64::from(station.touching));
+        put(u64::from(station.finite));
+        put(spectrum.multiplier.to_bits());
+        put(spectrum.least_change.to_bits());
+        put(u64::from(*steps));
+        rule(*of).into_iter().for_each(&mut put);
+        station.x.iter().chain(&station.u).for_each(|value| put(value.to_bits()));
+    }
+    row
+}
+
+/// The instance that these are the numbers of; none where they can be no instance's.
+fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
+    let measured = of_measured(numbers)?;
+    let code = numbers.next()?;
+    let status = Status::ALL.into_iter().find(|status| *status as u64 == code)?;
+    let (estimate, left_out) = (f64::from_bits(numbers.next()?), f64::from_bits(numbers.next()?));
+    let periods = u32::try_from(numbers.next()?).ok()?;
+    let (jump, neighbour_started) = (numbers.next()? == 1, numbers.next()? == 1);
+    let precision = if numbers.next()? == 1 { Precision::F64 } else { Precision::F32 };
+    let steps = u32::try_from(numbers.next()?).ok()?;
+    let gap = f64::from_bits(numbers.next()?);
+    let fineness = Fineness { steps, gap, rule: of_rule(numbers)? };
+    let state = match numbers.next()? {
+        0 => None,
+        _ => Some(place(numbers)?),
+    };
+    let finished = Finished { measured, status };
+    Some(Ended { finished, estimate, left_out, periods, jump, neighbour_started, precision, fineness, state })
+}
+
+fn of_measured(numbers: &mut impl Iterator<Item = u64>) -> Option<Measured> {
+    let mut number = || numbers.next().map(f64::from_bits);
+    let mut harmonics = [f64::NAN; HARMONICS];
+    for place in &mut harmonics {
+        *place = number()?;
+    }
+    Some(Measured {
+        harmonics,
+        phase: number()?,
+        force_max: number()?,
+        force_min: number()?,
+        force_mean: number()?,
+        indentation_max: number()?,
+        contact_time: number()?,
+        dissipation: number()?,
+        virial: number()?,
+        contacts: number()?,
+        deflection_amplitude: number()?,
+        deflection_phase: number()?,
+        deflection_mean: number()?,
+        free_phase: number()?,
+        frequency_shift: number()?,
+        gap: number()?,
+    })
+}
+
+fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
+    let (kind, size, count) = (numbers.next()?, f64::from_bits(numbers.next()?), numbers.next()?);
+    match kind {
+        0 => Some(BasisRule::Shares { accuracy: size }),
+        1 if count <= MODES as u64 => Some(BasisRule::Contact { rate: size, count: count as usize }),
+        _ => None,
+    }
+}
+
+fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Place> {
+    let (touching, finite) = (numbers.next()? == 1, numbers.next()? == 1);
+    let multiplier = f64::from_bits(numbers.next()?);
+    let least_change = f64::from_bits(numbers.next()?);
+    let steps = u32::try_from(numbers.next()?).ok()?;
+    let rule = of_rule(numbers)?;
+    let mut station = Station { touching, finite, ..Station::FREE };
+    for place in station.x.iter_mut().chain(&mut station.u) {
+        *place = f64::from_bits(numbers.next()?);
+    }
+    Some(Place { station, spectrum: Spectrum { multiplier, least_change }, steps, rule })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// SplitMix64 (Steele, Lea & Flood 2014).
+    fn draw(state: &mut u64) -> u64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = *state;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Any bits that the numbers of an instance can have, NaN of every kind among them.
+    fn any(state: &mut u64) -> Ended {
+        let mut number = || f64::from_bits(draw(state));
+        let mut measured = Measured { phase: number(), gap: number(), contacts: number(), ..Measured::NONE };
+        measured.harmonics[3] = number();
+        let mut station = Station::FREE;
+        (station.x[1], station.u[23]) = (number(), number());
+        let spectrum = Spectrum { multiplier: number(), least_change: number() };
+        let rule = BasisRule::Contact { rate: number(), count: 7 };
+        Ended {
+            finished: Finished { measured, status: Status::ALL[draw(state) as usize % 8] },
+            estimate: f64::NAN,
+            left_out: -f64::NAN,
+            periods: draw(state) as u32,
+            jump: draw(state).is_multiple_of(2),
+            neighbour_started: draw(state).is_multiple_of(2),
+            precision: [Precision::F32, Precision::F64][draw(state) as usize % 2],
+            fineness: Fineness { steps: draw(state) as u32, gap: 0.0, rule },
+            state: draw(state).is_multiple_of(2).then_some(Place { station, spectrum, steps: 64, rule }),
+        }
+    }
+
+    fn portion(count: usize, seed: u64) -> Portion {
+        let mut state = seed;
+        let instances = (0..count).map(|_| any(&mut state)).collect();
+        Portion { whole: true, searched: true, curves: false, instances, notes: vec!["a".into(), "b".into()] }
+    }
+
+    #[test]
+    fn a_portion_comes_back_by_its_bits() {
+        for count in [0, 1, 2, 100] {
+            let one = portion(count, count as u64);
+            let bytes = to_bytes(12, &one);
+            assert_eq!(number(&bytes), Some((12, count)));
+            let back = from_bytes(&bytes, count).expect("it is whole");
+            let rows = |one: &Portion| one.instances.iter().map(row).collect::<Vec<_>>();
+            assert_eq!((rows(&one), &one.notes), (rows(&back), &back.notes));
+            assert_eq!((back.whole, back.searched, back.curves), (true, true, false));
+            assert!(from_bytes(&bytes, count + 1).is_none());
+            assert!((0..bytes.len()).all(|end| from_bytes(&bytes[..end], count).is_none()));
+        }
+    }
+
+    /// Whatever the bytes are, nothing panics and nothing large is asked for.
+    #[test]
+    fn damaged_bytes_are_no_portion_or_another_one() {
+        let bytes = to_bytes(0, &portion(30, 1));
+        let mut state = 7;
+        for _ in 0..2000 {
+            let mut damaged = bytes.clone();
+            for _ in 0..1 + draw(&mut state) % 4 {
+                let at = draw(&mut state) as usize % damaged.len();
+                damaged[at] ^= 1 << (draw(&mut state) % 8);
+            }
+            if let Some(read) = from_bytes(&damaged, 30) {
+                assert_eq!(read.instances.len(), 30);
+            }
+        }
+    }
+}

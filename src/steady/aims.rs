@@ -1,0 +1,64 @@
+//! How near a search is to come, and what is stable without a doubt.
+
+use crate::periodic::Options;
+use crate::plan::{KeptMode, Plan};
+use std::f64::consts::TAU;
+
+/// Evaluations after which a search gives up.
+const MOST: u32 = 300;
+/// Distance to the periodic state that is aimed at, and that is near enough where the map is rough, as shares of the
+/// accuracy asked for.
+const NEAR: f64 = 1e-3;
+const ENOUGH: f64 = 0.1;
+/// Differences, in units of the free amplitude, that make the map's slope on the way and at the end: jumps of the
+/// contact make it rough.
+const SMOOTH: (f64, Option<f64>) = (1e-6, None);
+const ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
+
+/// See [`clearly`]: the share, and its least and largest value.
+const DOUBTED: f64 = 0.35;
+const CLEARLY: (f64, f64) = (0.99, 0.999);
+
+/// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
+/// free lever's largest multiplier has. One-sided differences are good to a thousandth.
+fn clearly(plan: &Plan, instance: u32) -> f64 {
+    certainly(plan, instance).min(CLEARLY.1)
+}
+
+/// The same for multipliers that are known well.
+pub(super) fn certainly(plan: &Plan, instance: u32) -> f64 {
+    (1.0 - DOUBTED * (1.0 - free_multiplier(plan, instance))).max(CLEARLY.0)
+}
+
+/// Length of a state that is not small, m, and the distance to the periodic state that is aimed at in units of it.
+pub(super) fn goal(plan: &Plan, instance: u32) -> (f64, f64) {
+    (plan.driven(instance).free_amplitude().max(1e-15), NEAR * plan.run.accuracy)
+}
+
+/// The free lever's largest multiplier.
+fn free_multiplier(plan: &Plan, instance: u32) -> f64 {
+    let driven = plan.driven(instance);
+    let left = |mode: &KeptMode| (-TAU * mode.damping * mode.omega / driven.free.omega).exp();
+    driven.kept.modes.iter().map(left).fold(0.0, f64::max)
+}
+
+/// Whether contact is a memory, and how a search for the instance's state goes about.
+pub(super) fn options(plan: &Plan, instance: u32) -> (bool, Options) {
+    let case = plan.case(instance);
+    let remembers = case.contact.law.has_memory();
+    let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
+    let (scale, tolerance) = goal(plan, instance);
+    let options = Options {
+        scale,
+        tolerance,
+        enough: ENOUGH * plan.run.accuracy,
+        step,
+        last_step,
+        most: MOST,
+        near: false,
+        carried: false,
+        clearly: clearly(plan, instance),
+        stable: true,
+    };
+    (remembers, options)
+}

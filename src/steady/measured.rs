@@ -1,0 +1,39 @@
+//! One measured period from a periodic state: its result, and what its own change says of the state.
+
+use super::PeriodicState;
+use crate::engine::{Engine, EngineError, Outcome, Progress};
+use crate::plan::{Plan, Precision, StartState, Station};
+
+/// Share of the accuracy within which the state has to be for the period to be its result, by the bound that its change
+/// gives. Forces magnify a state's error by about twenty, and the bound is some fifteen times the distance.
+pub(super) const SURE: f64 = 0.03;
+/// The same where the period is in f32: its rounding is in the change, and the state is not the worse for it.
+const SURE_SINGLE: f64 = 0.3;
+
+/// One measured period of each of the plan's instances from these places; where they end is told too. Whether they are
+/// steady is not judged: of one period nothing could be said but by its change.
+pub(super) fn period(
+    plan: Plan,
+    places: impl Iterator<Item = Station>,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Outcome, EngineError> {
+    // Of no change, however large, anything is left.
+    let start = |station| StartState { station, least_change: Some(f64::INFINITY) };
+    let mut one = plan.starting_at(places.map(start).collect());
+    (one.run.periods, one.run.measure) = (1, 1);
+    progress.foresee(one.instance_steps());
+    engine.run(&one, progress)
+}
+
+/// Whether a period that leads from a state to this end bears it out: by the bound on the distance from the periodic
+/// state, and in the same contact.
+pub(super) fn bears_out(plan: &Plan, instance: u32, state: &PeriodicState, end: Option<&Station>) -> bool {
+    let Some(end) = end.filter(|end| end.finite) else { return false };
+    let same_contact = !plan.contact(instance).law.has_memory() || end.touching == state.station.touching;
+    let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
+    let moved = squares(&end.x, &state.station.x) + squares(&end.u, &state.station.u);
+    let change = moved.sqrt() / state.spectrum.least_change;
+    let share = if plan.precision == Precision::F32 { SURE_SINGLE } else { SURE };
+    same_contact && change <= share * plan.run.accuracy * plan.driven(instance).free_amplitude().max(1e-15)
+}

@@ -1,0 +1,219 @@
+//! A solved instance as its neighbours in a sweep see it, and what several of them say of one between them.
+
+use super::PeriodicState;
+use super::map::{Turned, own_vector};
+use crate::contact::Law;
+use crate::engine::Finished;
+use crate::periodic::{Memory, Size};
+use crate::plan::{Drive, Plan, ReducedBasis};
+use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
+use std::sync::Arc;
+
+/// Two starts for one instance, by many of its neighbours and by the nearest alone, are farther apart than this share of
+/// the free amplitude only where its neighbours are no guide.
+const ASTRAY: f64 = 0.02;
+/// So many times farther apart than the neighbours beyond them, the nearest two are on different branches.
+const JUMP: f64 = 4.0;
+
+/// A periodic state, and the period map's slope there.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Travel of the kept modes, then rate over angular frequency, m.
+    state: Box<[f64]>,
+    /// Column by column. Single precision: it leads to states, and no result hangs on it.
+    slope: Box<[f32]>,
+    multiplier: f64,
+    touching: bool,
+    /// Whether the mean force draws the tip, and contacts in a period: where they differ, so does the motion.
+    drawn: bool,
+    contacts: f64,
+    law: Law,
+    steps: u32,
+    kept: Arc<ReducedBasis>,
+    drive: Arc<Drive>,
+}
+
+impl Node {
+    /// Of an instance that was found steady; none where its state or the slope there is not known.
+    pub fn new(plan: &Plan, instance: u32, state: &PeriodicState, finished: &Finished) -> Option<Self> {
+        let size = state.slope.len().isqrt();
+        let known = state.searched() && size > 0 && finished.status.is_steady();
+        known.then(|| Self {
+            state: own_vector(&state.station, size / 2),
+            slope: state.slope.iter().map(|value| *value as f32).collect(),
+            multiplier: state.spectrum.multiplier,
+            touching: state.station.touching,
+            drawn: finished.measured.force_mean < 0.0,
+            contacts: finished.measured.contacts.round(),
+            law: plan.contact(instance).law,
+            steps: state.steps,
+            kept: Arc::clone(&state.kept),
+            drive: Arc::clone(&plan.driven(instance).drive),
+        })
+    }
+
+    /// Whether it is met by an instance as it is.
+    fn is_of(&self, plan: &Plan, instance: u32) -> bool {
+        let driven = plan.driven(instance);
+        self.steps == plan.steps(instance)
+            && (Arc::ptr_eq(&driven.kept, &self.kept) || driven.kept.modes == self.kept.modes)
+            && Arc::ptr_eq(&driven.drive, &self.drive)
+    }
+
+    /// Its state with an instance's steps, lever and free amplitude.
+    fn state_for<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> OVector<f64, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        if self.is_of(plan, instance) {
+            return OVector::<f64, D>::from_column_slice(&self.state);
+        }
+        let amplitude = plan.driven(instance).free_amplitude() / self.drive.free_amplitude();
+        let scale = if amplitude.is_finite() { amplitude } else { 1.0 };
+        self.turned::<D>(plan, instance).state::<D>(&self.state) * scale
+    }
+
+    fn slope_for<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> OMatrix<f64, D, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        if self.is_of(plan, instance) {
+            return OMatrix::<f64, D, D>::from_iterator(self.slope.iter().map(|value| f64::from(*value)));
+        }
+        let slope: Vec<f64> = self.slope.iter().map(|value| f64::from(*value)).collect();
+        self.turned::<D>(plan, instance).slope::<D>(plan, instance, &slope)
+    }
+
+    fn turned<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> Turned
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        Turned::new(plan, instance, (&self.kept, self.steps), D::DIM / 2)
+    }
+
+    /// Whether both move alike: under one law, in the same contact, as often.
+    fn moves_as(&self, other: &Self) -> bool {
+        let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
+        let touching = self.touching == other.touching || !self.law.has_memory();
+        touching && self.law == other.law && contacts
+    }
+}
+
+/// One of the neighbours that a guess is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Neighbour<'a> {
+    pub node: &'a Node,
+    /// The same instance's state with the steps and the lever of the run before, where the guess is made from the
+    /// instance's own state in that run.
+    pub before: Option<&'a Node>,
+    /// Its weight, and the one by the nearest alone.
+    pub weight: f64,
+    pub nearest: f64,
+}
+
+/// Where neighbours lead an instance.
+#[derive(Clone, Debug)]
+pub enum Lead<'a> {
+    Hint(Hint<'a>),
+    /// They were searched for in vain.
+    Vain,
+    /// They are no guide.
+    None,
+}
+
+impl<'a> Lead<'a> {
+    pub(super) fn hint(&self) -> Option<&Hint<'a>> {
+        match self {
+            Self::Hint(hint) => Some(hint),
+            Self::Vain | Self::None => None,
+        }
+    }
+}
+
+/// What is known of an instance before it is stepped.
+#[derive(Clone, Debug, Default)]
+pub struct Hint<'a> {
+    pub neighbours: Vec<Neighbour<'a>>,
+    /// The instance's own state in the run before; the neighbours tell how far the two runs are apart.
+    pub own: Option<&'a PeriodicState>,
+}
+
+/// Where an instance's state is expected, the slope there, and its largest multiplier.
+pub(super) struct Guess<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub state: OVector<f64, D>,
+    pub slope: OMatrix<f64, D, D>,
+    pub multiplier: f64,
+    pub touching: bool,
+}
+
+impl Hint<'_> {
+    /// What the neighbours lead to; none where they are no guide: they move differently, or say different things, or one
+    /// of them is not clearly stable.
+    pub(super) fn guess<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> Option<Guess<D>>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let first = self.neighbours.first()?.node;
+        let stable = super::aims::certainly(plan, instance);
+        let sound = |one: &Neighbour| one.node.moves_as(first) && one.node.multiplier < stable;
+        if !self.neighbours.iter().all(sound) || first.law != plan.contact(instance).law {
+            return None;
+        }
+        let mut guess = Guess {
+            state: OVector::<f64, D>::zeros(),
+            slope: OMatrix::<f64, D, D>::zeros(),
+            multiplier: 0.0,
+            touching: first.touching,
+        };
+        let mut nearest = OVector::<f64, D>::zeros();
+        let states: Vec<OVector<f64, D>> =
+            self.neighbours.iter().map(|one| one.node.state_for::<D>(plan, instance)).collect();
+        let scale = plan.driven(instance).free_amplitude().max(1e-15);
+        if self.own.is_none() && self.jumps(&states, scale) {
+            return None;
+        }
+        for (one, mut state) in self.neighbours.iter().zip(states) {
+            if let Some(before) = one.before {
+                state -= before.state_for::<D>(plan, instance);
+            }
+            guess.state.axpy(one.weight, &state, 1.0);
+            nearest.axpy(one.nearest, &state, 1.0);
+            let slope = one.node.slope_for::<D>(plan, instance);
+            guess.slope.zip_apply(&slope, |sum, value| *sum += one.weight * value);
+            guess.multiplier += one.nearest * one.node.multiplier;
+        }
+        if let Some(own) = self.own {
+            if own.station.touching != first.touching && first.law.has_memory() {
+                return None;
+            }
+            guess.state += super::map::own_state::<D>(plan, instance, own);
+        }
+        let apart = (&guess.state - nearest).norm() / scale;
+        (self.own.is_some() || apart <= ASTRAY).then_some(guess)
+    }
+
+    /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is
+    /// drawn to the sample and the other is not.
+    fn jumps<D: Size>(&self, states: &[OVector<f64, D>], scale: f64) -> bool
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let all = &self.neighbours;
+        let inner = |n: usize| all[n].nearest != 0.0 && all[n + 1].nearest != 0.0;
+        let (mut between, mut beyond) = (0.0f64, None::<f64>);
+        for n in 0..all.len().saturating_sub(1) {
+            let apart = (&states[n + 1] - &states[n]).norm();
+            match inner(n) {
+                true => between = between.max(apart),
+                false => beyond = Some(beyond.unwrap_or(0.0).max(apart)),
+            }
+        }
+        match beyond {
+            Some(beyond) => between > ASTRAY * scale && between > JUMP * beyond,
+            None => all.iter().any(|one| one.node.drawn != all[0].node.drawn),
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Sizes of states: what is done for many numbers of modes is compiled for some, and done for the next larger of these.
+
+use crate::kernel::MODES_MAX;
+use crate::periodic::{Memory, Size};
+use crate::plan::Plan;
+use nalgebra::{Const, DefaultAllocator, DimName};
+
+/// Numbers of modes that searches are compiled for: those that plans keep.
+const SIZES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, MODES_MAX];
+
+/// What is done with states of one size.
+pub(super) trait Sized {
+    type Output;
+
+    fn run<D: Size + DimName>(self) -> Self::Output
+    where
+        DefaultAllocator: Memory<D>;
+}
+
+/// Does it for so many modes, one of those that [`by_size`] tells.
+pub(super) fn with_size<W: Sized>(modes: usize, work: W) -> W::Output {
+    match modes {
+        1 => work.run::<Const<2>>(),
+        2 => work.run::<Const<4>>(),
+        3 => work.run::<Const<6>>(),
+        4 => work.run::<Const<8>>(),
+        5 => work.run::<Const<10>>(),
+        6 => work.run::<Const<12>>(),
+        7 => work.run::<Const<14>>(),
+        8 => work.run::<Const<16>>(),
+        10 => work.run::<Const<20>>(),
+        12 => work.run::<Const<24>>(),
+        16 => work.run::<Const<32>>(),
+        20 => work.run::<Const<40>>(),
+        _ => work.run::<Const<48>>(),
+    }
+}
+
+/// These instances by the number of modes that their states are taken to have, in their order. Where a lever has fewer,
+/// the others are at rest.
+pub(super) fn by_size(plan: &Plan, instances: &[u32]) -> Vec<(usize, Vec<u32>)> {
+    let modes = |i: &u32| plan.driven(*i).kept.modes.len().clamp(1, MODES_MAX);
+    let size = |i: &u32| SIZES.into_iter().find(|size| modes(i) <= *size).unwrap_or(MODES_MAX);
+    let of = |count: usize| instances.iter().copied().filter(|i| size(i) == count).collect();
+    SIZES
+        .into_iter()
+        .map(|count| (count, of(count)))
+        .filter(|(_, group): &(usize, Vec<u32>)| !group.is_empty())
+        .collect()
+}

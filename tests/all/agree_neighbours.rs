@@ -1,0 +1,110 @@
+//! Instances that begin at their neighbours' states against the same ones searched for by themselves, and against
+//! themselves on other threads and in another order.
+
+use afmsweep::compare::{Scales, worst};
+use afmsweep::observe::{Observable, Status};
+use afmsweep::{Audit, Backend, Scene, Sweep, Swept};
+use std::path::Path;
+
+/// A grid of three axes, one of which changes the drive.
+fn scene(law: &str) -> Scene {
+    let text = format!(
+        r#"
+[instrument.cantilever]
+modes = [{{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }}]
+[instrument.tip]
+radius = "10 nm"
+[sample]
+surface_energy = "20 mJ/m^2"
+[contact]
+law = "{law}"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+free_amplitude = "20 nm"
+[approach]
+gap = "15 nm"
+[sweep]
+"sample.youngs_modulus" = {{ from = "1 GPa", to = "10 GPa", points = 12, scale = "log" }}
+"drive.free_amplitude" = {{ from = "19 nm", to = "22 nm", points = 10 }}
+"approach.gap" = {{ from = "13 nm", to = "16 nm", points = 10 }}
+[run]
+steady = "search"
+accuracy = 1e-3
+[output]
+observables = ["amplitude", "phase", "force_max", "dissipation"]
+"#
+    );
+    Scene::parse(Path::new("grid.toml"), &text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn run(scene: &Scene, cold: bool, threads: usize) -> Swept {
+    let sweep = Sweep::new(scene.clone()).backend(Backend::Cpu).audit(Audit::None);
+    sweep.cold(cold).threads(Some(threads)).run().unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Truth: each instance by itself.
+#[test]
+fn what_neighbours_lead_to_is_what_a_search_finds() {
+    for law in ["hertz", "dmt", "jkr"] {
+        let scene = scene(law);
+        let (ours, cold) = (run(&scene, false, 2), run(&scene, true, 2));
+        let plan = &cold.run.plan;
+        let mut largest: f64 = 0.0;
+        for i in 0..plan.len() {
+            let (a, b) = (&ours.run.outcome.results[i], &cold.run.outcome.results[i]);
+            assert_eq!(a.status, b.status, "{law}, instance {i}");
+            if b.status != Status::Ok {
+                continue;
+            }
+            let error = worst(&plan.observables, &a.measured, &b.measured, &Scales::of(plan, i, &b.measured));
+            // Two refinements that end at other steps are each within the accuracy.
+            let same = ours.run.plan.steps(i as u32) == plan.steps(i as u32);
+            let bound = if same { 0.5 } else { 2.0 };
+            assert!(error < bound * plan.run.accuracy, "{law}, instance {i}: {error:e}");
+            largest = largest.max(error);
+        }
+        let started = ours.run.neighbour_started();
+        println!(
+            "{law}: {started:.3} begun at neighbours, largest difference {largest:.1e}, {} steps for {}",
+            ours.steps_taken, cold.steps_taken
+        );
+        assert!(started > 0.7, "{law}: {started}");
+        assert!(cold.run.neighbour_started.is_empty());
+        assert!(2 * ours.steps_taken < cold.steps_taken, "{law}");
+    }
+}
+
+/// Every number's bits, the status, the estimate.
+fn bits(swept: &Swept, i: usize) -> Vec<u64> {
+    let result = &swept.run.outcome.results[i];
+    let mut bits = vec![result.status as u64, swept.run.estimates[i].to_bits()];
+    let mut row = vec![0.0; 64];
+    for observable in Observable::all() {
+        let width = observable.width();
+        observable.write(&result.measured, &mut row[..width]);
+        bits.extend(row[..width].iter().map(|value: &f64| value.to_bits()));
+    }
+    bits
+}
+
+#[test]
+fn threads_and_order_change_no_bit() {
+    let scene = scene("dmt");
+    let one = run(&scene, false, 1);
+    let count = one.run.plan.len();
+    let all: Vec<_> = (0..count).map(|i| bits(&one, i)).collect();
+    let two = run(&scene, false, 2);
+    assert!((0..count).all(|i| bits(&two, i) == all[i]), "two threads");
+    let mut turned = scene.clone();
+    turned.sweep.axes.iter_mut().for_each(|axis| axis.values.reverse());
+    let back = run(&turned, false, 2);
+    // All axes reversed: the instances come in reverse order.
+    let other: Vec<usize> = (0..count).filter(|i| bits(&back, count - 1 - i) != all[*i]).collect();
+    assert!(
+        other.is_empty(),
+        "{} of {count} in another order, {:?}",
+        other.len(),
+        &other[..other.len().min(9)]
+    );
+}

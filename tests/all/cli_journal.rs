@@ -1,0 +1,254 @@
+//! The journal of a run: killed, damaged, gone on with. Truth: the run that nobody disturbs, to the bit.
+
+use crate::program::{Desk, said};
+use afmsweep::Results;
+use afmsweep::store::{Journal, Kind, partial_path, read};
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+/// Searched, with second branches and waveforms, some of it free of the sample.
+pub const TAPPING: &str = r#"
+[instrument.actuator]
+model = "rigid"
+[instrument.cantilever]
+stiffness = "26 N/m"
+frequency = "300 kHz"
+quality_factor = 450
+[contact]
+law = "dmt"
+[drive]
+on = "tip"
+frequency = "resonance"
+free_amplitude = "20 nm"
+[sweep]
+"sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 4, scale = "log" }
+"sample.surface_energy" = { from = "10 mJ/m^2", to = "100 mJ/m^2", points = 5 }
+"approach.gap" = { from = "10 nm", to = "25 nm", points = 5 }
+[run]
+steady = "search"
+branches = "both"
+[output]
+observables = ["amplitude", "phase", "force_max", "indentation_max", "harmonic_amplitude"]
+waveforms = { instances = [0, 7], samples_per_period = 32, periods = 2 }
+"#;
+
+/// Waited for, with a mode for each instance to need, as a list.
+pub const LIST: &str = r#"
+[instrument.cantilever]
+stiffness = "2 N/m"
+frequency = "75 kHz"
+quality_factor = 60
+[contact]
+law = "hertz"
+[drive]
+on = "tip"
+frequency = "75 kHz"
+free_amplitude = "20 nm"
+[approach]
+gap = "14 nm"
+[samples]
+"sample.youngs_modulus" = ["0.3 GPa", "0.5 GPa", "1 GPa", "2 GPa", "3 GPa", "5 GPa", "10 GPa", "50 GPa"]
+"instrument.tip.radius" = ["5 nm", "6 nm", "7 nm", "9 nm", "12 nm", "15 nm", "20 nm", "10 nm"]
+[output]
+observables = ["amplitude", "force_max", "dissipation"]
+"#;
+
+/// Followed there and back.
+pub const CURVES: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 400 }]
+[contact]
+law = "dmt"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+free_amplitude = "20 nm"
+[sweep]
+"sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 70 }
+[curve]
+quantity = "approach.gap"
+from = "22 nm"
+to = "15 nm"
+points = 4
+direction = "both"
+"#;
+
+/// Held at set-points.
+pub const HELD: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 400 }]
+[contact]
+law = "hertz"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+free_amplitude = "20 nm"
+[approach]
+setpoint = 0.8
+[sweep]
+"sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 12 }
+"#;
+
+/// The scenes, each with portions of so many instances.
+pub const KINDS: [(&str, &str, &str); 4] =
+    [("tapping", TAPPING, "8"), ("list", LIST, "2"), ("curves", CURVES, "100"), ("held", HELD, "3")];
+
+/// Everything in two files is alike but their texts, as printed: no number is like itself as well.
+pub fn assert_alike(a: &Path, b: &Path, what: &str) {
+    let numbers = |path: &Path| {
+        let results = read(path).unwrap();
+        Results { attributes: Vec::new(), provenance: Vec::new(), ..results }
+    };
+    let (a, b) = (numbers(a), numbers(b));
+    for (one, other) in a.variables.iter().zip(&b.variables) {
+        assert_eq!(format!("{one:?}"), format!("{other:?}"), "{what}");
+    }
+    assert_eq!(format!("{a:?}"), format!("{b:?}"), "{what}");
+}
+
+/// Starts the program and kills it after so long; false if it had ended before.
+fn killed(desk: &Desk, arguments: &[&str], after: Duration) -> bool {
+    let mut command = desk.command(arguments);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(after);
+    let ended = child.try_wait().unwrap().is_some();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    !ended
+}
+
+#[test]
+fn a_run_killed_at_any_moment_goes_on_to_the_same_file() {
+    let desk = Desk::new();
+    let mut kills = 0;
+    for (name, text, portion) in KINDS {
+        let scene = format!("{name}.toml");
+        desk.write(&scene, text);
+        let arguments = ["run", &scene, "-q", "--audit", "2", "--portion", portion];
+        let start = Instant::now();
+        desk.works(&[&arguments[..], &["-o", "whole.h5", "--overwrite"]].concat());
+        let lasts = start.elapsed();
+        let resume = [&arguments[..], &["-o", "a.h5", "--resume"]].concat();
+        for n in 0..4 {
+            kills += usize::from(killed(&desk, &resume, lasts.mul_f64(0.15 + 0.2 * f64::from(n))));
+        }
+        desk.works(&resume);
+        assert_alike(&desk.path("whole.h5"), &desk.path("a.h5"), name);
+        assert!(!partial_path(&desk.path("a.h5")).exists());
+        std::fs::remove_file(desk.path("a.h5")).unwrap();
+    }
+    assert!(kills > 4, "{kills}");
+}
+
+/// A journal of portions that have ended, of the scene `tapping.toml`, at `a.h5.partial`; its bytes.
+fn stopped(desk: &Desk) -> Vec<u8> {
+    desk.write("tapping.toml", TAPPING);
+    let arguments = ["run", "tapping.toml", "-q", "-o", "a.h5", "--audit", "2", "--portion", "8"];
+    for wait in (10..).step_by(10).map(Duration::from_millis) {
+        killed(desk, &arguments, wait);
+        if let Ok(bytes) = std::fs::read(desk.path("a.h5.partial")) {
+            let journal = Journal::read(bytes.clone());
+            if journal.is_ok_and(|journal| journal.records().count() >= 4) {
+                return bytes;
+            }
+        }
+        for name in ["a.h5", "a.h5.partial"] {
+            let _ = std::fs::remove_file(desk.path(name));
+        }
+    }
+    unreachable!("it ends some time")
+}
+
+#[test]
+fn a_journal_is_gone_on_with_only_by_its_own_run() {
+    let desk = Desk::new();
+    let bytes = stopped(&desk);
+    let run = ["run", "tapping.toml", "-q", "-o", "a.h5"];
+    let with = |more: &[&'static str]| [&run[..], more].concat();
+    desk.refuses(&run, &["a.h5.partial holds", "portions of a run of this scene", "--resume", "--overwrite"]);
+    desk.refuses(
+        &with(&["--resume", "--no-estimate"]),
+        &["other options", "no estimates", "errors controlled"],
+    );
+    desk.refuses(&with(&["--resume", "--steps-per-period", "128"]), &["other options", "128"]);
+    desk.refuses(&with(&["--resume", "--precision", "f32"]), &["other options", "precision f32"]);
+    desk.refuses(&with(&["--resume", "--shard", "1/2"]), &["share 1/1", "1/2"]);
+    desk.write("other.toml", &TAPPING.replace("26 N/m", "27 N/m"));
+    desk.refuses(&["run", "other.toml", "-o", "a.h5", "--resume"], &["holds a run of another scene"]);
+    desk.refuses(&["report", "a.h5.partial"], &["journal of a run that is not whole", "export", "--resume"]);
+    assert_eq!(std::fs::read(desk.path("a.h5.partial")).unwrap(), bytes, "it is as it was");
+
+    // Of another kind of engine: the header says so.
+    let other = altered(&bytes, "round once", "round 1.5 times");
+    if other != bytes {
+        std::fs::write(desk.path("a.h5.partial"), &other).unwrap();
+        desk.refuses(&with(&["--resume"]), &["another kind of engine", "1.5 times", "--resume=anyway"]);
+        desk.works(&with(&["--resume=anyway"]));
+        let said = desk.works(&["run", "tapping.toml", "-o", "a.h5", "--resume"]);
+        assert!(said.err.contains("a.h5 is whole"), "{}", said.err);
+    }
+}
+
+/// The journal with another header.
+fn altered(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let journal = Journal::read(bytes.to_vec()).unwrap();
+    let (before, header) = (journal.header(), journal.header().replace(from, to));
+    let mut record = (header.len() as u32).to_le_bytes().to_vec();
+    record.push(Kind::Header as u8);
+    record.extend(crc32fast::hash(&record).to_le_bytes());
+    record.extend(header.as_bytes());
+    record.extend(crc32fast::hash(header.as_bytes()).to_le_bytes());
+    let (start, rest) = (13, 13 + before.len() + 13);
+    [&bytes[..start], &record, &bytes[rest..]].concat()
+}
+
+#[test]
+fn two_runs_on_one_journal_are_refused() {
+    let desk = Desk::new();
+    let text = TAPPING.replace("points = 5", "points = 60");
+    desk.write("long.toml", &text);
+    let arguments = ["run", "long.toml", "-o", "a.h5", "-q", "--portion", "16", "--resume"];
+    let child = desk.command(&arguments).stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while !desk.path("a.h5.partial").exists() && start.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    desk.refuses(&arguments, &["another run is writing", "a.h5"]);
+    let id = child.id().to_string();
+    std::process::Command::new("kill").args(["-9", &id]).status().unwrap();
+    child.wait_with_output().unwrap();
+}
+
+/// Bits that turn over, and ends that are cut off: what is spoilt is said and run again, or the journal is refused; the file
+/// is that of the undisturbed run.
+#[test]
+fn a_damaged_journal_gives_the_same_file_or_is_refused() {
+    let desk = Desk::new();
+    let bytes = stopped(&desk);
+    desk.works(&["run", "tapping.toml", "-q", "-o", "whole.h5", "--audit", "2"]);
+    let resume = ["run", "tapping.toml", "-o", "a.h5", "--audit", "2", "--resume"];
+    let mut refused = 0;
+    for n in 0..12usize {
+        let mut damaged = bytes.clone();
+        let at = (n * 7919 + 13) * 104_729 % bytes.len();
+        match n % 4 {
+            3 => damaged.truncate(at.max(20)),
+            _ => damaged[at] ^= 1 << (n % 8),
+        }
+        std::fs::write(desk.path("a.h5.partial"), &damaged).unwrap();
+        let _ = std::fs::remove_file(desk.path("a.h5"));
+        let said = said(desk.command(&resume).output().unwrap());
+        if said.code == Some(0) {
+            let told = said.err.contains("left out");
+            let cut = Journal::read(damaged).is_ok_and(|one| one.torn() == 0 && one.spoilt == 0);
+            assert!(told || cut, "{n}: {}", said.err);
+            assert_alike(&desk.path("whole.h5"), &desk.path("a.h5"), &format!("damage {n} at {at}"));
+        } else {
+            refused += 1;
+            assert!(said.err.contains("a.h5.partial"), "{}", said.err);
+            assert!(!desk.path("a.h5").exists());
+        }
+    }
+    assert!(refused < 12);
+}

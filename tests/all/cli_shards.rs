@@ -1,0 +1,73 @@
+//! Shares of a run and their merge. Truth: the run of the whole, to the bit.
+
+use crate::cli_journal::{KINDS, TAPPING, assert_alike};
+use crate::program::Desk;
+
+#[test]
+fn shares_merged_are_the_run_of_the_whole() {
+    let desk = Desk::new();
+    for (name, text, _) in KINDS {
+        let scene = format!("{name}.toml");
+        desk.write(&scene, text);
+        desk.works(&["run", &scene, "-q", "--audit", "2", "-o", "whole.h5", "--overwrite"]);
+        let choices = format!("{name}.choices.toml");
+        desk.works(&["prepare", &scene, "-o", &choices]);
+        let mut files = Vec::new();
+        for k in 1..=3 {
+            let share = format!("{k}/3");
+            // One of them chooses for itself, and so chooses the same.
+            let given = if k == 2 { vec![] } else { vec!["--choices", &choices] };
+            let threads = ["1", "2", "3"][k - 1];
+            let arguments = [&["run", &scene, "-q", "--shard", &share, "--threads", threads], &given[..]];
+            desk.works(&arguments.concat());
+            files.push(format!("results/{name}.{k}-of-3.h5"));
+        }
+        files.rotate_left(1);
+        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+        let merge = [&["merge"], &files[..], &["-o", "merged.h5", "--audit", "2", "--overwrite"]];
+        desk.works(&merge.concat());
+        assert_alike(&desk.path("whole.h5"), &desk.path("merged.h5"), name);
+    }
+}
+
+#[test]
+fn a_merge_names_what_is_missing_and_how_to_make_it() {
+    let desk = Desk::new();
+    desk.write("tapping.toml", TAPPING);
+    desk.write("other.toml", &TAPPING.replace("26 N/m", "27 N/m"));
+    let run = |scene: &str, share: &str, more: &[&str]| {
+        desk.works(&[&["run", scene, "-q", "--shard", share], more].concat());
+    };
+    let file = |name: &str| desk.path("results").join(name).to_str().unwrap().to_owned();
+    for k in 1..=4 {
+        run("tapping.toml", &format!("{k}/4"), &[]);
+    }
+    run("other.toml", "2/4", &[]);
+    run("tapping.toml", "1/3", &[]);
+    let [a, b, c, d] = [1, 2, 3, 4].map(|k| file(&format!("tapping.{k}-of-4.h5")));
+    let merge = |files: &[&str], words: &[&str]| {
+        desk.refuses(&[&["merge", "-o", "m.h5"], files].concat(), words);
+        assert!(!desk.path("m.h5").exists() && !desk.path("m.h5.partial").exists());
+    };
+    merge(
+        &[&a, &c],
+        &[
+            "2 shares are missing",
+            "share 2/4 has no file here: afmsweep run tapping.toml -q --shard 2/4 --resume",
+            "share 4/4",
+        ],
+    );
+    merge(&[&a, &b, &c, &d, &b], &["are both share 2/4"]);
+    merge(&[&a, &file("other.2-of-4.h5"), &c, &d], &["are not of one run"]);
+    merge(&[&file("tapping.1-of-3.h5"), &b], &["are not of one run"]);
+    merge(&["tapping.toml"], &["tapping.toml is no results file", "no HDF5 file"]);
+    desk.works(&["run", "tapping.toml", "-q", "-o", "whole.h5", "--no-audit"]);
+    merge(&["whole.h5"], &["whole results, not a share"]);
+    let torn = std::fs::read(&b).unwrap();
+    std::fs::write(&b, &torn[..torn.len() / 2]).unwrap();
+    merge(&[&a, &b, &c, &d], &[&b, "cut short"]);
+    std::fs::remove_file(&b).unwrap();
+    desk.works(&["run", "tapping.toml", "-q", "--shard", "2/4", "--resume"]);
+    desk.works(&["merge", "-o", "m.h5", &a, &b, &c, &d, "--no-audit"]);
+    assert_alike(&desk.path("whole.h5"), &desk.path("m.h5"), "made again");
+}
