@@ -1,7 +1,7 @@
 //! `afmsweep infer`: what observed values tell of the uncertain parameters.
 
 use super::{Voice, print, print_json};
-use afmsweep::report::shown;
+use afmsweep::report::{self, shown};
 use afmsweep::stats::{Observed, Posterior, Study, json, posterior};
 use afmsweep::store;
 use afmsweep::units::{self, Dimension};
@@ -22,10 +22,16 @@ pub struct InferArgs {
     /// Largest share of rows, in percent, that may be left out because they failed
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, value_parser = clap::value_parser!(f64))]
     left_out: f64,
+    /// Folder for a picture of all parameters and a page; not for a sweep
+    #[arg(short, long)]
+    output: Option<PathBuf>,
     /// Machine-readable answer on standard output, SI units
     #[arg(long)]
     json: bool,
 }
+
+/// Standard deviations in all that the best of many rows does not miss by where the model is right.
+const FAR: f64 = 2.0;
 
 /// Shares of which quantiles are told.
 const SHARES: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
@@ -46,8 +52,27 @@ pub fn main(args: &InferArgs, voice: Voice) -> anyhow::Result<()> {
             })
         })
         .collect::<anyhow::Result<_>>()?;
-    for found in points.iter().filter(|found| found.left_out > 0) {
-        voice.say(format_args!("{} rows that are not ok were left out", found.left_out));
+    for found in &points {
+        if found.left_out > 0 {
+            voice.say(format_args!("{} rows that are not ok were left out", found.left_out));
+        }
+        let best = found.best_chi_squared.sqrt();
+        if best > FAR {
+            voice.say(format_args!(
+                "warning: even the best row misses by {best:.1} standard deviations: the observed values, their errors or the model are wrong"
+            ));
+        }
+    }
+    if let Some(folder) = &args.output {
+        let [found] = &points[..] else {
+            bail!(
+                "-o {}: the file has {} points of a sweep, a page is of one",
+                folder.display(),
+                points.len()
+            );
+        };
+        let page = report::uncertainty::inference(&study, found, folder)?;
+        voice.say(format_args!("picture in {}", page.display()));
     }
     if args.json {
         let mut told: Vec<Value> =

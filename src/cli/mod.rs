@@ -27,6 +27,7 @@ mod slurm;
 mod stats;
 mod stopped;
 mod study;
+mod table;
 mod words;
 
 use afmsweep::Error;

@@ -1,7 +1,8 @@
 //! `afmsweep plan`: what a run would do.
 
 use super::backend::{EngineArgs, say_choice};
-use super::{Voice, load, print, print_json};
+use super::table::TableArgs;
+use super::{Voice, print, print_json};
 use afmsweep::Observer;
 use afmsweep::engine::estimate;
 use afmsweep::sweep::Choice;
@@ -16,11 +17,13 @@ pub struct PlanArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    table: TableArgs,
+    #[command(flatten)]
     engine: EngineArgs,
 }
 
 pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
-    let sweep = args.engine.sweep(load(&args.scene)?)?;
+    let sweep = args.engine.sweep(args.table.load(&args.scene)?)?;
     // Nothing runs: which engine would is told to those who ask.
     let voice = Voice { quiet: !voice.verbose || args.json, ..voice };
     let (plan, engine) = sweep.plan(&Told(voice))?;

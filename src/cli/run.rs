@@ -8,7 +8,8 @@ use super::backend::EngineArgs;
 use super::prepare;
 use super::signals;
 use super::stopped::Stopped;
-use super::{Voice, load, print_json};
+use super::table::TableArgs;
+use super::{Voice, print_json};
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, Earlier, Journal, RunFile};
 use afmsweep::sweep::{Keeper, Share};
@@ -65,6 +66,8 @@ pub struct RunArgs {
     /// What became of the run as one JSON object on standard output; messages go to standard error all the same
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    table: TableArgs,
     #[command(flatten)]
     engine: EngineArgs,
 }
@@ -212,7 +215,7 @@ fn portions(count: usize) -> String {
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
-    let scene = load(&args.scene)?;
+    let scene = args.table.load(&args.scene)?;
     let output = args.output();
     if args.is_done(&output, &scene) {
         voice.say(format_args!("{} is whole: nothing to go on with", output.display()));

@@ -1,6 +1,7 @@
 //! `afmsweep sample`: the points of a scene's samples alone, as CSV.
 
-use super::{Voice, instances, load, print};
+use super::table::TableArgs;
+use super::{Voice, instances, print};
 use afmsweep::scene::{Axis, Scene};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
@@ -14,10 +15,12 @@ pub struct SampleArgs {
     /// File for the points [default: standard output]
     #[arg(short, long)]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    table: TableArgs,
 }
 
 pub fn main(args: &SampleArgs, voice: Voice) -> anyhow::Result<()> {
-    let scene = load(&args.scene)?;
+    let scene = args.table.load(&args.scene)?;
     scene.warnings().iter().for_each(|line| voice.say(format_args!("warning: {line}")));
     let Some((columns, ids)) = samples(&scene) else {
         bail!(

@@ -2,7 +2,7 @@
 
 use super::{Voice, print, print_json};
 use afmsweep::Status;
-use afmsweep::report::shown;
+use afmsweep::report::{self, shown};
 use afmsweep::stats::{self, Estimate, Indices, Options, Output, SHARES, StatsError, Study, Summary, json};
 use afmsweep::store;
 use anyhow::bail;
@@ -20,6 +20,9 @@ pub struct StatsArgs {
     observables: Vec<String>,
     #[command(flatten)]
     rows: RowArgs,
+    /// Folder for pictures and a page
+    #[arg(short, long)]
+    output: Option<PathBuf>,
     /// Machine-readable answer on standard output, SI units
     #[arg(long)]
     json: bool,
@@ -76,6 +79,14 @@ pub fn main(args: &StatsArgs, voice: Voice) -> anyhow::Result<()> {
     match args.json {
         true => print_json(&as_json(args, &study, &points))?,
         false => print(&as_text(&study, &points))?,
+    }
+    if let Some(folder) = &args.output {
+        let told: Vec<Vec<(&Output, Option<Summary>)>> = points
+            .iter()
+            .map(|told| told.iter().map(|(output, told)| (*output, told.as_ref().ok().cloned())).collect())
+            .collect();
+        let page = report::uncertainty::statistics(&study, &told, folder)?;
+        voice.say(format_args!("pictures in {}", page.display()));
     }
     let failed: Vec<&StatsError> =
         points.iter().flatten().filter_map(|(_, told)| told.as_ref().err()).collect();
@@ -192,7 +203,10 @@ fn observable(study: &Study, output: &Output, summary: &Summary) -> String {
 fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
     let names = study.design.group_names();
     let wide = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    let share = |one: &Estimate| format!("{:>7.4} +- {:<7.4}", one.value, one.half_width);
+    let share = |one: &Estimate| match one.half_width {
+        small if small < 1e-3 => format!("{:>7.4} +- {small:<7.0e}", one.value),
+        half_width => format!("{:>7.4} +- {half_width:<7.4}", one.value),
+    };
     let mut text = String::new();
     match &summary.indices {
         Indices::Saltelli(indices) => {

@@ -125,6 +125,13 @@ fn a_latin_hypercube_has_a_point_in_every_stratum() {
     }
 }
 
+/// As many dimensions as any scene may ask for.
+#[test]
+fn the_largest_design_has_its_points() {
+    let drawn = design(settings(Kind::Saltelli, 2, MOST_PARAMETERS), MOST_PARAMETERS);
+    assert!(drawn.shares(drawn.len() - 1).iter().all(|share| *share > 0.0 && *share < 1.0));
+}
+
 #[test]
 fn rows_between_two_points_are_in_order() {
     let second = Settings { second_order: true, ..settings(Kind::Saltelli, 8, 3) };

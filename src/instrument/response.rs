@@ -1,6 +1,7 @@
 //! The free tip's response over frequency, and where it peaks.
 
 use nalgebra::Complex;
+use std::cell::OnceCell;
 
 use super::error::InstrumentError;
 use super::{Instrument, Mode};
@@ -94,21 +95,53 @@ impl Instrument {
             .collect();
         let nearer = |a: &f64, b: &f64| (a - target).abs().total_cmp(&(b - target).abs());
         let pole = poles.iter().copied().min_by(nearer);
-        let points = self.scan_points(target);
-        let climbs: Vec<f64> = points.iter().map(|&omega| self.climb(omega).0).collect();
-        let peak = (1..points.len())
-            // A maximum: uphill, then downhill. NaN on a pole is neither.
-            .filter(|&i| climbs[i - 1] > 0.0 && climbs[i] <= 0.0)
-            .map(|i| self.bisect(points[i - 1], points[i]))
-            // The search climbs to infinite peaks too.
-            .filter(|peak| !poles.iter().any(|pole| (peak - pole).abs() <= 1e-9 * pole))
-            .min_by(nearer);
+        let peak = self.nearest_peak(target, &poles);
         match (pole, peak) {
             (Some(pole), peak) if peak.is_none_or(|peak| nearer(&pole, &peak).is_le()) => {
                 Err(InstrumentError::UndampedPeak { frequency_hz: pole / std::f64::consts::TAU })
             }
             (_, Some(peak)) => Ok(peak / std::f64::consts::TAU),
             _ => Err(none),
+        }
+    }
+
+    /// The finite peak nearest to `target`. What lies farther from it than a peak that is found is not looked at.
+    fn nearest_peak(&self, target: f64, poles: &[f64]) -> Option<f64> {
+        let points = self.scan_points(target);
+        let climbs: Vec<OnceCell<f64>> = vec![OnceCell::new(); points.len()];
+        let climb = |i: usize| *climbs[i].get_or_init(|| self.climb(points[i]).0);
+        let off = |omega: f64| (omega - target).abs();
+        let mut best: Option<f64> = None;
+        // Intervals end at points `right` and `left`: those from the target upwards and downwards.
+        let mut right = points.partition_point(|p| *p < target).max(1);
+        let mut left = right - 1;
+        loop {
+            // How near their near ends are.
+            let above = (right < points.len()).then(|| off(points[right - 1].max(target)));
+            let below = (left >= 1).then(|| off(points[left].min(target)));
+            let up = match (above, below) {
+                (None, None) => return best,
+                (Some(above), Some(below)) => above <= below,
+                (above, _) => above.is_some(),
+            };
+            let (i, gap) = if up { (right, above) } else { (left, below) };
+            if best.zip(gap).is_some_and(|(best, gap)| off(best) < gap) {
+                return best;
+            }
+            if up {
+                right += 1
+            } else {
+                left -= 1
+            }
+            // A maximum: uphill, then downhill. NaN on a pole is neither.
+            if climb(i - 1) > 0.0 && climb(i) <= 0.0 {
+                let peak = self.bisect(points[i - 1], points[i]);
+                // The search climbs to infinite peaks too.
+                let infinite = poles.iter().any(|pole| (peak - pole).abs() <= 1e-9 * pole);
+                if !infinite && best.is_none_or(|best| off(peak) < off(best)) {
+                    best = Some(peak);
+                }
+            }
         }
     }
 

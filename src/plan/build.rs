@@ -110,11 +110,6 @@ pub(super) fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Op
     }
 }
 
-/// Whether that holds for the quantity of an axis, or one of those that vary together along it.
-fn any(axis: &Axis, holds: impl Fn(&str) -> bool) -> bool {
-    holds(&axis.path) || axis.columns.iter().any(|column| holds(&column.path))
-}
-
 /// Whether that quantity changes the instrument or its drive, not only the contact.
 fn moves_instrument(path: &str) -> bool {
     const APEX: [&str; 3] =
@@ -136,14 +131,25 @@ struct Distinct {
 }
 
 impl Distinct {
-    /// Of these instances, told apart by their values along these axes of the scene's sweep.
-    fn along(axes: &[usize], scene: &Scene, instances: impl Iterator<Item = usize>) -> Self {
+    /// Of these instances, told apart by the values of the swept quantities for which `holds` holds.
+    fn by(holds: impl Fn(&str) -> bool, scene: &Scene, instances: impl Iterator<Item = usize>) -> Self {
+        let axes = scene.sweep.axes.iter().enumerate();
+        // Of quantities that vary together, those that matter: what they share with others is one instrument.
+        let axes: Vec<(usize, Vec<&Axis>)> = axes
+            .map(|(n, axis)| {
+                (n, std::iter::once(axis).chain(&axis.columns).filter(|a| holds(&a.path)).collect())
+            })
+            .filter(|(_, matter): &(usize, Vec<&Axis>)| !matter.is_empty())
+            .collect();
         let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
         let mut first = Vec::new();
         let number = |instance: usize| {
             let indices = scene.sweep.indices(instance);
-            let value = |axis: &usize| scene.sweep.axes[*axis].values[indices[*axis]].to_bits();
-            *numbers.entry(axes.iter().map(value).collect()).or_insert_with(|| {
+            let values = axes.iter().flat_map(|(n, matter)| {
+                let at = indices[*n];
+                matter.iter().map(move |axis| axis.values[at].to_bits())
+            });
+            *numbers.entry(values.collect()).or_insert_with(|| {
                 first.push(instance);
                 first.len() as u32 - 1
             })
@@ -162,15 +168,10 @@ impl Distinct {
 
 /// The distinct drives with the modes that have the largest shares, and which one each instance has.
 fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
-    let axes = &scene.sweep.axes;
-    let relevant: Vec<usize> = (0..axes.len()).filter(|&a| any(&axes[a], moves_instrument)).collect();
-    let drives = Distinct::along(&relevant, scene, 0..scene.len());
+    let drives = Distinct::by(moves_instrument, scene, 0..scene.len());
     // Levers and rods without the drive: fewer still.
-    let bodies: Vec<usize> = relevant
-        .into_iter()
-        .filter(|&a| any(&axes[a], |path| moves_instrument(path) && !moves_drive(path)))
-        .collect();
-    let bodies = Distinct::along(&bodies, scene, drives.first.iter().copied());
+    let body = |path: &str| moves_instrument(path) && !moves_drive(path);
+    let bodies = Distinct::by(body, scene, drives.first.iter().copied());
     let fail = |instance: usize| {
         let values = scene.described(instance);
         move |source| PlanError::Instrument { instance, values, source }

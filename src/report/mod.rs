@@ -23,6 +23,7 @@ mod pictures;
 mod quantity;
 mod raster;
 mod tables;
+pub mod uncertainty;
 mod variable;
 mod view;
 mod waveform;
@@ -34,13 +35,16 @@ pub use heatmap::{Heatmap, Panel};
 pub use quantity::shown;
 pub use view::Wish;
 
-use crate::store::{StoreError, read};
+use crate::store::{Results, StoreError, read};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// Found in the page of every report: such a folder may be written again.
 const MARKER: &str = "afmsweep report";
+
+/// Path of the axis of samples.
+const SAMPLES: &str = "samples";
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
@@ -106,6 +110,7 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, 
         None => read(file)?,
         Some(branch) => on_branch::chosen(read(file)?, branch)?,
     };
+    let results = samples_as_list(results);
     let drawn = pictures::all(&results, wish)?;
     let page = ("index.html".to_owned(), page::html(&results, file, &drawn));
     let text = ("report.md".to_owned(), page::markdown(&results, file, &drawn));
@@ -119,6 +124,18 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, 
     }
     save(&folder, MARKER, &files)?;
     Ok(Report { folder, pictures, left_out: drawn.left_out, findings: findings::all(&results) })
+}
+
+/// Samples without a sweep beside them have no order: they are drawn as a list is, over each of their quantities.
+fn samples_as_list(mut results: Results) -> Results {
+    if let [axis] = &mut results.axes[..]
+        && axis.scene_path == SAMPLES
+        && !axis.columns.is_empty()
+    {
+        results.axes = std::mem::take(&mut axis.columns);
+        results.list = true;
+    }
+    results
 }
 
 /// Writes files (name, content) into a folder, which is made if need be. `index.html` is to come first

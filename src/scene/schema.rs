@@ -30,7 +30,9 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
             "instrument" => instrument(describe),
             "sweep" => sweep(),
             "samples" => schema_design::samples(varied(&listed)),
-            "uncertain" => varied(&schema_design::distribution),
+            "uncertain" => {
+                varied(&|_| json!({ "$ref": format!("#/definitions/{}", schema_design::DISTRIBUTION) }))
+            }
             "design" => schema_design::design(describe),
             "curve" => curve(),
             "run" => run(describe),
@@ -43,7 +45,8 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
         let value = with_default(one(quantity), quantity);
         (name(quantity), told(value, &describe(quantity.path)))
     };
-    let definitions: Map<String, Value> = QUANTITIES.iter().map(definition).collect();
+    let mut definitions: Map<String, Value> = QUANTITIES.iter().map(definition).collect();
+    definitions.insert(schema_design::DISTRIBUTION.into(), schema_design::distribution());
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Scene of afmsweep",
@@ -238,7 +241,7 @@ fn listed(quantity: &Quantity) -> Value {
 }
 
 /// A reference to what values of a quantity are.
-pub(super) fn named(quantity: &Quantity) -> Value {
+fn named(quantity: &Quantity) -> Value {
     json!({ "$ref": format!("#/definitions/{}", name(quantity)) })
 }
 

@@ -1,41 +1,32 @@
 //! The schema's parts for uncertain quantities and designs.
 
 use super::design::{KEYS, LEVELS, MOST_LEVELS};
-use super::quantity::Quantity;
-use super::schema::{named, object, told};
+use super::schema::{object, told};
 use super::sweep::MOST_INSTANCES;
-use super::uncertain::SIGMAS;
+use super::uncertain::{KEYS as DISTRIBUTIONS, SIGMAS};
 use crate::design::Kind;
 use serde_json::{Map, Value, json};
 
-/// A distribution of a quantity.
-pub(super) fn distribution(quantity: &Quantity) -> Value {
-    let percent = json!({ "type": "string", "pattern": r"^\s*(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*%\s*$" });
+/// The name of the definition of distributions.
+pub(super) const DISTRIBUTION: &str = "distribution";
+
+/// A distribution of any quantity. The units of its values only reading can judge.
+pub(super) fn distribution() -> Value {
+    let any = json!({ "type": ["string", "number"] });
     let sigma = json!({ "type": "number", "minimum": SIGMAS.0, "maximum": SIGMAS.1 });
-    // Of a spread only the unit counts: that of the quantity, or a share of the mean.
-    let spread = json!({ "anyOf": [percent, { "type": ["string", "number"] }] });
-    let of = |word: &str, keys: &[&str], free: &[&str]| {
+    let of = |(word, keys): (&str, &[&str])| {
         let mut properties = Map::new();
-        properties.insert("distribution".into(), json!({ "const": word }));
-        for key in keys.iter().chain(free) {
-            let value = match *key {
-                "sd" => spread.clone(),
-                "sigma" => sigma.clone(),
-                _ => named(quantity),
-            };
+        properties.insert(DISTRIBUTION.into(), json!({ "const": word }));
+        for key in keys {
+            let value = if *key == "sigma" { sigma.clone() } else { any.clone() };
             properties.insert((*key).into(), value);
         }
-        let mut required = vec!["distribution"];
-        required.extend(keys);
+        let cut = ["normal", "lognormal"].contains(&word);
+        let needed = keys.iter().filter(|key| !(cut && ["from", "to"].contains(key)));
+        let required: Vec<&str> = [DISTRIBUTION].into_iter().chain(needed.copied()).collect();
         json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
     };
-    json!({ "anyOf": [
-        of("normal", &["mean", "sd"], &["from", "to"]),
-        of("uniform", &["from", "to"], &[]),
-        of("lognormal", &["median", "sigma"], &["from", "to"]),
-        of("loguniform", &["from", "to"], &[]),
-        of("triangular", &["from", "mode", "to"], &[]),
-    ] })
+    json!({ "anyOf": DISTRIBUTIONS.map(of) })
 }
 
 /// `[design]`.
@@ -71,15 +62,9 @@ pub(super) fn design(describe: &dyn Fn(&str) -> String) -> Value {
 }
 
 /// `[samples]`: lists, or a file of them.
-pub(super) fn samples(lists: Value) -> Value {
-    let file = json!({
-        "type": "object",
-        "properties": {
-            "file": { "type": "string", "minLength": 1 },
-            "names": { "type": "array", "minItems": 1, "items": { "type": "string" } },
-        },
-        "required": ["file"],
-        "additionalProperties": false,
-    });
-    json!({ "anyOf": [lists, file] })
+pub(super) fn samples(mut lists: Value) -> Value {
+    lists["properties"]["file"] = json!({ "type": "string", "minLength": 1 });
+    lists["properties"]["names"] = json!({ "type": "array", "minItems": 1, "items": { "type": "string" } });
+    lists["dependencies"] = json!({ "names": ["file"] });
+    lists
 }

@@ -8,6 +8,7 @@ use super::table::{self, Table};
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, SweptAxes, TableFile, zipped};
 use std::ops::Range;
+use std::path::Path;
 use toml::de::DeTable;
 
 /// `[samples]` from a file.
@@ -57,7 +58,10 @@ pub(super) fn file_of(
             Some(entries.iter().map(address).collect::<Checked<Vec<Address>>>()?)
         }
     };
-    let table = table::read(&draft.folder, name, addresses.as_deref(), value.span())?;
+    // A results file may lie elsewhere than its scene did: whoever reads that again stands where it was run.
+    let beside = draft.folder.join(name).exists() || !Path::new(name).exists();
+    let folder = if beside { draft.folder.as_path() } else { Path::new("") };
+    let table = table::read(folder, name, addresses.as_deref(), value.span())?;
     let names = addresses.map(|all| all.iter().map(|address| address.path()).collect());
     Ok((table, TableFile { file: name.to_owned(), names }))
 }

@@ -78,6 +78,13 @@ fn a_table_of_points_gives_the_bits_of_their_grid() {
     let scene = format!("{LEVER}[design]\nkind = \"table\"\nfile = \"plain.txt\"\n{names}\n");
     let plain = desk.run(&desk.write("plain.toml", &scene), &[]);
     assert_eq!(variable(&plain, "phase"), variable(&grid, "phase"));
+    // And told on the command line.
+    let names = "sample.youngs_modulus, instrument.cantilever.stiffness";
+    let told = desk.run(&desk.write("told.toml", LEVER), &["--table", "plain.txt", "--names", names]);
+    assert_eq!(variable(&told, "phase"), variable(&grid, "phase"));
+    assert!(told.text("scene").unwrap().contains("plain.txt\"\nnames = ["));
+    let said = desk.call(&["plan", "table.toml", "--table", "plain.txt"]);
+    assert!(said.code == Some(1) && said.err.contains("duplicate"), "{}", said.err);
 }
 
 #[test]
@@ -88,6 +95,10 @@ fn points_do_not_depend_on_threads_and_survive_their_csv() {
     let two = desk.run(&scene, &["--threads", "2", "--overwrite"]);
     assert_eq!(one.axes, two.axes);
     assert_eq!(variable(&one, "amplitude"), variable(&two, "amplitude"));
+    // Its report is that of a list: scatter over both quantities.
+    desk.works(&["report", "results/study.h5", "-o", "report", "-q"]);
+    let page = std::fs::read_to_string(desk.path("report/index.html")).unwrap();
+    assert!(page.contains("lever stiffness, first mode") && page.len() < 200_000, "{} bytes", page.len());
     desk.works(&["sample", "study.toml", "-o", "points.csv", "-q"]);
     assert_eq!(
         desk.works(&["sample", "study.toml"]).out,
@@ -118,6 +129,22 @@ fn a_design_over_a_sweep_has_statistics_at_every_point() {
         assert_eq!(numbers(&amplitude["S1"]).len(), 2);
         assert_eq!(amplitude["count"], 64);
     }
+    // Pictures: bands over the gap, and each point's distributions, indices and scatter.
+    desk.works(&["stats", "results/bands.h5", "-o", "page", "-q"]);
+    let page = std::fs::read_to_string(desk.path("page/index.html")).unwrap();
+    for file in [
+        "phase_bands_0.svg",
+        "force_max_0_distribution.svg",
+        "amplitude_1_indices.svg",
+        "phase_1_sample_youngs_modulus.svg",
+    ] {
+        assert!(page.contains(file), "{file}");
+        roxmltree::Document::parse(&std::fs::read_to_string(desk.path("page").join(file)).unwrap()).unwrap();
+    }
+    desk.works(&["stats", "results/bands.h5", "-o", "page", "-q"]);
+    desk.write("other.txt", "mine");
+    let said = desk.call(&["stats", "results/bands.h5", "-o", "."]);
+    assert!(said.code == Some(1) && said.err.contains("holds other things"), "{}", said.err);
     // Two rows of a table, and where they stand.
     let csv = desk.works(&["export", "results/bands.h5", "--format", "csv"]).out;
     assert!(csv.starts_with("approach_gap [m],instrument.cantilever.stiffness [N/m],"), "{csv}");
@@ -128,6 +155,39 @@ fn a_design_over_a_sweep_has_statistics_at_every_point() {
         "{resolved}"
     );
     assert!(resolved.len() < 3000, "{resolved}");
+}
+
+#[test]
+fn a_design_of_curves_has_statistics_at_every_point_of_them() {
+    let desk = Desk::new();
+    let curve = "[curve]\nquantity = \"approach.gap\"\nfrom = \"16 nm\"\nto = \"15 nm\"\npoints = 3\ndirection = \"both\"\n";
+    let text = design("latin-hypercube", 8, curve).replace("[approach]\ngap = \"15 nm\"\n", "");
+    let results = desk.run(&desk.write("curves.toml", &text), &[]);
+    assert_eq!(results.shape(), [8, 2, 3]);
+    let told = desk.json(&["stats", "results/curves.h5", "--json", "--observable", "phase"]);
+    let points = told["points"].as_array().unwrap();
+    assert_eq!(points.len(), 6);
+    let phase = variable(&results, "phase");
+    for (n, point) in points.iter().enumerate() {
+        let mean = (0..8).map(|row| phase[6 * row + n]).sum::<f64>() / 8.0;
+        assert!(
+            (point["observables"]["phase"]["mean"].as_f64().unwrap() / mean - 1.0).abs() < 1e-14,
+            "{point}"
+        );
+        assert_eq!(point["at"]["direction"], ["forward", "backward"][n / 3]);
+    }
+}
+
+#[test]
+fn every_distribution_has_its_word_in_the_document() {
+    let desk = Desk::new();
+    desk.write("odd.toml", &design("sobol", 8, "").replace("\"normal\"", "\"gauss\""));
+    let said = desk.call(&["plan", "odd.toml"]).err;
+    let text = include_str!("../../docs/scene.md");
+    for word in afmsweep::design::Distribution::WORDS {
+        assert!(said.contains(&format!("\"{word}\"")), "{said}");
+        assert!(text.contains(&format!("`\"{word}\"`")), "{word} is not told");
+    }
 }
 
 #[test]
@@ -163,6 +223,9 @@ fn inference_tells_modulus_and_prediction() {
     assert!((at("0.025")..=at("0.975")).contains(&truth), "{truth:e}: {told}");
     assert!(at("0.975") - at("0.025") < 1.5e9, "{told}");
     assert!(told["effective_samples"].as_f64().unwrap() > 50.0);
+    desk.works(&["infer", "results/prior.h5", "--observed", &seen, "-o", "corner", "-q"]);
+    let corner = std::fs::read_to_string(desk.path("corner/corner.svg")).unwrap();
+    assert!(corner.contains("sample Young") && roxmltree::Document::parse(&corner).is_ok());
     let force = variable(&results, "force_max")[row];
     let predicted = &told["predicted"]["force_max"]["quantiles"];
     assert!(predicted["0.025"].as_f64().unwrap() < force && force < predicted["0.975"].as_f64().unwrap());

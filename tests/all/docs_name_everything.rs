@@ -112,11 +112,6 @@ fn every_word_that_a_choice_may_have_is_told() {
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
         ("`[curve]`", "quantity", "[curve]\nquantity = \"zzz\""),
         ("`[design]`", "kind", "[design]\nkind = \"zzz\""),
-        (
-            "`[uncertain]`",
-            "distribution",
-            "[uncertain]\n\"approach.gap\" = { distribution = \"zzz\" }\n[design]\nkind = \"sobol\"",
-        ),
         ("`[curve]`", "direction", &format!("{CURVE}direction = \"zzz\"")),
         ("`[run]`", "start", "[run]\nstart = \"zzz\""),
         ("`[run]`", "steady", "[run]\nsteady = \"zzz\""),

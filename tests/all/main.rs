@@ -33,6 +33,7 @@ mod agree_plan;
 mod agree_precision;
 mod agree_reference;
 mod agree_reference_engine;
+mod agree_scaled;
 mod agree_search;
 mod agree_setpoint;
 mod agree_threads;

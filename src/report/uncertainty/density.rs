@@ -1,0 +1,90 @@
+//! Where two quantities lie together: each row as a dot where they are few, shares of them by colour where they are many.
+
+use super::super::ReportError;
+use super::super::axis::Axis;
+use super::super::canvas::{GREY, LINES, picture};
+use super::super::frame::{Frame, KEY_ROW, Key, colour, key, left_margin, title};
+
+/// Rows that are drawn as dots.
+const DOTS: usize = 1500;
+/// Cells each way.
+const CELLS: usize = 48;
+/// Cells each way for weighted rows, of which fewer count.
+const WEIGHTED: usize = 24;
+
+/// Draws rows (x, y), with weights or without, into a frame.
+pub(super) fn rows(frame: &Frame, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), ReportError> {
+    if weights.is_empty() && x.len() <= DOTS {
+        let radius = if x.len() > 300 { 1.3 } else { 2.2 };
+        for (x, y) in x.iter().zip(y) {
+            let at = frame.at(*x, *y);
+            if at.0.is_finite() && at.1.is_finite() {
+                frame.canvas.dot(at, radius, LINES[0])?;
+            }
+        }
+        return Ok(());
+    }
+    let cells = if weights.is_empty() { CELLS } else { WEIGHTED };
+    let mut shares = vec![0.0; cells * cells];
+    for (n, (x, y)) in x.iter().zip(y).enumerate() {
+        let (across, up) = (frame.x.place(*x), frame.y.place(*y));
+        if across.is_finite() && up.is_finite() {
+            let cell = |place: f64| ((place * cells as f64) as usize).min(cells - 1);
+            shares[cell(up) * cells + cell(across)] += weights.get(n).copied().unwrap_or(1.0);
+        }
+    }
+    let most = shares.iter().copied().fold(0.0, f64::max);
+    let (wide, high) = (frame.width / cells as f64, frame.height / cells as f64);
+    for (n, share) in shares.iter().enumerate().filter(|(_, share)| **share > 1e-3 * most) {
+        let (up, across) = (n / cells, n % cells);
+        let left = frame.left + across as f64 * wide;
+        let bottom = frame.top + frame.height - up as f64 * high;
+        // By the root: rare cells are seen too.
+        frame.canvas.rectangle(
+            (left, bottom - high),
+            (left + wide, bottom),
+            colour((share / most).sqrt()),
+        )?;
+    }
+    Ok(())
+}
+
+/// An axis of a picture: its values by row, label, unit, and whether it is logarithmic.
+pub(super) struct Side<'a> {
+    pub values: &'a [f64],
+    pub label: &'a str,
+    pub units: &'a str,
+    pub log: bool,
+}
+
+impl Side<'_> {
+    pub fn axis(&self, margin: f64) -> Axis {
+        Axis::over(self.values.iter().copied(), self.units, self.label, self.log, margin)
+    }
+}
+
+/// A picture of an observable over a parameter; rows that failed are strokes at the lower edge, at their parameter.
+pub(super) fn draw(heading: &str, x: &Side, y: &Side, failed: &[f64]) -> Result<String, ReportError> {
+    let (x_axis, y_axis) = (x.axis(0.0), y.axis(0.02));
+    let (width, height) = (420.0, 300.0);
+    let left = left_margin(&y_axis, height);
+    let entries: Vec<(Key, String)> = match failed.len() {
+        0 => Vec::new(),
+        count => vec![(Key::Tick(GREY), format!("{count} left out"))],
+    };
+    let top = 36.0 + if entries.is_empty() { 0.0 } else { KEY_ROW };
+    picture((left + width + 24.0, top + height + 52.0), |canvas| {
+        title(canvas, heading, left, left + width)?;
+        key(canvas, (left, 42.0), left + width, &entries)?;
+        let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+        frame.grid()?;
+        rows(&frame, x.values, y.values, &[])?;
+        for value in failed.iter().take(DOTS) {
+            let at = left + x_axis.place(*value) * width;
+            if (left..=left + width).contains(&at) {
+                canvas.line(&[(at, top + height - 8.0), (at, top + height)], GREY, 1.0)?;
+            }
+        }
+        frame.edges(true, true)
+    })
+}

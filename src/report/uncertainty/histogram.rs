@@ -1,0 +1,97 @@
+//! How values are distributed, weighted or not, with quantiles as lines.
+
+use super::super::ReportError;
+use super::super::axis::Axis;
+use super::super::canvas::{INK, LINES, picture};
+use super::super::frame::{Frame, KEY_ROW, Key, key, left_margin, title};
+use super::super::quantity::Unit;
+
+/// Most bars.
+const BARS: usize = 60;
+
+/// Values and their weights over equal steps of an axis.
+pub(super) struct Bars {
+    pub axis: Axis,
+    /// Share of the weight in each step.
+    pub shares: Vec<f64>,
+}
+
+impl Bars {
+    /// Of values that are finite; `weights` has one for each, or is empty where all count the same.
+    pub fn of(values: &[f64], weights: &[f64], (label, units): (&str, &str), log: bool) -> Self {
+        let axis = Axis::over(values.iter().copied(), units, label, log, 0.0);
+        let count = ((values.len() as f64).sqrt() as usize).clamp(8, BARS);
+        let mut shares = vec![0.0; count];
+        for (n, value) in values.iter().enumerate() {
+            let place = axis.place(*value);
+            if place.is_finite() {
+                let at = ((place * count as f64) as usize).min(count - 1);
+                shares[at] += weights.get(n).copied().unwrap_or(1.0);
+            }
+        }
+        let sum: f64 = shares.iter().sum();
+        if sum > 0.0 {
+            shares.iter_mut().for_each(|share| *share /= sum);
+        }
+        Self { axis, shares }
+    }
+
+    /// Draws the bars into a frame whose y axis holds their shares.
+    pub fn draw(&self, frame: &Frame) -> Result<(), ReportError> {
+        let bottom = frame.top + frame.height;
+        let wide = frame.width / self.shares.len() as f64;
+        for (n, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+            let left = frame.left + n as f64 * wide;
+            let top = frame.top + (1.0 - frame.y.place(*share)) * frame.height;
+            frame.canvas.rectangle((left + 0.3, top), (left + wide - 0.3, bottom), LINES[5])?;
+        }
+        Ok(())
+    }
+}
+
+/// A picture of an observable: its bars, its mean and quantiles. `left_out` says which rows are not in it; it may be empty.
+pub(super) fn draw(
+    heading: &str,
+    values: &[f64],
+    (label, units): (&str, &str),
+    quantiles: &[(f64, f64)],
+    left_out: &str,
+) -> Result<String, ReportError> {
+    let bars = Bars::of(values, &[], (label, units), false);
+    let y = Axis::over(
+        [0.0].into_iter().chain(bars.shares.iter().copied()),
+        "1",
+        "share of the rows",
+        false,
+        0.02,
+    );
+    let (width, height) = (560.0, 260.0);
+    let left = left_margin(&y, height);
+    let unit =
+        Unit::fitting(units, quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())));
+    let mut entries: Vec<(Key, String)> = quantiles
+        .iter()
+        .map(|(share, value)| {
+            let words = format!("{} % below {}", 100.0 * share, unit.value(*value));
+            (if *share == 0.5 { Key::Line(INK) } else { Key::Dashes(INK) }, words)
+        })
+        .collect();
+    if !left_out.is_empty() {
+        entries.push((Key::Hatched, format!("left out: {left_out}")));
+    }
+    let rows = super::super::frame::key_rows(width, &entries);
+    let top = 40.0 + rows * KEY_ROW;
+    picture((left + width + 24.0, top + height + 52.0), |canvas| {
+        title(canvas, heading, left, left + width)?;
+        key(canvas, (left, 44.0), left + width, &entries)?;
+        let frame = Frame { canvas, left, top, width, height, x: &bars.axis, y: &y };
+        frame.grid()?;
+        bars.draw(&frame)?;
+        for (share, value) in quantiles {
+            let x = left + bars.axis.place(*value) * width;
+            let line = [(x, top), (x, top + height)];
+            if *share == 0.5 { canvas.line(&line, INK, 1.4)? } else { canvas.dashes(&line, INK, 1.0)? }
+        }
+        frame.edges(true, true)
+    })
+}

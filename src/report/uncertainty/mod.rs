@@ -1,0 +1,301 @@
+//! Pages of uncertainty studies: distributions, indices, scatter, bands, corners.
+
+mod corner;
+mod density;
+mod histogram;
+mod shares;
+
+use super::{Chart, Document, Field, Look, Plot, ReportError, save, shown};
+use crate::stats::{Estimate, Indices, Output, Posterior, SHARES, Study, Summary};
+use crate::store::Coordinate;
+use density::Side;
+use shares::Row;
+use std::path::{Path, PathBuf};
+
+/// Found in the pages of `stats` and of `infer`: such a folder may be written again.
+const STATS: &str = "afmsweep stats";
+const INFER: &str = "afmsweep infer";
+/// Points of a sweep that have pictures of their own, and parameters that have scatter pictures.
+const MOST_POINTS: usize = 6;
+const MOST_PARAMETERS: usize = 12;
+/// Parameters of a corner.
+const MOST_IN_CORNER: usize = 7;
+/// A parameter whose largest value is so many times its least has a logarithmic axis.
+const DECADE: f64 = 8.0;
+
+/// What is told of every observable at every point, in the order of the points; none where it could not be told.
+pub type Told<'a> = [Vec<(&'a Output, Option<Summary>)>];
+
+/// A page while it is filled.
+struct Page {
+    document: Document,
+    files: Vec<(String, String)>,
+}
+
+impl Page {
+    fn new(title: String) -> Self {
+        Self { document: Document { title, ..Document::default() }, files: Vec::new() }
+    }
+
+    fn figure(&mut self, name: &str, caption: &str, svg: String) {
+        let file = format!("{name}.svg");
+        self.document.figure(&file, caption);
+        self.files.push((file, svg));
+    }
+
+    fn save(self, folder: &Path, generator: &str) -> Result<PathBuf, ReportError> {
+        let mut files = vec![
+            ("index.html".to_owned(), self.document.html(generator)),
+            ("report.md".to_owned(), self.document.markdown()),
+        ];
+        files.extend(self.files);
+        save(folder, generator, &files)?;
+        Ok(folder.join("index.html"))
+    }
+}
+
+/// Writes the page of a study's statistics; gives its path.
+///
+/// # Errors
+/// A folder that holds other things, what the disk says, and a picture that cannot be drawn.
+pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, ReportError> {
+    let mut page = Page::new(format!("{}: statistics", study.title));
+    let design = &study.design;
+    page.document.paragraph(
+        "",
+        format!(
+            "{} base samples of kind {}, {} rows{}. Intervals are of 95 %.",
+            design.samples,
+            design.kind.word(),
+            design.rows,
+            if design.replicates > 1 { format!(", {} replicates", design.replicates) } else { String::new() }
+        ),
+    );
+    bands(&mut page, study, told)?;
+    for (point, observables) in told.iter().enumerate().take(MOST_POINTS) {
+        let at = place(study, point);
+        if !at.is_empty() {
+            page.document.heading(&at);
+        }
+        for (output, summary) in observables {
+            match summary {
+                Some(summary) => observable(&mut page, study, (point, output), summary)?,
+                None => page.document.paragraph(&output.name, "too many rows failed: nothing is told"),
+            }
+        }
+    }
+    if told.len() > MOST_POINTS {
+        let left = format!("{} points of the sweep have no pictures of their own.", told.len() - MOST_POINTS);
+        page.document.paragraph("", left);
+    }
+    page.save(folder, STATS)
+}
+
+/// Where a point of the sweep stands.
+fn place(study: &Study, point: usize) -> String {
+    let at = study.place(point);
+    let words = study.beside.iter().zip(at).map(|(axis, at)| match axis.words.get(at) {
+        Some(word) => format!("{} {word}", axis.long_name),
+        None => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
+
+fn observable(
+    page: &mut Page,
+    study: &Study,
+    (point, output): (usize, &Output),
+    summary: &Summary,
+) -> Result<(), ReportError> {
+    let stem = if study.points() == 1 { output.name.clone() } else { format!("{}_{point}", output.name) };
+    let (status, all) = (study.at(&study.status, point), study.at(&output.values, point));
+    let counts = |row: &usize| status[*row] == 0 && all[*row].is_finite();
+    let (kept, failed): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|row| counts(row));
+    let values: Vec<f64> = kept.iter().map(|row| all[*row]).collect();
+    let left_out: Vec<String> =
+        summary.left_out.iter().map(|(word, count)| format!("{count} {}", word.replace('_', " "))).collect();
+    if let Some(spread) = &summary.spread {
+        let chosen = [0.025, 0.5, 0.975];
+        let quantiles: Vec<(f64, f64)> = SHARES
+            .iter()
+            .zip(&spread.quantiles)
+            .filter(|(share, _)| chosen.contains(share))
+            .map(|(share, one)| (*share, one.value))
+            .collect();
+        let label = (output.long_name.as_str(), output.units.as_str());
+        let svg = histogram::draw(&output.long_name, &values, label, &quantiles, &left_out.join(", "))?;
+        let caption = format!(
+            "{}: mean {}, standard deviation {}",
+            output.long_name,
+            with_interval(&spread.mean, &output.units),
+            with_interval(&spread.sd, &output.units)
+        );
+        page.figure(&format!("{stem}_distribution"), &caption, svg);
+    }
+    page.document.table("", numbers(output, summary));
+    decides(page, study, (&stem, output), summary)?;
+    for parameter in study.parameters.iter().take(MOST_PARAMETERS) {
+        let at = |rows: &[usize]| rows.iter().map(|row| parameter.values[*row]).collect::<Vec<f64>>();
+        let (x, failed) = (at(&kept), at(&failed));
+        let y = Side { values: &values, label: &output.long_name, units: &output.units, log: false };
+        let heading = format!("{} over {}", output.long_name, parameter.long_name);
+        let svg = density::draw(&heading, &side(parameter, &x), &y, &failed)?;
+        page.figure(&format!("{stem}_{}", parameter.name), &heading, svg);
+    }
+    Ok(())
+}
+
+/// What is known of an observable as a table: estimates, the mean from half of the samples, the simulation's own error.
+fn numbers(output: &Output, summary: &Summary) -> Vec<Vec<String>> {
+    let mut rows = vec![["", "value", "± (95 %)"].map(str::to_owned).to_vec()];
+    let mut say = |words: String, one: &Estimate| {
+        rows.push(vec![words, shown(one.value, &output.units, 5), shown(one.half_width, &output.units, 2)]);
+    };
+    if let Some(spread) = &summary.spread {
+        say("mean".into(), &spread.mean);
+        if let Some(half) = summary.convergence.first().filter(|_| summary.convergence.len() > 1)
+            && let Some(mean) = &half.mean
+        {
+            say(format!("mean of the first {} samples", half.samples), mean);
+        }
+        say("standard deviation".into(), &spread.sd);
+        for (share, one) in SHARES.iter().zip(&spread.quantiles) {
+            say(format!("{} % below", 100.0 * share), one);
+        }
+    }
+    let (median, largest) = summary.simulation_error;
+    if largest.is_finite() {
+        let words = format!("error of the simulation, on the {}", output.error_scale);
+        rows.push(vec![words, format!("median {median:.1e}"), format!("largest {largest:.1e}")]);
+    }
+    rows.push(vec!["rows that count".into(), summary.count.to_string(), String::new()]);
+    for (word, count) in &summary.left_out {
+        rows.push(vec![format!("left out: {}", word.replace('_', " ")), count.to_string(), String::new()]);
+    }
+    rows
+}
+
+/// The side of a parameter, of these of its values.
+fn side<'a>(parameter: &'a Coordinate, values: &'a [f64]) -> Side<'a> {
+    let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
+    let (least, most) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
+    Side {
+        values,
+        label: &parameter.long_name,
+        units: &parameter.units,
+        log: least > 0.0 && most > DECADE * least,
+    }
+}
+
+fn with_interval(one: &Estimate, units: &str) -> String {
+    format!("{} ± {}", shown(one.value, units, 4), shown(one.half_width, units, 2))
+}
+
+/// The picture of indices or effects.
+fn decides(
+    page: &mut Page,
+    study: &Study,
+    (stem, output): (&str, &Output),
+    summary: &Summary,
+) -> Result<(), ReportError> {
+    let names = study.design.group_names();
+    let title = format!("What decides: {}", output.long_name);
+    let (rows, label, units) = match &summary.indices {
+        Indices::Saltelli(all) => (
+            vec![
+                Row { word: "first order S1", values: &all.first },
+                Row { word: "total ST", values: &all.total },
+            ],
+            "share of the variance",
+            "1",
+        ),
+        Indices::Morris(effects) => (
+            vec![Row { word: "mean size of an effect", values: &effects.mu_star }],
+            "effect of a step over all levels",
+            output.units.as_str(),
+        ),
+        Indices::Bins(first) => {
+            (vec![Row { word: "first order S1, by bins", values: first }], "share of the variance", "1")
+        }
+    };
+    let svg = shares::draw(&title, &names, &rows, (label, units))?;
+    page.figure(&format!("{stem}_indices"), &title, svg);
+    Ok(())
+}
+
+/// Quantiles of each observable over the last axis of the sweep, where that is one of numbers.
+fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError> {
+    let Some(axis) = study.beside.last().filter(|axis| axis.words.is_empty() && axis.values.len() > 1) else {
+        return Ok(());
+    };
+    let length = axis.values.len();
+    for (number, (output, _)) in told.first().into_iter().flatten().enumerate() {
+        for (first, row) in told.chunks(length).enumerate().take(MOST_POINTS) {
+            let line = |n: usize| -> Vec<(f64, f64)> {
+                let of = |(at, point): (usize, &Vec<(&Output, Option<Summary>)>)| {
+                    let spread = point.get(number).and_then(|(_, told)| told.as_ref()?.spread.as_ref());
+                    (axis.values[at], spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
+                };
+                row.iter().enumerate().map(of).collect()
+            };
+            // 2.5, 25, 50, 75 and 97.5 %.
+            let drawn = [(0, true), (2, false), (3, false), (4, false), (6, true)];
+            let look = |(n, dashed): (usize, bool)| Look {
+                name: format!("{} %", 100.0 * SHARES[n]),
+                width: if n == 3 { 2.2 } else { 1.2 },
+                dashed,
+                dots: length <= 12,
+            };
+            let ratio = axis.values.iter().copied().fold(0.0, f64::max)
+                / axis.values.iter().copied().fold(f64::INFINITY, f64::min);
+            let heading = match study.beside.len() {
+                1 => format!("{} over {}", output.long_name, axis.long_name),
+                _ => {
+                    format!("{} over {}, {}", output.long_name, axis.long_name, place(study, first * length))
+                }
+            };
+            let chart = Chart {
+                title: heading.clone(),
+                x: Field { label: axis.long_name.clone(), units: axis.units.clone(), log: ratio > DECADE },
+                series: drawn.map(look).to_vec(),
+                panels: vec![Plot {
+                    label: output.long_name.clone(),
+                    units: output.units.clone(),
+                    lines: drawn.iter().map(|(n, _)| line(*n)).collect(),
+                    marks: Vec::new(),
+                    height: 280.0,
+                }],
+            };
+            page.figure(&format!("{}_bands_{first}", output.name), &heading, chart.draw()?);
+        }
+    }
+    Ok(())
+}
+
+/// Writes the page of what was inferred at a point; gives its path.
+///
+/// # Errors
+/// As [`statistics`].
+pub fn inference(study: &Study, found: &Posterior, folder: &Path) -> Result<PathBuf, ReportError> {
+    let mut page = Page::new(format!("{}: inference", study.title));
+    page.document.paragraph(
+        "",
+        format!(
+            "{} rows with the weight of {:.0}; {} that failed are not among them.",
+            found.rows.len(),
+            found.effective,
+            found.left_out
+        ),
+    );
+    let columns: Vec<Vec<f64>> = study
+        .parameters
+        .iter()
+        .take(MOST_IN_CORNER)
+        .map(|one| found.rows.iter().map(|row| one.values[*row]).collect())
+        .collect();
+    let sides: Vec<Side> =
+        study.parameters.iter().zip(&columns).map(|(parameter, values)| side(parameter, values)).collect();
+    let title = "What the parameters are after the observations";
+    page.figure("corner", title, corner::draw(title, &sides, &found.weights)?);
+    page.save(folder, INFER)
+}
