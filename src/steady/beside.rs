@@ -63,9 +63,12 @@ pub(super) fn all(
     Ok(settled)
 }
 
-/// Of each instance the periods stepped, and the result and the state if there is one.
+/// A result, and the state that it is of.
+type Led = (Finished, Box<PeriodicState>);
+
+/// Of each instance the periods stepped, and what they led to.
 struct Ended {
-    ends: Vec<(u32, u32, Option<(Finished, Box<PeriodicState>)>)>,
+    ends: Vec<(u32, u32, Option<Led>)>,
     notes: Vec<String>,
 }
 
