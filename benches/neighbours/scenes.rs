@@ -61,7 +61,7 @@ fn scattered(points: usize) -> String {
 
 fn tapping(law: &str, quality: u32, sweep: &str) -> String {
     let decay = if law == "dmt" { "decay_length = \"0.3 nm\"" } else { "" };
-    let periods = 480.max(8 * quality);
+    let periods = 480.max(2 * quality);
     format!(
         r#"
 [instrument]

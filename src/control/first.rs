@@ -95,7 +95,7 @@ pub(super) fn run(
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
         let of_both = rough.status == Status::Ok && !same_basis;
         let left = if of_both { left_of_bases(&begun.plan, i) } else { plan.policy.left_of_steps };
-        // A first run that has not told leaves it to another one.
+        // A first run that was cut short has not told.
         let told =
             rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
         let known = &mut begun.known[i as usize];
@@ -126,11 +126,22 @@ fn two_runs(
         let settled = steady::again(fine, &near, engine, progress)?;
         return Ok((rough, settled, Vec::new()));
     };
-    // What no search finds is waited for once, in the second run.
-    let (rough, _) = steady::from_neighbours(coarse, &around.first(stepped), (&[], false), engine, progress)?;
+    // What no search finds is waited for in the second run, and only where it settles in the first one.
+    let leads = around.first(stepped);
+    let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], false), engine, progress)?;
     let near = steady::among(&rough.found, stepped, fine.len());
     let leads = around.second(&near);
     let (settled, begun) = steady::from_neighbours(fine, &leads, (&near, true), engine, progress)?;
+    let settles = |place: &u32| {
+        let fine = &settled.outcome.results[stepped[*place as usize] as usize];
+        rough.outcome.results[*place as usize].status == Status::NotRun && fine.status.is_steady()
+    };
+    let late: Vec<u32> = coarse.instances().filter(settles).collect();
+    if !late.is_empty() && !progress.stopped() {
+        let numbers: Vec<u32> = late.iter().map(|place| stepped[*place as usize]).collect();
+        let near = steady::of(&settled.found, &numbers);
+        rough.take(&late, steady::run(&coarse.part(&late), &near, engine, progress)?);
+    }
     Ok((rough, settled, begun))
 }
 

@@ -358,4 +358,49 @@ mod tests {
         assert_eq!((bits(&whole), &whole.jumps), (bits(&parts), &parts.jumps));
         assert_eq!(parts.jumps.len(), 600);
     }
+
+    /// The CPU engine as one that takes all instances at once and has no map of its own, as a GPU has none.
+    struct Plain;
+
+    impl Engine for Plain {
+        fn device(&self) -> String {
+            "plain".into()
+        }
+
+        fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+            Cpu::default().run(plan, progress)
+        }
+    }
+
+    /// A grid whose instances begin at their neighbours': the same in small portions, in one piece, and on an engine that
+    /// only runs plans.
+    #[test]
+    fn neighbours_lead_to_the_same_in_any_portions() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 30 }]
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            force = "20 nN"
+            [sweep]
+            "sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 40 }
+            "approach.gap" = { from = "12 nm", to = "14 nm", points = 25 }
+            [run]
+            steady = "search"
+        "#;
+        let scene = Scene::parse(Path::new("grid.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let run =
+            |engine: &dyn Engine| crate::control::run(&plan, engine, &Progress::default()).expect("it runs");
+        let [whole, small, plain] = [run(&Cpu::default()), run(&Small(Cpu::default())), run(&Plain)];
+        assert!(whole.neighbour_started() > 0.9, "{}", whole.neighbour_started());
+        let bits = |all: &Controlled| {
+            format!("{:?} {:?} {:?}", all.outcome.results, all.estimates, all.neighbour_started)
+        };
+        assert_eq!(bits(&whole), bits(&small));
+        assert_eq!(bits(&whole), bits(&plain));
+    }
 }

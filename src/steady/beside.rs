@@ -3,7 +3,7 @@
 use super::aims::goal;
 use super::map::{station, vector};
 use super::measured::{self, SURE};
-use super::node::{Guess, Lead};
+use super::node::{Guess, Lead, Turns};
 use super::sizes::{Sized, by_size, with_size};
 use super::{PeriodicState, Settled};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
@@ -63,9 +63,12 @@ pub(super) fn all(
     Ok(settled)
 }
 
-/// Of each instance the periods stepped, and the result and the state if there is one.
+/// A result, and the state that it is of.
+type Led = (Finished, Box<PeriodicState>);
+
+/// Of each instance the periods stepped, and what they led to.
 struct Ended {
-    ends: Vec<(u32, u32, Option<(Finished, Box<PeriodicState>)>)>,
+    ends: Vec<(u32, u32, Option<Led>)>,
     notes: Vec<String>,
 }
 
@@ -88,9 +91,11 @@ impl Sized for Several<'_> {
     {
         let Self { plan, some, leads, engine, progress } = self;
         let mut ended = Ended { ends: Vec::with_capacity(some.len()), notes: Vec::new() };
-        let mut left: Vec<One<D>> = Vec::with_capacity(some.len());
+        // Each in a place of its own: with its slope it is too large to be moved about.
+        let mut left: Vec<Box<One<D>>> = Vec::with_capacity(some.len());
+        let mut turns = Turns::default();
         for &i in some {
-            let guess = leads[i as usize].hint().and_then(|hint| hint.guess::<D>(plan, i));
+            let guess = leads[i as usize].hint().and_then(|hint| hint.guess::<D>(plan, i, &mut turns));
             match guess.and_then(|guess| One::new(i, guess)) {
                 Some(one) => left.push(one),
                 None => ended.ends.push((i, 0, None)),
@@ -101,7 +106,7 @@ impl Sized for Several<'_> {
                 break;
             }
             let numbers: Vec<u32> = left.iter().map(|one| one.instance).collect();
-            let places = left.iter().map(One::station);
+            let places = left.iter().map(|one| one.station());
             let part = plan.part(&numbers).in_precision(Precision::F64);
             let Outcome { results, ends, notes } = measured::period(part, places, engine, progress)?;
             ended.notes.extend(notes);
@@ -147,10 +152,10 @@ impl<D: Size + DimName> One<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    fn new(instance: u32, guess: Guess<D>) -> Option<Self> {
+    fn new(instance: u32, guess: Guess<D>) -> Option<Box<Self>> {
         let Guess { state, slope, multiplier, touching } = guess;
         let inverse = (OMatrix::<f64, D, D>::identity() - &slope).try_inverse()?;
-        Some(Self { instance, at: state, touching, multiplier, slope, inverse, last: None })
+        Some(Box::new(Self { instance, at: state, touching, multiplier, slope, inverse, last: None }))
     }
 
     fn station(&self) -> Station {
@@ -194,7 +199,7 @@ where
         self.inverse.ger(1.0 / divisor, &by, &along, 1.0);
     }
 
-    fn state(self, plan: &Plan) -> Box<PeriodicState> {
+    fn state(&self, plan: &Plan) -> Box<PeriodicState> {
         Box::new(PeriodicState {
             station: self.station(),
             spectrum: Spectrum { multiplier: self.multiplier, least_change: 1.0 / self.inverse.norm() },

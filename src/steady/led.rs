@@ -52,7 +52,7 @@ pub fn from_neighbours(
 
 impl Settled {
     /// Takes in another run, of these instances alone.
-    fn take(&mut self, instances: &[u32], mut other: Self) {
+    pub fn take(&mut self, instances: &[u32], mut other: Self) {
         for (place, i) in instances.iter().map(|i| *i as usize).enumerate() {
             self.outcome.results[i] = other.outcome.results[place];
             self.periods[i] += other.periods[place];

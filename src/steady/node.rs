@@ -52,50 +52,97 @@ impl Node {
         })
     }
 
-    /// Whether it is met by an instance as it is.
-    fn is_of(&self, plan: &Plan, instance: u32) -> bool {
-        let driven = plan.driven(instance);
-        self.steps == plan.steps(instance)
-            && (Arc::ptr_eq(&driven.kept, &self.kept) || driven.kept.modes == self.kept.modes)
-            && Arc::ptr_eq(&driven.drive, &self.drive)
-    }
-
-    /// Its state with an instance's steps, lever and free amplitude.
-    fn state_for<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> OVector<f64, D>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        if self.is_of(plan, instance) {
-            return OVector::<f64, D>::from_column_slice(&self.state);
-        }
-        let amplitude = plan.driven(instance).free_amplitude() / self.drive.free_amplitude();
-        let scale = if amplitude.is_finite() { amplitude } else { 1.0 };
-        self.turned::<D>(plan, instance).state::<D>(&self.state) * scale
-    }
-
-    fn slope_for<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> OMatrix<f64, D, D>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        if self.is_of(plan, instance) {
-            return OMatrix::<f64, D, D>::from_iterator(self.slope.iter().map(|value| f64::from(*value)));
-        }
-        let slope: Vec<f64> = self.slope.iter().map(|value| f64::from(*value)).collect();
-        self.turned::<D>(plan, instance).slope::<D>(plan, instance, &slope)
-    }
-
-    fn turned<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> Turned
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        Turned::new(plan, instance, (&self.kept, self.steps), D::DIM / 2)
-    }
-
     /// Whether both move alike: under one law, in the same contact, as often.
     fn moves_as(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
         let touching = self.touching == other.touching || !self.law.has_memory();
         touching && self.law == other.law && contacts
+    }
+}
+
+/// How nodes are met by instances of other steps, levers and drives: few kinds of both, each pair worked out once.
+#[derive(Default)]
+pub(super) struct Turns(Vec<Turn>);
+
+/// Beyond so many pairs they are forgotten: every instance has a lever of its own.
+const PAIRS: usize = 64;
+
+struct Turn {
+    theirs: (Arc<ReducedBasis>, u32),
+    own: (Arc<ReducedBasis>, u32),
+    drive: Arc<Drive>,
+    /// None where a node is met as it is.
+    turned: Option<Turned>,
+}
+
+impl Turns {
+    /// How a node is met by an instance, whose state has so many modes.
+    fn of(&mut self, plan: &Plan, instance: u32, node: &Node, modes: usize) -> Option<&Turned> {
+        let (driven, steps) = (plan.driven(instance), plan.steps(instance));
+        let same = |a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>| Arc::ptr_eq(a, b) || a.modes == b.modes;
+        let fits = |turn: &Turn| {
+            let steps = (turn.theirs.1, turn.own.1) == (node.steps, steps);
+            steps
+                && Arc::ptr_eq(&turn.drive, &driven.drive)
+                && same(&turn.theirs.0, &node.kept)
+                && same(&turn.own.0, &driven.kept)
+        };
+        let place = self.0.iter().position(fits).unwrap_or_else(|| {
+            if self.0.len() >= PAIRS {
+                self.0.clear();
+            }
+            let as_it_is = node.steps == steps
+                && same(&driven.kept, &node.kept)
+                && driven.free.omega == node.drive.free.omega;
+            let turned = (!as_it_is).then(|| Turned::new(plan, instance, (&node.kept, node.steps), modes));
+            self.0.push(Turn {
+                theirs: (Arc::clone(&node.kept), node.steps),
+                own: (Arc::clone(&driven.kept), steps),
+                drive: Arc::clone(&driven.drive),
+                turned,
+            });
+            self.0.len() - 1
+        });
+        self.0[place].turned.as_ref()
+    }
+
+    /// A node's state with an instance's steps, lever and free amplitude.
+    fn state<D: Size + DimName>(&mut self, plan: &Plan, instance: u32, node: &Node) -> OVector<f64, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let mut state = match self.of(plan, instance, node, D::DIM / 2) {
+            None => OVector::<f64, D>::from_column_slice(&node.state),
+            Some(turned) => turned.state::<D>(&node.state),
+        };
+        let drive = &plan.driven(instance).drive;
+        let scale = drive.free_amplitude() / node.drive.free_amplitude();
+        if !Arc::ptr_eq(drive, &node.drive) && scale.is_finite() {
+            state *= scale;
+        }
+        state
+    }
+
+    /// Adds a node's slope, so often, to that of an instance.
+    fn add_slope<D: Size + DimName>(
+        &mut self,
+        slope: &mut OMatrix<f64, D, D>,
+        (plan, instance): (&Plan, u32),
+        (node, weight): (&Node, f64),
+    ) where
+        DefaultAllocator: Memory<D>,
+    {
+        match self.of(plan, instance, node, D::DIM / 2) {
+            None => {
+                let theirs = node.slope.iter().map(|value| f64::from(*value));
+                slope.iter_mut().zip(theirs).for_each(|(sum, value)| *sum += weight * value);
+            }
+            Some(turned) => {
+                let theirs: Vec<f64> = node.slope.iter().map(|value| f64::from(*value)).collect();
+                let turned = turned.slope::<D>(plan, instance, &theirs);
+                slope.zip_apply(&turned, |sum, value| *sum += weight * value);
+            }
+        }
     }
 }
 
@@ -152,7 +199,12 @@ where
 impl Hint<'_> {
     /// What the neighbours lead to; none where they are no guide: they move differently, or say different things, or one
     /// of them is not clearly stable.
-    pub(super) fn guess<D: Size + DimName>(&self, plan: &Plan, instance: u32) -> Option<Guess<D>>
+    pub(super) fn guess<D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        turns: &mut Turns,
+    ) -> Option<Guess<D>>
     where
         DefaultAllocator: Memory<D>,
     {
@@ -170,19 +222,18 @@ impl Hint<'_> {
         };
         let mut nearest = OVector::<f64, D>::zeros();
         let states: Vec<OVector<f64, D>> =
-            self.neighbours.iter().map(|one| one.node.state_for::<D>(plan, instance)).collect();
+            self.neighbours.iter().map(|one| turns.state::<D>(plan, instance, one.node)).collect();
         let scale = plan.driven(instance).free_amplitude().max(1e-15);
         if self.own.is_none() && self.jumps(&states, scale) {
             return None;
         }
         for (one, mut state) in self.neighbours.iter().zip(states) {
             if let Some(before) = one.before {
-                state -= before.state_for::<D>(plan, instance);
+                state -= turns.state::<D>(plan, instance, before);
             }
             guess.state.axpy(one.weight, &state, 1.0);
             nearest.axpy(one.nearest, &state, 1.0);
-            let slope = one.node.slope_for::<D>(plan, instance);
-            guess.slope.zip_apply(&slope, |sum, value| *sum += one.weight * value);
+            turns.add_slope(&mut guess.slope, (plan, instance), (one.node, one.weight));
             guess.multiplier += one.nearest * one.node.multiplier;
         }
         if let Some(own) = self.own {

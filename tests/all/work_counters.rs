@@ -28,8 +28,8 @@ fn runs_to_an_accuracy_take_as_many_steps_as_before() {
     for (name, frozen) in [
         ("adhesion_1", [67_344.0, 96.0, 61.0]),
         ("soft_0.5_hertz", [138_240.0, 6144.0, 2.0]),
-        ("tip_mass_jkr", [135_168.0, 3072.0, 6.0]),
-        ("q_1e5_search", [16_800.0, 64.0, 19.0]),
+        ("tip_mass_jkr", [104_448.0, 3072.0, 2.0]),
+        ("q_1e5_search", [16_416.0, 64.0, 15.0]),
     ] {
         let progress = Progress::default();
         let run = control::run(&plan(name), &Cpu { strict: true }, &progress).unwrap();

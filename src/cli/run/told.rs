@@ -88,6 +88,13 @@ fn searched(swept: &Swept, voice: Voice) {
         instances(stepped),
         stepped - spent.len()
     ));
+    let started = run.neighbour_started();
+    if started > 0.0 {
+        voice.say(format_args!(
+            "neighbours: {:.1} % of the instances began at their neighbours' states (--cold searches each by itself)",
+            100.0 * started
+        ));
+    }
     branches(swept, voice);
     if let Some(others) = others {
         let ways = match others.grid {
