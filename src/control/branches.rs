@@ -38,7 +38,8 @@ pub struct Others {
     pub notes: Vec<String>,
 }
 
-/// A second state that was found, and where it is.
+/// A state beside the first that was found, and where it is.
+#[derive(Clone, Debug)]
 pub(super) struct Second {
     pub finished: Finished,
     pub place: Box<PeriodicState>,
@@ -64,13 +65,18 @@ pub fn others(
     let plan: &Plan = &run.plan;
     let counts = |i: &u32| plan.steps(*i) > 0 && run.outcome.results[*i as usize].status != Status::NotRun;
     let instances: Vec<u32> = plan.instances().filter(counts).collect();
-    let mut settled = steady::from_rest(plan, &instances, engine, progress)?;
     let mut hunt = Hunt { run, seconds: (0..plan.len()).map(|_| None).collect() };
+    let mut all = Others::default();
+    let found = match run.from_rest.is_empty() {
+        true => &from_rest(run, engine, progress, &mut all.notes)?,
+        false => &run.from_rest,
+    };
     for &i in &instances {
-        let finished = settled.outcome.results[i as usize];
-        hunt.take(i, finished, settled.found[i as usize].take());
+        if let Some(Second { finished, place }) = &found[i as usize] {
+            hunt.take(i, *finished, Some(place.clone()));
+        }
     }
-    let mut all = Others { from_rest: hunt.count(), notes: settled.outcome.notes, ..Others::default() };
+    all.from_rest = hunt.count();
     if let Some(neighbours) = Neighbours::of(shape, plan.len()) {
         all.grid = true;
         hunt.follow(&instances, &neighbours, &mut all, engine, progress)?;
@@ -78,6 +84,27 @@ pub fn others(
     let seconds = hunt.seconds;
     all.states = second::estimated(run, seconds, engine, progress)?;
     Ok(all)
+}
+
+/// What searches from the lever at rest find, by instance of the run: for many instances they are the most of what second
+/// states cost, and each is of its instance alone.
+pub(super) fn from_rest(
+    run: &Controlled,
+    engine: &dyn Engine,
+    progress: &Progress,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Option<Second>>, EngineError> {
+    let plan = &run.plan;
+    let counts = |i: &u32| plan.steps(*i) > 0 && run.outcome.results[*i as usize].status != Status::NotRun;
+    let instances: Vec<u32> = plan.instances().filter(counts).collect();
+    let settled = steady::from_rest(plan, &instances, engine, progress)?;
+    notes.extend(settled.outcome.notes);
+    let state = |(finished, place): (Finished, Option<Box<PeriodicState>>)| {
+        // Nobody asks for the map's slope there again.
+        let place = Box::new(PeriodicState { slope: Box::default(), ..*place? });
+        Some(Second { finished, place })
+    };
+    Ok(settled.outcome.results.into_iter().zip(settled.found).map(state).collect())
 }
 
 /// Which of an instance's states.

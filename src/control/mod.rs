@@ -60,6 +60,8 @@ pub struct Controlled {
     pub arithmetic: Arithmetic,
     /// Of each instance what others begin at; empty where none does.
     solved: Vec<around::Solved>,
+    /// Of each instance what the search from the lever at rest found; empty where it was not done.
+    from_rest: Vec<Option<branches::Second>>,
 }
 
 /// Which arithmetic stepped what, and why.
@@ -182,5 +184,6 @@ pub fn once(
         neighbour_started: Vec::new(),
         arithmetic,
         solved: Vec::new(),
+        from_rest: Vec::new(),
     })
 }

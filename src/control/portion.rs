@@ -1,5 +1,6 @@
 //! What became of some instances of a run, as plain data apart from their plan: what a run writes down to go on from.
 
+use super::branches::Second;
 use super::choices::Choices;
 use super::{Arithmetic, Controlled};
 use crate::engine::{Finished, Outcome};
@@ -17,6 +18,8 @@ pub struct Portion {
     pub searched: bool,
     /// Whether its instances are points of curves.
     pub curves: bool,
+    /// Whether it was searched from rest.
+    pub from_rest: bool,
     pub instances: Vec<Ended>,
     /// What a user should know of how it went: one line each.
     pub notes: Vec<String>,
@@ -35,6 +38,8 @@ pub struct Ended {
     pub precision: Precision,
     pub fineness: Fineness,
     pub state: Option<Place>,
+    /// What the search from rest found.
+    pub from_rest: Option<(Finished, Place)>,
 }
 
 /// A periodic state without the slope of its map.
@@ -80,17 +85,26 @@ pub struct InMemory;
 
 impl Keep for InMemory {}
 
+impl Place {
+    fn of(state: &PeriodicState) -> Self {
+        let PeriodicState { station, spectrum, steps, ref kept, .. } = *state;
+        Self { station, spectrum, steps, rule: kept.rule }
+    }
+
+    /// As the state of an instance.
+    fn state(self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
+        let Self { station, spectrum, steps, rule } = self;
+        let kept = plan.basis_by(instance, rule);
+        Box::new(PeriodicState { station, spectrum, steps, kept, slope: Box::default() })
+    }
+}
+
 impl Portion {
     /// Of a run of some instances.
     pub(super) fn of(run: &Controlled, whole: bool) -> Self {
         let one = |i: u32| {
             let n = i as usize;
-            let place = |state: &PeriodicState| Place {
-                station: state.station,
-                spectrum: state.spectrum,
-                steps: state.steps,
-                rule: state.kept.rule,
-            };
+            let rest = run.from_rest.get(n).and_then(Option::as_ref);
             Ended {
                 finished: run.outcome.results[n],
                 estimate: run.estimates[n],
@@ -100,13 +114,15 @@ impl Portion {
                 neighbour_started: run.neighbour_started.get(n).is_some_and(|begun| *begun),
                 precision: run.arithmetic.of[n],
                 fineness: run.plan.fineness(i),
-                state: run.found.get(n).and_then(|state| state.as_deref()).map(place),
+                state: run.found.get(n).and_then(|state| state.as_deref()).map(Place::of),
+                from_rest: rest.map(|rest| (rest.finished, Place::of(&rest.place))),
             }
         };
         Self {
             whole,
             searched: !run.found.is_empty(),
             curves: !run.jumps.is_empty(),
+            from_rest: !run.from_rest.is_empty(),
             instances: run.plan.instances().map(one).collect(),
             notes: run.outcome.notes.clone(),
         }
@@ -120,13 +136,16 @@ impl Portion {
         }
         let fineness: Vec<Fineness> = all.iter().map(|one| one.fineness).collect();
         let plan = part.with_fineness(&fineness);
-        let state = |(i, one): (u32, &Ended)| {
-            let Place { station, spectrum, steps, rule } = one.state?;
-            let kept = plan.basis_by(i, rule);
-            Some(Box::new(PeriodicState { station, spectrum, steps, kept, slope: Box::default() }))
-        };
         let found = match self.searched {
-            true => plan.instances().zip(all).map(state).collect(),
+            true => plan.instances().zip(all).map(|(i, one)| Some(one.state?.state(&plan, i))).collect(),
+            false => Vec::new(),
+        };
+        let rest = |(i, one): (u32, &Ended)| {
+            let (finished, place) = one.from_rest?;
+            Some(Second { finished, place: place.state(&plan, i) })
+        };
+        let from_rest = match self.from_rest {
+            true => plan.instances().zip(all).map(rest).collect(),
             false => Vec::new(),
         };
         let jumps = if self.curves { all.iter().map(|one| one.jump).collect() } else { Vec::new() };
@@ -143,6 +162,7 @@ impl Portion {
                 true => all.iter().map(|one| one.neighbour_started).collect(),
                 false => Vec::new(),
             },
+            from_rest,
             arithmetic: Arithmetic { of, ..choices.precision.arithmetic(0) },
             solved: Vec::new(),
             plan,

@@ -5,7 +5,7 @@ use super::choices::{Choices, Course};
 use super::first::First;
 use super::levels::Blocks;
 use super::portion::{Keep, Portion};
-use super::{Arithmetic, Controlled, by_reference, modes, once, unfinished};
+use super::{Arithmetic, Controlled, branches, by_reference, modes, once, unfinished};
 use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::plan::{BasisRule, Plan};
 use crate::steady::{self, PeriodicState};
@@ -99,8 +99,20 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Takes a portion, by its number and with its plan, to its end.
+    /// A portion, with its searches from rest where second states are asked for.
     fn run(&self, number: usize, part: Plan) -> Result<Controlled, EngineError> {
+        let (engine, progress) = (self.engine, self.progress);
+        let mut ran = self.first_states(number, part)?;
+        if ran.plan.run.both_branches && !progress.stopped() {
+            let mut notes = Vec::new();
+            ran.from_rest = branches::from_rest(&ran, engine, progress, &mut notes)?;
+            ran.outcome.notes.append(&mut notes);
+        }
+        Ok(ran)
+    }
+
+    /// Takes a portion, by its number and with its plan, to its end.
+    fn first_states(&self, number: usize, part: Plan) -> Result<Controlled, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let portion = self.division.portion(number);
         match self.choices.course {
@@ -145,6 +157,7 @@ fn free(
         neighbour_started: Vec::new(),
         arithmetic: choices.precision.arithmetic(count),
         solved: Vec::new(),
+        from_rest: Vec::new(),
         plan,
     })
 }
@@ -243,6 +256,10 @@ impl Controlled {
                 |state: Box<PeriodicState>| Box::new(PeriodicState { slope: Box::default(), ..*state });
             self.found[*place as usize] = found.map(kept);
         }
+        if !part.from_rest.is_empty() && self.from_rest.is_empty() {
+            self.from_rest = vec![None; self.plan.len()];
+        }
+        portion.iter().zip(part.from_rest).for_each(|(place, one)| self.from_rest[*place as usize] = one);
         if !part.jumps.is_empty() && self.jumps.is_empty() {
             self.jumps = vec![false; self.plan.len()];
         }

@@ -259,6 +259,7 @@ impl Controlled {
             neighbour_started,
             arithmetic,
             solved,
+            from_rest: Vec::new(),
         }
     }
 

@@ -51,6 +51,7 @@ pub fn by_reference(
             "the reference engine has no other",
         ),
         solved: Vec::new(),
+        from_rest: Vec::new(),
     })
 }
 

@@ -38,6 +38,7 @@ impl Controlled {
             neighbour_started: Vec::new(),
             arithmetic: choices.precision.arithmetic(count),
             solved: Vec::new(),
+            from_rest: Vec::new(),
             plan,
         }
     }

@@ -10,14 +10,14 @@ use rayon::prelude::*;
 /// Modes that a station has room for.
 const MODES: usize = Station::FREE.x.len();
 /// Numbers of an instance.
-const WIDTH: usize = HARMONICS + 15 + 10 + 3 + 7 + 3 + 2 * MODES;
+const WIDTH: usize = 2 * (HARMONICS + 15 + 1) + 8 + 3 + 2 * (1 + 8 + 2 * MODES);
 
 /// A portion and its number as bytes.
 pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
-    let Portion { whole, searched, curves, instances, notes } = portion;
+    let Portion { whole, searched, curves, from_rest, instances, notes } = portion;
     let mut bytes = Vec::new();
     bytes.extend((number as u64).to_le_bytes());
-    bytes.extend([*whole, *searched, *curves].map(u8::from));
+    bytes.extend([*whole, *searched, *curves, *from_rest].map(u8::from));
     bytes.extend((instances.len() as u32).to_le_bytes());
     let notes = notes.join("\n");
     bytes.extend((notes.len() as u32).to_le_bytes());
@@ -48,7 +48,7 @@ fn put(bytes: &mut Vec<u8>, values: impl Iterator<Item = u64> + Clone) {
 pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
     let mut rest = Rest(bytes);
     let number = rest.whole(8)?;
-    rest.take(3)?;
+    rest.take(4)?;
     Some((usize::try_from(number).ok()?, rest.whole(4)? as usize))
 }
 
@@ -60,7 +60,7 @@ pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
         value @ 0..=1 => Some(value == 1),
         _ => None,
     };
-    let (whole, searched, curves) = (flag()?, flag()?, flag()?);
+    let (whole, searched, curves, from_rest) = (flag()?, flag()?, flag()?, flag()?);
     // Before memory is asked for it.
     if rest.whole(4)? as usize != count {
         return None;
@@ -74,7 +74,7 @@ pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
     }
     let one = |i: usize| ended(&mut columns.iter().map(|column| column[i]));
     let instances = (0..count).into_par_iter().map(one).collect::<Option<_>>()?;
-    Some(Portion { whole, searched, curves, instances, notes })
+    Some(Portion { whole, searched, curves, from_rest, instances, notes })
 }
 
 fn column(rest: &mut Rest, count: usize) -> Option<Vec<u64>> {
@@ -142,13 +142,12 @@ fn rule(one: BasisRule) -> [u64; 3] {
 
 /// An instance's numbers, by their bits.
 fn row(one: &Ended) -> [u64; WIDTH] {
-    let Ended { finished, estimate, left_out, periods, jump, neighbour_started, precision, fineness, state } =
-        one;
+    let Ended { finished, estimate, left_out, periods, jump, .. } = one;
+    let Ended { neighbour_started, precision, fineness, state, from_rest, .. } = one;
     let mut row = [0; WIDTH];
     let mut places = row.iter_mut();
     let mut put = |value: u64| places.next().map_or((), |place| *place = value);
-    measured(&finished.measured).for_each(|value| put(value.to_bits()));
-    put(finished.status as u64);
+    finish(finished, &mut put);
     put(estimate.to_bits());
     put(left_out.to_bits());
     put(u64::from(*periods));
@@ -158,24 +157,39 @@ fn row(one: &Ended) -> [u64; WIDTH] {
     put(u64::from(fineness.steps));
     put(fineness.gap.to_bits());
     rule(fineness.rule).into_iter().for_each(&mut put);
-    put(u64::from(state.is_some()));
-    if let Some(Place { station, spectrum, steps, rule: of }) = state {
-        put(u64::from(station.touching));
-        put(u64::from(station.finite));
-        put(spectrum.multiplier.to_bits());
-        put(spectrum.least_change.to_bits());
-        put(u64::from(*steps));
-        rule(*of).into_iter().for_each(&mut put);
-        station.x.iter().chain(&station.u).for_each(|value| put(value.to_bits()));
-    }
+    stand(state.as_ref(), &mut put);
+    finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |(finished, _)| finished), &mut put);
+    stand(from_rest.as_ref().map(|(_, place)| place), &mut put);
     row
+}
+
+fn finish(one: &Finished, put: &mut impl FnMut(u64)) {
+    measured(&one.measured).for_each(|value| put(value.to_bits()));
+    put(one.status as u64);
+}
+
+/// Zeros where there is no state.
+fn stand(state: Option<&Place>, put: &mut impl FnMut(u64)) {
+    put(u64::from(state.is_some()));
+    let none = Place {
+        station: Station { finite: false, ..Station::FREE },
+        spectrum: Spectrum { multiplier: 0.0, least_change: 0.0 },
+        steps: 0,
+        rule: BasisRule::Shares { accuracy: 0.0 },
+    };
+    let Place { station, spectrum, steps, rule: of } = state.unwrap_or(&none);
+    put(u64::from(station.touching));
+    put(u64::from(station.finite));
+    put(spectrum.multiplier.to_bits());
+    put(spectrum.least_change.to_bits());
+    put(u64::from(*steps));
+    rule(*of).into_iter().for_each(&mut *put);
+    station.x.iter().chain(&station.u).for_each(|value| put(value.to_bits()));
 }
 
 /// The instance that these are the numbers of; none where they can be no instance's.
 fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
-    let measured = of_measured(numbers)?;
-    let code = numbers.next()?;
-    let status = Status::ALL.into_iter().find(|status| *status as u64 == code)?;
+    let finished = of_finished(numbers)?;
     let (estimate, left_out) = (f64::from_bits(numbers.next()?), f64::from_bits(numbers.next()?));
     let periods = u32::try_from(numbers.next()?).ok()?;
     let (jump, neighbour_started) = (numbers.next()? == 1, numbers.next()? == 1);
@@ -183,12 +197,28 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     let steps = u32::try_from(numbers.next()?).ok()?;
     let gap = f64::from_bits(numbers.next()?);
     let fineness = Fineness { steps, gap, rule: of_rule(numbers)? };
-    let state = match numbers.next()? {
-        0 => None,
-        _ => Some(place(numbers)?),
-    };
-    let finished = Finished { measured, status };
-    Some(Ended { finished, estimate, left_out, periods, jump, neighbour_started, precision, fineness, state })
+    let state = place(numbers)?;
+    let rest = of_finished(numbers)?;
+    let from_rest = place(numbers)?.map(|place| (rest, place));
+    Some(Ended {
+        finished,
+        estimate,
+        left_out,
+        periods,
+        jump,
+        neighbour_started,
+        precision,
+        fineness,
+        state,
+        from_rest,
+    })
+}
+
+fn of_finished(numbers: &mut impl Iterator<Item = u64>) -> Option<Finished> {
+    let measured = of_measured(numbers)?;
+    let code = numbers.next()?;
+    let status = Status::ALL.into_iter().find(|status| *status as u64 == code)?;
+    Some(Finished { measured, status })
 }
 
 fn of_measured(numbers: &mut impl Iterator<Item = u64>) -> Option<Measured> {
@@ -226,7 +256,9 @@ fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
     }
 }
 
-fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Place> {
+/// A state, if there is one.
+fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Option<Place>> {
+    let is_any = numbers.next()? == 1;
     let (touching, finite) = (numbers.next()? == 1, numbers.next()? == 1);
     let multiplier = f64::from_bits(numbers.next()?);
     let least_change = f64::from_bits(numbers.next()?);
@@ -236,7 +268,8 @@ fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Place> {
     for place in station.x.iter_mut().chain(&mut station.u) {
         *place = f64::from_bits(numbers.next()?);
     }
-    Some(Place { station, spectrum: Spectrum { multiplier, least_change }, steps, rule })
+    let place = Place { station, spectrum: Spectrum { multiplier, least_change }, steps, rule };
+    Some(is_any.then_some(place))
 }
 
 #[cfg(test)]
@@ -261,8 +294,10 @@ mod tests {
         (station.x[1], station.u[23]) = (number(), number());
         let spectrum = Spectrum { multiplier: number(), least_change: number() };
         let rule = BasisRule::Contact { rate: number(), count: 7 };
+        let place = Place { station, spectrum, steps: 64, rule };
+        let finished = Finished { measured, status: Status::ALL[draw(state) as usize % 8] };
         Ended {
-            finished: Finished { measured, status: Status::ALL[draw(state) as usize % 8] },
+            finished,
             estimate: f64::NAN,
             left_out: -f64::NAN,
             periods: draw(state) as u32,
@@ -270,14 +305,16 @@ mod tests {
             neighbour_started: draw(state).is_multiple_of(2),
             precision: [Precision::F32, Precision::F64][draw(state) as usize % 2],
             fineness: Fineness { steps: draw(state) as u32, gap: 0.0, rule },
-            state: draw(state).is_multiple_of(2).then_some(Place { station, spectrum, steps: 64, rule }),
+            state: draw(state).is_multiple_of(2).then_some(place),
+            from_rest: draw(state).is_multiple_of(3).then_some((finished, place)),
         }
     }
 
     fn portion(count: usize, seed: u64) -> Portion {
         let mut state = seed;
         let instances = (0..count).map(|_| any(&mut state)).collect();
-        Portion { whole: true, searched: true, curves: false, instances, notes: vec!["a".into(), "b".into()] }
+        let notes = vec!["a".into(), "b".into()];
+        Portion { whole: true, searched: true, curves: false, from_rest: true, instances, notes }
     }
 
     #[test]

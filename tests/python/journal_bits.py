@@ -45,7 +45,7 @@ def journal(program):
             child.kill()
             child.wait()
         partial = pathlib.Path("a.h5.partial")
-        if partial.exists() and partial.stat().st_size > 20_000:
+        if partial.exists() and partial.stat().st_size > 8_000:
             return partial.read_bytes()
         partial.unlink(missing_ok=True)
         pathlib.Path("a.h5").unlink(missing_ok=True)
