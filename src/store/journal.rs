@@ -200,7 +200,7 @@ mod tests {
         for end in 0..bytes.len() {
             match Journal::read(bytes[..end].to_vec()) {
                 Ok(cut) => {
-                    assert_eq!(cut.sound as usize + cut.torn(), end);
+                    assert_eq!(cut.sound + cut.torn(), end);
                     assert_eq!(records(&cut), records(&whole)[..cut.records.len()]);
                     assert_eq!(cut.spoilt, 0);
                 }
