@@ -43,7 +43,7 @@ test: deps
 	cargo test $(FEATURES)
 	$(MAKE) --no-print-directory python-check
 
-test-all: deps library-check scipy-check signal-check fuzz-files
+test-all: deps library-check scipy-check signal-check kill-check fuzz-files
 	cargo test $(FEATURES) -- --include-ignored --skip child_without_room
 	$(MAKE) --no-print-directory python-check
 	$(MAKE) --no-print-directory fuzz MUTANTS=$(or $(MUTANTS),2000)

@@ -3,7 +3,7 @@
 use super::run::lost;
 use super::{Voice, instances};
 use afmsweep::sweep::{Keeper, read_header};
-use afmsweep::{Error, Status, Sweep, store};
+use afmsweep::{Backend, Error, Status, Sweep, store};
 use anyhow::Context;
 use std::path::Path;
 
@@ -13,7 +13,8 @@ pub fn main(file: &Path, output: &Path, overwrite: bool, voice: Voice) -> anyhow
     lost(&journal, file, voice);
     let named = || file.display().to_string();
     let (prepared, share) = read_header(journal.header()).with_context(named)?;
-    let sweep = Sweep::new(prepared.scene().with_context(named)?).told_as(&prepared);
+    // Nothing is run: any engine will do.
+    let sweep = Sweep::new(prepared.scene().with_context(named)?).told_as(&prepared).backend(Backend::Cpu);
     let keeper = Keeper::of_journals(vec![journal], share).with_context(named)?;
     let swept = match sweep.looked_into(&keeper) {
         Err(Error::Stopped(_)) => anyhow::bail!("{} has no portion that has ended yet", file.display()),

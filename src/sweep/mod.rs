@@ -207,7 +207,7 @@ impl Sweep {
         self
     }
 
-    /// As the run that chose was told: its precision, its steps, whether errors are estimated.
+    /// As the run that chose was told: its kind of engine, its precision, its steps, whether errors are estimated.
     #[must_use]
     pub fn told_as(mut self, prepared: &Prepared) -> Self {
         prepared.put_into(&mut self.options, &mut self.scene);

@@ -160,15 +160,17 @@ impl Prepared {
         }
     }
 
-    /// Precision and steps of the run that chose, as options of a sweep have them.
+    /// Engine, precision and steps of the run that chose, as options of a sweep have them.
     pub(super) fn put_into(&self, options: &mut Options, scene: &mut Scene) {
         use crate::plan::Precision;
         let all = [Precision::F32, Precision::F64];
         options.precision = all.into_iter().find(|one| one.name() == self.options.precision);
         options.estimate = self.options.course != Course::Once;
-        if self.options.course == Course::Reference {
-            options.backend = Backend::Reference;
-        }
+        options.backend = match self.options.course {
+            Course::Reference => Backend::Reference,
+            _ if self.engine.starts_with("gpu ") => Backend::Gpu,
+            _ => Backend::Cpu,
+        };
         scene.run.steps_per_period = self.options.steps_per_period.parse().ok();
     }
 
