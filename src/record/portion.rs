@@ -23,25 +23,29 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     bytes.extend((notes.len() as u32).to_le_bytes());
     bytes.extend(notes.as_bytes());
     let rows: Vec<[u64; WIDTH]> = instances.par_iter().map(row).collect();
+    let first = rows.first().copied().unwrap_or([0; WIDTH]);
+    // Row by row, as they lie in memory: most columns are of one number.
+    let (mut differ, mut any) = ([0; WIDTH], [0; WIDTH]);
+    for row in &rows {
+        for column in 0..WIDTH {
+            differ[column] |= row[column] ^ first[column];
+            any[column] |= row[column];
+        }
+    }
     for column in 0..WIDTH {
-        let values = rows.iter().map(|row| row[column]);
-        put(&mut bytes, values);
+        match differ[column] {
+            0 => {
+                bytes.push(0);
+                bytes.extend(first[column].to_le_bytes());
+            }
+            _ => {
+                let width = (8 - any[column].leading_zeros() / 8) as usize;
+                bytes.push(width as u8);
+                rows.iter().for_each(|row| bytes.extend(&row[column].to_le_bytes()[..width]));
+            }
+        }
     }
     bytes
-}
-
-/// Appends a column: the bytes of its numbers (0 where all are the first), then these.
-fn put(bytes: &mut Vec<u8>, values: impl Iterator<Item = u64> + Clone) {
-    let first = values.clone().next().unwrap_or_default();
-    if values.clone().all(|value| value == first) {
-        bytes.push(0);
-        bytes.extend(first.to_le_bytes());
-        return;
-    }
-    let most = values.clone().fold(0, |most, value| most | value);
-    let width = (8 - most.leading_zeros() / 8).max(1) as usize;
-    bytes.push(width as u8);
-    values.for_each(|value| bytes.extend(&value.to_le_bytes()[..width]));
 }
 
 /// The number of the portion that the bytes hold, and how many instances it has.

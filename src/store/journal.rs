@@ -1,7 +1,7 @@
 //! The journal of a run that goes on: records one after the other, each with its length and its sums.
 //!
 //! A file of `MAGIC` and records. A record is its length (4 bytes, the lowest first), its kind (1), the CRC-32 of these
-//! five (4), its bytes, and their CRC-32 (4). So a record that is spoilt is passed over, and what was cut off while it was
+//! five (4), its bytes, and the CRC-32 of the five and these (4). So a record that is spoilt is passed over, and what was cut off while it was
 //! written is known as such. The first record is the header.
 
 use super::StoreError;
@@ -146,7 +146,7 @@ fn record(bytes: &[u8], at: usize) -> Option<(Kind, Range<usize>, bool)> {
     let end = start.checked_add(length)?;
     let (own, sum) = (bytes.get(start..end)?, bytes.get(end..end.checked_add(TAIL)?)?);
     let kind = Kind::of(told[4]);
-    let good = kind.is_some() && crc32fast::hash(own).to_le_bytes() == *sum;
+    let good = kind.is_some() && sum_of(told, own) == *sum;
     Some((kind.unwrap_or(Kind::Portion), start..end, good))
 }
 
@@ -156,10 +156,19 @@ pub(super) fn written(kind: Kind, own: &[u8]) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(own.len() + HEAD + TAIL);
     bytes.extend(length.to_le_bytes());
     bytes.push(kind as u8);
+    let sum = sum_of(&bytes, own);
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     bytes.extend(own);
-    bytes.extend(crc32fast::hash(own).to_le_bytes());
+    bytes.extend(sum);
     Some(bytes)
+}
+
+/// Of a record's bytes and of what its beginning tells of them: those of another kind do not pass for them.
+fn sum_of(told: &[u8], own: &[u8]) -> [u8; 4] {
+    let mut sum = crc32fast::Hasher::new();
+    sum.update(told);
+    sum.update(own);
+    sum.finalize().to_le_bytes()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What a partial file begins with while it is being written, in place of the first bytes of HDF5: one that is torn is
 /// known as such.
@@ -30,7 +30,12 @@ pub struct Writer {
     holds: bool,
     written: bool,
     finished: bool,
+    /// When the partial file was last seen to be on the disk.
+    synced: Option<Instant>,
 }
+
+/// Between two looks whether a journal is on the disk: that takes some ten milliseconds, as many portions do.
+const SYNC: Duration = Duration::from_secs(1);
 
 /// The name under which the results file `path` is written before it is whole.
 pub fn partial_path(path: &Path) -> PathBuf {
@@ -91,6 +96,7 @@ impl Writer {
             holds,
             written: false,
             finished: false,
+            synced: None,
         })
     }
 
@@ -169,11 +175,12 @@ impl Writer {
     }
 
     /// Appends to the partial file, which then holds something if `holds` says so; what was not written whole is taken
-    /// away again.
+    /// away again. What was written outlasts the program at once, and a power cut a second later.
     pub(super) fn append(&mut self, bytes: &[u8], holds: bool) -> Result<(), StoreError> {
+        let sync = self.synced.is_none_or(|last| last.elapsed() > SYNC);
         let put = |file: &mut File| {
             let end = file.seek(std::io::SeekFrom::End(0))?;
-            let put = file.write_all(bytes).and_then(|()| file.sync_data());
+            let put = file.write_all(bytes).and_then(|()| if sync { file.sync_data() } else { Ok(()) });
             if put.is_err() {
                 let _ = file.set_len(end);
             }
@@ -181,6 +188,9 @@ impl Writer {
         };
         let put = put(&mut self.file).map_err(|e| StoreError::io(&self.partial, "write", e));
         self.holds |= holds && put.is_ok();
+        if sync {
+            self.synced = Some(Instant::now());
+        }
         put
     }
 

@@ -46,7 +46,7 @@ impl RunFile {
         self.writer.append(&bytes, false)
     }
 
-    /// Appends a record, and waits until it is on the disk.
+    /// Appends a record: it outlasts the program at once, and a power cut a second later.
     ///
     /// # Errors
     /// What the disk says; then nothing of it was kept.

@@ -196,9 +196,10 @@ fn altered(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
     let (before, header) = (journal.header(), journal.header().replace(from, to));
     let mut record = (header.len() as u32).to_le_bytes().to_vec();
     record.push(Kind::Header as u8);
+    let sum = crc32fast::hash(&[&record, header.as_bytes()].concat());
     record.extend(crc32fast::hash(&record).to_le_bytes());
     record.extend(header.as_bytes());
-    record.extend(crc32fast::hash(header.as_bytes()).to_le_bytes());
+    record.extend(sum.to_le_bytes());
     let (start, rest) = (13, 13 + before.len() + 13);
     [&bytes[..start], &record, &bytes[rest..]].concat()
 }
