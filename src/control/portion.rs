@@ -26,7 +26,7 @@ pub struct Portion {
 }
 
 /// What became of one instance; see [`Controlled`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Ended {
     pub finished: Finished,
     pub estimate: f64,
@@ -37,9 +37,9 @@ pub struct Ended {
     pub neighbour_started: bool,
     pub precision: Precision,
     pub fineness: Fineness,
-    pub state: Option<Place>,
+    pub state: Option<Box<Place>>,
     /// What the search from rest found.
-    pub from_rest: Option<(Finished, Place)>,
+    pub from_rest: Option<Box<(Finished, Place)>>,
 }
 
 /// A periodic state without the slope of its map.
@@ -114,8 +114,12 @@ impl Portion {
                 neighbour_started: run.neighbour_started.get(n).is_some_and(|begun| *begun),
                 precision: run.arithmetic.of[n],
                 fineness: run.plan.fineness(i),
-                state: run.found.get(n).and_then(|state| state.as_deref()).map(Place::of),
-                from_rest: rest.map(|rest| (rest.finished, Place::of(&rest.place))),
+                state: run
+                    .found
+                    .get(n)
+                    .and_then(|state| state.as_deref())
+                    .map(|state| Box::new(Place::of(state))),
+                from_rest: rest.map(|rest| Box::new((rest.finished, Place::of(&rest.place)))),
             }
         };
         Self {
@@ -137,11 +141,13 @@ impl Portion {
         let fineness: Vec<Fineness> = all.iter().map(|one| one.fineness).collect();
         let plan = part.with_fineness(&fineness);
         let found = match self.searched {
-            true => plan.instances().zip(all).map(|(i, one)| Some(one.state?.state(&plan, i))).collect(),
+            true => {
+                plan.instances().zip(all).map(|(i, one)| Some(one.state.as_ref()?.state(&plan, i))).collect()
+            }
             false => Vec::new(),
         };
         let rest = |(i, one): (u32, &Ended)| {
-            let (finished, place) = one.from_rest?;
+            let (finished, place) = **one.from_rest.as_ref()?;
             Some(Second { finished, place: place.state(&plan, i) })
         };
         let from_rest = match self.from_rest {

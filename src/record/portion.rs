@@ -22,16 +22,21 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     let notes = notes.join("\n");
     bytes.extend((notes.len() as u32).to_le_bytes());
     bytes.extend(notes.as_bytes());
-    let rows: Vec<[u64; WIDTH]> = instances.par_iter().map(row).collect();
-    let first = rows.first().copied().unwrap_or([0; WIDTH]);
-    // Row by row, as they lie in memory: most columns are of one number.
+    let first = instances.first().map_or([0; WIDTH], row);
+    // Most columns are of one number.
     let (mut differ, mut any) = ([0; WIDTH], [0; WIDTH]);
-    for row in &rows {
+    for row in instances.iter().map(row) {
         for column in 0..WIDTH {
             differ[column] |= row[column] ^ first[column];
             any[column] |= row[column];
         }
     }
+    let columns: Vec<usize> = (0..WIDTH).filter(|column| differ[*column] != 0).collect();
+    let mut varying = vec![Vec::with_capacity(instances.len()); columns.len()];
+    for row in instances.iter().map(row) {
+        varying.iter_mut().zip(&columns).for_each(|(values, column)| values.push(row[*column]));
+    }
+    let mut varying = varying.into_iter();
     for column in 0..WIDTH {
         match differ[column] {
             0 => {
@@ -41,7 +46,8 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
             _ => {
                 let width = (8 - any[column].leading_zeros() / 8) as usize;
                 bytes.push(width as u8);
-                rows.iter().for_each(|row| bytes.extend(&row[column].to_le_bytes()[..width]));
+                let values = varying.next().unwrap_or_default();
+                values.iter().for_each(|value| bytes.extend(&value.to_le_bytes()[..width]));
             }
         }
     }
@@ -161,9 +167,9 @@ fn row(one: &Ended) -> [u64; WIDTH] {
     put(u64::from(fineness.steps));
     put(fineness.gap.to_bits());
     rule(fineness.rule).into_iter().for_each(&mut put);
-    stand(state.as_ref(), &mut put);
-    finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |(finished, _)| finished), &mut put);
-    stand(from_rest.as_ref().map(|(_, place)| place), &mut put);
+    stand(state.as_deref(), &mut put);
+    finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |rest| &rest.0), &mut put);
+    stand(from_rest.as_ref().map(|rest| &rest.1), &mut put);
     row
 }
 
@@ -201,9 +207,9 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     let steps = u32::try_from(numbers.next()?).ok()?;
     let gap = f64::from_bits(numbers.next()?);
     let fineness = Fineness { steps, gap, rule: of_rule(numbers)? };
-    let state = place(numbers)?;
+    let state = place(numbers)?.map(Box::new);
     let rest = of_finished(numbers)?;
-    let from_rest = place(numbers)?.map(|place| (rest, place));
+    let from_rest = place(numbers)?.map(|place| Box::new((rest, place)));
     Some(Ended {
         finished,
         estimate,
@@ -309,8 +315,8 @@ mod tests {
             neighbour_started: draw(state).is_multiple_of(2),
             precision: [Precision::F32, Precision::F64][draw(state) as usize % 2],
             fineness: Fineness { steps: draw(state) as u32, gap: 0.0, rule },
-            state: draw(state).is_multiple_of(2).then_some(place),
-            from_rest: draw(state).is_multiple_of(3).then_some((finished, place)),
+            state: draw(state).is_multiple_of(2).then(|| Box::new(place)),
+            from_rest: draw(state).is_multiple_of(3).then(|| Box::new((finished, place))),
         }
     }
 
