@@ -47,7 +47,9 @@ impl<'a> Around<'a> {
     /// For the second run: from the instance's own state in the first, by how far the two are apart at its neighbours.
     pub fn second(&self, found: &[Option<&'a PeriodicState>]) -> Vec<Lead<'a>> {
         let of = |(i, own): (usize, &Option<&'a PeriodicState>)| {
-            let Some(own) = *own else { return Lead::None };
+            let Some(own) = *own else {
+                return if self.in_vain(i as u32) { Lead::Vain } else { Lead::None };
+            };
             let hint = |weighted: &Weighted, [first, second]: &'a [Node; 2]| {
                 neighbour(weighted, second, Some(first))
             };

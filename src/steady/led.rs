@@ -7,9 +7,9 @@ use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{Plan, Precision};
 
 /// As [`run`](super::run) with `near`, but that instances with a hint begin where their neighbours lead to, and are
-/// searched for where that is no periodic state. What is not found is waited for if `waits` says so; else it is left as not
-/// run, as are instances whose neighbours were searched for in vain. Which of them began at their neighbours and ended there
-/// comes, too.
+/// searched for where that is no periodic state. Where neighbours were searched for in vain they are searched for once, late.
+/// What is not found is waited for if `waits` says so; else it is left as not run, and where neighbours were in vain nothing
+/// is tried. Which of them began at their neighbours and ended there comes, too.
 ///
 /// # Errors
 /// What the engine says.
@@ -31,15 +31,21 @@ pub fn from_neighbours(
     }
     let mut begun = vec![false; plan.len()];
     led.into_iter().for_each(|i| begun[i as usize] = true);
-    let vain = |i: u32| matches!(leads[i as usize], Lead::Vain);
-    let rest: Vec<u32> = plan.instances().filter(|i| !begun[*i as usize] && !vain(*i)).collect();
-    if !rest.is_empty() {
+    let rest: Vec<u32> = plan.instances().filter(|i| !begun[*i as usize]).collect();
+    let vain = |i: &u32| matches!(leads[*i as usize], Lead::Vain);
+    let (mut once, often): (Vec<u32>, Vec<u32>) = rest.into_iter().partition(vain);
+    once.retain(|_| waits);
+    for (some, once) in [(often, false), (once, true)] {
+        if some.is_empty() {
+            continue;
+        }
         let near: Vec<Option<&PeriodicState>> = match near.is_empty() {
             true => Vec::new(),
-            false => rest.iter().map(|i| near[*i as usize]).collect(),
+            false => some.iter().map(|i| near[*i as usize]).collect(),
         };
-        let ran = searched(&plan.part(&rest), Begin::Near(&near), waits, engine, progress)?;
-        settled.take(&rest, ran);
+        let begin = if once { Begin::Once(&near) } else { Begin::Near(&near) };
+        let rest = searched(&plan.part(&some), begin, waits, engine, progress)?;
+        settled.take(&some, rest);
     }
     Ok((settled, begun))
 }

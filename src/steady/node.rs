@@ -162,7 +162,7 @@ pub struct Neighbour<'a> {
 #[derive(Clone, Debug)]
 pub enum Lead<'a> {
     Hint(Hint<'a>),
-    /// They were searched for in vain: a run that others follow does without the instance.
+    /// They were searched for in vain.
     Vain,
     /// They are no guide.
     None,

@@ -18,6 +18,8 @@ const CHUNK_MANY: usize = 1024;
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
 /// of contact, and before the beats that follow it, in which no stride is of use.
 const WARM: [u32; 3] = [3, 32, 128];
+/// The same for a search that is the only one: as late as the last of several.
+const LATE: [u32; 1] = [160];
 /// What the searches ended with, by instance of the plan.
 pub(super) struct Searched {
     pub found: Vec<Option<Box<PeriodicState>>>,
@@ -32,6 +34,8 @@ pub(super) enum Begin<'a> {
     Still,
     /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
     Near(&'a [Option<&'a PeriodicState>]),
+    /// The same, where those like it were searched for in vain: one search alone.
+    Once(&'a [Option<&'a PeriodicState>]),
     /// At these places, by instance, which are thought to be next to a state.
     At(&'a [Station]),
     /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
@@ -58,7 +62,10 @@ impl Begin<'_> {
     /// A state of the instance with other steps or another lever.
     fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
-            Self::Near(near) | Self::Followed(near) | Self::Along(Along { states: near, .. }) => {
+            Self::Near(near)
+            | Self::Once(near)
+            | Self::Followed(near)
+            | Self::Along(Along { states: near, .. }) => {
                 near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
             }
             Self::Still | Self::At(_) => None,
@@ -69,6 +76,7 @@ impl Begin<'_> {
     fn warm(&self) -> &'static [u32] {
         match self {
             Self::Along(..) => &[],
+            Self::Once(_) => &LATE,
             _ => &WARM,
         }
     }
@@ -76,7 +84,7 @@ impl Begin<'_> {
     /// Where the instance begins without one.
     fn place(&self, plan: &Plan, instance: u32) -> Station {
         match self {
-            Self::Near(_) => Station::free(plan, instance),
+            Self::Near(_) | Self::Once(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
             Self::At(places) | Self::Along(Along { places, .. }) => places[instance as usize],
             Self::Followed(states) => match states[instance as usize] {
