@@ -15,7 +15,7 @@ pub fn all(points: usize) -> Vec<(&'static str, String)> {
         ("DMT, 1 to 100 GPa", tapping("dmt", 150, &cube(points, hard))),
         ("DMT, quality factor 2000", tapping("dmt", 2000, &cube(points, soft))),
         ("bistable", bistable(points)),
-        ("scattered", tapping("dmt", 150, &scattered(points))),
+        ("scattered", tapping("dmt", 150, &scattered(points / 10))),
     ]
 }
 
@@ -42,9 +42,11 @@ fn cube(points: usize, modulus: &str) -> String {
 fn scattered(points: usize) -> String {
     let mut random = Random(18);
     let mut list = |path: &str, low: f64, high: f64, unit: &str| {
-        let unit = if unit == "1" { "" } else { unit };
-        let values: Vec<String> =
-            (0..points).map(|_| format!("\"{:.9} {unit}\"", random.log(low, high))).collect();
+        let value = |number: f64| match unit {
+            "" => format!("{number:.9}"),
+            unit => format!("\"{number:.9} {unit}\""),
+        };
+        let values: Vec<String> = (0..points).map(|_| value(random.log(low, high))).collect();
         format!("\"{path}\" = [{}]\n", values.join(", "))
     };
     [
@@ -52,7 +54,7 @@ fn scattered(points: usize) -> String {
         list("sample.surface_energy", 1.0, 100.0, "mJ/m^2"),
         list("sample.youngs_modulus", 0.1, 10.0, "GPa"),
         list("instrument.tip.radius", 5.0, 40.0, "nm"),
-        list("sample.poisson_ratio", 0.2, 0.45, "1"),
+        list("sample.poisson_ratio", 0.2, 0.45, ""),
         list("approach.gap", 15.0, 18.0, "nm"),
         list("drive.free_amplitude", 19.0, 23.0, "nm"),
     ]
