@@ -4,6 +4,7 @@ use afmsweep::design::Mix;
 use afmsweep::instrument::{Instrument, Pattern};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, QualityFactor, Scene};
+use afmsweep::{Audit, Backend, Results, Sweep};
 
 /// A lever of a random stiffness (0.01 to 1,000 N/m), frequency (1 kHz to 10 MHz) and quality factors.
 fn lever(number: u64) -> InstrumentParams {
@@ -86,4 +87,25 @@ fn rows_that_share_a_lever_share_its_instrument() {
         let first = plan.ensemble.drives[plan.ensemble.instances[i as usize].drive as usize].free.first_mode;
         assert!((first.1 / stiffness - 1.0).abs() < 1e-9, "{i}: {first:?}, not {stiffness}");
     }
+}
+
+/// Samples are numbered and have no neighbours: none begins at another's state, and one that is searched for alone has the
+/// bits of the same among thousands.
+#[test]
+fn samples_do_not_begin_at_their_neighbours() {
+    let text = std::fs::read_to_string(crate::program::scene("sensitivity.toml")).unwrap();
+    let of = |kind: &str, samples: &str| {
+        let text = text.replace("kind = \"saltelli\"", kind).replace("samples = 2048", samples);
+        Scene::parse("sensitivity.toml".as_ref(), &text).unwrap()
+    };
+    let many = of("kind = \"sobol\"", "samples = 2048\nreplicates = 1");
+    let plan = Plan::new(&many, Precision::F64).unwrap();
+    let orders: Vec<usize> =
+        plan.ensemble.grid.as_ref().unwrap().axes.iter().map(|axis| axis.order.len()).collect();
+    assert_eq!(orders, [0]);
+    let run =
+        |scene: Scene| Sweep::new(scene).backend(Backend::Cpu).audit(Audit::None).run().unwrap().results;
+    let (all, few) = (run(many), run(of("kind = \"sobol\"", "samples = 32\nreplicates = 1")));
+    let values = |results: &Results| results.observable("phase").unwrap().values[..32].to_vec();
+    assert_eq!(values(&all), values(&few));
 }
