@@ -232,7 +232,9 @@ fn grid(sweep: &SweptAxes) -> Option<Grid> {
     let mut stride = 1;
     let of = |axis: &Axis| {
         let length = axis.values.len() as u32;
-        let mut order: Vec<u32> = if axis.words.is_empty() { (0..length).collect() } else { Vec::new() };
+        // Neither words nor samples, which are numbered, have neighbours.
+        let ordered = axis.words.is_empty() && axis.columns.is_empty();
+        let mut order: Vec<u32> = if ordered { (0..length).collect() } else { Vec::new() };
         order.sort_by(|a, b| axis.values[*a as usize].total_cmp(&axis.values[*b as usize]));
         stride *= length;
         GridAxis { stride: stride / length, length, order }

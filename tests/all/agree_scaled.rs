@@ -4,6 +4,8 @@ use afmsweep::design::Mix;
 use afmsweep::instrument::{Instrument, Pattern};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, QualityFactor, Scene};
+use afmsweep::store::Attribute;
+use afmsweep::{Audit, Backend, Sweep};
 
 /// A lever of a random stiffness (0.01 to 1,000 N/m), frequency (1 kHz to 10 MHz) and quality factors.
 fn lever(number: u64) -> InstrumentParams {
@@ -86,4 +88,18 @@ fn rows_that_share_a_lever_share_its_instrument() {
         let first = plan.ensemble.drives[plan.ensemble.instances[i as usize].drive as usize].free.first_mode;
         assert!((first.1 / stiffness - 1.0).abs() < 1e-9, "{i}: {first:?}, not {stiffness}");
     }
+}
+
+/// Samples are numbered and have no neighbours: none begins at another's state.
+#[test]
+fn samples_do_not_begin_at_their_neighbours() {
+    let text = std::fs::read_to_string(crate::program::scene("sensitivity.toml")).unwrap();
+    let text = text.replace("samples = 2048", "samples = 256");
+    let scene = Scene::parse("sensitivity.toml".as_ref(), &text).unwrap();
+    let plan = Plan::new(&scene, Precision::F64).unwrap();
+    let grid = plan.ensemble.grid.as_ref().unwrap();
+    assert_eq!(grid.axes.iter().map(|axis| axis.order.len()).collect::<Vec<_>>(), [0]);
+    let run = Sweep::new(scene).backend(Backend::Cpu).audit(Audit::None).run().unwrap();
+    let started = run.results.attributes.iter().find(|(name, _)| name == "neighbour_started");
+    assert_eq!(started.unwrap().1, Attribute::Number(0.0));
 }
