@@ -8,6 +8,7 @@ mod branches;
 mod choices;
 mod decide;
 mod difference;
+mod division;
 mod first;
 mod levels;
 mod modes;
@@ -28,8 +29,8 @@ mod verdict;
 pub use audit::{Audited, audit, audit_of, contacts, mark};
 pub use branches::{Other, Others, others};
 pub use choices::{Choices, Course, choose};
+pub use division::Division;
 pub use portion::{Ended, InMemory, Keep, Place, Portion};
-pub use portions::Division;
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
 
