@@ -112,7 +112,7 @@ pub(super) fn add_rounding(
     let cpu = Cpu::default();
     let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
     let double = run.plan.part(&sample).in_precision(Precision::F64);
-    let settled = steady::run(&double, &steady::of(&run.found, &sample), engine, progress)?;
+    let settled = steady::beside_states(&double, &steady::of(&run.found, &sample), engine, progress)?;
     run.outcome.notes.extend(settled.outcome.notes);
     if progress.stopped() {
         return Ok(());

@@ -105,6 +105,24 @@ pub fn run(
     searched(plan, begin, true, engine, progress)
 }
 
+/// As [`run`], but that a search begins at these states themselves, of whose slopes nothing need be known: it looks for the
+/// states next to them, and not for others.
+///
+/// # Errors
+/// What the engine says.
+pub fn beside_states(
+    plan: &Plan,
+    states: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    if plan.run.steady == Steady::Wait || states.is_empty() {
+        return run(plan, states, engine, progress);
+    }
+    progress.part();
+    searched(plan, Begin::Followed(states), true, engine, progress)
+}
+
 /// The plan's instances as a search from there finds them; what it does not find is waited for, or left as not run.
 fn searched(
     plan: &Plan,
