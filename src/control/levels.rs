@@ -240,12 +240,12 @@ mod tests {
             let whole = grid(&lengths);
             let blocks = Blocks::over(&whole, most);
             assert_eq!(blocks.sizes().collect::<Vec<_>>(), sizes);
-            for n in 0..sizes.len() {
+            for (n, size) in sizes.iter().enumerate() {
                 let Levels { scouts, later } = blocks.levels(n);
                 let mut all: Vec<u32> = scouts;
                 all.extend(later.iter().flat_map(|level| level.points.iter().copied()));
                 all.sort_unstable();
-                assert!(all.iter().copied().eq(0..sizes[n] as u32), "{lengths:?}, block {n}");
+                assert!(all.iter().copied().eq(0..*size as u32), "{lengths:?}, block {n}");
             }
             let mut all = blocks.order.clone();
             all.sort_unstable();
