@@ -95,7 +95,10 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
             .collect(),
         audit: Some(AuditTable {
             instances: vec![0, last],
-            variables: vec![variable("amplitude", "m", None, ramp(2, 1e-9))],
+            variables: vec![
+                variable("amplitude", "m", None, ramp(2, 1e-9)),
+                variable("phase", "degree", None, ramp(2, 60.0)),
+            ],
             observables: vec!["amplitude".into(), "phase".into()],
             errors: ramp(4, 1e-4),
             flags: vec![Flags {
