@@ -39,11 +39,11 @@ pub(super) fn run(
     whole.left_out.clone_from(&block.left_out);
     whole.solved = vec![Solved::Unknown; whole.plan.len()];
     whole.neighbour_started = vec![false; whole.plan.len()];
-    for batch in batches(&block.plan, levels) {
+    'batches: for batch in batches(&block.plan, levels) {
         let pieces: Vec<&[u32]> = batch.instances.chunks(size).collect();
         for some in pieces.chunks(at_once.max(1)) {
             if progress.stopped() {
-                return Ok(whole);
+                break 'batches;
             }
             let one = |piece: &&[u32]| piece_of(&block, (&batch, piece), &whole, engine, progress);
             let done: Vec<_> = match some {

@@ -107,12 +107,39 @@ mod tests {
         }
     }
 
-    /// Truth: the run that nobody stops. Whatever a stopped one calls ok has its values to the bit, and nothing is
-    /// called by another status than there, but for not run.
+    /// Stops the plan's run after each of so many engine's runs; how many instances were cut short, and how many kept.
+    /// Truth: the run that nobody stops. Whatever a stopped one calls ok has its values to the bit, and nothing is called by
+    /// another status than there, but for not run.
+    fn stopped(plan: &Plan, after: impl Iterator<Item = usize>) -> [usize; 2] {
+        let run = |runs: usize| {
+            let progress = Progress::default();
+            let engine = Stops { left: AtomicUsize::new(runs), progress: &progress };
+            (control::run(plan, &engine, &progress).expect("it runs"), progress.stopped())
+        };
+        let (whole, _) = run(0);
+        let (mut cut, mut kept) = (0, 0);
+        for runs in after {
+            let (part, stopped) = run(runs);
+            if !stopped {
+                break;
+            }
+            for (i, (one, other)) in part.outcome.results.iter().zip(&whole.outcome.results).enumerate() {
+                if one.status == Status::NotRun {
+                    cut += 1;
+                    continue;
+                }
+                kept += 1;
+                let (one, other) = (format!("{one:?}"), format!("{other:?}"));
+                assert_eq!(one, other, "stopped after run {runs}: instance {i}");
+            }
+        }
+        [cut, kept]
+    }
+
     #[test]
     fn what_a_stopped_run_calls_done_is_what_the_whole_run_gives() {
         let text = include_str!("../../scenes/quickstart.toml");
-        let (mut cut, mut kept) = (0, 0);
+        let mut counts = [0, 0];
         for steady in ["wait", "search"] {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
             let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
@@ -121,28 +148,34 @@ mod tests {
             let mut plan = plan.part(&some);
             // So many of them have to be refined.
             plan.run.accuracy = 2e-4;
-            let run = |runs: usize| {
-                let progress = Progress::default();
-                let engine = Stops { left: AtomicUsize::new(runs), progress: &progress };
-                (control::run(&plan, &engine, &progress).expect("it runs"), progress.stopped())
-            };
-            let (whole, _) = run(0);
-            for runs in 1.. {
-                let (part, stopped) = run(runs);
-                if !stopped {
-                    break;
-                }
-                for (i, (one, other)) in part.outcome.results.iter().zip(&whole.outcome.results).enumerate() {
-                    if one.status == Status::NotRun {
-                        cut += 1;
-                        continue;
-                    }
-                    kept += 1;
-                    let (one, other) = (format!("{one:?}"), format!("{other:?}"));
-                    assert_eq!(one, other, "{steady}, stopped after run {runs}: instance {i}");
-                }
-            }
+            let [cut, kept] = stopped(&plan, 1..);
+            counts = [counts[0] + cut, counts[1] + kept];
         }
+        assert!(counts[0] > 0 && counts[1] > 0, "{} were cut short and {} kept", counts[0], counts[1]);
+    }
+
+    #[test]
+    fn a_grid_is_stopped_between_neighbours() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }]
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            free_amplitude = "20 nm"
+            [sweep]
+            "sample.youngs_modulus" = { from = "1 GPa", to = "10 GPa", points = 32, scale = "log" }
+            "approach.gap" = { from = "14 nm", to = "16 nm", points = 32 }
+            [run]
+            steady = "search"
+            [output]
+            observables = ["amplitude"]
+        "#;
+        let scene = Scene::parse(Path::new("grid.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let [cut, kept] = stopped(&plan, (1..).step_by(4));
         assert!(cut > 0 && kept > 0, "{cut} were cut short and {kept} kept");
     }
 }
