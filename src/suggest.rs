@@ -3,7 +3,7 @@
 /// The candidate closest to `word`, if it is close enough to be what was meant.
 ///
 /// Case counts for nothing, and about one slip in three letters is forgiven.
-pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted: Vec<char> = word.to_lowercase().chars().take(64).collect();
     let forgiven = 1.max(wanted.len() / 3);
     candidates

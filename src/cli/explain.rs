@@ -47,7 +47,11 @@ pub fn main(args: &ExplainArgs) -> anyhow::Result<()> {
         like.dedup();
         match like.as_slice() {
             [] => {
-                bail!("nothing is known of \"{word}\"; `afmsweep explain` without a word lists what there is")
+                let near = scene::nearest(word, rows.iter().flat_map(|row| row.words()));
+                let meant = near.map_or_else(String::new, |one| format!(" did you mean {one}?"));
+                bail!(
+                    "nothing is known of \"{word}\";{meant} `afmsweep explain` without a word lists what there is"
+                )
             }
             some => bail!("nothing is called \"{word}\"; there is {}", some[..some.len().min(8)].join(", ")),
         }

@@ -119,11 +119,11 @@ fn si(text: &str, units: &str) -> anyhow::Result<f64> {
                 .or_else(|| text.strip_suffix("degree"))
                 .or_else(|| text.strip_suffix("deg"))
                 .or_else(|| text.strip_suffix('°'))
-                .with_context(|| format!("\"{text}\" is no angle; write \"55 deg\""))?;
+                .with_context(|| format!("\"{text}\" is no angle in degrees; write \"55 deg\""))?;
             return number
                 .trim()
                 .parse()
-                .with_context(|| format!("\"{text}\" is no angle; write \"55 deg\""));
+                .with_context(|| format!("\"{text}\" is no angle in degrees; write \"55 deg\""));
         }
         _ => Dimension::Dimensionless,
     };

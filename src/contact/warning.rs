@@ -97,7 +97,8 @@ impl std::fmt::Display for Warning {
             Warning::BetweenLaws { law, tabor } => write!(
                 f,
                 "Tabor's parameter {tabor:.4} lies between dmt (below {DMT_BELOW}) and jkr (above \
-                 {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third"
+                 {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third; run the other \
+                 law as well to see what hangs on it"
             ),
             Warning::AdhesionLeftOut { pull, load } => write!(
                 f,

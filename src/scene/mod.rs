@@ -27,6 +27,7 @@ mod uncertain;
 mod values;
 mod zipped;
 
+pub use crate::suggest::nearest;
 pub use error::SceneError;
 pub use levers::{LEVERS, MakersLever};
 pub use params::*;
