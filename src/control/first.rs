@@ -1,6 +1,7 @@
 //! The first two runs of every instance, and what their difference tells.
 
 use super::around::{self, Around, Solved};
+use super::coarse::{halved, quartered};
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
 use super::{modes, precision};
@@ -40,17 +41,6 @@ pub(super) struct Begun {
     pub neighbour_started: Vec<bool>,
     /// By instance, what others begin at; empty where none does.
     pub solved: Vec<Solved>,
-}
-
-/// With half of the plan's steps, which are on the safe side.
-pub(super) fn halved(plan: Plan) -> Plan {
-    let fewest = 2 * plan.policy.fewest_steps;
-    plan.with_steps(|case| (case.steps / 2).max(fewest))
-}
-
-/// With a quarter of the plan's steps, for the first estimate.
-pub(super) fn quartered(plan: Plan) -> Plan {
-    halved(plan).with_steps(|case| case.steps / 2)
 }
 
 /// Runs `stepped`, the instances that need steps, with a quarter of the plan's, then all with half of them. Where the

@@ -6,6 +6,7 @@ mod audit;
 mod block;
 mod branches;
 mod choices;
+mod coarse;
 mod decide;
 mod difference;
 mod division;
@@ -13,6 +14,7 @@ mod first;
 mod levels;
 mod modes;
 mod neighbours;
+mod other;
 mod portion;
 mod portions;
 mod precision;
@@ -27,9 +29,10 @@ mod unfinished;
 mod verdict;
 
 pub use audit::{Audited, audit, audit_of, contacts, mark};
-pub use branches::{Other, Others, others};
+pub use branches::others;
 pub use choices::{Choices, Course, choose};
 pub use division::Division;
+pub use other::{Other, Others};
 pub use portion::{Ended, InMemory, Keep, Place, Portion};
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
@@ -62,7 +65,7 @@ pub struct Controlled {
     /// Of each instance what others begin at; empty where none does.
     solved: Vec<around::Solved>,
     /// Of each instance what the search from the lever at rest found; empty where it was not done.
-    from_rest: Vec<Option<branches::Second>>,
+    from_rest: Vec<Option<other::Second>>,
 }
 
 /// Which arithmetic stepped what, and why.

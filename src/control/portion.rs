@@ -1,7 +1,7 @@
 //! What became of some instances of a run, as plain data apart from their plan: what a run writes down to go on from.
 
-use super::branches::Second;
 use super::choices::Choices;
+use super::other::Second;
 use super::{Arithmetic, Controlled};
 use crate::engine::{Finished, Outcome};
 use crate::periodic::Spectrum;

@@ -1,7 +1,7 @@
 //! Precision: by a sample of instances in both.
 
+use super::coarse::halved;
 use super::difference::difference;
-use super::first::halved;
 use super::{Arithmetic, Controlled, sample};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;

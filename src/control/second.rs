@@ -1,8 +1,8 @@
 //! How well second states are known: with half of the steps, with a richer basis, and finer where that is too little.
 
 use super::Controlled;
-use super::branches::{Other, Second};
 use super::difference::difference;
+use super::other::{Other, Second};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Case, Plan, STEPS_MAX, Station};

@@ -1,6 +1,6 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
-use super::{Arithmetic, Controlled, first};
+use super::{Arithmetic, Controlled, coarse};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
 use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Precision, Station};
@@ -63,10 +63,10 @@ fn by_search(plan: &mut Plan, progress: &Progress) -> Result<Settled, EngineErro
     let settled = match plan.run.steps_per_period {
         Some(_) => steady::begin(&mut fine, &engine, progress)?,
         None => {
-            let mut coarse = first::quartered(fine.part(&stepped));
-            let rough = steady::begin(&mut coarse, &engine, progress)?;
+            let mut quarter = coarse::quartered(fine.part(&stepped));
+            let rough = steady::begin(&mut quarter, &engine, progress)?;
             let near = steady::among(&rough.found, &stepped, plan.len());
-            fine.take_gaps(&stepped, &coarse);
+            fine.take_gaps(&stepped, &quarter);
             let settled = steady::again(&mut fine, &near, &engine, progress)?;
             let mut jumps = vec![false; if rough.jumps.is_empty() { 0 } else { plan.len() }];
             stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| jumps[*i as usize] = *jump);

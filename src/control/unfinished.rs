@@ -1,7 +1,8 @@
 //! What a stopped run has not brought to its end.
 
 use super::choices::Choices;
-use super::first::{First, halved};
+use super::coarse::halved;
+use super::first::First;
 use super::{Controlled, precision, refine};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;

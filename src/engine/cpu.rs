@@ -1,13 +1,14 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
 use super::batch::Batch;
+use super::compiled::stepper;
 use super::measure::{finish, finish_free};
 use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::saved::Saved;
 use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station, threads};
 use crate::instrument::Place;
-use crate::kernel::{Decay, LENGTH, MODES_MAX, Real, Rounding, Stepper, Wave, instructions};
+use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
 use crate::plan::{Class, Driven, Plan, Precision, StartState};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -105,18 +106,6 @@ pub(super) fn resume(
         Precision::F32 => Ok(instances::<f32>(plan, class, from, &stepper(rounding, class)?, progress)),
         Precision::F64 => Ok(instances::<f64>(plan, class, from, &stepper(rounding, class)?, progress)),
     }
-}
-
-/// What steps a class.
-///
-/// # Errors
-/// No modes, or more than the kernel can step.
-pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Stepper<E>, EngineError> {
-    let modes = class.modes;
-    E::stepper(rounding, class.law, modes).ok_or(match modes {
-        0 => EngineError::NoModes,
-        _ => EngineError::TooManyModes { modes, most: MODES_MAX },
-    })
 }
 
 /// Results of instances that never reach the sample.

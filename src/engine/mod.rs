@@ -1,6 +1,7 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
+mod compiled;
 mod cpu;
 mod estimate;
 #[cfg(feature = "gpu")]

@@ -1,7 +1,7 @@
 //! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
 //! place, again and again.
 
-use super::cpu::stepper;
+use super::compiled::stepper;
 use super::member::{Levers, Member, member, motion};
 use super::{EngineError, Progress, start};
 use crate::kernel::{LENGTH, Rounding, Stepper, Wave};

@@ -6,8 +6,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::beam::UnitBeam;
+use super::eigen::Eigen;
 use super::error::InstrumentError;
-use super::modes::Eigen;
 use super::{check_not_negative, check_positive, check_quality};
 use crate::scene::{InstrumentParams, Lever, LeverMode, QualityFactor, TipMass, TipParams};
 

@@ -28,6 +28,7 @@
 
 mod assemble;
 mod beam;
+mod eigen;
 mod error;
 mod fluid;
 mod free_motion;

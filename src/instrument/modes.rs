@@ -9,10 +9,11 @@
 //! out: of the order of 1/Q in the quadrature part of a forced motion, and more for two modes
 //! closer to each other than their widths.
 
-use nalgebra::{DMatrix, DVector, DVectorView, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::Mode;
 use super::assemble::{Coupling, Structure};
+use super::eigen::{Eigen, check_finite};
 use super::error::InstrumentError;
 use super::lever::LeverPart;
 use super::rod::Rod;
@@ -23,15 +24,6 @@ use crate::scene::DriveOn;
 /// No lever is known to a part in a million, and the shares still cancel to ten digits.
 const SEPARATION: f64 = 2e-6;
 
-/// Eigenpairs of a mass matrix of unit stiffness, slowest first.
-#[derive(Clone, Debug)]
-pub(crate) struct Eigen {
-    /// 1/omega^2, s^2
-    pub mu: Vec<f64>,
-    /// Columns of unit length.
-    pub vectors: DMatrix<f64>,
-}
-
 /// One mode and how well it meets its equation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Solved {
@@ -40,43 +32,6 @@ pub(crate) struct Solved {
     pub residual: f64,
     /// Largest |p_i.M p_j - delta_ij| against the slower modes and itself.
     pub orthonormality: f64,
-}
-
-impl Eigen {
-    /// # Errors
-    /// Entries that are not finite, and a solver that does not end.
-    pub fn of(mass: &DMatrix<f64>) -> Result<Self, InstrumentError> {
-        check_finite(mass)?;
-        let solved = SymmetricEigen::try_new(mass.clone(), f64::EPSILON, 100 * mass.nrows())
-            .ok_or(InstrumentError::OutOfRange { what: "largest mass over stiffness", value: mass.amax() })?;
-        let mut order: Vec<usize> = (0..mass.nrows()).collect();
-        order.sort_by(|&a, &b| solved.eigenvalues[b].total_cmp(&solved.eigenvalues[a]));
-        Ok(Self {
-            mu: order.iter().map(|&i| solved.eigenvalues[i]).collect(),
-            vectors: solved.eigenvectors.select_columns(&order),
-        })
-    }
-
-    /// Below this an eigenvalue is rounding.
-    fn floor(&self) -> f64 {
-        self.mu.len() as f64 * f64::EPSILON * self.mu[0]
-    }
-
-    /// Residual and orthonormality of each pair.
-    fn quality(&self, mass: &DMatrix<f64>) -> Vec<(f64, f64)> {
-        let image = mass * &self.vectors;
-        let gram = self.vectors.transpose() * &image;
-        (0..self.mu.len())
-            .map(|k| {
-                let residual = (image.column(k) / self.mu[k] - self.vectors.column(k)).norm();
-                let orthonormality = (0..=k).fold(0.0, |worst: f64, i| {
-                    let target = if i == k { 1.0 } else { 0.0 };
-                    worst.max((gram[(i, k)] / (self.mu[i] * self.mu[k]).sqrt() - target).abs())
-                });
-                (residual, orthonormality)
-            })
-            .collect()
-    }
 }
 
 /// Natural angular frequencies, rad/s, rising: what the choice of mesh needs, without vectors.
@@ -104,13 +59,6 @@ pub(crate) fn rising(mu: &[f64]) -> Vec<f64> {
 fn values(mass: DMatrix<f64>) -> Result<Vec<f64>, InstrumentError> {
     check_finite(&mass)?;
     Ok(mass.symmetric_eigenvalues().iter().copied().collect())
-}
-
-fn check_finite(mass: &DMatrix<f64>) -> Result<(), InstrumentError> {
-    match mass.iter().find(|v| !v.is_finite()) {
-        Some(&value) => Err(InstrumentError::OutOfRange { what: "mass over stiffness", value }),
-        None => Ok(()),
-    }
 }
 
 /// All modes of the model in rising frequency, those lost in rounding left out.

@@ -6,7 +6,9 @@
 //! is: it says at which points it wants to know it, and is told. Many searches so run side by side.
 
 mod search;
+mod size;
 mod spectrum;
 
-pub use search::{Found, Lost, Memory, Options, Search, Size, Verdict};
+pub use search::{Found, Lost, Options, Search, Verdict};
+pub use size::{Memory, Size};
 pub use spectrum::Spectrum;

@@ -1,16 +1,8 @@
 //! One search.
 
+use super::size::{Memory, Size};
 use super::spectrum::{Spectrum, factors};
-use nalgebra::allocator::Allocator;
-use nalgebra::{DefaultAllocator, DimMin, LU, OMatrix, OVector, U1};
-
-/// How many numbers a state has: a constant, or as many as it is made with.
-pub trait Size: DimMin<Self, Output = Self> {}
-impl<D: DimMin<D, Output = D>> Size for D {}
-
-/// Where memory for states and slopes comes from.
-pub trait Memory<D: Size>: Allocator<D> + Allocator<D, D> {}
-impl<D: Size, A: Allocator<D> + Allocator<D, D>> Memory<D> for A {}
+use nalgebra::{DefaultAllocator, LU, OMatrix, OVector, U1};
 
 /// How a search goes about.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! What the map's slope says of a fixed point.
 
-use super::search::{Memory, Size};
+use super::size::{Memory, Size};
 use nalgebra::{DMatrix, DefaultAllocator, Dyn, LU, OMatrix, Schur};
 
 /// Of a map's slope at a fixed point.

@@ -7,7 +7,7 @@
 //! Approximation of Large-Scale Dynamical Systems, 2005). They are passive: all frequencies and weights are positive.
 //! The lowest modes, which ring on between contacts, are kept as they are; what they leave is what is reduced.
 
-use super::modes::KeptMode;
+use super::oscillator::KeptMode;
 use crate::instrument::Mode;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 

@@ -13,24 +13,10 @@
 //! reduction of what the tip feels of it (`compliance.rs`).
 
 use super::compliance::{compliance, reduced};
+use super::oscillator::KeptMode;
 use super::ringing::{FASTER, Levers, REDUCED, RINGS_LONG, left, ringing};
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
-
-/// One oscillator of the reduced instrument.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KeptMode {
-    /// Which of the instrument's modes; none for the residual oscillator.
-    pub index: Option<usize>,
-    /// rad/s
-    pub omega: f64,
-    /// Damping ratio 1/(2Q).
-    pub damping: f64,
-    /// Acceleration of the tip per tip force through this mode, c_k b_k, 1/kg.
-    pub inverse_mass: f64,
-    /// Travel of the rod's top per travel of the tip, in this mode under a tip force.
-    pub top: f64,
-}
 
 /// The rule by which the oscillators of a reduced basis are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]

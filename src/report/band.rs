@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::is_log_spaced;
 use super::chart::{Chart, Field, Look, Plot};
 use super::from_curve::{is_ok, jumps};
-use super::heatmap::short;
+use super::labels::short;
 use crate::store::{Results, Variable};
 
 /// So many curves make a band.

@@ -6,9 +6,9 @@ use super::canvas::{Anchor, GREY, INK, LINES, WHITE, picture};
 use super::frame::{
     DOUBTFUL, Frame, KEY_ROW, Key, NOTHING, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
 };
-use super::heatmap::short;
 use super::hover::{Hover, Told};
-use super::pictures::shown;
+use super::labels::short;
+use super::labels::shown;
 use super::raster::Dots;
 use crate::store::Coordinate;
 use plotters::style::RGBColor;

@@ -2,9 +2,10 @@
 
 use super::floor::accuracy;
 use super::frame::{State, status_word};
-use super::heatmap::{brief, label};
+use super::labels::capital;
+use super::labels::{brief, label};
 use super::on_branch;
-use super::pictures::{Kind, capital, states};
+use super::picture::{Kind, states};
 use super::quantity::{Unit, number};
 use crate::observe::Status;
 use crate::store::{NO_STATE, Results, Variable};

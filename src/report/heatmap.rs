@@ -36,26 +36,6 @@ pub struct Heatmap<'a> {
     pub lines: Vec<String>,
 }
 
-/// What an axis is called beside it: its label, or its name in the file where that is too long.
-pub(super) fn short(coordinate: &Coordinate) -> String {
-    brief(label(coordinate), &coordinate.name)
-}
-
-/// A label that fits an axis, or else the words of this name.
-pub(super) fn brief(label: &str, name: &str) -> String {
-    const ROOM: usize = 28;
-    if label.chars().count() <= ROOM {
-        return label.to_owned();
-    }
-    let words = name.replace('_', " ");
-    ["approach ", "drive "].iter().find_map(|part| words.strip_prefix(part)).unwrap_or(&words).to_owned()
-}
-
-/// What an axis is called.
-pub(super) fn label(coordinate: &Coordinate) -> &str {
-    if coordinate.long_name.is_empty() { &coordinate.name } else { &coordinate.long_name }
-}
-
 impl Heatmap<'_> {
     /// The picture as SVG.
     ///

@@ -1,7 +1,10 @@
 //! The page around the pictures: HTML to look at, Markdown to paste.
 
 use super::document::{self, code, escape, plain};
-use super::pictures::{Drawn, Kind, Picture, capital};
+use super::labels::capital;
+use super::labels::is_long;
+use super::picture::{Kind, Picture};
+use super::pictures::Drawn;
 use super::{MARKER, findings, hover, tables};
 use crate::store::{Attribute, Results};
 use std::fmt::Write;
@@ -18,11 +21,6 @@ fn heading(results: &Results, file: &Path) -> String {
         "" => file.file_name().map_or_else(|| "Results".into(), |name| name.to_string_lossy().into_owned()),
         title => title.to_owned(),
     }
-}
-
-/// Texts shown in full at the page's end.
-pub(super) fn is_long(text: &str) -> bool {
-    text.len() > 200 || text.trim().contains('\n')
 }
 
 /// Long texts: name and content, cut where the whole would be a burden.

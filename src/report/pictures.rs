@@ -2,55 +2,19 @@
 
 use super::ReportError;
 use super::band::{self, Band};
-use super::floor::{SCALES, errors};
+use super::floor::SCALES;
 use super::force_curve;
 use super::frame::State;
 use super::hover::Hover;
+use super::labels::{capital, shown};
+use super::picture::{Kind, Picture, states};
 use super::quantity::Unit;
 use super::view::{View, Wish};
 use super::{csv, from_curve, variable, waveform};
-use crate::observe::Observable;
-use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable};
+use crate::store::{ForceCurve, Results, Variable};
 
 /// Pictures of single instances at most, of each kind.
 const MOST_INSTANCES: usize = 24;
-
-/// What a picture is about, and so where it stands on the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// What a user asked for: observables, waveforms, force curves.
-    Asked,
-    /// How it was computed: estimates, periods, multipliers.
-    Computed,
-}
-
-impl Kind {
-    pub fn of(variable: &Variable) -> Self {
-        let computed = variable.error_scale.is_empty() && Observable::from_name(&variable.name).is_none();
-        if computed { Self::Computed } else { Self::Asked }
-    }
-}
-
-/// One picture of the page.
-pub(super) struct Picture {
-    pub kind: Kind,
-    /// Of its files, without folder and ending.
-    pub name: String,
-    pub title: String,
-    /// What was left out or fixed; may be empty.
-    pub note: String,
-    pub svg: String,
-    pub hover: Hover,
-    /// Its numbers; none where they would be too many.
-    pub csv: Option<String>,
-}
-
-impl Picture {
-    /// The name of the picture's own file.
-    pub fn file(&self) -> String {
-        format!("{}.svg", self.name)
-    }
-}
 
 /// What a page shows, and what it does not: a line for each.
 pub(super) struct Drawn {
@@ -122,34 +86,6 @@ fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, Re
     }))
 }
 
-/// A variable's values with what became of each.
-pub(super) fn states(results: &Results, variable: &Variable) -> Vec<(f64, State)> {
-    let harmonics = variable.harmonics.unwrap_or(1).max(1);
-    let errors = errors(results, variable);
-    let state = |(number, &value): (usize, &f64)| {
-        let i = number / harmonics;
-        let state = State::of(results.status.get(i).copied().unwrap_or_default(), value);
-        let error = errors.as_ref().and_then(|all| all.get(i)).copied().unwrap_or(f64::NAN);
-        (value, state.within(value, error))
-    };
-    variable.data.iter().enumerate().map(state).collect()
-}
-
-/// The same of the second states, where there are any with this variable.
-pub(super) fn second_states(results: &Results, variable: &Variable) -> Option<Vec<(f64, State)>> {
-    let branch = results.other_branch.as_ref()?;
-    if branch.status.iter().all(|code| *code == NO_STATE) {
-        return None;
-    }
-    let second = branch.variables.iter().find(|one| one.name == variable.name)?;
-    let harmonics = second.harmonics.unwrap_or(1).max(1);
-    let state = |(number, &value): (usize, &f64)| match branch.status.get(number / harmonics) {
-        None | Some(&NO_STATE) => (f64::NAN, State::Empty),
-        Some(status) => (value, State::of(*status, value)),
-    };
-    Some(second.data.iter().enumerate().map(state).collect())
-}
-
 /// Why a variable of several instances needs no picture: it is nothing within its error everywhere, or the same.
 fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
     if results.status.len() < 2 {
@@ -207,19 +143,4 @@ pub(super) fn case(results: &Results, instance: usize) -> Vec<String> {
     }
     parts.reverse();
     parts
-}
-
-/// A value of an axis in the unit that fits it; zero, which none fits, in the axis' own.
-pub(super) fn shown(axis: &Coordinate, value: f64) -> String {
-    if let Some(word) = axis.words.get(value as usize) {
-        return word.clone();
-    }
-    let largest = axis.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    Unit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() }).value(value)
-}
-
-/// First letter large.
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -2,9 +2,10 @@
 
 use super::document::Table;
 use super::frame::{NOTHING, State, status_word};
-use super::heatmap::{brief, label};
-use super::page::is_long;
-use super::pictures::{case, states};
+use super::labels::is_long;
+use super::labels::{brief, label};
+use super::picture::states;
+use super::pictures::case;
 use super::quantity::{Unit, number};
 use crate::observe::Status;
 use crate::store::{Attribute, NO_STATE, Results};

@@ -4,9 +4,11 @@ use super::ReportError;
 use super::curve::{self, Curves, Series};
 use super::frame::State;
 use super::from_curve::jumps;
-use super::heatmap::{Heatmap, Panel, brief, label};
+use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
-use super::pictures::{Kind, Picture, capital, second_states, shown, states};
+use super::labels::{brief, label};
+use super::labels::{capital, shown};
+use super::picture::{Kind, Picture, second_states, states};
 use super::view::{View, Wish};
 use crate::store::{Coordinate, Results, Variable};
 

@@ -1,8 +1,8 @@
 //! Which axes of a sweep stand where in a picture: along it, upwards, as curves, as panels, or fixed at one value.
 
 use super::ReportError;
-use super::heatmap::label;
-use super::pictures::shown;
+use super::labels::label;
+use super::labels::shown;
 use crate::store::{Coordinate, Results};
 use crate::units::{self, Dimension};
 

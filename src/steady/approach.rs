@@ -3,8 +3,8 @@
 
 use super::feedback::{Feedback, PAST, Place, between, far, seeds};
 use super::follow::{self, left, wherever};
+use super::missed::miss;
 use super::search::{self, Along, Begin, Searched};
-use super::setpoint::miss;
 use super::{PeriodicState, alike, map};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, StartState, Station};

@@ -10,6 +10,7 @@ mod led;
 mod lossless;
 mod map;
 mod measured;
+mod missed;
 mod node;
 mod search;
 mod setpoint;

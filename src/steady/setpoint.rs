@@ -1,6 +1,7 @@
 //! Set-points: the gap as one more unknown of the periodic state.
 
 use super::approach::{self, End};
+use super::missed::miss;
 use super::{PeriodicState, Settled, run};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
@@ -15,19 +16,6 @@ const TRIES: u32 = 12;
 const STEP: f64 = 0.05;
 /// Largest growth of a step, over the one before.
 const GROWTH: f64 = 8.0;
-
-/// How far what an instance holds is from what it is to hold, as a share of the free amplitude or of the force: above zero
-/// where the sample is to come nearer.
-pub(super) fn miss(plan: &Plan, instance: u32, result: &Finished) -> f64 {
-    let measured = &result.measured;
-    match plan.setpoint(instance).map(|setpoint| setpoint.held) {
-        Some(Held::Amplitude(share)) => {
-            measured.harmonics[0] / plan.driven(instance).free_amplitude() - share
-        }
-        Some(Held::Force(force)) => 1.0 - measured.force_max / force,
-        None => 0.0,
-    }
-}
 
 /// The first run of a plan with set-points: each is approached from far away, then held. The way there is gone with the
 /// poorest levers; where what these lead to does not hold, with the plan's own.

@@ -23,6 +23,7 @@ mod lock;
 #[cfg(feature = "hdf5")]
 mod occupant;
 #[cfg(feature = "hdf5")]
+mod partial;
 mod place;
 #[cfg(feature = "hdf5")]
 mod read;
@@ -46,7 +47,8 @@ pub use journal::{Journal, Kind};
 #[cfg(feature = "hdf5")]
 pub use occupant::{Earlier, same_file};
 #[cfg(feature = "hdf5")]
-pub use place::{Writer, partial_path};
+pub use partial::partial_path;
+pub use place::Writer;
 #[cfg(feature = "hdf5")]
 pub use read::{read, scene_of};
 #[cfg(feature = "hdf5")]

@@ -1,6 +1,6 @@
 //! What stands at the place of a results file: whether it may be replaced, and what the new file takes from it.
 
-use super::place::TORN;
+use super::partial::TORN;
 use super::{StoreError, journal, read};
 use std::fs::{self, File, Metadata};
 use std::io::{ErrorKind, Read};

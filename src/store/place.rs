@@ -1,16 +1,12 @@
 //! Where a results file goes: checked and reserved before the run, filled and renamed after it.
 
 use super::occupant::{Earlier, check_occupant, follow, give_rights, is_at, may_be_taken};
+use super::partial::{TORN, partial_path};
 use super::{Results, StoreError, write};
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-/// What a partial file begins with while it is being written, in place of the first bytes of HDF5: one that is torn is
-/// known as such.
-pub(super) const TORN: [u8; 8] = *b"afmsweep";
 
 /// A reserved place for one results file.
 ///
@@ -36,13 +32,6 @@ pub struct Writer {
 
 /// Between two looks whether a journal is on the disk: that takes some ten milliseconds, as many portions do.
 const SYNC: Duration = Duration::from_secs(1);
-
-/// The name under which the results file `path` is written before it is whole.
-pub fn partial_path(path: &Path) -> PathBuf {
-    let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".partial");
-    path.with_file_name(name)
-}
 
 /// True for `folder/` and `folder/.`, whether or not there is such a folder.
 fn names_a_folder(path: &Path) -> bool {

@@ -1,7 +1,7 @@
 //! A results file that is open for reading: what it claims is not believed before it is looked at.
 
 use super::labels::read_text;
-use super::place::TORN;
+use super::partial::TORN;
 use super::{
     COLUMNS, Coordinate, PROVENANCE, Results, StoreError, heap, journal, lock, partial_path, share, sums,
 };

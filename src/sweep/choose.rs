@@ -1,6 +1,6 @@
 //! Which engine a sweep takes, and why.
 
-use super::{Backend, Error, Observer, Options};
+use super::{Backend, Choice, Error, Observer, Options};
 #[cfg(feature = "gpu")]
 use crate::engine::EngineError;
 #[cfg(feature = "gpu")]
@@ -15,20 +15,6 @@ const SMALL: u64 = 200_000_000;
 /// Accuracy asked for down to which f32 serves: its rounding shows at a tenth of it.
 #[cfg(feature = "gpu")]
 const SINGLE: f64 = 1e-3;
-
-/// Why an engine was taken that was not named.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Choice {
-    /// The CPU: so short a run is done before a GPU is ready.
-    Short,
-    /// The CPU: there is no GPU.
-    NoGpu,
-    /// The CPU: the GPU of this name cannot compute in f64.
-    NoDouble(String),
-    /// The only GPU adapter is a software driver, which computes on the processor.
-    Software,
-}
 
 /// The engine asked for; sets the plan's precision where it was left to the engine.
 pub(super) fn engine(

@@ -31,6 +31,7 @@
 
 mod audit;
 mod begun;
+mod choice;
 mod choose;
 mod error;
 #[cfg(feature = "hdf5")]
@@ -41,7 +42,7 @@ mod prepared;
 mod swept;
 
 pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUDIT_SHARE};
-pub use choose::Choice;
+pub use choice::Choice;
 pub use error::Error;
 #[cfg(feature = "hdf5")]
 pub use keeper::{Keeper, Share, command_of, read_header};

@@ -25,6 +25,7 @@ mod lanes;
 mod law;
 mod pair;
 mod run_sums;
+mod sample;
 mod shader;
 mod step;
 // No unit test calls it: the tests' build would take as long as the crate's own.
@@ -41,8 +42,9 @@ pub use lane::{Lane, Pack};
 pub use lanes::{Rounding, instructions};
 pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;
+pub use sample::Wave;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
-pub use step::{Decay, Wave};
+pub use step::Decay;
 pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
 pub use sums::{HARMONICS, How, PeriodSums, SUMS, Sum, Wants};
 

@@ -3,19 +3,13 @@
 use super::constants::{HALF, TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
 use super::flow::Flow;
+use super::sample::{Sample, Wave};
 use super::tally::Tally;
 use super::{Lane, WRITTEN_OUT, Wants};
 
 /// The least number that is infinite once it is rounded to f32: 2^128 - 2^103. Beyond f32 counts as no number, so that
 /// both precisions and a shader agree on it.
 const BEYOND: f64 = 3.402_823_567_797_336_6e38;
-
-/// Cosine and sine of the drive's phase at a sample.
-#[derive(Clone, Copy, Debug)]
-pub struct Wave<E> {
-    pub cosine: E,
-    pub sine: E,
-}
 
 /// The free tip's travel at the samples of a period, kernel units: `cosine`, `sine` its
 /// amplitudes, `rate` the drive's phase per step.
@@ -50,22 +44,6 @@ pub(crate) struct State<L, const M: usize> {
     pub u: [L; M],
     /// 1 in contact, else 0.
     pub touching: L,
-}
-
-/// What a step saw.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample<L> {
-    /// Steady free travel of the tip.
-    pub steady: L,
-    /// Travel beyond it, corrected to fourth order.
-    pub beyond: L,
-    /// Indentation, corrected likewise.
-    pub indentation: L,
-    /// Work of the kick, impulse times speed of the tip's travel, to fourth order.
-    pub work: L,
-    /// Its virial, impulse times travel, likewise.
-    pub virial: L,
-    pub kick: Kick<L>,
 }
 
 /// The body for each of M modes, written out where there are few: left as a loop of four or more, the compiler gives

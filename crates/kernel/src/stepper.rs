@@ -7,7 +7,8 @@
 use super::contact::{self, Interaction};
 use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
 use super::run_sums::RunSums;
-use super::step::{Case, Decay, State, Wave, each_step, period, unmeasured_period};
+use super::sample::Wave;
+use super::step::{Case, Decay, State, each_step, period, unmeasured_period};
 use super::tally::Tally;
 use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants, WithLaw};
 use std::marker::PhantomData;

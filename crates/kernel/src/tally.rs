@@ -1,7 +1,7 @@
 //! What each step adds to the sums of a period, from which the observables follow. `sums.rs` lists them.
 
 use super::constants::{EIGHT, ONE, ZERO};
-use super::step::{Sample, Wave};
+use super::sample::{Sample, Wave};
 use super::{HARMONICS, Lane, PeriodSums, Wants};
 
 /// The body for each harmonic above the first, written out: an index that is only known when it runs would

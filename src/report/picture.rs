@@ -1,0 +1,72 @@
+//! One picture of a page, and the states that it shows.
+
+use super::floor::errors;
+use super::frame::State;
+use super::hover::Hover;
+use crate::observe::Observable;
+use crate::store::{NO_STATE, Results, Variable};
+
+/// What a picture is about, and so where it stands on the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// What a user asked for: observables, waveforms, force curves.
+    Asked,
+    /// How it was computed: estimates, periods, multipliers.
+    Computed,
+}
+
+impl Kind {
+    pub fn of(variable: &Variable) -> Self {
+        let computed = variable.error_scale.is_empty() && Observable::from_name(&variable.name).is_none();
+        if computed { Self::Computed } else { Self::Asked }
+    }
+}
+
+/// One picture of the page.
+pub(super) struct Picture {
+    pub kind: Kind,
+    /// Of its files, without folder and ending.
+    pub name: String,
+    pub title: String,
+    /// What was left out or fixed; may be empty.
+    pub note: String,
+    pub svg: String,
+    pub hover: Hover,
+    /// Its numbers; none where they would be too many.
+    pub csv: Option<String>,
+}
+
+impl Picture {
+    /// The name of the picture's own file.
+    pub fn file(&self) -> String {
+        format!("{}.svg", self.name)
+    }
+}
+
+/// A variable's values with what became of each.
+pub(super) fn states(results: &Results, variable: &Variable) -> Vec<(f64, State)> {
+    let harmonics = variable.harmonics.unwrap_or(1).max(1);
+    let errors = errors(results, variable);
+    let state = |(number, &value): (usize, &f64)| {
+        let i = number / harmonics;
+        let state = State::of(results.status.get(i).copied().unwrap_or_default(), value);
+        let error = errors.as_ref().and_then(|all| all.get(i)).copied().unwrap_or(f64::NAN);
+        (value, state.within(value, error))
+    };
+    variable.data.iter().enumerate().map(state).collect()
+}
+
+/// The same of the second states, where there are any with this variable.
+pub(super) fn second_states(results: &Results, variable: &Variable) -> Option<Vec<(f64, State)>> {
+    let branch = results.other_branch.as_ref()?;
+    if branch.status.iter().all(|code| *code == NO_STATE) {
+        return None;
+    }
+    let second = branch.variables.iter().find(|one| one.name == variable.name)?;
+    let harmonics = second.harmonics.unwrap_or(1).max(1);
+    let state = |(number, &value): (usize, &f64)| match branch.status.get(number / harmonics) {
+        None | Some(&NO_STATE) => (f64::NAN, State::Empty),
+        Some(status) => (value, State::of(*status, value)),
+    };
+    Some(second.data.iter().enumerate().map(state).collect())
+}

@@ -1,0 +1,15 @@
+//! Which engine is taken, in words.
+
+/// Why an engine was taken that was not named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Choice {
+    /// The CPU: so short a run is done before a GPU is ready.
+    Short,
+    /// The CPU: there is no GPU.
+    NoGpu,
+    /// The CPU: the GPU of this name cannot compute in f64.
+    NoDouble(String),
+    /// The only GPU adapter is a software driver, which computes on the processor.
+    Software,
+}
