@@ -1,9 +1,9 @@
 //! `[curve]`: one quantity that changes while the tip oscillates; the state is carried from point to point.
 
+use super::address::Address;
+use super::axes::{AXIS_KEYS, MOST_INSTANCES, axis, axis_values};
+use super::draft::{Draft, Said};
 use super::error::{Checked, Fault};
-use super::quantity::Address;
-use super::read::{Draft, Said};
-use super::sweep::{AXIS_KEYS, MOST_INSTANCES, axis, axis_values};
 use super::values::{self, Key, Value};
 use super::{Axis, Curve, Layout, Run, Start, Steady, SweptAxes};
 use crate::suggest::nearest;

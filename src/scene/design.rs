@@ -1,8 +1,8 @@
 //! `[design]`: at which points of the uncertain quantities a scene is simulated; and files of samples.
 
+use super::axes::{MOST_INSTANCES, axis};
+use super::draft::Draft;
 use super::error::{Checked, Fault};
-use super::read::Draft;
-use super::sweep::{MOST_INSTANCES, axis};
 use super::table::Table;
 use super::uncertain::{self, Uncertain};
 use super::values::{self, Key, Value};

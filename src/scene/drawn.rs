@@ -1,7 +1,7 @@
 //! Designs and tables written out: what they follow from, never their rows.
 
-use super::quantity::Address;
-use super::resolved::quoted;
+use super::address::Address;
+use super::quoted::quoted;
 use super::{Drawn, TableFile};
 use crate::design::{Design, Distribution, Kind, Parameter};
 

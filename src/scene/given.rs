@@ -1,13 +1,13 @@
 //! What a scene says itself, and what it leaves to the preset; errors found later in a place of the file.
 
 use super::Scene;
+use super::address::Address;
 use super::error::{Fault, SceneError};
 use super::levers;
+use super::params::PRESET;
 use super::params::{ActuatorModel, LawChoice, Lever};
+use super::paths::LAW;
 use super::quantities::QUANTITIES;
-use super::quantity::Address;
-use super::read::PRESET;
-use super::zipped::LAW;
 use crate::kernel::Attraction;
 use crate::units::{Dimension, format as written};
 

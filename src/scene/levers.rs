@@ -3,8 +3,8 @@
 //! A lever of a box may be off its nominal stiffness by a factor of two and more, so a scene of an experiment replaces these
 //! by what a calibration gave. No data sheet has a quality factor: it is the surroundings' as much as the lever's.
 
+use super::params::PRESET;
 use super::params::{InstrumentParams, Lever};
-use super::read::PRESET;
 
 /// A lever that can be bought. Stiffness and frequency are nominal ones in air, lengths nominal ones of the plan view.
 #[derive(Debug, PartialEq)]

@@ -1,7 +1,10 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
+mod address;
+mod axes;
 mod curve;
 mod design;
+mod draft;
 mod drawn;
 mod drive_rules;
 mod error;
@@ -10,14 +13,17 @@ mod given;
 mod levers;
 mod output;
 mod params;
+mod paths;
 mod plausible;
 mod quantities;
 mod quantity;
+mod quoted;
 mod read;
 mod resolved;
 mod rules;
 mod schema;
 mod schema_design;
+mod schema_parts;
 mod setpoint;
 mod sweep;
 mod synonyms;
@@ -28,14 +34,16 @@ mod values;
 mod zipped;
 
 pub use crate::suggest::nearest;
+pub use address::Address;
 pub use error::SceneError;
 pub use levers::{LEVERS, MakersLever};
 pub use params::*;
+use paths::LAW;
 pub use quantities::QUANTITIES;
-pub use quantity::{Address, Domain, Quantity};
+pub use quantity::{Domain, Quantity};
 pub use schema::schema;
 pub use synonyms::{Meant, meant};
-use zipped::{LAW, law_of};
+use zipped::law_of;
 
 use crate::design::Design;
 use crate::observe::Observable;
@@ -62,7 +70,7 @@ pub struct Scene {
     /// Where its samples come from.
     pub drawn: Drawn,
     /// What the file says, and where.
-    said: Vec<read::Said>,
+    said: Vec<draft::Said>,
 }
 
 /// Where the samples of a scene come from, if not from its own lists.

@@ -1,9 +1,9 @@
 //! `[run]` and `[output]`.
 
 use super::STEPPED_MODES;
+use super::draft::Draft;
 use super::error::{Checked, Fault, Faults};
 use super::params::Lever;
-use super::read::Draft;
 use super::synonyms;
 use super::values::{self, Value};
 use super::{Output, Run, Start, Steady, WaveformRequest};

@@ -3,9 +3,9 @@
 //! Beyond what is usual a scene runs with a warning: hard cases are made of such values. Beyond what is
 //! possible it is refused: a slip of the unit or the exponent is likelier than a reason.
 
+use super::address::Address;
 use super::error::{Checked, Fault, line_column};
 use super::params::{ActuatorModel, LawChoice};
-use super::quantity::Address;
 use super::{Scene, Start};
 use crate::units::{Dimension, format as written};
 use std::ops::Range;
@@ -132,7 +132,7 @@ impl Scene {
         lines
     }
 
-    fn odd(&self, said: &super::read::Said) -> Option<String> {
+    fn odd(&self, said: &super::draft::Said) -> Option<String> {
         let address = Address::find(&said.path)?;
         let sizes = sizes_of(address)?;
         let odd = |value: &f64| !within(*value, sizes.usual);

@@ -1,19 +1,17 @@
 //! From the file's text to a checked scene: the sections of the instrument, the sample and the drive.
 
+use super::address::Address;
+use super::axes;
+use super::draft::{Draft, Said, keys_of};
 use super::error::{Checked, Fault, Faults, SceneError};
-use super::levers::{self, MakersLever};
+use super::levers::{self};
 use super::params::*;
-use super::quantities::QUANTITIES;
-use super::quantity::Address;
 use super::values::{self, Key, Value};
-use super::{Drawn, Scene, Steady, SweptAxes, curve, design, output, rules, setpoint, sweep};
+use super::{Scene, Steady, SweptAxes, curve, design, output, rules, setpoint, sweep};
 use crate::observe::Observable;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::de::DeTable;
-
-/// The preset of the whole instrument; the others are `levers.rs`'s.
-pub(super) const PRESET: &str = "ha-fung-chen-2005";
 
 /// What stands at the top of a scene.
 pub(super) const SECTIONS: [&str; 13] = [
@@ -48,32 +46,6 @@ pub(super) const DRIVE_ON: [(&str, DriveOn); 2] = [("actuator", DriveOn::Actuato
 /// Keywords of `approach.setpoint_branch`.
 pub(super) const BRANCHES_HELD: [(&str, Branch); 2] =
     [("attractive", Branch::Attractive), ("repulsive", Branch::Repulsive)];
-
-/// Something the scene says: in a section, or as an axis of its sweep.
-#[derive(Clone, Debug)]
-pub(super) struct Said {
-    pub path: String,
-    pub key: Range<usize>,
-    pub swept: bool,
-}
-
-/// The scene while it is being read.
-#[derive(Debug, Default)]
-pub(super) struct Draft {
-    pub params: Params,
-    /// Every quantity, list or choice the scene gives, in the order read; axes last.
-    pub said: Vec<Said>,
-    /// The places of the listed lever modes.
-    pub modes: Vec<Range<usize>>,
-    /// The maker's lever that the scene names as its preset, and where.
-    pub lever: Option<(&'static MakersLever, Range<usize>)>,
-    /// Whether the scene names the paper's preset, or has a section for the rod.
-    pub names_rod: bool,
-    /// Where files that the scene names are looked for.
-    pub folder: PathBuf,
-    pub drawn: Drawn,
-    pub faults: Faults,
-}
 
 /// Reads the text of a scene; `path` is named in messages and kept.
 pub(super) fn parse(path: &Path, source: &str) -> Result<Scene, SceneError> {
@@ -165,7 +137,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
     draft.faults.take(checked);
     let checked = setpoint::check(document.get("run"), &run, &sweep, &draft);
     draft.faults.take(checked);
-    let instances = if known { sweep.len() } else { sweep::MOST_INSTANCES };
+    let instances = if known { sweep.len() } else { axes::MOST_INSTANCES };
     let mut output = output::output(document.get("output"), &run, instances, &mut draft.faults);
     // The gap is what a set-point leads to.
     if draft.params.approach.held.is_some() && !output.observables.contains(&Observable::Gap) {
@@ -335,12 +307,6 @@ impl Draft {
         }
         Ok(())
     }
-}
-
-/// The quantities a section has, by their last word.
-pub(super) fn keys_of(section: &str) -> Vec<&'static str> {
-    let keys = QUANTITIES.iter().filter_map(|quantity| quantity.path.rsplit_once('.'));
-    keys.filter(|(home, key)| *home == section && *key != "#").map(|(_, key)| key).collect()
 }
 
 fn quality_factors(value: &Value, path: &str) -> Checked<QualityFactor> {

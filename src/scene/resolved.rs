@@ -1,11 +1,15 @@
 //! The scene with every value written out; reading it again gives the same scene.
 
+use super::address::Address;
+use super::axes;
+use super::draft::keys_of;
+use super::params::PRESET;
 use super::params::*;
 use super::quantities::QUANTITIES;
-use super::quantity::Address;
-use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, PRESET, keys_of};
+use super::quoted::quoted;
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS};
 use super::zipped::SAMPLES;
-use super::{Axis, Drawn, Layout, Scene, curve, drawn, output, sweep};
+use super::{Axis, Drawn, Layout, Scene, curve, drawn, output};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
 
@@ -200,7 +204,7 @@ fn grid_axis(axis: &Axis, address: Address, between: &str) -> String {
         (axis.values.len() > 3 || axis.log, axis.values.first(), axis.values.last())
         && from.is_finite()
         && to.is_finite()
-        && sweep::spaced(from, to, axis.values.len(), axis.log) == axis.values
+        && axes::spaced(from, to, axis.values.len(), axis.log) == axis.values
     {
         let scale = if axis.log { "log" } else { "lin" };
         return [
@@ -217,11 +221,6 @@ fn grid_axis(axis: &Axis, address: Address, between: &str) -> String {
 fn value_list(axis: &Axis, address: Address) -> String {
     let values: Vec<String> = axis.values.iter().map(|value| address.written(*value)).collect();
     format!("[{}]", values.join(", "))
-}
-
-/// A TOML string, whatever it contains.
-pub(super) fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_string()).to_string()
 }
 
 /// The keyword of a choice, quoted.

@@ -3,18 +3,19 @@
 //!
 //! A swept quantity counts as if the file had written it in its section.
 
+use super::address::Address;
+use super::draft::{Draft, Said};
 use super::drive_rules;
 use super::error::{Checked, Fault};
 use super::params::*;
-use super::quantity::Address;
-use super::read::{Draft, Said};
-use super::zipped::{LAW, law_of};
+use super::paths::LAW;
+use super::paths::{CALIBRATION, LEVELS, MODES};
+use super::zipped::law_of;
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
 use std::ops::Range;
 
 const LEVER: &str = "instrument.cantilever.";
-pub(super) const MODES: &str = "instrument.cantilever.modes";
 const LEVER_SIZES: [&str; 5] = [
     "instrument.cantilever.youngs_modulus",
     "instrument.cantilever.density",
@@ -22,14 +23,10 @@ const LEVER_SIZES: [&str; 5] = [
     "instrument.cantilever.width",
     "instrument.cantilever.thickness",
 ];
-pub(super) const CALIBRATION: [&str; 2] =
-    ["instrument.cantilever.stiffness", "instrument.cantilever.frequency"];
 const LEVER_QUALITY: &str = "instrument.cantilever.quality_factor";
 const PYRAMID: [&str; 3] = ["instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
 const TIP_SHAPE: [&str; 4] =
     ["instrument.tip.half_length", "instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
-pub(super) const LEVELS: [&str; 4] =
-    ["drive.voltage", "drive.free_amplitude", "drive.force", "drive.base_amplitude"];
 
 /// Checks the draft with its sweep, and completes its base case with the first values of axes
 /// that say something the file does not.
@@ -61,9 +58,6 @@ pub(super) fn base(draft: &mut Draft) {
         draft.params.instrument.actuator.model = ActuatorModel::Rigid;
     }
 }
-
-/// How to have the rod that such a lever does not have by itself.
-pub(super) const NAME_ROD: &str = "name the preset's rod by preset = \"ha-fung-chen-2005\" in [instrument]";
 
 impl Draft {
     pub(super) fn first_of(&self, paths: &[&str]) -> Option<&Said> {

@@ -2,14 +2,17 @@
 //!
 //! Editors complete keys and show units by it. It is draft 7, which TOML editors know. Rules between keys are not in it.
 
+use super::address::Address;
 use super::curve;
 use super::levers;
 use super::output::{BRANCHES, KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
+use super::paths::LAW;
 use super::quantities::QUANTITIES;
-use super::quantity::{Address, Domain, Quantity};
+use super::quantity::{Domain, Quantity};
 use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS};
-use super::zipped::{LABEL, LAW};
+use super::schema_parts::{object, told};
+use super::zipped::LABEL;
 use super::{STEPPED_MODES, schema_design};
 use crate::observe::Observable;
 use crate::units::Dimension;
@@ -58,23 +61,10 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
     })
 }
 
-/// With a description, if there is one.
-pub(super) fn told(mut value: Value, text: &str) -> Value {
-    if let (Some(object), false) = (value.as_object_mut(), text.is_empty()) {
-        object.insert("description".into(), text.into());
-    }
-    value
-}
-
 /// One of these words.
 fn word<T>(words: &[(&str, T)]) -> Value {
     let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
     json!({ "type": "string", "enum": words })
-}
-
-/// A table with these entries and no others.
-pub(super) fn object(properties: Map<String, Value>) -> Value {
-    json!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
 /// A section of quantities, with the choices among them.

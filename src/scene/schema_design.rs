@@ -1,8 +1,8 @@
 //! The schema's parts for uncertain quantities and designs.
 
+use super::axes::MOST_INSTANCES;
 use super::design::{KEYS, LEVELS, MOST_LEVELS};
-use super::schema::{object, told};
-use super::sweep::MOST_INSTANCES;
+use super::schema_parts::{object, told};
 use super::uncertain::{KEYS as DISTRIBUTIONS, SIGMAS};
 use crate::design::Kind;
 use serde_json::{Map, Value, json};

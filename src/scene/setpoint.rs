@@ -1,7 +1,7 @@
 //! What goes with a set-point, and what does not.
 
+use super::draft::Draft;
 use super::error::{Checked, Fault};
-use super::read::Draft;
 use super::values::Value;
 use super::{Run, Start, Steady, SweptAxes};
 

@@ -1,9 +1,9 @@
 //! Tables of samples in files: CSV with a header of paths and units, or plain numbers in columns of given names.
 
+use super::address::Address;
+use super::axes::MOST_INSTANCES;
 use super::error::{Checked, Fault};
 use super::quantities::QUANTITIES;
-use super::quantity::Address;
-use super::sweep::MOST_INSTANCES;
 use crate::suggest::nearest;
 use crate::units::{self, Dimension, shortened};
 use std::collections::HashSet;

@@ -1,9 +1,9 @@
 //! Samples that stand in a file beside the scene.
 
+use super::address::Address;
+use super::axes::{axis, in_all, swept_quantity};
+use super::draft::{Draft, Said};
 use super::error::{Checked, Fault};
-use super::quantity::Address;
-use super::read::{Draft, Said};
-use super::sweep::{axis, in_all, swept_quantity};
 use super::table::{self, Table};
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, SweptAxes, TableFile, zipped};

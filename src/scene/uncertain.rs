@@ -1,9 +1,9 @@
 //! `[uncertain]`: quantities of which a distribution is known.
 
+use super::address::Address;
+use super::axes::{axis_name, swept_quantity};
+use super::draft::{Draft, Said};
 use super::error::{Checked, Fault};
-use super::quantity::Address;
-use super::read::{Draft, Said};
-use super::sweep::{axis_name, swept_quantity};
 use super::values::{self, Key, Value};
 use super::zipped;
 use crate::design::{Distribution, MOST_PARAMETERS, Parameter, normal_below};

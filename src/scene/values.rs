@@ -1,9 +1,9 @@
 //! Single values of a scene file: quantities, counts, keywords, and the keys around them.
 
+use super::address::Address;
 use super::error::{Checked, Fault};
 use super::plausible;
 use super::quantities::QUANTITIES;
-use super::quantity::Address;
 use super::synonyms::{self, Meant};
 use crate::suggest::nearest;
 use crate::units::{self, Dimension, UnitErrorKind, shortened};

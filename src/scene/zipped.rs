@@ -1,9 +1,11 @@
 //! Axes that are no single quantity: contact laws, and quantities that vary together.
 
+use super::axes;
+use super::axes::AXIS_KEYS;
+use super::draft::{Draft, Said};
 use super::error::{Checked, Fault};
 use super::params::LawChoice;
-use super::read::{Draft, Said};
-use super::sweep::{self, AXIS_KEYS};
+use super::paths::LAW;
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, SweptAxes};
 use crate::observe::Observable;
@@ -11,8 +13,6 @@ use std::collections::HashSet;
 use std::ops::Range;
 use toml::de::DeTable;
 
-/// The path of the contact law.
-pub(super) const LAW: &str = "contact.law";
 /// The path of the axis of samples.
 pub(super) const SAMPLES: &str = "samples";
 /// What the places along an axis of quantities that vary together are called.
@@ -166,8 +166,8 @@ fn column(key: &Key, list: &Value, section: &str) -> Checked<Axis> {
             .expected(FORM)
             .help("write the quantity's path in quotes, and its values as a list"));
     }
-    let address = sweep::swept_quantity(key, list, &format!("sweep.{section}"))?;
-    Ok(sweep::axis(address, sweep::listed(list, address)?, false))
+    let address = axes::swept_quantity(key, list, &format!("sweep.{section}"))?;
+    Ok(axes::axis(address, axes::listed(list, address)?, false))
 }
 
 /// All lists of an axis have one length.
@@ -175,7 +175,7 @@ fn agree(length: &mut Option<usize>, here: usize, list: &Value, path: &str) -> C
     match *length.get_or_insert(here) {
         other if other == here => Ok(()),
         other => Err(Fault::at(list.span(), format!("the lists of [{path}] differ in length"))
-            .label(sweep::found_values(here))
+            .label(axes::found_values(here))
             .expected(format!("{other} values, as in the list before"))
             .help("each place along the axis takes one entry of every list")),
     }

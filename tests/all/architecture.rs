@@ -42,7 +42,7 @@ const LINES: usize = 400;
 const FUNCTION_LINES: usize = 60;
 const PARAMETERS: usize = 6;
 
-fn sources(folder: &str) -> Vec<(String, String)> {
+pub fn sources(folder: &str) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut folders = vec![root.join(folder)];
     let mut files: Vec<PathBuf> = Vec::new();
@@ -68,7 +68,7 @@ fn module(file: &str) -> &str {
 }
 
 /// The source without comments and without the items under `#[cfg(test)]`, one entry for each line.
-fn code(text: &str) -> Vec<String> {
+pub fn code(text: &str) -> Vec<String> {
     let mut lines = Vec::new();
     let mut skipped: Option<usize> = None;
     for line in text.lines() {
@@ -249,7 +249,7 @@ fn overgrown(file: &str, text: &str) -> Vec<String> {
 }
 
 /// Files that are tests as a whole: their parents declare them so.
-fn all_tests(file: &str) -> bool {
+pub fn all_tests(file: &str) -> bool {
     file.ends_with("/tests.rs") || file.ends_with("_agree.rs")
 }
 

@@ -38,6 +38,7 @@ mod agree_search;
 mod agree_setpoint;
 mod agree_threads;
 mod architecture;
+mod architecture_circles;
 mod cli_audit;
 mod cli_bench;
 mod cli_check;

@@ -1,0 +1,41 @@
+//! What is read of a scene so far, and where it stands.
+
+use super::Drawn;
+use super::error::Faults;
+use super::levers::MakersLever;
+use super::params::Params;
+use super::quantities::QUANTITIES;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Something the scene says: in a section, or as an axis of its sweep.
+#[derive(Clone, Debug)]
+pub(super) struct Said {
+    pub path: String,
+    pub key: Range<usize>,
+    pub swept: bool,
+}
+
+/// The scene while it is being read.
+#[derive(Debug, Default)]
+pub(super) struct Draft {
+    pub params: Params,
+    /// Every quantity, list or choice the scene gives, in the order read; axes last.
+    pub said: Vec<Said>,
+    /// The places of the listed lever modes.
+    pub modes: Vec<Range<usize>>,
+    /// The maker's lever that the scene names as its preset, and where.
+    pub lever: Option<(&'static MakersLever, Range<usize>)>,
+    /// Whether the scene names the paper's preset, or has a section for the rod.
+    pub names_rod: bool,
+    /// Where files that the scene names are looked for.
+    pub folder: PathBuf,
+    pub drawn: Drawn,
+    pub faults: Faults,
+}
+
+/// The quantities a section has, by their last word.
+pub(super) fn keys_of(section: &str) -> Vec<&'static str> {
+    let keys = QUANTITIES.iter().filter_map(|quantity| quantity.path.rsplit_once('.'));
+    keys.filter(|(home, key)| *home == section && *key != "#").map(|(_, key)| key).collect()
+}

@@ -1,0 +1,15 @@
+//! Paths of quantities that rules speak of, and what they say.
+
+pub(super) const MODES: &str = "instrument.cantilever.modes";
+
+pub(super) const CALIBRATION: [&str; 2] =
+    ["instrument.cantilever.stiffness", "instrument.cantilever.frequency"];
+
+pub(super) const LEVELS: [&str; 4] =
+    ["drive.voltage", "drive.free_amplitude", "drive.force", "drive.base_amplitude"];
+
+/// How to have the rod that such a lever does not have by itself.
+pub(super) const NAME_ROD: &str = "name the preset's rod by preset = \"ha-fung-chen-2005\" in [instrument]";
+
+/// The path of the contact law.
+pub(super) const LAW: &str = "contact.law";
