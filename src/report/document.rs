@@ -20,10 +20,12 @@ pub enum Block {
     },
     /// With its caption above it, if there is one.
     Table(Table),
-    /// A picture in a file beside the page.
+    /// A picture in a file beside the page. Where its text is here too, the page holds it: neighbours stand side by side,
+    /// and its colours follow the page's.
     Figure {
         file: String,
         caption: String,
+        svg: Option<String>,
     },
 }
 
@@ -52,14 +54,26 @@ impl Document {
 
     /// A picture in a file beside the page.
     pub fn figure(&mut self, file: &str, caption: &str) {
-        self.blocks.push(Block::Figure { file: file.to_owned(), caption: caption.to_owned() });
+        self.blocks.push(Block::Figure { file: file.to_owned(), caption: caption.to_owned(), svg: None });
+    }
+
+    /// A picture that the page holds; it is in a file beside it as well.
+    pub fn picture(&mut self, file: &str, caption: &str, svg: &str) {
+        let (file, caption) = (file.to_owned(), caption.to_owned());
+        self.blocks.push(Block::Figure { file, caption, svg: Some(svg.to_owned()) });
     }
 
     /// The page as HTML; `generator` names the program's part that made it.
     pub fn html(&self, generator: &str) -> String {
         let mut page = open(&self.title, generator);
+        let mut beside = false;
         // Writing to a String cannot fail.
         for block in &self.blocks {
+            let held = matches!(block, Block::Figure { svg: Some(_), .. });
+            if held != beside {
+                page.push_str(if held { "<div class=\"pictures\">\n" } else { "</div>\n" });
+                beside = held;
+            }
             let _ = match block {
                 Block::Heading(text) => writeln!(page, "<h2>{}</h2>", escape(text)),
                 Block::Paragraph { lead, text } if lead.is_empty() => {
@@ -74,7 +88,15 @@ impl Document {
                     }
                     write!(page, "{}", table.html())
                 }
-                Block::Figure { file, caption } => {
+                Block::Figure { file, caption, svg: Some(svg) } => {
+                    let (file, caption) = (escape(file), escape(caption));
+                    writeln!(
+                        page,
+                        "<figure>\n<div class=\"wide\">{svg}</div>\n\
+                         <figcaption>{caption}. <a href=\"{file}\">{file}</a></figcaption>\n</figure>"
+                    )
+                }
+                Block::Figure { file, caption, svg: None } => {
                     let (short, file) = (escape(brief(caption)), escape(file));
                     let caption = escape(caption);
                     writeln!(
@@ -84,6 +106,9 @@ impl Document {
                     )
                 }
             };
+        }
+        if beside {
+            page.push_str("</div>\n");
         }
         page.push_str(CLOSE);
         page
@@ -103,7 +128,7 @@ impl Document {
                     }
                     writeln!(page, "{}", table.markdown())
                 }
-                Block::Figure { file, caption } => {
+                Block::Figure { file, caption, .. } => {
                     let (short, caption) = (plain(brief(caption)), plain(caption));
                     write!(page, "![{short}]({file})\n\n*{caption}*\n\n")
                 }
