@@ -144,6 +144,25 @@ fn sizes_beyond_what_is_usual_are_told_with_their_place() {
     assert!(said.out.contains("warning: deep.toml:15:1: approach.gap = -10 mm is beyond"), "{}", said.out);
 }
 
+/// Seconds passed before the first line. Truth: the number of rods in the scene.
+#[test]
+fn a_plan_of_many_rods_is_told_before_it_begins() {
+    let desk = Desk::new();
+    let rods = |count: usize| {
+        format!(
+            "[instrument]\npreset = \"ha-fung-chen-2005\"\n[instrument.actuator]\nquality_factor = 100\n[sweep]\n\
+             \"instrument.actuator.length\" = {{ from = \"3.9 mm\", to = \"4.1 mm\", points = {count} }}\n\
+             \"approach.gap\" = {{ from = \"10 nm\", to = \"11 nm\", points = 2 }}\n"
+        )
+    };
+    desk.write("many.toml", &rods(400));
+    desk.write("few.toml", &rods(20));
+    let line = "planning 800 instances with 400 rods or levers ...\n";
+    assert!(desk.works(&["plan", "many.toml"]).err.starts_with(line));
+    assert!(!desk.works(&["plan", "many.toml", "-q"]).err.contains("planning"));
+    assert!(!desk.works(&["plan", "few.toml"]).err.contains("planning"));
+}
+
 /// What is common in a microscope, taken 1e9 times: `stiffness = "26 N/nm"` ran with a warning alone.
 #[test]
 fn a_slip_of_nine_powers_is_refused() {
