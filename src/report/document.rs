@@ -243,6 +243,8 @@ pub(super) const CLOSE: &str = "</body>\n</html>\n";
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;background:#fff;max-width:76rem;margin:2rem auto;\
 padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2rem}.wide{overflow-x:auto}\
+.wide::-webkit-scrollbar{height:.5rem}.wide::-webkit-scrollbar-track{background:#8883}\
+.wide::-webkit-scrollbar-thumb{background:#888;border-radius:.25rem}\
 p{max-width:48rem}.pictures{display:grid;gap:0 1.5rem;\
 grid-template-columns:repeat(auto-fit,minmax(min(100%,34rem),1fr))}.pictures figure{min-width:0}.alone{grid-column:1/-1}\
 summary{cursor:pointer}#tip{display:none;position:absolute;max-width:15rem;padding:.2rem .5rem;\
