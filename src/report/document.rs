@@ -252,7 +252,8 @@ background:#222;color:#fff;font-size:.85rem;border-radius:.2rem;pointer-events:n
 table{border-collapse:collapse;font-size:.9rem}td,th{padding:.25rem .8rem .25rem 0;text-align:left;\
 vertical-align:top;border-bottom:1px solid #ddd}th{color:#555;font-weight:600}figure{margin:1.5rem 0}\
 figure svg,figure img{max-width:100%;height:auto}\
-@media(max-width:640px){figure svg,figure img{max-width:none}}\
+@media(max-width:640px){figure svg,figure img{max-width:max(100%,29rem)}\
+.alone svg,.alone img{max-width:none}}\
 @media(prefers-color-scheme:dark){body{color:#ddd;background:#191919}a{color:#8bf}td,th{border-color:#444 !important}\
 th,figcaption,.caption{color:#aaa !important}pre{background:#262626 !important}#tip{background:#ddd;color:#191919}\
 svg [fill='#FFFFFF']{fill:#191919}svg [fill='#222222']{fill:#ddd}svg [stroke='#222222']{stroke:#ddd}\
