@@ -220,7 +220,7 @@ fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
     let mut text = String::new();
     match &summary.indices {
         Indices::Saltelli(indices) => {
-            text += &format!("  {:wide$}  {:<18}  {:<18}\n", "", "S1", "ST");
+            text += &format!("  {:wide$}  {:<18}  ST\n", "", "S1");
             for (n, name) in names.iter().enumerate() {
                 let (first, total) = (&indices.first[n], &indices.total[n]);
                 let lost = lost(&[("S1", first), ("ST", total)]);

@@ -387,7 +387,8 @@ fn the_page_says_that_instances_carry_warnings() {
 #[test]
 fn narrow_pages_shrink_pictures_a_little_and_show_that_they_scroll() {
     let page = Report::of(&grid()).text("index.html");
-    let style = page.split_once("<style>").and_then(|(_, rest)| rest.split_once("</style>")).expect("a style").0;
+    let style =
+        page.split_once("<style>").and_then(|(_, rest)| rest.split_once("</style>")).expect("a style").0;
     for rule in [
         "@media(max-width:640px){figure svg,figure img{max-width:max(100%,29rem)}",
         ".wide{overflow-x:auto}",
@@ -395,6 +396,5 @@ fn narrow_pages_shrink_pictures_a_little_and_show_that_they_scroll() {
     ] {
         assert!(style.contains(rule), "{rule}");
     }
-    // Each picture stands in what scrolls, not the page.
     assert_eq!(page.matches("<div class=\"wide\"><svg").count(), page.matches("<svg").count());
 }
