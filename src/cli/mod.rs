@@ -15,6 +15,7 @@ mod look_in;
 mod merge;
 mod modes;
 mod plan;
+mod planning;
 mod prepare;
 mod progress;
 mod report;

@@ -2,7 +2,7 @@
 
 use super::backend::{EngineArgs, say_choice};
 use super::table::TableArgs;
-use super::{Voice, print, print_json};
+use super::{Voice, planning, print, print_json};
 use afmsweep::Observer;
 use afmsweep::engine::estimate;
 use afmsweep::sweep::Choice;
@@ -24,6 +24,7 @@ pub struct PlanArgs {
 
 pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
     let sweep = args.engine.sweep(args.table.load(&args.scene)?)?;
+    planning::announce(sweep.scene(), voice);
     // Nothing runs: which engine would is told to those who ask.
     let voice = Voice { quiet: !voice.verbose || args.json, ..voice };
     let (plan, engine) = sweep.plan(&Told(voice))?;

@@ -9,7 +9,7 @@ use super::prepare;
 use super::signals;
 use super::stopped::Stopped;
 use super::table::TableArgs;
-use super::{Voice, print_json};
+use super::{Voice, planning, print_json};
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, Earlier, Journal, RunFile};
 use afmsweep::sweep::{Keeper, Share};
@@ -228,6 +228,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let partial = store::partial_path(&output);
     let told =
         Told { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown: Mutex::default() };
+    planning::announce(told.scene, voice);
     if args.shard.is_some_and(|share| share.of > 1) {
         let whole = sweep.run_share(&keeper, &told);
         drop(told);

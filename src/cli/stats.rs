@@ -165,7 +165,7 @@ fn observable(study: &Study, output: &Output, summary: &Summary) -> String {
     let left_out: Vec<String> =
         summary.left_out.iter().map(|(word, count)| format!("{count} {word}")).collect();
     if !left_out.is_empty() {
-        text += &format!(", left out: {}", left_out.join(", "));
+        text += &format!(", left out by status: {}", left_out.join(", "));
     }
     text += &format!("; intervals of 95 % by {}\n", summary.intervals.name());
     let value = |one: &Estimate| {
@@ -199,6 +199,16 @@ fn observable(study: &Study, output: &Output, summary: &Summary) -> String {
     text
 }
 
+/// Said of an index whose interval holds zero.
+const LOST: &str = "not told apart from zero";
+
+/// Which of some indices are not told apart from zero, in words; nothing where all are.
+fn lost(indices: &[(&str, &Estimate)]) -> String {
+    let names: Vec<&str> =
+        indices.iter().filter(|(_, one)| one.holds_zero()).map(|(name, _)| *name).collect();
+    if names.is_empty() { String::new() } else { format!("{} {LOST}", names.join(", ")).trim().to_owned() }
+}
+
 /// A table of indices or effects.
 fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
     let names = study.design.group_names();
@@ -210,31 +220,39 @@ fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
     let mut text = String::new();
     match &summary.indices {
         Indices::Saltelli(indices) => {
-            text += &format!("  {:wide$}  {:<18}  {:<18}\n", "", "S1", "ST");
+            text += &format!("  {:wide$}  {:<18}  ST\n", "", "S1");
             for (n, name) in names.iter().enumerate() {
-                text +=
-                    &format!("  {name:wide$}  {}  {}\n", share(&indices.first[n]), share(&indices.total[n]));
+                let (first, total) = (&indices.first[n], &indices.total[n]);
+                let lost = lost(&[("S1", first), ("ST", total)]);
+                text += format!("  {name:wide$}  {}  {}  {lost}", share(first), share(total)).trim_end();
+                text.push('\n');
             }
             let pairs = (0..names.len()).flat_map(|j| (j + 1..names.len()).map(move |k| (j, k)));
             for ((j, k), one) in pairs.zip(&indices.second) {
-                text += &format!("  S2 of {} and {}: {}\n", names[j], names[k], share(one).trim());
+                let lost = lost(&[("", one)]);
+                text += format!("  S2 of {} and {}: {}  {lost}", names[j], names[k], share(one).trim())
+                    .trim_end();
+                text.push('\n');
             }
         }
         Indices::Morris(effects) => {
             for (n, name) in names.iter().enumerate() {
                 let star = &effects.mu_star[n];
                 text += &format!(
-                    "  {name:wide$}  mu* {} +- {}, mu {}, sigma {}\n",
+                    "  {name:wide$}  mu* {} +- {}, mu {}, sigma {}{}\n",
                     shown(star.value, &output.units, 4),
                     shown(star.half_width, &output.units, 2),
                     shown(effects.mu[n], &output.units, 4),
-                    shown(effects.sigma[n], &output.units, 4)
+                    shown(effects.sigma[n], &output.units, 4),
+                    if star.holds_zero() { format!("; mu* {LOST}") } else { String::new() }
                 );
             }
         }
         Indices::Bins(first) => {
             for (name, one) in names.iter().zip(first) {
-                text += &format!("  {name:wide$}  S1 (bins) {}\n", share(one).trim_end());
+                let lost = lost(&[("", one)]);
+                text += format!("  {name:wide$}  S1 (bins) {}  {lost}", share(one)).trim_end();
+                text.push('\n');
             }
         }
     }

@@ -54,7 +54,7 @@ impl Status {
         match self {
             Self::Ok => "nothing to do",
             Self::NotSteady => {
-                "the response still changes by more than the accuracy asked for; more [run] periods settle it if every mode that rings has a quality factor and the tapping has a steady state; steady = \"search\" in [run] looks for that state without waiting"
+                "the response still changes by more than the accuracy asked for; more [run] periods settle it if every mode that rings has a quality factor and the tapping has a steady state. A scene that waits can search for that state, steady = \"search\" in [run]; one that searched found none, as of a tip that sticks and tears off at odd times: [output] waveforms shows what it does"
             }
             Self::Sensitive => "a tiny change of the start moves the result",
             Self::NonFinite => "values ran out of the range of numbers; more steps per period may help",

@@ -20,10 +20,12 @@ pub enum Block {
     },
     /// With its caption above it, if there is one.
     Table(Table),
-    /// A picture in a file beside the page.
+    /// A picture in a file beside the page. Where its text is here too, the page holds it: neighbours stand side by side,
+    /// and its colours follow the page's.
     Figure {
         file: String,
         caption: String,
+        svg: Option<String>,
     },
 }
 
@@ -52,14 +54,26 @@ impl Document {
 
     /// A picture in a file beside the page.
     pub fn figure(&mut self, file: &str, caption: &str) {
-        self.blocks.push(Block::Figure { file: file.to_owned(), caption: caption.to_owned() });
+        self.blocks.push(Block::Figure { file: file.to_owned(), caption: caption.to_owned(), svg: None });
+    }
+
+    /// A picture that the page holds; it is in a file beside it as well.
+    pub fn picture(&mut self, file: &str, caption: &str, svg: &str) {
+        let (file, caption) = (file.to_owned(), caption.to_owned());
+        self.blocks.push(Block::Figure { file, caption, svg: Some(svg.to_owned()) });
     }
 
     /// The page as HTML; `generator` names the program's part that made it.
     pub fn html(&self, generator: &str) -> String {
         let mut page = open(&self.title, generator);
+        let mut beside = false;
         // Writing to a String cannot fail.
         for block in &self.blocks {
+            let held = matches!(block, Block::Figure { svg: Some(_), .. });
+            if held != beside {
+                page.push_str(if held { "<div class=\"pictures\">\n" } else { "</div>\n" });
+                beside = held;
+            }
             let _ = match block {
                 Block::Heading(text) => writeln!(page, "<h2>{}</h2>", escape(text)),
                 Block::Paragraph { lead, text } if lead.is_empty() => {
@@ -74,7 +88,15 @@ impl Document {
                     }
                     write!(page, "{}", table.html())
                 }
-                Block::Figure { file, caption } => {
+                Block::Figure { file, caption, svg: Some(svg) } => {
+                    let (file, caption) = (escape(file), escape(caption));
+                    writeln!(
+                        page,
+                        "<figure>\n<div class=\"wide\">{svg}</div>\n\
+                         <figcaption>{caption}. <a href=\"{file}\">{file}</a></figcaption>\n</figure>"
+                    )
+                }
+                Block::Figure { file, caption, svg: None } => {
                     let (short, file) = (escape(brief(caption)), escape(file));
                     let caption = escape(caption);
                     writeln!(
@@ -84,6 +106,9 @@ impl Document {
                     )
                 }
             };
+        }
+        if beside {
+            page.push_str("</div>\n");
         }
         page.push_str(CLOSE);
         page
@@ -103,7 +128,7 @@ impl Document {
                     }
                     writeln!(page, "{}", table.markdown())
                 }
-                Block::Figure { file, caption } => {
+                Block::Figure { file, caption, .. } => {
                     let (short, caption) = (plain(brief(caption)), plain(caption));
                     write!(page, "![{short}]({file})\n\n*{caption}*\n\n")
                 }
@@ -218,6 +243,8 @@ pub(super) const CLOSE: &str = "</body>\n</html>\n";
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;background:#fff;max-width:76rem;margin:2rem auto;\
 padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2rem}.wide{overflow-x:auto}\
+.wide::-webkit-scrollbar{height:.5rem}.wide::-webkit-scrollbar-track{background:#8883}\
+.wide::-webkit-scrollbar-thumb{background:#888;border-radius:.25rem}\
 p{max-width:48rem}.pictures{display:grid;gap:0 1.5rem;\
 grid-template-columns:repeat(auto-fit,minmax(min(100%,34rem),1fr))}.pictures figure{min-width:0}.alone{grid-column:1/-1}\
 summary{cursor:pointer}#tip{display:none;position:absolute;max-width:15rem;padding:.2rem .5rem;\
@@ -225,7 +252,8 @@ background:#222;color:#fff;font-size:.85rem;border-radius:.2rem;pointer-events:n
 table{border-collapse:collapse;font-size:.9rem}td,th{padding:.25rem .8rem .25rem 0;text-align:left;\
 vertical-align:top;border-bottom:1px solid #ddd}th{color:#555;font-weight:600}figure{margin:1.5rem 0}\
 figure svg,figure img{max-width:100%;height:auto}\
-@media(max-width:640px){figure svg,figure img{max-width:none}}\
+@media(max-width:640px){figure svg,figure img{max-width:max(100%,29rem)}\
+.alone svg,.alone img{max-width:none}}\
 @media(prefers-color-scheme:dark){body{color:#ddd;background:#191919}a{color:#8bf}td,th{border-color:#444 !important}\
 th,figcaption,.caption{color:#aaa !important}pre{background:#262626 !important}#tip{background:#ddd;color:#191919}\
 svg [fill='#FFFFFF']{fill:#191919}svg [fill='#222222']{fill:#ddd}svg [stroke='#222222']{stroke:#ddd}\

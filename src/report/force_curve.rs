@@ -6,8 +6,16 @@ use super::canvas::{INK, LINES, picture};
 use super::frame::{Frame, KEY_ROW, Key, key, key_rows, left_margin, title};
 use crate::store::ForceCurve;
 
-/// The picture of all curves of one instance.
+/// The picture of all curves of one instance. A law without memory has one: its approach and its retraction are the same.
 pub(super) fn draw(curves: &[&ForceCurve], heading: &str) -> Result<String, ReportError> {
+    let repeats = |one: &ForceCurve, other: &ForceCurve| one.law == other.law && points(one) == points(other);
+    let told = |n: &usize| !curves[..*n].iter().any(|before| repeats(curves[*n], before));
+    let name = |n: usize| match curves[n + 1..].iter().any(|after| repeats(curves[n], after)) {
+        true => curves[n].law.clone(),
+        false => format!("{}, {}", curves[n].law, curves[n].branch),
+    };
+    let (names, curves): (Vec<String>, Vec<&ForceCurve>) =
+        (0..curves.len()).filter(told).map(|n| (name(n), curves[n])).unzip();
     let depths = curves.iter().flat_map(|curve| curve.indentation.iter().copied());
     let forces = curves.iter().flat_map(|curve| curve.force.iter().copied());
     let x_axis = Axis::over(depths, "m", "indentation, negative for a gap", false, 0.03);
@@ -16,7 +24,7 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str) -> Result<String, Repo
     for (number, curve) in curves.iter().enumerate() {
         let shade = LINES[number % LINES.len()];
         let sample = if is_retraction(curve) { Key::Dashes(shade) } else { Key::Line(shade) };
-        entries.push((sample, format!("{}, {}", curve.law, curve.branch)));
+        entries.push((sample, names[number].clone()));
     }
     let (width, height, top) = (560.0, 360.0, 40.0);
     let left = left_margin(&y_axis, height);
@@ -54,6 +62,16 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str) -> Result<String, Repo
         frame.edges(true, true)?;
         key(canvas, (left, key_top), left + width, &entries)
     })
+}
+
+/// The points of a curve in rising order, each once; bits, so that none is lost by being no number.
+fn points(curve: &ForceCurve) -> Vec<(u64, u64)> {
+    let pairs = curve.indentation.iter().zip(&curve.force);
+    let mut points: Vec<(u64, u64)> =
+        pairs.map(|(depth, force)| (depth.to_bits(), force.to_bits())).collect();
+    points.sort_unstable();
+    points.dedup();
+    points
 }
 
 fn is_retraction(curve: &ForceCurve) -> bool {

@@ -298,13 +298,17 @@ pub(super) fn colour(place: f64) -> RGBColor {
     RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
 }
 
-/// Pieces of a title that fit a picture's width.
-pub(super) fn title(canvas: &Canvas, text: &str, left: f64, width: f64) -> Result<(), ReportError> {
-    let most = ((width - left - 8.0) / (TITLE * 0.56)) as usize;
-    let mut shown: String = text.chars().take(most.max(4)).collect();
-    if shown.len() < text.len() {
-        shown.pop();
-        shown.push('…');
+/// A title from `left` on that ends before `right`: in smaller letters, or cut, where it is too long.
+pub(super) fn title(canvas: &Canvas, text: &str, left: f64, right: f64) -> Result<(), ReportError> {
+    let room = right - left - 8.0;
+    let fits = |size: &f64| text_width(text, *size) <= room;
+    let size = [TITLE, 14.0, LABEL, SMALL].into_iter().find(fits);
+    let mut shown = text.to_owned();
+    if size.is_none() {
+        while !shown.is_empty() && text_width(&shown, SMALL) + SMALL > room {
+            shown.pop();
+        }
+        shown = format!("{}…", shown.trim_end());
     }
-    canvas.text(&shown, (left, 20.0), TITLE, Anchor::Left, INK)
+    canvas.text(&shown, (left, 20.0), size.unwrap_or(SMALL), Anchor::Left, INK)
 }

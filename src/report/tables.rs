@@ -81,20 +81,19 @@ fn run(results: &Results) -> Table {
 }
 
 fn axes(results: &Results) -> Table {
-    let mut rows = vec![row(["swept", "name", "values", "from", "to"])];
+    let mut rows = vec![row(["swept", "name", "values", "smallest or first", "largest or last"])];
     for axis in &results.axes {
         let finite = axis.values.iter().copied().filter(|value| value.is_finite());
         let (low, high) =
             (finite.clone().fold(f64::INFINITY, f64::min), finite.fold(f64::NEG_INFINITY, f64::max));
         let unit = Unit::fitting(&axis.units, low.abs().max(high.abs()));
         let label = if axis.long_name.is_empty() { &axis.name } else { &axis.long_name };
-        rows.push(vec![
-            label.clone(),
-            axis.name.clone(),
-            axis.values.len().to_string(),
-            unit.value(low),
-            unit.value(high),
-        ]);
+        // What has words counts them from 0: the numbers tell nothing.
+        let (from, to) = match (axis.words.first(), axis.words.last()) {
+            (Some(first), Some(last)) => (first.clone(), last.clone()),
+            _ => (unit.value(low), unit.value(high)),
+        };
+        rows.push(vec![label.clone(), axis.name.clone(), axis.values.len().to_string(), from, to]);
     }
     let caption = if results.list { "Sweep (a list of samples)" } else { "Sweep (a grid)" };
     Table { caption: caption.into(), rows }

@@ -182,8 +182,9 @@ impl Subject<'_> {
                     (caption, series.collect())
                 };
                 let panels = panels.into_iter().map(panel).collect();
-                let by =
-                    view.curves.map_or(String::new(), |axis| brief(label(&axes[axis]), &axes[axis].name));
+                // `forward` and `backward` say themselves what they are.
+                let by = view.curves.map(|axis| &axes[axis]).filter(|axis| axis.name != "direction");
+                let by = by.map_or(String::new(), |axis| brief(label(axis), &axis.name));
                 self.curves((x, &by), columns, panels, note)
             }
         }

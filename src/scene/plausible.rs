@@ -1,7 +1,9 @@
 //! Which sizes a quantity has in an instrument that can be built, and which no matter has at all.
 //!
 //! Beyond what is usual a scene runs with a warning: hard cases are made of such values. Beyond what is
-//! possible it is refused: a slip of the unit or the exponent is likelier than a reason.
+//! possible it is refused: a slip of the unit or the exponent is likelier than a reason. So whatever is common in
+//! a microscope, taken 1e9 times (`N/nm` for `N/m`, `m` for `nm`), is refused
+//! (`cli_sense::a_slip_of_nine_powers_is_refused`).
 
 use super::address::Address;
 use super::error::{Checked, Fault, line_column};
@@ -18,14 +20,17 @@ struct Sizes {
 }
 
 /// Lengths of solid parts, m.
-const PARTS: [f64; 2] = [1e-18, 1e3];
-/// Lengths that only scale a motion, m: tests of the range of numbers need them large.
-const PATHS: [f64; 2] = [1e-30, 1e35];
-/// Moduli, Pa: a light year of steel does not bend so little, nor a gas so much.
-const MODULI: [f64; 2] = [1e-6, 1e15];
-const DENSITIES: [f64; 2] = [1e-6, 1e9];
-const FREQUENCIES: [f64; 2] = [1e-6, 1e15];
-const QUALITIES: [f64; 2] = [0.5, 1e15];
+const PARTS: [f64; 2] = [1e-11, 0.1];
+/// Lengths of levers, m, and of rods.
+const LEVERS: [f64; 2] = [1e-11, 1.0];
+const RODS: [f64; 2] = [1e-9, 1e3];
+/// How far a tip, its base and its gap go, m.
+const PATHS: [f64; 2] = [1e-21, 0.1];
+/// Moduli, Pa: a hundred times a diamond's, so that a part can be as good as rigid; and less than any gel has.
+const MODULI: [f64; 2] = [1e-2, 1e14];
+const DENSITIES: [f64; 2] = [1.0, 1e5];
+const FREQUENCIES: [f64; 2] = [1e-4, 1e11];
+const QUALITIES: [f64; 2] = [0.5, 1e12];
 const ANY: [f64; 2] = [0.0, f64::INFINITY];
 
 const fn sizes(path: &'static str, usual: [f64; 2], possible: [f64; 2]) -> Sizes {
@@ -35,20 +40,20 @@ const fn sizes(path: &'static str, usual: [f64; 2], possible: [f64; 2]) -> Sizes
 static SIZES: &[Sizes] = &[
     sizes("instrument.actuator.youngs_modulus", [1e8, 1e12], MODULI),
     sizes("instrument.actuator.density", [100.0, 3e4], DENSITIES),
-    sizes("instrument.actuator.h33", [1e6, 1e11], [1e-3, 1e18]),
-    sizes("instrument.actuator.beta33", [1e5, 1e12], [1e-3, 1e18]),
-    sizes("instrument.actuator.length", [1e-6, 1.0], PARTS),
-    sizes("instrument.actuator.width", [1e-6, 1.0], PARTS),
-    sizes("instrument.actuator.thickness", [1e-6, 1.0], PARTS),
+    sizes("instrument.actuator.h33", [1e6, 1e11], [1e3, 1e14]),
+    sizes("instrument.actuator.beta33", [1e5, 1e12], [1e2, 1e15]),
+    sizes("instrument.actuator.length", [1e-6, 1.0], RODS),
+    sizes("instrument.actuator.width", [1e-6, 1.0], RODS),
+    sizes("instrument.actuator.thickness", [1e-6, 1.0], RODS),
     sizes("instrument.actuator.quality_factor", [0.5, 1e7], QUALITIES),
     sizes("instrument.cantilever.youngs_modulus", [1e6, 2e12], MODULI),
     sizes("instrument.cantilever.density", [100.0, 3e4], DENSITIES),
-    sizes("instrument.cantilever.length", [1e-7, 1e-2], PARTS),
-    sizes("instrument.cantilever.width", [1e-8, 1e-2], PARTS),
-    sizes("instrument.cantilever.thickness", [1e-10, 1e-3], PARTS),
-    sizes("instrument.cantilever.stiffness", [1e-5, 1e5], [1e-12, 1e12]),
+    sizes("instrument.cantilever.length", [1e-7, 1e-2], LEVERS),
+    sizes("instrument.cantilever.width", [1e-8, 1e-2], LEVERS),
+    sizes("instrument.cantilever.thickness", [1e-10, 1e-3], LEVERS),
+    sizes("instrument.cantilever.stiffness", [1e-5, 1e5], [1e-7, 5e6]),
     sizes("instrument.cantilever.frequency", [10.0, 1e9], FREQUENCIES),
-    sizes("instrument.cantilever.modes.#.stiffness", [1e-5, 1e7], [1e-12, 1e15]),
+    sizes("instrument.cantilever.modes.#.stiffness", [1e-5, 1e7], [1e-7, 5e8]),
     sizes("instrument.cantilever.modes.#.frequency", [10.0, 1e10], FREQUENCIES),
     sizes("instrument.cantilever.modes.#.quality_factor", [0.5, 1e7], QUALITIES),
     sizes("instrument.cantilever.modes.#.drive", [1e-6, 1e6], ANY),
@@ -58,25 +63,25 @@ static SIZES: &[Sizes] = &[
     sizes("instrument.tip.width", [1e-9, 1e-3], PARTS),
     sizes("instrument.tip.height", [1e-9, 1e-3], PARTS),
     sizes("instrument.tip.density", [100.0, 3e4], DENSITIES),
-    sizes("instrument.tip.mass", [1e-21, 1e-6], [1e-30, 1e3]),
+    sizes("instrument.tip.mass", [1e-21, 1e-7], [1e-24, 1e-6]),
     sizes("instrument.tip.radius", [1e-10, 1e-3], PARTS),
     sizes("instrument.tip.youngs_modulus", [1e3, 2e12], MODULI),
     sizes("instrument.tip.poisson_ratio", [0.0, 0.5], ANY),
     sizes("sample.youngs_modulus", [10.0, 2e12], MODULI),
     sizes("sample.poisson_ratio", [0.0, 0.5], ANY),
-    sizes("sample.surface_energy", [1e-9, 10.0], [1e-18, 1e6]),
-    sizes("sample.hamaker", [1e-24, 1e-17], [1e-35, 1e3]),
-    sizes("contact.decay_length", [1e-12, 1e-8], PARTS),
-    sizes("drive.voltage", [1e-9, 1e4], [1e-30, 1e12]),
+    sizes("sample.surface_energy", [1e-9, 10.0], [1e-15, 1e3]),
+    sizes("sample.hamaker", [1e-24, 1e-17], [1e-27, 1e-14]),
+    sizes("contact.decay_length", [1e-12, 1e-8], [1e-16, 1e-6]),
+    sizes("drive.voltage", [1e-9, 1e4], [1e-12, 1e6]),
     sizes("drive.free_amplitude", [1e-15, 1e-3], PATHS),
     sizes("drive.base_amplitude", [1e-18, 1e-3], PATHS),
     sizes("approach.gap", [0.0, 1e-3], PATHS),
     sizes("approach.setpoint", [0.05, 0.999], ANY),
-    sizes("approach.force_setpoint", [1e-14, 1e-3], [1e-25, 1e10]),
+    sizes("approach.force_setpoint", [1e-14, 1e-3], [1e-17, 1e-2]),
 ];
 /// Drives, of which the right size depends on the lever.
 static DRIVES: &[Sizes] =
-    &[sizes("drive.frequency", [0.1, 1e9], FREQUENCIES), sizes("drive.force", [1e-18, 1e-2], [1e-30, 1e6])];
+    &[sizes("drive.frequency", [0.1, 1e9], FREQUENCIES), sizes("drive.force", [1e-18, 1e-2], [1e-21, 0.1])];
 
 fn sizes_of(address: Address) -> Option<&'static Sizes> {
     SIZES.iter().chain(DRIVES).find(|sizes| sizes.path == address.quantity.path)

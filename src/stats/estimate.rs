@@ -17,6 +17,13 @@ pub struct Estimate {
     pub half_width: f64,
 }
 
+impl Estimate {
+    /// Whether the interval holds zero: the number may be nothing but chance.
+    pub fn holds_zero(&self) -> bool {
+        self.value.abs() <= self.half_width
+    }
+}
+
 /// What a design tells of the spread of what is estimated from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {

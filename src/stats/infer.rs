@@ -3,9 +3,12 @@
 //! No sampler: the design's rows are the sample, and each counts by how well its observables agree with what was observed.
 //! The effective sample size says whether that is enough.
 
+use super::study::status_word;
+use super::summary::reasons;
 use super::{StatsError, Study, mean};
 use crate::design::Kind;
 use crate::observe::Status;
+use std::collections::BTreeMap;
 
 /// Fewer effective samples than this tell nothing to be relied on.
 pub const FEWEST_EFFECTIVE: f64 = 50.0;
@@ -57,12 +60,15 @@ pub fn posterior(
     let rows: Vec<usize> = (0..status.len()).filter(|row| status[*row] == Status::Ok as u8).collect();
     let left_out = status.len() - rows.len();
     if left_out as f64 > most_left_out * status.len() as f64 || rows.is_empty() {
+        let mut failed = BTreeMap::new();
+        let codes = status.iter().filter(|code| **code != Status::Ok as u8);
+        codes.for_each(|code| *failed.entry(status_word(*code)).or_insert(0) += 1);
         return Err(StatsError::LeftOut {
             output: "what was observed".into(),
             lost: left_out,
             rows: status.len(),
             share: 100.0 * most_left_out,
-            told: "not ok".into(),
+            told: reasons(&failed),
         });
     }
     let miss = |row: &usize| -> f64 {

@@ -35,7 +35,7 @@ pub enum StatsError {
     #[error("the file has no observable {name}; it has {known}")]
     Output { name: String, known: String },
     #[error(
-        "{lost} of {rows} rows cannot count for {output} ({told}), more than {share} %: what is left is no fair sample. \
+        "{lost} of {rows} rows cannot count for {output}, more than {share} %: {told}. What is left is no fair sample. \
          See why they failed (`afmsweep report`, `afmsweep explain`), or allow it: --left-out 100; --keep STATUS counts a status as ok"
     )]
     LeftOut { output: String, lost: usize, rows: usize, share: f64, told: String },

@@ -103,13 +103,12 @@ pub fn summary(
     let rows = values.len();
     let lost: usize = left_out.values().sum();
     if lost as f64 > options.most_left_out * rows as f64 || units.is_empty() {
-        let told: Vec<String> = left_out.iter().map(|(word, count)| format!("{count} {word}")).collect();
         return Err(StatsError::LeftOut {
             output: output.name.clone(),
             lost,
             rows,
             share: 100.0 * options.most_left_out,
-            told: told.join(", "),
+            told: reasons(&left_out),
         });
     }
     let spread = match study.design.replicates {
@@ -140,6 +139,21 @@ pub fn summary(
         intervals: spread,
         simulation_error: (quantile(&errors, 0.5), errors.last().copied().unwrap_or(f64::NAN)),
     })
+}
+
+/// How many rows are left out by which word, and what each word means.
+pub(super) fn reasons(left_out: &BTreeMap<&'static str, usize>) -> String {
+    let told = |(word, count): (&&'static str, &usize)| {
+        let status = Status::ALL.into_iter().find(|status| status.meaning() == *word);
+        let reason = match (*word, status) {
+            (NO_VALUE, _) => "nothing to tell there, as the indentation of a tip that never touches",
+            (OF_ITS_SAMPLE, _) => "well themselves, but another row of their base sample failed",
+            (_, Some(status)) => status.reason(),
+            (_, None) => "a status that this program does not know",
+        };
+        format!("{count} {word} ({reason})")
+    };
+    left_out.iter().map(told).collect::<Vec<_>>().join(", ")
 }
 
 /// The rows of base samples that are ok as a whole, at a point.

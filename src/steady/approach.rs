@@ -168,8 +168,12 @@ impl Approaching<'_> {
         for (mut one, place) in ended.into_iter().zip(self.wherever(&starts)?) {
             let jumped = place.as_ref().is_some_and(|place| !one.is_near(&self.plan, &place.state));
             one.jumps += u32::from(jumped);
-            match place.filter(|_| one.jumps <= JUMPS) {
+            match place.filter(|_| one.jumps <= JUMPS && one.strides < STRIDES) {
                 None if self.progress.stopped() => {}
+                // The branch goes on, only that no search finds it here: it has passed the set-point as a stride does.
+                Some(place) if !jumped && one.last.miss * place.miss <= 0.0 => {
+                    going.extend(self.arrive(one, place, 0));
+                }
                 Some(last) => {
                     one.stride = FIRST * self.plan.driven(one.instance).free_amplitude();
                     (one.last, one.before) = (last, None);

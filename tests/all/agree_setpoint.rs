@@ -189,3 +189,28 @@ fn held_states_do_not_depend_on_threads_or_neighbours() {
         assert_eq!(begin(&plan.part(&[i]))[0], whole[i as usize], "instance {i}");
     }
 }
+
+/// JKR lets go so abruptly that no search meets some gaps of a branch, where waiting does: strides there went back and forth
+/// over the set-point for ever. Truth: the amplitude that is asked for.
+#[test]
+fn set_points_that_only_waiting_passes_are_held() {
+    let text = TAPPING
+        .replace(
+            "modes = [{ stiffness = \"26 N/m\", frequency = \"300 kHz\", quality_factor = 450 }]",
+            "stiffness = \"26 N/m\"\nfrequency = \"300 kHz\"\nquality_factor = 450",
+        )
+        .replace(
+            "frequency = \"300 kHz\"\n[approach]",
+            "frequency = \"resonance\"\nfree_amplitude = \"10 nm\"\n[approach]",
+        )
+        .replace("dmt", "jkr")
+        .replace("WHERE", "setpoint_branch = \"repulsive\"")
+        .replace("SWEPT", "\"approach.setpoint\" = { values = [0.3, 0.85, 0.9] }");
+    let run = run(&parse(&text));
+    for (one, share) in run.outcome.results.iter().zip([0.3, 0.85, 0.9]) {
+        let found = one.measured.harmonics[0] / 10e-9;
+        assert_eq!(one.status, Status::Ok, "{share}");
+        assert!((found - share).abs() < 1e-3, "{share}: {found}");
+        assert!(one.measured.force_mean > 0.0, "{share}");
+    }
+}

@@ -4,7 +4,7 @@
 use crate::program::{Desk, scene};
 use afmsweep::engine::{Cpu, Engine, EngineError, Outcome, Progress, estimate};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{ActuatorModel, Scene};
+use afmsweep::scene::{ActuatorModel, Address, Scene};
 use afmsweep::store;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -127,9 +127,9 @@ fn an_undamped_rod_is_told_of_wherever_steady_motion_is_asked_for() {
 #[test]
 fn sizes_beyond_what_is_usual_are_told_with_their_place() {
     for (section, entry, place, words) in [
-        ("instrument.tip", "radius = \"1 m\"", "2:1", "100 pm to 1 mm"),
+        ("instrument.tip", "radius = \"10 mm\"", "2:1", "100 pm to 1 mm"),
         ("sample", "poisson_ratio = -0.999999999999", "2:1", "at most 0.5"),
-        ("approach", "gap = \"-1 m\"", "2:1", "at most 1 mm"),
+        ("approach", "gap = \"-10 mm\"", "2:1", "at most 1 mm"),
         ("sweep", "\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"1e13 Pa\"] }", "2:1", "to 2 TPa"),
     ] {
         let scene = parse(&format!("[{section}]\n{entry}\n[instrument.actuator]\nmodel = \"prescribed\"\n"));
@@ -139,9 +139,91 @@ fn sizes_beyond_what_is_usual_are_told_with_their_place() {
         assert!(line.starts_with(&format!("test.toml:{place}: ")) && line.contains(words), "{entry}: {line}");
     }
     let desk = Desk::new();
-    desk.write("deep.toml", &CALIBRATED.replace("\"15 nm\"", "\"-1 m\""));
+    desk.write("deep.toml", &CALIBRATED.replace("\"15 nm\"", "\"-10 mm\""));
     let said = desk.works(&["plan", "deep.toml"]);
-    assert!(said.out.contains("warning: deep.toml:15:1: approach.gap = -1 m is beyond"), "{}", said.out);
+    assert!(said.out.contains("warning: deep.toml:15:1: approach.gap = -10 mm is beyond"), "{}", said.out);
+}
+
+/// Seconds passed before the first line. Truth: the number of rods in the scene.
+#[test]
+fn a_plan_of_many_rods_is_told_before_it_begins() {
+    let desk = Desk::new();
+    let rods = |count: usize| {
+        format!(
+            "[instrument]\npreset = \"ha-fung-chen-2005\"\n[instrument.actuator]\nquality_factor = 100\n[sweep]\n\
+             \"instrument.actuator.length\" = {{ from = \"3.9 mm\", to = \"4.1 mm\", points = {count} }}\n\
+             \"approach.gap\" = {{ from = \"10 nm\", to = \"11 nm\", points = 2 }}\n"
+        )
+    };
+    desk.write("many.toml", &rods(400));
+    desk.write("few.toml", &rods(20));
+    let line = "planning 800 instances with 400 rods or levers ...\n";
+    assert!(desk.works(&["plan", "many.toml"]).err.starts_with(line));
+    assert!(!desk.works(&["plan", "many.toml", "-q"]).err.contains("planning"));
+    assert!(!desk.works(&["plan", "few.toml"]).err.contains("planning"));
+}
+
+/// What is common in a microscope, taken 1e9 times: `stiffness = "26 N/nm"` ran with a warning alone.
+#[test]
+fn a_slip_of_nine_powers_is_refused() {
+    let common = [
+        ("actuator.youngs_modulus", 2e10),
+        ("actuator.density", 2650.0),
+        ("actuator.h33", 5e8),
+        ("actuator.beta33", 8e7),
+        ("actuator.length", 4e-3),
+        ("actuator.width", 4e-5),
+        ("actuator.thickness", 7e-6),
+        ("cantilever.youngs_modulus", 1.69e11),
+        ("cantilever.density", 2330.0),
+        ("cantilever.length", 1.25e-4),
+        ("cantilever.width", 3e-5),
+        ("cantilever.thickness", 4e-6),
+        ("cantilever.stiffness", 0.01),
+        ("cantilever.stiffness", 26.0),
+        ("cantilever.frequency", 3e5),
+        ("tip.half_length", 1e-6),
+        ("tip.width", 1e-6),
+        ("tip.height", 1e-5),
+        ("tip.density", 2330.0),
+        ("tip.mass", 1e-14),
+        ("tip.radius", 1e-9),
+        ("tip.radius", 1e-5),
+        ("tip.youngs_modulus", 1.3e11),
+        ("sample.youngs_modulus", 2.7e9),
+        ("sample.surface_energy", 1e-3),
+        ("sample.hamaker", 6.4e-20),
+        ("contact.decay_length", 3e-10),
+        ("drive.voltage", 10.0),
+        ("drive.frequency", 2e3),
+        ("drive.force", 1e-9),
+        ("drive.free_amplitude", 1e-9),
+        ("drive.base_amplitude", 1e-9),
+        ("approach.gap", 3e-10),
+        ("approach.force_setpoint", 1e-10),
+    ];
+    for (path, value) in common {
+        let path = match path.split_once('.') {
+            Some(("actuator" | "cantilever" | "tip", _)) => format!("instrument.{path}"),
+            _ => path.to_owned(),
+        };
+        let address = Address::find(&path).unwrap_or_else(|| panic!("no quantity {path}"));
+        let refused = |value: f64| {
+            let (section, key) = path.rsplit_once('.').expect("a path has a dot");
+            let text = format!("[{section}]\n{key} = {}\n", address.written(value));
+            Scene::parse("slip.toml".as_ref(), &text)
+                .is_err_and(|error| error.to_string().contains("impossible size"))
+        };
+        assert!(!refused(value), "{path} = {value:e} is common");
+        assert!(refused(value * 1e9), "{path} = {:e} is taken", value * 1e9);
+    }
+    let slip = CALIBRATED.replace("N/m\"", "N/nm\"");
+    let desk = Desk::new();
+    desk.write("slip.toml", &slip);
+    desk.refuses(
+        &["plan", "slip.toml"],
+        &["slip.toml:", "stiffness` has an impossible size", "from 10 uN/m to", "is usual"],
+    );
 }
 
 /// TRUST D11: 65,536 steps of a 300 kHz lever in a second, then values that are no numbers.

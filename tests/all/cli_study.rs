@@ -226,6 +226,8 @@ fn inference_tells_modulus_and_prediction() {
     desk.works(&["infer", "results/prior.h5", "--observed", &seen, "-o", "corner", "-q"]);
     let corner = std::fs::read_to_string(desk.path("corner/corner.svg")).unwrap();
     assert!(corner.contains("sample Young") && roxmltree::Document::parse(&corner).is_ok());
+    let page = std::fs::read_to_string(desk.path("corner/index.html")).unwrap();
+    assert!(page.contains("<td>observed: amplitude") && page.contains("<td>sample Young"), "{page}");
     let force = variable(&results, "force_max")[row];
     let predicted = &told["predicted"]["force_max"]["quantiles"];
     assert!(predicted["0.025"].as_f64().unwrap() < force && force < predicted["0.975"].as_f64().unwrap());
@@ -245,6 +247,50 @@ fn inference_tells_modulus_and_prediction() {
     }
 }
 
+/// Truth: the numbers of `--json`.
+#[test]
+fn indices_that_may_be_chance_are_said_and_no_title_is_cut() {
+    let desk = Desk::new();
+    let scene = desk.write("decides.toml", &design("saltelli", 64, ""));
+    desk.run(&scene, &[]);
+    let told = desk.json(&["stats", "results/decides.h5", "--json"]);
+    let text = desk.works(&["stats", "results/decides.h5", "-o", "page", "-q"]).out;
+    let page = std::fs::read_to_string(desk.path("page/index.html")).unwrap();
+    let names = told["names"].as_array().unwrap();
+    let (mut chance, mut sure) = (0, 0);
+    for (observable, one) in told["observables"].as_object().unwrap() {
+        let part = text.split("\n\n").find(|part| part.starts_with(&format!("{observable} ("))).unwrap();
+        for (n, name) in names.iter().enumerate() {
+            let line =
+                part.lines().find(|line| line.trim_start().starts_with(name.as_str().unwrap())).unwrap();
+            let number = |key: &str| one[key][n].as_f64().unwrap();
+            let lost = |key: &str, conf: &str| number(key).abs() <= number(conf);
+            let words: Vec<&str> = [("S1", "S1_conf"), ("ST", "ST_conf")]
+                .iter()
+                .filter(|(a, b)| lost(a, b))
+                .map(|one| one.0)
+                .collect();
+            match words.is_empty() {
+                true => assert!(!line.contains("zero"), "{line}"),
+                false => assert!(
+                    line.ends_with(&format!("{} not told apart from zero", words.join(", "))),
+                    "{line}"
+                ),
+            }
+            *(if words.is_empty() { &mut sure } else { &mut chance }) += 1;
+        }
+        let svg = std::fs::read_to_string(
+            desk.path(&format!("page/{observable}_{}.svg", names[0].as_str().unwrap())),
+        );
+        assert!(!svg.unwrap().contains('…'), "{observable}");
+    }
+    assert!(chance > 0 && sure > 0, "{text}");
+    assert!(page.contains("Not told apart from zero: ") && !page.contains('…'));
+    // A heading for each observable, and the pictures in the page itself: their colours follow its own.
+    assert_eq!(page.matches("<h2>").count(), told["observables"].as_object().unwrap().len());
+    assert!(page.matches("<svg").count() > names.len() && !page.contains("<img"));
+}
+
 #[test]
 fn files_and_words_that_do_not_serve_are_refused() {
     let desk = Desk::new();
@@ -260,9 +306,18 @@ fn files_and_words_that_do_not_serve_are_refused() {
     desk.run(&desk.write("short.toml", &text), &["--no-estimate"]);
     let said = desk.call(&["stats", "results/short.h5", "--observable", "phase"]);
     assert_eq!(said.code, Some(1));
-    for words in ["8 of 8 rows cannot count for phase", "8 not_steady", "more than 5 %", "--keep STATUS"] {
+    for words in [
+        "8 of 8 rows cannot count for phase",
+        "8 not_steady (the response still changes",
+        "more than 5 %",
+        "--keep STATUS",
+    ] {
         assert!(said.err.contains(words), "{}", said.err);
     }
+    desk.refuses(
+        &["infer", "results/short.h5", "--observed", "phase=55 deg +- 1 deg"],
+        &["8 of 8 rows cannot count for what was observed", "8 not_steady (the response still changes"],
+    );
     let kept = desk.json(&["stats", "results/short.h5", "--json", "--keep", "not_steady"]);
     assert_eq!(kept["observables"]["phase"]["count"], 8);
     desk.refuses(&["export", "results/short.h5", "--format", "csv"], &["8 of 8 instances", "--failed drop"]);

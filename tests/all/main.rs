@@ -61,6 +61,7 @@ mod docs_levers;
 mod docs_links;
 mod docs_name_everything;
 mod docs_name_results;
+mod docs_readme;
 mod exact_axes;
 mod exact_calibration;
 mod exact_contact;

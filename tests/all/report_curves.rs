@@ -106,6 +106,16 @@ fn points_reached_by_a_jump_are_marked() {
     desk.works(&["report", desk.results(&scene).to_str().unwrap(), "-q"]);
     let picture = std::fs::read_to_string(desk.path("results/jumps/amplitude.svg")).unwrap();
     assert!(picture.contains("reached by a jump"));
+    // One word per thing: ways along the curve are forward and backward, and a law without memory has one curve.
+    let page = std::fs::read_to_string(desk.path("results/jumps/report.md")).unwrap();
+    assert!(page.contains("| way along the curve | direction | 2 | forward | backward |"), "{page}");
+    let law = std::fs::read_to_string(desk.path("results/jumps/force_curve_200.svg")).unwrap();
+    for (text, there) in
+        [("dmt", true), ("largest of each point, forward", true), ("approach", false), ("retract", false)]
+    {
+        assert_eq!(law.contains(text), there, "{text}");
+    }
+    assert!(picture.contains(">\nbackward\n<") && !picture.contains("way along"));
     // Dots of 4.2 pixels in tenths.
     assert_eq!(picture.matches("r=\"42\"").count(), count, "{picture}");
 }

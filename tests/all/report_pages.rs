@@ -382,3 +382,19 @@ fn the_page_says_that_instances_carry_warnings() {
     // Bits are set in three of four instances.
     assert!(page.contains("All 12 instances are ok") && page.contains("9 of 12 carry a warning"), "{page}");
 }
+
+/// Looked at in Chromium at 400 pixels: labels and keys of pictures were cut, and nothing said that there was more beside.
+#[test]
+fn narrow_pages_shrink_pictures_a_little_and_show_that_they_scroll() {
+    let page = Report::of(&grid()).text("index.html");
+    let style =
+        page.split_once("<style>").and_then(|(_, rest)| rest.split_once("</style>")).expect("a style").0;
+    for rule in [
+        "@media(max-width:640px){figure svg,figure img{max-width:max(100%,29rem)}",
+        ".wide{overflow-x:auto}",
+        ".wide::-webkit-scrollbar{height:",
+    ] {
+        assert!(style.contains(rule), "{rule}");
+    }
+    assert_eq!(page.matches("<div class=\"wide\"><svg").count(), page.matches("<svg").count());
+}

@@ -2,6 +2,7 @@
 //! refused with the words that its leading comments expect, and with its place.
 
 use afmsweep::scene::*;
+use afmsweep::units::Dimension;
 use std::path::{Path, PathBuf};
 
 fn files(folder: &str) -> Vec<PathBuf> {
@@ -242,7 +243,12 @@ fn every_quantity_can_be_written_swept_and_echoed() {
         // Each needs the company that makes it meaningful; the value is off its default and inside its domain.
         let path = quantity.path.replace('#', "0");
         let share = ["poisson_ratio", ".setpoint"].iter().any(|end| quantity.path.ends_with(end));
-        let value = if share { 0.25 } else { 7.5 };
+        let value = match quantity.dimension {
+            _ if share => 0.25,
+            Dimension::Length | Dimension::Force | Dimension::Mass => 7.5e-9,
+            Dimension::Energy => 7.5e-20,
+            _ => 7.5,
+        };
         let value = if path.ends_with("actuator.h33") { 5e8 } else { value };
         let value = if path.ends_with("actuator.youngs_modulus") { 3e10 } else { value };
         let value = if path.ends_with("actuator.beta33") { 9e7 } else { value };

@@ -47,10 +47,20 @@ pub(super) fn draw(heading: &str, sides: &[Side], weights: &[f64]) -> Result<Str
     })
 }
 
-/// The words below a panel, in letters small enough for it.
+/// The words below a panel, in letters small enough for it, or else what stands before their comma.
 fn below(frame: &Frame, axis: &Axis) -> Result<(), ReportError> {
-    let fits = |size: &f64| text_width(&axis.label, *size) <= frame.width + 8.0;
-    let size = [12.0, 11.0, 10.0, 9.0].into_iter().find(fits).unwrap_or(8.0);
+    let brief = match (axis.label.split_once(", "), axis.unit.text.as_str()) {
+        (Some((first, _)), "") => first.to_owned(),
+        (Some((first, _)), unit) => format!("{first} ({unit})"),
+        (None, _) => axis.label.clone(),
+    };
+    let fits = |text: &str, size: f64| text_width(text, size) <= frame.width + 8.0;
+    let sizes = [12.0, 11.0, 10.0];
+    let size = |text: &str| sizes.into_iter().find(|size| fits(text, *size));
+    let (text, size) = match size(&axis.label) {
+        Some(size) => (&axis.label, size),
+        None => (&brief, size(&brief).unwrap_or(9.0)),
+    };
     let at = (frame.left + frame.width / 2.0, frame.top + frame.height + 34.0);
-    frame.canvas.text(&axis.label, at, size, Anchor::Middle, INK)
+    frame.canvas.text(text, at, size, Anchor::Middle, INK)
 }

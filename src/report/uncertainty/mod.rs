@@ -5,8 +5,9 @@ mod density;
 mod histogram;
 mod shares;
 
+use super::labels::{brief, capital, short};
 use super::{Chart, Document, Field, Look, Plot, ReportError, save, shown};
-use crate::stats::{Estimate, Indices, Output, Posterior, SHARES, Study, Summary};
+use crate::stats::{Estimate, Indices, NORMAL_95, Observed, Output, Posterior, SHARES, Study, Summary};
 use crate::store::Coordinate;
 use density::Side;
 use shares::Row;
@@ -39,7 +40,7 @@ impl Page {
 
     fn figure(&mut self, name: &str, caption: &str, svg: String) {
         let file = format!("{name}.svg");
-        self.document.figure(&file, caption);
+        self.document.picture(&file, caption, &svg);
         self.files.push((file, svg));
     }
 
@@ -78,6 +79,7 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
             page.document.heading(&at);
         }
         for (output, summary) in observables {
+            page.document.heading(&capital(&output.long_name));
             match summary {
                 Some(summary) => observable(&mut page, study, (point, output), summary)?,
                 None => page.document.paragraph(&output.name, "too many rows failed: nothing is told"),
@@ -122,11 +124,13 @@ fn observable(
             .filter(|(share, _)| chosen.contains(share))
             .map(|(share, one)| (*share, one.value))
             .collect();
-        let label = (output.long_name.as_str(), output.units.as_str());
-        let svg = histogram::draw(&output.long_name, &values, label, &quantiles, &left_out.join(", "))?;
+        let label = called(output);
+        let label = (label.as_str(), output.units.as_str());
+        let svg =
+            histogram::draw(&capital(&output.long_name), &values, label, &quantiles, &left_out.join(", "))?;
         let caption = format!(
             "{}: mean {}, standard deviation {}",
-            output.long_name,
+            capital(&output.long_name),
             with_interval(&spread.mean, &output.units),
             with_interval(&spread.sd, &output.units)
         );
@@ -137,9 +141,10 @@ fn observable(
     for parameter in study.parameters.iter().take(MOST_PARAMETERS) {
         let at = |rows: &[usize]| rows.iter().map(|row| parameter.values[*row]).collect::<Vec<f64>>();
         let (x, failed) = (at(&kept), at(&failed));
-        let y = Side { values: &values, label: &output.long_name, units: &output.units, log: false };
-        let heading = format!("{} over {}", output.long_name, parameter.long_name);
-        let svg = density::draw(&heading, &side(parameter, &x), &y, &failed)?;
+        let (across, up) = (short(parameter), called(output));
+        let y = Side { values: &values, label: &up, units: &output.units, log: false };
+        let heading = format!("{} over {}", capital(&up), across);
+        let svg = density::draw(&heading, &side(parameter, &across, &x), &y, &failed)?;
         page.figure(&format!("{stem}_{}", parameter.name), &heading, svg);
     }
     Ok(())
@@ -165,7 +170,7 @@ fn numbers(output: &Output, summary: &Summary) -> Vec<Vec<String>> {
     }
     let (median, largest) = summary.simulation_error;
     if largest.is_finite() {
-        let words = format!("error of the simulation, on the {}", output.error_scale);
+        let words = format!("error of the simulation, on the scale of accuracy ({})", output.error_scale);
         rows.push(vec![words, format!("median {median:.1e}"), format!("largest {largest:.1e}")]);
     }
     rows.push(vec!["rows that count".into(), summary.count.to_string(), String::new()]);
@@ -176,15 +181,15 @@ fn numbers(output: &Output, summary: &Summary) -> Vec<Vec<String>> {
 }
 
 /// The side of a parameter, of these of its values.
-fn side<'a>(parameter: &'a Coordinate, values: &'a [f64]) -> Side<'a> {
+fn side<'a>(parameter: &'a Coordinate, label: &'a str, values: &'a [f64]) -> Side<'a> {
     let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
     let (least, most) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
-    Side {
-        values,
-        label: &parameter.long_name,
-        units: &parameter.units,
-        log: least > 0.0 && most > DECADE * least,
-    }
+    Side { values, label, units: &parameter.units, log: least > 0.0 && most > DECADE * least }
+}
+
+/// What an observable is called where there is little room.
+fn called(output: &Output) -> String {
+    brief(&output.long_name, &output.name)
 }
 
 fn with_interval(one: &Estimate, units: &str) -> String {
@@ -219,7 +224,27 @@ fn decides(
         }
     };
     let svg = shares::draw(&title, &names, &rows, (label, units))?;
-    page.figure(&format!("{stem}_indices"), &title, svg);
+    let lost: Vec<String> = rows
+        .iter()
+        .map(|row| {
+            (
+                row.word,
+                names
+                    .iter()
+                    .zip(row.values)
+                    .filter(|(_, one)| one.holds_zero())
+                    .map(|(name, _)| name.as_str()),
+            )
+        })
+        .map(|(word, names)| (word, names.collect::<Vec<_>>()))
+        .filter(|(_, names)| !names.is_empty())
+        .map(|(word, names)| format!("{} ({word})", names.join(", ")))
+        .collect();
+    let caption = match lost.is_empty() {
+        true => title,
+        false => format!("{title}. Not told apart from zero: {}", lost.join("; ")),
+    };
+    page.figure(&format!("{stem}_indices"), &caption, svg);
     Ok(())
 }
 
@@ -272,29 +297,63 @@ fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError>
     Ok(())
 }
 
+/// What was observed, then the median of each parameter and what lies 95 % around it.
+fn quantiles(study: &Study, found: &Posterior, observed: &[Observed]) -> Vec<Vec<String>> {
+    let mut rows = vec![["", "value", "95 % from", "to"].map(str::to_owned).to_vec()];
+    for one in observed {
+        let known = study.outputs.iter().find(|output| output.name == one.name);
+        let (name, units) =
+            known.map_or(("", ""), |output| (output.long_name.as_str(), output.units.as_str()));
+        let at = |value: f64| shown(value, units, 4);
+        let half = NORMAL_95 * one.sd;
+        rows.push(vec![
+            format!("observed: {name}"),
+            at(one.value),
+            at(one.value - half),
+            at(one.value + half),
+        ]);
+    }
+    for parameter in &study.parameters {
+        let at = |share: f64| shown(found.quantile(&parameter.values, share), &parameter.units, 4);
+        rows.push(vec![parameter.long_name.clone(), at(0.5), at(0.025), at(0.975)]);
+    }
+    rows
+}
+
 /// Writes the page of what was inferred at a point; gives its path.
 ///
 /// # Errors
 /// As [`statistics`].
-pub fn inference(study: &Study, found: &Posterior, folder: &Path) -> Result<PathBuf, ReportError> {
+pub fn inference(
+    study: &Study,
+    found: &Posterior,
+    observed: &[Observed],
+    folder: &Path,
+) -> Result<PathBuf, ReportError> {
     let mut page = Page::new(format!("{}: inference", study.title));
+    let failed = match found.left_out {
+        0 => String::new(),
+        count => format!(" {count} rows that failed are not among them."),
+    };
     page.document.paragraph(
         "",
-        format!(
-            "{} rows with the weight of {:.0}; {} that failed are not among them.",
-            found.rows.len(),
-            found.effective,
-            found.left_out
-        ),
+        format!("{} rows count as {:.0} of equal weight.{failed}", found.rows.len(), found.effective),
     );
+    page.document.table("", quantiles(study, found, observed));
     let columns: Vec<Vec<f64>> = study
         .parameters
         .iter()
         .take(MOST_IN_CORNER)
         .map(|one| found.rows.iter().map(|row| one.values[*row]).collect())
         .collect();
-    let sides: Vec<Side> =
-        study.parameters.iter().zip(&columns).map(|(parameter, values)| side(parameter, values)).collect();
+    let labels: Vec<String> = study.parameters.iter().map(short).collect();
+    let sides: Vec<Side> = study
+        .parameters
+        .iter()
+        .zip(&labels)
+        .zip(&columns)
+        .map(|((parameter, label), values)| side(parameter, label, values))
+        .collect();
     let title = "What the parameters are after the observations";
     page.figure("corner", title, corner::draw(title, &sides, &found.weights)?);
     page.save(folder, INFER)
