@@ -1,9 +1,10 @@
 //! Solved instances of a sweep, and what they say of the ones between them.
 
-use super::levels::{Level, Weighted};
+use super::order::{Order, Weighted};
 use crate::engine::Finished;
 use crate::plan::Plan;
 use crate::steady::{Hint, Lead, Neighbour, Node, PeriodicState};
+use rayon::prelude::*;
 
 /// What others may rest on of an instance.
 #[derive(Clone, Debug, Default)]
@@ -23,12 +24,15 @@ pub(super) struct Around<'a> {
     solved: &'a [Solved],
     /// By instance of the portion.
     lines: Vec<Vec<Weighted>>,
+    /// Whether they lie around it, not along a line.
+    scattered: bool,
 }
 
 impl<'a> Around<'a> {
-    /// For these points of a level.
-    pub fn new(level: &Level, points: &[u32], solved: &'a [Solved]) -> Self {
-        Self { solved, lines: points.iter().map(|point| level.line(*point)).collect() }
+    /// For these instances of a level of the block.
+    pub fn new((order, level): (&Order, usize), instances: &[u32], solved: &'a [Solved]) -> Self {
+        let lines = instances.par_iter().map(|i| order.ground(level, *i, solved)).collect();
+        Self { solved, lines, scattered: order.scattered() }
     }
 
     /// For the first run of each of these instances of the portion: where its neighbours' first runs lead to.
@@ -36,7 +40,7 @@ impl<'a> Around<'a> {
         let of = |i: &u32| {
             let hint = |weighted: &Weighted, [first, _]: &'a [Node; 2]| neighbour(weighted, first, None);
             match self.line(*i, hint) {
-                Some(neighbours) => Lead::Hint(Hint { neighbours, own: None }),
+                Some(neighbours) => Lead::Hint(Hint { neighbours, own: None, scattered: self.scattered }),
                 None if self.in_vain(*i) => Lead::Vain,
                 None => Lead::None,
             }
@@ -54,7 +58,7 @@ impl<'a> Around<'a> {
                 neighbour(weighted, second, Some(first))
             };
             match self.line(i as u32, hint) {
-                Some(neighbours) => Lead::Hint(Hint { own: Some(own), neighbours }),
+                Some(neighbours) => Lead::Hint(Hint { own: Some(own), neighbours, scattered: self.scattered }),
                 None => Lead::None,
             }
         };

@@ -3,6 +3,7 @@
 
 mod around;
 mod audit;
+mod blend;
 mod block;
 mod branches;
 mod choices;
@@ -14,6 +15,7 @@ mod first;
 mod levels;
 mod modes;
 mod neighbours;
+mod order;
 mod other;
 mod portion;
 mod portions;
@@ -21,8 +23,10 @@ mod precision;
 mod prescribed;
 mod refine;
 mod sample;
+mod scattered;
 mod second;
 mod sensitive;
+mod tree;
 mod trial;
 mod truth;
 mod unfinished;

@@ -53,8 +53,9 @@ impl Work<'_> {
                 let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
                 let poorer = self.poorer.as_ref().map(of);
                 if let Some(blocks) = &self.division.blocks {
+                    let order = blocks.within(number, &part);
                     let block = Block { plan: part, poorer, left_out, choices: self.choices };
-                    return block::run(block, &blocks.levels(number), engine, progress);
+                    return block::run(block, &order, engine, progress);
                 }
                 let first = First::alone(poorer, left_out, &self.choices.precision);
                 unfinished::marked(part, &stepped, first, engine, progress)

@@ -135,8 +135,15 @@ impl Turned {
         let numbered = |mode: &KeptMode| {
             theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
         };
+        // Of two levers with the same modes the residual oscillators stand for the same.
+        let copies = driven.kept.copies(theirs);
+        let residual = |mode: &KeptMode| {
+            let other = || theirs.modes.iter().position(|other| other.index.is_none());
+            (copies && mode.index.is_none()).then(other).flatten()
+        };
         let same = |mode: &KeptMode| {
-            theirs.modes.iter().position(|other| other.omega == mode.omega).or_else(|| numbered(mode))
+            let equal = theirs.modes.iter().position(|other| other.omega == mode.omega);
+            equal.or_else(|| numbered(mode)).or_else(|| residual(mode))
         };
         let turn = |time: f64| {
             let of = |mode: &KeptMode| {

@@ -53,7 +53,7 @@ impl Node {
     }
 
     /// Whether both move alike: under one law, in the same contact, as often.
-    fn moves_as(&self, other: &Self) -> bool {
+    pub fn moves_as(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
         let touching = self.touching == other.touching || !self.law.has_memory();
         touching && self.law == other.law && contacts
@@ -91,9 +91,7 @@ impl Turns {
             if self.0.len() >= PAIRS {
                 self.0.clear();
             }
-            let as_it_is = node.steps == steps
-                && same(&driven.kept, &node.kept)
-                && driven.free.omega == node.drive.free.omega;
+            let as_it_is = node.steps == steps && driven.kept.copies(&node.kept);
             let turned = (!as_it_is).then(|| Turned::new(plan, instance, (&node.kept, node.steps), modes));
             self.0.push(Turn {
                 theirs: (Arc::clone(&node.kept), node.steps),
@@ -183,6 +181,8 @@ pub struct Hint<'a> {
     pub neighbours: Vec<Neighbour<'a>>,
     /// The instance's own state in the run before; the neighbours tell how far the two runs are apart.
     pub own: Option<&'a PeriodicState>,
+    /// Whether the neighbours lie around it, the nearest first; else along a line, in its order.
+    pub scattered: bool,
 }
 
 /// Where an instance's state is expected, the slope there, and its largest multiplier.
@@ -210,7 +210,9 @@ impl Hint<'_> {
     {
         let first = self.neighbours.first()?.node;
         let stable = super::aims::certainly(plan, instance);
-        let sound = |one: &Neighbour| one.node.moves_as(first) && one.node.multiplier < stable;
+        let counts = |one: &Neighbour| !self.scattered || one.nearest != 0.0;
+        let sound =
+            |one: &Neighbour| one.node.moves_as(first) && (!counts(one) || one.node.multiplier < stable);
         if !self.neighbours.iter().all(sound) || first.law != plan.contact(instance).law {
             return None;
         }
@@ -220,11 +222,12 @@ impl Hint<'_> {
             multiplier: 0.0,
             touching: first.touching,
         };
+        let rbf = std::env::var("RBF").is_ok();
         let mut nearest = OVector::<f64, D>::zeros();
         let states: Vec<OVector<f64, D>> =
             self.neighbours.iter().map(|one| turns.state::<D>(plan, instance, one.node)).collect();
         let scale = plan.driven(instance).free_amplitude().max(1e-15);
-        if self.own.is_none() && self.jumps(&states, scale) {
+        if self.own.is_none() && !self.scattered && self.jumps(&states, scale) {
             return None;
         }
         for (one, mut state) in self.neighbours.iter().zip(states) {
@@ -233,7 +236,10 @@ impl Hint<'_> {
             }
             guess.state.axpy(one.weight, &state, 1.0);
             nearest.axpy(one.nearest, &state, 1.0);
-            turns.add_slope(&mut guess.slope, (plan, instance), (one.node, one.weight));
+            let of_slope = if self.scattered && !rbf { one.nearest } else { one.weight };
+            if of_slope != 0.0 {
+                turns.add_slope(&mut guess.slope, (plan, instance), (one.node, of_slope));
+            }
             guess.multiplier += one.nearest * one.node.multiplier;
         }
         if let Some(own) = self.own {
@@ -243,7 +249,7 @@ impl Hint<'_> {
             guess.state += super::map::own_state::<D>(plan, instance, own);
         }
         let apart = (&guess.state - nearest).norm() / scale;
-        (self.own.is_some() || apart <= ASTRAY).then_some(guess)
+        (self.own.is_some() || self.scattered || apart <= ASTRAY).then_some(guess)
     }
 
     /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is
