@@ -110,6 +110,7 @@ fn two_runs(
     (engine, progress): (&dyn Engine, &Progress),
 ) -> Result<(Settled, Settled, Vec<bool>), EngineError> {
     let Some(around) = around else {
+        crate::engine::stage(1);
         let rough = steady::begin(coarse, engine, progress)?;
         let near = steady::among(&rough.found, stepped, fine.len());
         fine.take_gaps(stepped, coarse);
@@ -117,9 +118,11 @@ fn two_runs(
         return Ok((rough, settled, Vec::new()));
     };
     // What no search finds is waited for in the second run, and only where it settles in the first one.
+    crate::engine::stage(2);
     let leads = around.first(stepped);
     let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], false), engine, progress)?;
     let near = steady::among(&rough.found, stepped, fine.len());
+    crate::engine::stage(4);
     let leads = around.second(&near);
     let (settled, begun) = steady::from_neighbours(fine, &leads, (&near, true), engine, progress)?;
     let settles = |place: &u32| {
@@ -229,6 +232,7 @@ impl Begun {
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
         let mut few = self.plan.with_bases(&wanted).with_steps_of(&self.plan).part(&fast);
+        crate::engine::stage(6);
         let poor = steady::again(&mut few, &steady::of(&self.settled.found, &fast), engine, progress)?;
         let apart = differences(&self.plan, &fast, &poor.outcome.results, results);
         for (i, apart) in fast.into_iter().zip(apart) {

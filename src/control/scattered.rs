@@ -41,7 +41,7 @@ impl Scattered {
         let coordinates: Vec<f64> =
             (0..rows.len()).flat_map(|n| columns.iter().map(move |column| column[n])).collect();
         let tree = Tree::new(dimensions, &coordinates);
-        let scouted = tree.depth().saturating_sub(SCOUTED).max(FEWEST).min(tree.depth());
+        let scouted = tree.depth().saturating_sub(knob("SC", SCOUTED as usize) as u32).max(FEWEST).min(tree.depth());
         Self { dimensions, coordinates, tree, scouted }
     }
 
@@ -66,7 +66,7 @@ impl Scattered {
     /// nearest ones, solved or not.
     pub fn ground(&self, level: usize, instance: u32, solved: &[Solved]) -> Vec<Weighted> {
         let (at, least) = (self.place(instance), self.dimensions + 2);
-        let near = self.tree.nearest(at, self.scouted + level as u32, NEAREST.0 + NEAREST.1 * self.dimensions);
+        let near = self.tree.nearest(at, self.scouted + level as u32, knob("K0", NEAREST.0) + knob("K1", NEAREST.1) * self.dimensions);
         let node = |i: u32| -> Option<&Node> {
             match &solved[i as usize] {
                 Solved::States(both) => Some(&both[1]),
@@ -135,4 +135,8 @@ fn distinct(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
         }
     }
     if columns.is_empty() { vec![vec![0.0; rows.len()]] } else { columns }
+}
+
+pub fn knob(name: &str, default: usize) -> usize {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }
