@@ -117,12 +117,15 @@ impl Search<'_> {
     }
 
     fn offer(&mut self, one: Near) {
-        let nearer = |other: &Near| (other.1, other.0) < (one.1, one.0);
-        let at = self.best.partition_point(nearer);
-        if at < self.count {
-            self.best.insert(at, one);
-            self.best.truncate(self.count);
+        let nearer = |other: &Near| other.1 < one.1 || other.1 == one.1 && other.0 < one.0;
+        if self.best.len() == self.count {
+            if self.best.last().is_none_or(nearer) {
+                return;
+            }
+            self.best.pop();
         }
+        let at = self.best.iter().rposition(nearer).map_or(0, |before| before + 1);
+        self.best.insert(at, one);
     }
 }
 

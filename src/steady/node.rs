@@ -71,37 +71,37 @@ struct Turn {
     theirs: (Arc<ReducedBasis>, u32),
     own: (Arc<ReducedBasis>, u32),
     drive: Arc<Drive>,
-    /// None where a node is met as it is.
-    turned: Option<Turned>,
+    turned: Turned,
 }
 
 impl Turns {
-    /// How a node is met by an instance, whose state has so many modes.
+    /// How a node is met by an instance, whose state has so many modes; none where as it is.
     fn of(&mut self, plan: &Plan, instance: u32, node: &Node, modes: usize) -> Option<&Turned> {
         let (driven, steps) = (plan.driven(instance), plan.steps(instance));
-        let same = |a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>| Arc::ptr_eq(a, b) || a.modes == b.modes;
+        // Of a lever that is a scaled copy the same modes stand at the same phase.
+        let same = |a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>| Arc::ptr_eq(a, b) || a.copies(b);
+        if node.steps == steps && same(&driven.kept, &node.kept) {
+            return None;
+        }
         let fits = |turn: &Turn| {
-            let steps = (turn.theirs.1, turn.own.1) == (node.steps, steps);
-            steps
-                && Arc::ptr_eq(&turn.drive, &driven.drive)
+            Arc::ptr_eq(&turn.drive, &driven.drive)
+                && (turn.theirs.1, turn.own.1) == (node.steps, steps)
+                && (Arc::ptr_eq(&turn.own.0, &driven.kept) || turn.own.0.modes == driven.kept.modes)
                 && same(&turn.theirs.0, &node.kept)
-                && same(&turn.own.0, &driven.kept)
         };
-        let place = self.0.iter().position(fits).unwrap_or_else(|| {
+        let place = self.0.iter().rposition(fits).unwrap_or_else(|| {
             if self.0.len() >= PAIRS {
                 self.0.clear();
             }
-            let as_it_is = node.steps == steps && driven.kept.copies(&node.kept);
-            let turned = (!as_it_is).then(|| Turned::new(plan, instance, (&node.kept, node.steps), modes));
             self.0.push(Turn {
                 theirs: (Arc::clone(&node.kept), node.steps),
                 own: (Arc::clone(&driven.kept), steps),
                 drive: Arc::clone(&driven.drive),
-                turned,
+                turned: Turned::new(plan, instance, (&node.kept, node.steps), modes),
             });
             self.0.len() - 1
         });
-        self.0[place].turned.as_ref()
+        Some(&self.0[place].turned)
     }
 
     /// A node's state with an instance's steps, lever and free amplitude.
