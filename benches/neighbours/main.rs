@@ -127,11 +127,7 @@ fn main() {
             continue;
         }
         let scene = Scene::parse(Path::new("bench.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
-        let ours = run(&scene, false);
-        println!("{:?}", afmsweep::steady::NOTES);
-        println!("trial, scouts, first, its fall back, second, its fall back, fast bases, refine: {:?}", afmsweep::engine::COUNTS.iter().map(|c| c.load(std::sync::atomic::Ordering::Relaxed) as f64 / ours.0.run.plan.len() as f64).map(|x| x.round()).collect::<Vec<_>>());
-        if std::env::var("ONLY").is_ok() { let n = ours.0.run.plan.len() as f64; println!("steps {:.0} us {:.0} started {:.3}", ours.0.steps_taken as f64 / n, 1e6 * ours.1 / n, ours.0.run.neighbour_started()); continue; }
-        let cold = run(&scene, true);
+        let (cold, ours) = (run(&scene, true), run(&scene, false));
         let apart = apart(&ours.0, &cold.0);
         let row = row(name, (&ours.0, ours.1), (&cold.0, cold.1), &apart);
         println!("{row}");

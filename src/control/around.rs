@@ -1,22 +1,9 @@
 //! Solved instances of a sweep, and what they say of the ones between them.
 
-use super::order::{Order, Weighted};
-use crate::engine::Finished;
-use crate::plan::Plan;
+use super::order::Order;
+use super::solved::{Solved, Weighted};
 use crate::steady::{Hint, Lead, Neighbour, Node, PeriodicState};
 use rayon::prelude::*;
-
-/// What others may rest on of an instance.
-#[derive(Clone, Debug, Default)]
-pub(super) enum Solved {
-    /// Nothing.
-    #[default]
-    Unknown,
-    /// Neither of its first two runs has found a state.
-    Vain,
-    /// The states of both.
-    States(Box<[Node; 2]>),
-}
 
 /// Of some instances what others rest on.
 pub(super) struct Around<'a> {
@@ -58,7 +45,9 @@ impl<'a> Around<'a> {
                 neighbour(weighted, second, Some(first))
             };
             match self.line(i as u32, hint) {
-                Some(neighbours) => Lead::Hint(Hint { own: Some(own), neighbours, scattered: self.scattered }),
+                Some(neighbours) => {
+                    Lead::Hint(Hint { own: Some(own), neighbours, scattered: self.scattered })
+                }
                 None => Lead::None,
             }
         };
@@ -91,19 +80,4 @@ impl<'a> Around<'a> {
 
 fn neighbour<'a>((_, weight, nearest): &Weighted, node: &'a Node, before: Option<&'a Node>) -> Neighbour<'a> {
     Neighbour { node, before, weight: *weight, nearest: *nearest }
-}
-
-/// What later instances may rest on of one, by its first two runs: a plan, its number there, its result, and its state.
-pub(super) fn solved(
-    (first, i, before, rough): (&Plan, u32, &Finished, Option<&PeriodicState>),
-    (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),
-) -> Solved {
-    let (Some(rough), Some(fine)) = (rough, fine) else {
-        let neither = rough.is_none() && fine.is_none() && second.steps(there) > 0;
-        return if neither { Solved::Vain } else { Solved::Unknown };
-    };
-    match (Node::new(first, i, rough, before), Node::new(second, there, fine, after)) {
-        (Some(rough), Some(fine)) => Solved::States(Box::new([rough, fine])),
-        _ => Solved::Unknown,
-    }
 }

@@ -1,9 +1,10 @@
 //! A block of a sweep, whose instances begin at one another's states.
 
-use super::around::{Around, Solved};
+use super::around::Around;
 use super::choices::Choices;
 use super::first::First;
 use super::order::Order;
+use super::solved::Solved;
 use super::{Controlled, unfinished};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{BasisRule, Plan};

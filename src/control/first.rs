@@ -1,9 +1,10 @@
 //! The first two runs of every instance, and what their difference tells.
 
-use super::around::{self, Around, Solved};
+use super::around::Around;
 use super::coarse::{halved, quartered};
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
+use super::solved::{self, Solved};
 use super::{modes, precision};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
@@ -110,7 +111,6 @@ fn two_runs(
     (engine, progress): (&dyn Engine, &Progress),
 ) -> Result<(Settled, Settled, Vec<bool>), EngineError> {
     let Some(around) = around else {
-        crate::engine::stage(1);
         let rough = steady::begin(coarse, engine, progress)?;
         let near = steady::among(&rough.found, stepped, fine.len());
         fine.take_gaps(stepped, coarse);
@@ -118,11 +118,9 @@ fn two_runs(
         return Ok((rough, settled, Vec::new()));
     };
     // What no search finds is waited for in the second run, and only where it settles in the first one.
-    crate::engine::stage(2);
     let leads = around.first(stepped);
     let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], false), engine, progress)?;
     let near = steady::among(&rough.found, stepped, fine.len());
-    crate::engine::stage(4);
     let leads = around.second(&near);
     let (settled, begun) = steady::from_neighbours(fine, &leads, (&near, true), engine, progress)?;
     let settles = |place: &u32| {
@@ -148,7 +146,7 @@ fn solved(
     let mut all = vec![Solved::Unknown; count];
     for (place, i) in coarse.instances().zip(stepped) {
         let (p, n) = (place as usize, *i as usize);
-        all[n] = around::solved(
+        all[n] = solved::solved(
             (coarse, place, &rough.outcome.results[p], rough.state(p)),
             (fine, *i, &settled.outcome.results[n], settled.state(n)),
         );
@@ -232,7 +230,6 @@ impl Begun {
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
         let mut few = self.plan.with_bases(&wanted).with_steps_of(&self.plan).part(&fast);
-        crate::engine::stage(6);
         let poor = steady::again(&mut few, &steady::of(&self.settled.found, &fast), engine, progress)?;
         let apart = differences(&self.plan, &fast, &poor.outcome.results, results);
         for (i, apart) in fast.into_iter().zip(apart) {

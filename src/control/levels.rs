@@ -3,7 +3,7 @@
 //!
 //! The order depends on the grid alone: not on threads, on the engine or on the way in which an axis is written.
 
-use super::order::Weighted;
+use super::solved::Weighted;
 use crate::plan::{Grid, GridAxis};
 
 /// Scouts are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.

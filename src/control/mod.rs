@@ -26,6 +26,7 @@ mod sample;
 mod scattered;
 mod second;
 mod sensitive;
+mod solved;
 mod tree;
 mod trial;
 mod truth;
@@ -67,7 +68,7 @@ pub struct Controlled {
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
     /// Of each instance what others begin at; empty where none does.
-    solved: Vec<around::Solved>,
+    solved: Vec<solved::Solved>,
     /// Of each instance what the search from the lever at rest found; empty where it was not done.
     from_rest: Vec<Option<other::Second>>,
 }

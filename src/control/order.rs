@@ -3,9 +3,9 @@
 //! The sweep is divided into blocks, each filled by itself: a run that has some of the blocks does with them what a run of
 //! all does. Grids are filled along their axes; lists, designs and what else has no axes to go along, by distance.
 
-use super::around::Solved;
 use super::levels::{Levels, Slabs};
 use super::scattered::Scattered;
+use super::solved::{Solved, Weighted};
 use crate::plan::{Grid, Plan};
 use crate::scene::{Start, Steady};
 
@@ -38,7 +38,9 @@ impl Blocks {
         if !whole || !searched || led {
             return None;
         }
-        if let Some(Slabs { grids, order }) = ensemble.grid.as_ref().and_then(|grid| Slabs::worth(grid, BLOCK)) {
+        if let Some(Slabs { grids, order }) =
+            ensemble.grid.as_ref().and_then(|grid| Slabs::worth(grid, BLOCK))
+        {
             return Some(Self { kind: Kind::Grids(grids), order });
         }
         let (count, blocks) = (plan.len(), plan.len().div_ceil(BLOCK));
@@ -62,9 +64,6 @@ impl Blocks {
         }
     }
 }
-
-/// What an instance's guess rests on: another instance, its weight, and its weight where only the nearest count.
-pub(super) type Weighted = (u32, f64, f64);
 
 /// The order within a block: some instances are searched for, then level after level the others begin at those before.
 pub(super) enum Order<'a> {

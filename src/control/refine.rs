@@ -26,7 +26,6 @@ pub(super) fn run(
     }
     let chosen = first.chosen;
     let begun = first::run(&plan, stepped, first, engine, progress)?;
-    crate::engine::stage(7);
     let mut refining = Refining::new(begun, chosen, engine, progress);
     let mut doubted = Vec::new();
     for round in 0..plan.policy.doublings + plan.policy.richer_bases {

@@ -54,7 +54,8 @@ impl Tree {
     /// The `count` points above a depth that are nearest to these coordinates, the nearest first; of equally near ones
     /// the one of the lower number.
     pub fn nearest(&self, to: &[f64], above: u32, count: usize) -> Vec<Near> {
-        let mut search = Search { to, above, count, best: Vec::with_capacity(count + 1), off: vec![0.0; to.len()] };
+        let mut search =
+            Search { to, above, count, best: Vec::with_capacity(count + 1), off: vec![0.0; to.len()] };
         search.through(self, (0, self.points.len(), 0), 0.0);
         search.best
     }
@@ -70,7 +71,8 @@ fn divide<'a>(points: &mut [u32], along: &mut [u8], place: &impl Fn(u32) -> &'a 
     let middle = points.len() / 2;
     let width = |n: usize| {
         let all = points.iter().map(|point| place(*point)[n]);
-        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let (low, high) =
+            all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         high - low
     };
     let widths: Vec<f64> = (0..place(*first).len()).map(width).collect();

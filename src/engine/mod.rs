@@ -21,7 +21,6 @@ mod trace;
 
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
-pub use progress::{COUNTS, stage};
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use return_map::ReturnMap;

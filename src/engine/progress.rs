@@ -59,7 +59,6 @@ impl Progress {
 
     /// Counts instance-steps as to be done.
     pub fn foresee(&self, steps: u64) {
-        COUNTS[STAGE.load(Ordering::Relaxed)].fetch_add(steps, Ordering::Relaxed);
         self.counts.expected.fetch_add(steps, Ordering::Relaxed);
     }
 
@@ -161,12 +160,6 @@ impl Drop for Held<'_> {
     fn drop(&mut self) {
         self.0.counts.held.store(false, Ordering::Relaxed);
     }
-}
-
-pub static STAGE: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
-pub static COUNTS: [AtomicU64; 16] = [const { AtomicU64::new(0) }; 16];
-pub fn stage(to: usize) -> usize {
-    STAGE.swap(to, Ordering::Relaxed)
 }
 
 #[cfg(test)]

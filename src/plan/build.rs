@@ -191,9 +191,7 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     };
     let instruments: Vec<Arc<Instrument>> =
         bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;
-    let frequency = |(&instance, &body): (&usize, &u32)| {
-        (body, scene.instance(instance).drive.frequency)
-    };
+    let frequency = |(&instance, &body): (&usize, &u32)| (body, scene.instance(instance).drive.frequency);
     let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().zip(&bodies.of).map(frequency).collect();
     // Drives that differ in level alone are one swing, larger or smaller.
     let mut numbers: HashMap<(u32, Option<u64>), u32> = HashMap::new();
@@ -277,7 +275,11 @@ struct Swing {
 }
 
 impl Swing {
-    fn new(scene: &Scene, asked: DriveFrequency, instrument: &Arc<Instrument>) -> Result<Self, InstrumentError> {
+    fn new(
+        scene: &Scene,
+        asked: DriveFrequency,
+        instrument: &Arc<Instrument>,
+    ) -> Result<Self, InstrumentError> {
         let frequency = match asked {
             DriveFrequency::Hertz(frequency) => frequency,
             DriveFrequency::Resonance => instrument.resonance()?,

@@ -98,7 +98,7 @@ impl Sized for Several<'_> {
             let guess = leads[i as usize].hint().and_then(|hint| hint.guess::<D>(plan, i, &mut turns));
             match guess.and_then(|guess| One::new(i, guess)) {
                 Some(one) => left.push(one),
-                None => { note(0, 1); ended.ends.push((i, 0, None)) }
+                None => ended.ends.push((i, 0, None)),
             }
         }
         for round in 1..=MOST {
@@ -113,8 +113,8 @@ impl Sized for Several<'_> {
             let mut rest = Vec::with_capacity(left.len());
             for ((mut one, finished), end) in left.into_iter().zip(results).zip(ends) {
                 match one.arrived(plan, end.as_deref(), &finished) {
-                    Next::Found => { note(round as usize, 0); ended.ends.push((one.instance, round, Some((finished, one.state(plan))))) }
-                    Next::Lost => { note(round as usize, 1); ended.ends.push((one.instance, round, None)) }
+                    Next::Found => ended.ends.push((one.instance, round, Some((finished, one.state(plan))))),
+                    Next::Lost => ended.ends.push((one.instance, round, None)),
                     Next::On => rest.push(one),
                 }
             }
@@ -208,9 +208,4 @@ where
             slope: self.slope.as_slice().into(),
         })
     }
-}
-
-pub static NOTES: [[std::sync::atomic::AtomicUsize; 2]; 8] = [const { [const { std::sync::atomic::AtomicUsize::new(0) }; 2] }; 8];
-fn note(round: usize, what: usize) {
-    NOTES[round][what].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
 }

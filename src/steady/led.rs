@@ -22,8 +22,6 @@ pub fn from_neighbours(
 ) -> Result<(Settled, Vec<bool>), EngineError> {
     progress.part();
     let mut settled = beside::all(plan, leads, engine, progress)?;
-    let now = crate::engine::stage(15);
-    crate::engine::stage(now + 1);
     let mut led: Vec<u32> = plan.instances().filter(|i| settled.found[*i as usize].is_some()).collect();
     if plan.precision == Precision::F32 {
         // As told: the states are known in f64, and what is measured of them is in f32.

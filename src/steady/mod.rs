@@ -17,7 +17,6 @@ mod setpoint;
 mod sizes;
 mod wait;
 
-pub use beside::NOTES;
 pub use carried::carried;
 pub use follow::jumps_moved;
 pub use led::from_neighbours;

@@ -222,7 +222,6 @@ impl Hint<'_> {
             multiplier: 0.0,
             touching: first.touching,
         };
-        let rbf = std::env::var("RBF").is_ok();
         let mut nearest = OVector::<f64, D>::zeros();
         let states: Vec<OVector<f64, D>> =
             self.neighbours.iter().map(|one| turns.state::<D>(plan, instance, one.node)).collect();
@@ -236,10 +235,7 @@ impl Hint<'_> {
             }
             guess.state.axpy(one.weight, &state, 1.0);
             nearest.axpy(one.nearest, &state, 1.0);
-            let of_slope = if self.scattered && !rbf { one.nearest } else { one.weight };
-            if of_slope != 0.0 {
-                turns.add_slope(&mut guess.slope, (plan, instance), (one.node, of_slope));
-            }
+            turns.add_slope(&mut guess.slope, (plan, instance), (one.node, one.weight));
             guess.multiplier += one.nearest * one.node.multiplier;
         }
         if let Some(own) = self.own {
