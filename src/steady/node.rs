@@ -132,13 +132,14 @@ impl Turns {
     {
         match self.of(plan, instance, node, D::DIM / 2) {
             None => {
-                let theirs = node.slope.iter().map(|value| f64::from(*value));
-                slope.iter_mut().zip(theirs).for_each(|(sum, value)| *sum += weight * value);
+                let all = slope.as_mut_slice().iter_mut().zip(&node.slope);
+                all.for_each(|(sum, value)| *sum += weight * f64::from(*value));
             }
             Some(turned) => {
                 let theirs: Vec<f64> = node.slope.iter().map(|value| f64::from(*value)).collect();
                 let turned = turned.slope::<D>(plan, instance, &theirs);
-                slope.zip_apply(&turned, |sum, value| *sum += weight * value);
+                let all = slope.as_mut_slice().iter_mut().zip(turned.as_slice());
+                all.for_each(|(sum, value)| *sum += weight * value);
             }
         }
     }
