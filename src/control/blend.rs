@@ -1,8 +1,6 @@
 //! Weights by which the values at scattered points give the value between them: radial functions r^3 with a linear part,
 //! through the nearest points alone (Wendland, Scattered Data Approximation, 2005, section 8.5).
 
-use nalgebra::{DMatrix, DVector};
-
 /// Weights beyond this in sum of their sizes: the points are no ground for a guess between them.
 const WILD: f64 = 8.0;
 
@@ -15,30 +13,64 @@ pub(super) fn weights(at: &[f64], points: &[&[f64]]) -> Option<Vec<f64>> {
     if far.is_nan() || far == 0.0 || count <= dimensions {
         return None;
     }
-    let radial = |a: &[f64], b: &[f64]| (square(a, b).sqrt() / far).powi(3);
+    let radial = |a: &[f64], b: &[f64]| {
+        let square = square(a, b) / (far * far);
+        square * square.sqrt()
+    };
     let size = count + dimensions + 1;
-    let mut matrix = DMatrix::<f64>::zeros(size, size);
-    let mut right = DVector::<f64>::zeros(size);
+    // Row after row, each with its right side.
+    let wide = size + 1;
+    let mut rows = vec![0.0; size * wide];
     for i in 0..count {
         for j in 0..i {
             let value = radial(points[i], points[j]);
-            (matrix[(i, j)], matrix[(j, i)]) = (value, value);
+            (rows[i * wide + j], rows[j * wide + i]) = (value, value);
         }
-        (matrix[(i, count)], matrix[(count, i)]) = (1.0, 1.0);
+        (rows[i * wide + count], rows[count * wide + i]) = (1.0, 1.0);
         for n in 0..dimensions {
             let value = (points[i][n] - at[n]) / far;
-            (matrix[(i, count + 1 + n)], matrix[(count + 1 + n, i)]) = (value, value);
+            let m = count + 1 + n;
+            (rows[i * wide + m], rows[m * wide + i]) = (value, value);
         }
-        right[i] = radial(points[i], at);
+        rows[i * wide + size] = radial(points[i], at);
     }
-    right[count] = 1.0;
-    if !matrix.lu().solve_mut(&mut right) {
-        return None;
-    }
-    let all: Vec<f64> = right.iter().take(count).copied().collect();
+    rows[count * wide + size] = 1.0;
+    let mut all = solved(rows, size)?;
+    all.truncate(count);
     let size: f64 = all.iter().map(|weight| weight.abs()).sum();
     let sum: f64 = all.iter().sum();
     (size < WILD && (sum - 1.0).abs() < 1e-6).then_some(all)
+}
+
+/// The solution of so many linear equations, row after row with its right side last, by elimination with partial
+/// pivoting; none where they have none. A general library's takes several times as long at these sizes.
+fn solved(mut rows: Vec<f64>, size: usize) -> Option<Vec<f64>> {
+    let wide = size + 1;
+    for k in 0..size {
+        let larger =
+            |a: usize, b: usize| if rows[b * wide + k].abs() > rows[a * wide + k].abs() { b } else { a };
+        let pivot = (k + 1..size).fold(k, larger);
+        let largest = rows[pivot * wide + k];
+        if largest == 0.0 || !largest.is_finite() {
+            return None;
+        }
+        let (above, below) = rows.split_at_mut((k + 1) * wide);
+        let own = &mut above[k * wide..];
+        if pivot != k {
+            own.swap_with_slice(&mut below[(pivot - k - 1) * wide..][..wide]);
+        }
+        for row in below.chunks_exact_mut(wide) {
+            let factor = row[k] / largest;
+            row[k..].iter_mut().zip(&own[k..]).for_each(|(value, own)| *value -= factor * own);
+        }
+    }
+    let mut all = vec![0.0; size];
+    for k in (0..size).rev() {
+        let row = &rows[k * wide..][..wide];
+        let known: f64 = row[k + 1..size].iter().zip(&all[k + 1..]).map(|(a, b)| a * b).sum();
+        all[k] = (row[size] - known) / row[k];
+    }
+    Some(all)
 }
 
 /// The nearest points' weights by the inverse square of their distance.

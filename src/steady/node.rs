@@ -78,16 +78,14 @@ impl Turns {
     /// How a node is met by an instance, whose state has so many modes; none where as it is.
     fn of(&mut self, plan: &Plan, instance: u32, node: &Node, modes: usize) -> Option<&Turned> {
         let (driven, steps) = (plan.driven(instance), plan.steps(instance));
-        // Of a lever that is a scaled copy the same modes stand at the same phase.
-        let same = |a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>| Arc::ptr_eq(a, b) || a.copies(b);
-        if node.steps == steps && same(&driven.kept, &node.kept) {
+        if met_as_it_is(plan, instance, node) {
             return None;
         }
         let fits = |turn: &Turn| {
             Arc::ptr_eq(&turn.drive, &driven.drive)
                 && (turn.theirs.1, turn.own.1) == (node.steps, steps)
                 && (Arc::ptr_eq(&turn.own.0, &driven.kept) || turn.own.0.modes == driven.kept.modes)
-                && same(&turn.theirs.0, &node.kept)
+                && same_modes(&turn.theirs.0, &node.kept)
         };
         let place = self.0.iter().rposition(fits).unwrap_or_else(|| {
             if self.0.len() >= PAIRS {
@@ -121,28 +119,55 @@ impl Turns {
         state
     }
 
-    /// Adds a node's slope, so often, to that of an instance.
-    fn add_slope<D: Size + DimName>(
+    /// The slope of an instance from those of nodes, each so often: nodes that are met alike are added up and turned once.
+    fn slope<'a, D: Size + DimName>(
         &mut self,
-        slope: &mut OMatrix<f64, D, D>,
-        (plan, instance): (&Plan, u32),
-        (node, weight): (&Node, f64),
-    ) where
+        plan: &Plan,
+        instance: u32,
+        nodes: impl Iterator<Item = (&'a Node, f64)>,
+    ) -> OMatrix<f64, D, D>
+    where
         DefaultAllocator: Memory<D>,
     {
-        match self.of(plan, instance, node, D::DIM / 2) {
-            None => {
-                let all = slope.as_mut_slice().iter_mut().zip(&node.slope);
-                all.for_each(|(sum, value)| *sum += weight * f64::from(*value));
+        let mut all = OMatrix::<f64, D, D>::zeros();
+        let mut others: Vec<(&Node, Vec<f64>)> = Vec::new();
+        for (node, weight) in nodes {
+            let add = |sums: &mut [f64]| {
+                let terms = sums.iter_mut().zip(&node.slope);
+                terms.for_each(|(sum, value)| *sum += weight * f64::from(*value));
+            };
+            if met_as_it_is(plan, instance, node) {
+                add(all.as_mut_slice());
+                continue;
             }
-            Some(turned) => {
-                let theirs: Vec<f64> = node.slope.iter().map(|value| f64::from(*value)).collect();
-                let turned = turned.slope::<D>(plan, instance, &theirs);
-                let all = slope.as_mut_slice().iter_mut().zip(turned.as_slice());
-                all.for_each(|(sum, value)| *sum += weight * value);
+            let alike = |(other, _): &(&Node, Vec<f64>)| {
+                node.steps == other.steps
+                    && node.slope.len() == other.slope.len()
+                    && same_modes(&node.kept, &other.kept)
+            };
+            let place = others.iter().position(alike).unwrap_or_else(|| {
+                others.push((node, vec![0.0; node.slope.len()]));
+                others.len() - 1
+            });
+            add(&mut others[place].1);
+        }
+        for (node, sums) in others {
+            if let Some(turned) = self.of(plan, instance, node, D::DIM / 2) {
+                all += turned.slope::<D>(plan, instance, &sums);
             }
         }
+        all
     }
+}
+
+/// Whether two bases have the same modes; those of levers that are scaled copies stand at the same phase.
+fn same_modes(a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>) -> bool {
+    Arc::ptr_eq(a, b) || a.copies(b)
+}
+
+/// Whether an instance has a node's steps and modes.
+fn met_as_it_is(plan: &Plan, instance: u32, node: &Node) -> bool {
+    node.steps == plan.steps(instance) && same_modes(&plan.driven(instance).kept, &node.kept)
 }
 
 /// One of the neighbours that a guess is made of.
@@ -219,7 +244,7 @@ impl Hint<'_> {
         }
         let mut guess = Guess {
             state: OVector::<f64, D>::zeros(),
-            slope: OMatrix::<f64, D, D>::zeros(),
+            slope: turns.slope(plan, instance, self.neighbours.iter().map(|one| (one.node, one.weight))),
             multiplier: 0.0,
             touching: first.touching,
         };
@@ -236,7 +261,6 @@ impl Hint<'_> {
             }
             guess.state.axpy(one.weight, &state, 1.0);
             nearest.axpy(one.nearest, &state, 1.0);
-            turns.add_slope(&mut guess.slope, (plan, instance), (one.node, one.weight));
             guess.multiplier += one.nearest * one.node.multiplier;
         }
         if let Some(own) = self.own {
