@@ -96,7 +96,7 @@ impl Order<'_> {
         }
     }
 
-    /// What the guess for an instance of a level rests on, by what is solved so far; the nearest first where `scattered`.
+    /// What the guess for an instance of a level rests on, by what is solved so far; of scattered ones the nearest comes first.
     pub fn ground(&self, level: usize, instance: u32, solved: &[Solved]) -> Vec<Weighted> {
         match self {
             Self::Grid(levels) => levels.later[level].line(instance),

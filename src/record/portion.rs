@@ -342,7 +342,7 @@ mod tests {
             let bytes = to_bytes(12, &one);
             assert_eq!(number(&bytes), Some((12, count)));
             let back = from_bytes(&bytes, count).expect("it is whole");
-            let rows = |one: &Portion| one.instances.iter().map(row).collect::<Vec<_>>();
+            let rows = |one: &Portion| one.instances.iter().map(|one| row(one, WIDTH)).collect::<Vec<_>>();
             assert_eq!((rows(&one), &one.notes), (rows(&back), &back.notes));
             assert_eq!((back.whole, back.searched, back.curves), (true, true, false));
             assert!(from_bytes(&bytes, count + 1).is_none());

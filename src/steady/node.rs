@@ -130,7 +130,7 @@ impl Turns {
         DefaultAllocator: Memory<D>,
     {
         let mut all = OMatrix::<f64, D, D>::zeros();
-        let mut others: Vec<(&Node, Vec<f64>)> = Vec::new();
+        let mut others: Vec<(&Node, f64, Vec<f64>)> = Vec::new();
         for (node, weight) in nodes {
             let add = |sums: &mut [f64]| {
                 let terms = sums.iter_mut().zip(&node.slope);
@@ -140,20 +140,21 @@ impl Turns {
                 add(all.as_mut_slice());
                 continue;
             }
-            let alike = |(other, _): &(&Node, Vec<f64>)| {
+            let alike = |(other, ..): &(&Node, f64, Vec<f64>)| {
                 node.steps == other.steps
                     && node.slope.len() == other.slope.len()
                     && same_modes(&node.kept, &other.kept)
             };
             let place = others.iter().position(alike).unwrap_or_else(|| {
-                others.push((node, vec![0.0; node.slope.len()]));
+                others.push((node, 0.0, vec![0.0; node.slope.len()]));
                 others.len() - 1
             });
-            add(&mut others[place].1);
+            others[place].1 += weight;
+            add(&mut others[place].2);
         }
-        for (node, sums) in others {
+        for (node, share, sums) in others {
             if let Some(turned) = self.of(plan, instance, node, D::DIM / 2) {
-                all += turned.slope::<D>(plan, instance, &sums);
+                all += turned.slope::<D>(plan, instance, (&sums, share));
             }
         }
         all
