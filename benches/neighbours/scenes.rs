@@ -1,4 +1,4 @@
-//! Sweeps of one lever over samples: three grids that are smooth, two that are not, and a list.
+//! Sweeps over samples: three grids that are smooth, two that are not, a list, and designs of one lever and of many.
 
 #[path = "../common/random.rs"]
 mod random;
@@ -15,7 +15,11 @@ pub fn all(points: usize) -> Vec<(&'static str, String)> {
         ("DMT, 1 to 100 GPa", tapping("dmt", 150, &cube(points, hard))),
         ("DMT, quality factor 2000", tapping("dmt", 2000, &cube(points, soft))),
         ("bistable", bistable(points)),
-        ("scattered", tapping("dmt", 150, &scattered(points / 10))),
+        ("list of 6 quantities", tapping("dmt", 150, &scattered(points))),
+        ("design, one lever, DMT", design(points, "dmt", "")),
+        ("design, one lever, JKR", design(points, "jkr", "")),
+        ("design, levers vary, DMT", design(points, "dmt", LEVERS)),
+        ("design, levers vary, JKR", design(points, "jkr", LEVERS)),
     ]
 }
 
@@ -59,6 +63,61 @@ fn scattered(points: usize) -> String {
         list("drive.free_amplitude", 19.0, 23.0, "nm"),
     ]
     .concat()
+}
+
+/// Stiffness, frequency and quality factor of a calibrated lever.
+const LEVERS: &str = r#"
+"instrument.cantilever.stiffness" = { distribution = "uniform", from = "20 N/m", to = "60 N/m" }
+"instrument.cantilever.frequency" = { distribution = "uniform", from = "200 kHz", to = "400 kHz" }
+"instrument.cantilever.quality_factor" = { distribution = "loguniform", from = 100, to = 400 }
+"#;
+
+/// A Sobol' design in six quantities of sample, tip and drive, or in these and those of the `levers`.
+fn design(points: usize, law: &str, levers: &str) -> String {
+    let decay = if law == "dmt" { "decay_length = \"0.3 nm\"" } else { "" };
+    format!(
+        r#"
+[instrument.actuator]
+model = "rigid"
+[instrument.cantilever]
+stiffness = "40 N/m"
+frequency = "300 kHz"
+quality_factor = 150
+[instrument.tip]
+radius = "10 nm"
+youngs_modulus = "130 GPa"
+poisson_ratio = 0.28
+[sample]
+poisson_ratio = 0.3
+[contact]
+law = "{law}"
+{decay}
+[drive]
+on = "tip"
+frequency = "resonance"
+free_amplitude = "20 nm"
+[approach]
+gap = "17 nm"
+[uncertain]
+"sample.surface_energy" = {{ distribution = "loguniform", from = "1 mJ/m^2", to = "100 mJ/m^2" }}
+"sample.youngs_modulus" = {{ distribution = "loguniform", from = "0.1 GPa", to = "10 GPa" }}
+"instrument.tip.radius" = {{ distribution = "loguniform", from = "5 nm", to = "40 nm" }}
+"sample.poisson_ratio" = {{ distribution = "uniform", from = 0.2, to = 0.45 }}
+"approach.gap" = {{ distribution = "uniform", from = "15 nm", to = "18 nm" }}
+"drive.free_amplitude" = {{ distribution = "uniform", from = "19 nm", to = "23 nm" }}
+{levers}
+[design]
+kind = "sobol"
+samples = {points}
+[run]
+periods = 800
+measure = 20
+accuracy = 1e-3
+steady = "search"
+[output]
+observables = ["amplitude", "phase", "force_max"]
+"#
+    )
 }
 
 fn tapping(law: &str, quality: u32, sweep: &str) -> String {

@@ -1,21 +1,9 @@
 //! Solved instances of a sweep, and what they say of the ones between them.
 
-use super::levels::{Level, Weighted};
-use crate::engine::Finished;
-use crate::plan::Plan;
+use super::order::Order;
+use super::solved::{Solved, Weighted};
 use crate::steady::{Hint, Lead, Neighbour, Node, PeriodicState};
-
-/// What others may rest on of an instance.
-#[derive(Clone, Debug, Default)]
-pub(super) enum Solved {
-    /// Nothing.
-    #[default]
-    Unknown,
-    /// Neither of its first two runs has found a state.
-    Vain,
-    /// The states of both.
-    States(Box<[Node; 2]>),
-}
+use rayon::prelude::*;
 
 /// Of some instances what others rest on.
 pub(super) struct Around<'a> {
@@ -23,12 +11,15 @@ pub(super) struct Around<'a> {
     solved: &'a [Solved],
     /// By instance of the portion.
     lines: Vec<Vec<Weighted>>,
+    /// Whether they lie around it, not along a line.
+    scattered: bool,
 }
 
 impl<'a> Around<'a> {
-    /// For these points of a level.
-    pub fn new(level: &Level, points: &[u32], solved: &'a [Solved]) -> Self {
-        Self { solved, lines: points.iter().map(|point| level.line(*point)).collect() }
+    /// For these instances of a level of the block.
+    pub fn new((order, level): (&Order, usize), instances: &[u32], solved: &'a [Solved]) -> Self {
+        let lines = instances.par_iter().map(|i| order.ground(level, *i, solved)).collect();
+        Self { solved, lines, scattered: order.scattered() }
     }
 
     /// For the first run of each of these instances of the portion: where its neighbours' first runs lead to.
@@ -36,7 +27,7 @@ impl<'a> Around<'a> {
         let of = |i: &u32| {
             let hint = |weighted: &Weighted, [first, _]: &'a [Node; 2]| neighbour(weighted, first, None);
             match self.line(*i, hint) {
-                Some(neighbours) => Lead::Hint(Hint { neighbours, own: None }),
+                Some(neighbours) => Lead::Hint(Hint { neighbours, own: None, scattered: self.scattered }),
                 None if self.in_vain(*i) => Lead::Vain,
                 None => Lead::None,
             }
@@ -54,7 +45,9 @@ impl<'a> Around<'a> {
                 neighbour(weighted, second, Some(first))
             };
             match self.line(i as u32, hint) {
-                Some(neighbours) => Lead::Hint(Hint { own: Some(own), neighbours }),
+                Some(neighbours) => {
+                    Lead::Hint(Hint { own: Some(own), neighbours, scattered: self.scattered })
+                }
                 None => Lead::None,
             }
         };
@@ -87,19 +80,4 @@ impl<'a> Around<'a> {
 
 fn neighbour<'a>((_, weight, nearest): &Weighted, node: &'a Node, before: Option<&'a Node>) -> Neighbour<'a> {
     Neighbour { node, before, weight: *weight, nearest: *nearest }
-}
-
-/// What later instances may rest on of one, by its first two runs: a plan, its number there, its result, and its state.
-pub(super) fn solved(
-    (first, i, before, rough): (&Plan, u32, &Finished, Option<&PeriodicState>),
-    (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),
-) -> Solved {
-    let (Some(rough), Some(fine)) = (rough, fine) else {
-        let neither = rough.is_none() && fine.is_none() && second.steps(there) > 0;
-        return if neither { Solved::Vain } else { Solved::Unknown };
-    };
-    match (Node::new(first, i, rough, before), Node::new(second, there, fine, after)) {
-        (Some(rough), Some(fine)) => Solved::States(Box::new([rough, fine])),
-        _ => Solved::Unknown,
-    }
 }

@@ -1,9 +1,10 @@
-//! A block of a grid, whose instances begin at one another's states.
+//! A block of a sweep, whose instances begin at one another's states.
 
-use super::around::{Around, Solved};
+use super::around::Around;
 use super::choices::Choices;
 use super::first::First;
-use super::levels::{Level, Levels};
+use super::order::Order;
+use super::solved::Solved;
 use super::{Controlled, unfinished};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{BasisRule, Plan};
@@ -13,7 +14,7 @@ use rayon::prelude::*;
 struct Batch<'a> {
     instances: Vec<u32>,
     /// Where they stand among those before.
-    level: Option<&'a Level<'a>>,
+    level: Option<(&'a Order<'a>, usize)>,
     /// Whether later ones begin at their states.
     leads_on: bool,
 }
@@ -30,7 +31,7 @@ pub(super) struct Block<'a> {
 /// run keeps the pieces that are done.
 pub(super) fn run(
     block: Block,
-    levels: &Levels,
+    order: &Order,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
@@ -39,7 +40,7 @@ pub(super) fn run(
     whole.left_out.clone_from(&block.left_out);
     whole.solved = vec![Solved::Unknown; whole.plan.len()];
     whole.neighbour_started = vec![false; whole.plan.len()];
-    'batches: for batch in batches(&block.plan, levels) {
+    'batches: for batch in batches(&block.plan, order) {
         let pieces: Vec<&[u32]> = batch.instances.chunks(size).collect();
         for some in pieces.chunks(at_once.max(1)) {
             if progress.stopped() {
@@ -61,15 +62,15 @@ pub(super) fn run(
 }
 
 /// Within a batch the order is that in which the plan runs its instances.
-fn batches<'a>(plan: &Plan, levels: &'a Levels<'a>) -> Vec<Batch<'a>> {
+fn batches<'a>(plan: &Plan, order: &'a Order<'a>) -> Vec<Batch<'a>> {
     let alike = |points: &[u32]| -> Vec<u32> {
         plan.part(points).by_class().into_iter().map(|place| points[place as usize]).collect()
     };
-    let scouts = Batch { instances: alike(&levels.scouts), level: None, leads_on: true };
-    let later = levels.later.iter().enumerate().map(|(n, level)| Batch {
-        instances: alike(&level.points),
-        level: Some(level),
-        leads_on: levels.leads_on(n),
+    let scouts = Batch { instances: alike(&order.scouts()), level: None, leads_on: true };
+    let later = (0..order.levels()).map(|n| Batch {
+        instances: alike(&order.level(n)),
+        level: Some((order, n)),
+        leads_on: n + 1 < order.levels(),
     });
     std::iter::once(scouts).chain(later).collect()
 }

@@ -1,8 +1,8 @@
 //! What is chosen once for all of a plan's instances, as plain data that can be written down: a run that is given it does
 //! what the run did that chose it, to the bit, and so does one of a share of the instances.
 
-use super::levels::Blocks;
 use super::modes::Tried;
+use super::order::Blocks;
 use super::{modes, precision};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::Plan;

@@ -1,7 +1,7 @@
 //! How the instances of a plan are divided into portions.
 
 use super::choices::Choices;
-use super::levels::Blocks;
+use super::order::Blocks;
 use crate::plan::Plan;
 
 /// How a plan's instances are divided: the order in which they run, and which make a portion. Every run of the plan with
@@ -27,7 +27,7 @@ impl Division {
                 *end += size;
                 Some(*end)
             };
-            let ends = blocks.sizes().scan(0, end).collect();
+            let ends = blocks.sizes().into_iter().scan(0, end).collect();
             return Self { order: blocks.order.clone(), ends, blocks: Some(blocks) };
         }
         let even = match shares {

@@ -1,9 +1,10 @@
 //! The first two runs of every instance, and what their difference tells.
 
-use super::around::{self, Around, Solved};
+use super::around::Around;
 use super::coarse::{halved, quartered};
 use super::decide::Refinement;
 use super::difference::{differences, is_fast, left_of_bases};
+use super::solved::{self, Solved};
 use super::{modes, precision};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
@@ -145,7 +146,7 @@ fn solved(
     let mut all = vec![Solved::Unknown; count];
     for (place, i) in coarse.instances().zip(stepped) {
         let (p, n) = (place as usize, *i as usize);
-        all[n] = around::solved(
+        all[n] = solved::solved(
             (coarse, place, &rough.outcome.results[p], rough.state(p)),
             (fine, *i, &settled.outcome.results[n], settled.state(n)),
         );

@@ -1,14 +1,11 @@
 //! The order in which the instances of a grid begin at one another's states: some are searched for, and between those
 //! along one axis after the other the others are, until the grid is full.
 //!
-//! A large grid is divided into blocks, each filled by itself: a run that has some of the blocks does with them what a run of
-//! all does. The order depends on the grid alone: not on threads, on the engine or on the way in which an axis is written.
+//! The order depends on the grid alone: not on threads, on the engine or on the way in which an axis is written.
 
-use crate::plan::{Grid, GridAxis, Plan};
-use crate::scene::{Start, Steady};
+use super::solved::Weighted;
+use crate::plan::{Grid, GridAxis};
 
-/// Fewer instances than these are searched for one by one.
-const LEAST: usize = 1000;
 /// Scouts are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.
 const APART: (u32, u32) = (16, 8);
 const SPANS: u32 = 7;
@@ -16,32 +13,20 @@ const SPANS: u32 = 7;
 const SHARE: usize = 4;
 /// Places of an axis on which a guess rests: a cubic.
 const NODES: usize = 4;
-/// Most instances of a block. More: fewer scouts, and guesses that rest on more of the grid. Less: less is lost where a run
-/// is killed, and more shares have work.
-const BLOCK: usize = 1 << 15;
-
-/// The blocks of a plan's grid.
-pub(super) struct Blocks {
+/// A grid as slabs, each filled by itself.
+pub(super) struct Slabs {
     /// Each with the axes along which it extends, as a grid of its own.
-    grids: Vec<Grid>,
-    /// The instances of the plan, block after block, in each in the order of its own grid.
+    pub grids: Vec<Grid>,
+    /// The instances of the plan, slab after slab, in each in the order of its own grid.
     pub order: Vec<u32>,
 }
 
-impl Blocks {
-    /// None where the plan is not of a whole grid, too small, waited for, or led otherwise: along curves, to set-points.
-    pub fn of(plan: &Plan) -> Option<Self> {
-        let ensemble = &plan.ensemble;
-        let grid = ensemble.grid.as_ref()?;
-        let whole = plan.len() == ensemble.instances.len() && plan.len() >= LEAST;
-        let searched = plan.run.steady == Steady::Search && plan.run.start == Start::Steady;
-        let led = ensemble.curves.is_some() || plan.has_setpoints() || plan.run.steps_per_period.is_some();
-        if !whole || !searched || led {
-            return None;
-        }
-        let blocks = Self::over(grid, BLOCK);
+impl Slabs {
+    /// None where too many instances would be scouts.
+    pub fn worth(grid: &Grid, most: usize) -> Option<Self> {
+        let slabs = Self::over(grid, most);
         let worth = |grid: &Grid| Levels::over(grid).scouts.len() * SHARE <= grid.len();
-        blocks.grids.iter().all(worth).then_some(blocks)
+        slabs.grids.iter().all(worth).then_some(slabs)
     }
 
     /// As many slabs along one axis go together as have `most` instances, as even as can be; the axes before it stand still.
@@ -68,16 +53,6 @@ impl Blocks {
         }
         Self { grids, order }
     }
-
-    /// How many instances each has.
-    pub fn sizes(&self) -> impl Iterator<Item = usize> {
-        self.grids.iter().map(Grid::len)
-    }
-
-    /// The order within one of them.
-    pub fn levels(&self, block: usize) -> Levels<'_> {
-        Levels::over(&self.grids[block])
-    }
 }
 
 /// Instances of a grid between which all others stand, and then these, axis after axis.
@@ -96,11 +71,8 @@ pub(super) struct Level<'a> {
     pub points: Vec<u32>,
 }
 
-/// What an instance's guess rests on: another instance, its weight, and its weight where only the nearest two count.
-pub(super) type Weighted = (u32, f64, f64);
-
 impl<'a> Levels<'a> {
-    fn over(grid: &'a Grid) -> Self {
+    pub fn over(grid: &'a Grid) -> Self {
         let mut spans: Vec<u32> = grid.axes.iter().map(scouted).collect();
         let mut known: Vec<Vec<u32>> =
             grid.axes.iter().zip(&spans).map(|(axis, spans)| places(axis, *spans)).collect();
@@ -123,11 +95,6 @@ impl<'a> Levels<'a> {
             }
         }
         Self { scouts, later }
-    }
-
-    /// Whether instances of this level, the number of later ones, lead to others.
-    pub fn leads_on(&self, level: usize) -> bool {
-        level + 1 < self.later.len()
     }
 }
 
@@ -230,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn every_instance_is_in_one_block_and_every_block_is_filled() {
+    fn every_instance_is_in_one_slab_and_every_slab_is_filled() {
         for (lengths, most, sizes) in [
             (vec![(40, true), (50, true), (50, true)], 32_768, vec![25_000; 4]),
             (vec![(5, true), (50, true), (50, true)], 5_000, vec![2_500, 5_000, 5_000]),
@@ -238,16 +205,16 @@ mod tests {
             (vec![(7, true)], 100, vec![7]),
         ] {
             let whole = grid(&lengths);
-            let blocks = Blocks::over(&whole, most);
-            assert_eq!(blocks.sizes().collect::<Vec<_>>(), sizes);
+            let slabs = Slabs::over(&whole, most);
+            assert_eq!(slabs.grids.iter().map(Grid::len).collect::<Vec<_>>(), sizes);
             for (n, size) in sizes.iter().enumerate() {
-                let Levels { scouts, later } = blocks.levels(n);
+                let Levels { scouts, later } = Levels::over(&slabs.grids[n]);
                 let mut all: Vec<u32> = scouts;
                 all.extend(later.iter().flat_map(|level| level.points.iter().copied()));
                 all.sort_unstable();
-                assert!(all.iter().copied().eq(0..*size as u32), "{lengths:?}, block {n}");
+                assert!(all.iter().copied().eq(0..*size as u32), "{lengths:?}, slab {n}");
             }
-            let mut all = blocks.order.clone();
+            let mut all = slabs.order.clone();
             all.sort_unstable();
             assert!(all.into_iter().eq(0..whole.len() as u32), "{lengths:?}");
         }

@@ -3,6 +3,7 @@
 
 mod around;
 mod audit;
+mod blend;
 mod block;
 mod branches;
 mod choices;
@@ -14,6 +15,7 @@ mod first;
 mod levels;
 mod modes;
 mod neighbours;
+mod order;
 mod other;
 mod portion;
 mod portions;
@@ -21,8 +23,11 @@ mod precision;
 mod prescribed;
 mod refine;
 mod sample;
+mod scattered;
 mod second;
 mod sensitive;
+mod solved;
+mod tree;
 mod trial;
 mod truth;
 mod unfinished;
@@ -63,7 +68,7 @@ pub struct Controlled {
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
     /// Of each instance what others begin at; empty where none does.
-    solved: Vec<around::Solved>,
+    solved: Vec<solved::Solved>,
     /// Of each instance what the search from the lever at rest found; empty where it was not done.
     from_rest: Vec<Option<other::Second>>,
 }

@@ -53,8 +53,9 @@ impl Work<'_> {
                 let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
                 let poorer = self.poorer.as_ref().map(of);
                 if let Some(blocks) = &self.division.blocks {
+                    let order = blocks.within(number, &part);
                     let block = Block { plan: part, poorer, left_out, choices: self.choices };
-                    return block::run(block, &blocks.levels(number), engine, progress);
+                    return block::run(block, &order, engine, progress);
                 }
                 let first = First::alone(poorer, left_out, &self.choices.precision);
                 unfinished::marked(part, &stepped, first, engine, progress)
@@ -318,10 +319,27 @@ mod tests {
         }
     }
 
-    /// A grid whose instances begin at their neighbours': the same in small portions, in one piece, and on an engine that
-    /// only runs plans.
+    /// A grid, and a design, whose instances begin at their neighbours': the same in small portions, in one piece, and on an
+    /// engine that only runs plans.
     #[test]
     fn neighbours_lead_to_the_same_in_any_portions() {
+        let grid = r#"
+            [sweep]
+            "sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 40 }
+            "approach.gap" = { from = "12 nm", to = "14 nm", points = 25 }
+        "#;
+        let design = r#"
+            [uncertain]
+            "sample.youngs_modulus" = { distribution = "uniform", from = "0.5 GPa", to = "5 GPa" }
+            "approach.gap" = { distribution = "uniform", from = "12 nm", to = "14 nm" }
+            [design]
+            kind = "monte-carlo"
+            samples = 1000
+        "#;
+        [grid, design].into_iter().for_each(same_in_any_portions);
+    }
+
+    fn same_in_any_portions(swept: &str) {
         let text = r#"
             [instrument.cantilever]
             modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 30 }]
@@ -331,13 +349,11 @@ mod tests {
             on = "tip"
             frequency = "300 kHz"
             force = "20 nN"
-            [sweep]
-            "sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 40 }
-            "approach.gap" = { from = "12 nm", to = "14 nm", points = 25 }
             [run]
             steady = "search"
         "#;
-        let scene = Scene::parse(Path::new("grid.toml"), text).expect("the scene is whole");
+        let scene =
+            Scene::parse(Path::new("grid.toml"), &format!("{text}{swept}")).expect("the scene is whole");
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let run =
             |engine: &dyn Engine| crate::control::run(&plan, engine, &Progress::default()).expect("it runs");

@@ -9,6 +9,7 @@ use crate::scene::Start;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Length of a step, s.
 pub(super) fn step_length(driven: &Driven, steps: u32) -> f64 {
@@ -33,20 +34,25 @@ pub(super) fn lever((case, driven): Member, modes: usize) -> Lever {
     Lever::new(&driven.kept.flow(), step_length(driven, case.steps), modes)
 }
 
-/// The levers of instances that have as many steps each, by the number of their drive.
-pub(super) struct Levers(HashMap<u32, Lever>);
+/// The levers of instances that have as many steps each, by basis and angular frequency of their drive.
+pub(super) struct Levers(HashMap<(usize, u64), Lever>);
 
 impl Levers {
     pub fn of(members: &[Member], modes: usize) -> Self {
         let mut first: Vec<Member> = members.to_vec();
-        first.dedup_by_key(|one| one.0.drive);
-        first.sort_by_key(|one| one.0.drive);
-        first.dedup_by_key(|one| one.0.drive);
-        Self(first.par_iter().map(|one| (one.0.drive, lever(*one, modes))).collect())
+        first.dedup_by_key(|one| Self::key(*one));
+        first.sort_by_key(|one| Self::key(*one));
+        first.dedup_by_key(|one| Self::key(*one));
+        Self(first.par_iter().map(|one| (Self::key(*one), lever(*one, modes))).collect())
+    }
+
+    /// Drives that differ in level alone share their basis.
+    fn key((_, driven): Member) -> (usize, u64) {
+        (Arc::as_ptr(&driven.kept) as usize, driven.free.omega.to_bits())
     }
 
     pub fn get(&self, member: Member) -> &Lever {
-        &self.0[&member.0.drive]
+        &self.0[&Self::key(member)]
     }
 }
 

@@ -5,10 +5,12 @@
 //! so that of several states it tends to find the one that waiting would reach. It knows nothing of what the map
 //! is: it says at which points it wants to know it, and is told. Many searches so run side by side.
 
+mod inverse;
 mod search;
 mod size;
 mod spectrum;
 
+pub use inverse::inverse;
 pub use search::{Found, Lost, Options, Search, Verdict};
 pub use size::{Memory, Size};
 pub use spectrum::Spectrum;

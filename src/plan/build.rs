@@ -12,6 +12,7 @@ use crate::scene::{
 };
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -190,10 +191,31 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     };
     let instruments: Vec<Arc<Instrument>> =
         bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;
-    let one = |(&instance, &body): (&usize, &u32)| {
-        drive(scene, &scene.instance(instance), &instruments[body as usize]).map_err(fail(instance))
+    let frequency = |(&instance, &body): (&usize, &u32)| (body, scene.instance(instance).drive.frequency);
+    let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().zip(&bodies.of).map(frequency).collect();
+    // Drives that differ in level alone are one swing, larger or smaller.
+    let mut numbers: HashMap<(u32, Option<u64>), u32> = HashMap::new();
+    let mut distinct: Vec<usize> = Vec::new();
+    let swing = |(n, (body, frequency)): (usize, &(u32, DriveFrequency))| {
+        let given = match frequency {
+            DriveFrequency::Hertz(frequency) => Some(frequency.to_bits()),
+            DriveFrequency::Resonance => None,
+        };
+        *numbers.entry((*body, given)).or_insert_with(|| {
+            distinct.push(n);
+            distinct.len() as u32 - 1
+        })
     };
-    let all = drives.first.par_iter().zip(&bodies.of).map(one).collect::<Result<_, _>>()?;
+    let swing_of: Vec<u32> = asked.iter().enumerate().map(swing).collect();
+    let swing = |&n: &usize| {
+        let (body, frequency) = asked[n];
+        Swing::new(scene, frequency, &instruments[body as usize]).map_err(fail(drives.first[n]))
+    };
+    let swings: Vec<Swing> = distinct.par_iter().map(swing).collect::<Result<_, _>>()?;
+    let one = |(&instance, &swing): (&usize, &u32)| {
+        swings[swing as usize].driven(&scene.instance(instance)).map_err(fail(instance))
+    };
+    let all = drives.first.par_iter().zip(&swing_of).map(one).collect::<Result<_, _>>()?;
     Ok((all, drives.of))
 }
 
@@ -244,16 +266,36 @@ fn grid(sweep: &SweptAxes) -> Option<Grid> {
     Some(Grid { axes })
 }
 
-fn drive(scene: &Scene, params: &Params, instrument: &Arc<Instrument>) -> Result<Driven, InstrumentError> {
-    let frequency = match params.drive.frequency {
-        DriveFrequency::Hertz(frequency) => frequency,
-        DriveFrequency::Resonance => instrument.resonance()?,
-    };
-    let free = instrument.free_motion(params.drive.level, frequency)?;
-    let steps_max = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
-    let kept = ReducedBasis::choose(instrument, free.omega, scene.run.accuracy, scene.run.modes, steps_max);
-    let drive = Arc::new(Drive { instrument: Arc::clone(instrument), free });
-    Ok(Driven { drive, kept: Arc::new(kept) })
+/// An instrument at one frequency, and the modes with the largest shares.
+struct Swing {
+    instrument: Arc<Instrument>,
+    /// Hz
+    frequency: f64,
+    kept: Arc<ReducedBasis>,
+}
+
+impl Swing {
+    fn new(
+        scene: &Scene,
+        asked: DriveFrequency,
+        instrument: &Arc<Instrument>,
+    ) -> Result<Self, InstrumentError> {
+        let frequency = match asked {
+            DriveFrequency::Hertz(frequency) => frequency,
+            DriveFrequency::Resonance => instrument.resonance()?,
+        };
+        let most = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
+        let omega = TAU * frequency;
+        let kept = ReducedBasis::choose(instrument, omega, scene.run.accuracy, scene.run.modes, most);
+        Ok(Self { instrument: Arc::clone(instrument), frequency, kept: Arc::new(kept) })
+    }
+
+    /// Driven as hard as a case says.
+    fn driven(&self, params: &Params) -> Result<Driven, InstrumentError> {
+        let free = self.instrument.free_motion(params.drive.level, self.frequency)?;
+        let drive = Arc::new(Drive { instrument: Arc::clone(&self.instrument), free });
+        Ok(Driven { drive, kept: Arc::clone(&self.kept) })
+    }
 }
 
 /// Steps per period of an instance; 0 where it never feels the sample.

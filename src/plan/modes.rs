@@ -305,6 +305,16 @@ impl ReducedBasis {
         self.modes.iter().map(|mode| mode.inverse_mass).sum()
     }
 
+    /// Whether both keep the same modes by their numbers, and the rest alike: of levers that differ in scale the oscillators
+    /// stand for the same then, whatever their frequencies.
+    pub fn copies(&self, other: &Self) -> bool {
+        let residual = self.residual_kept && other.residual_kept;
+        let same = |(a, b): (&KeptMode, &KeptMode)| {
+            a.index == b.index && (a.index.is_some() || residual || a.omega == b.omega)
+        };
+        self.modes.len() == other.modes.len() && self.modes.iter().zip(&other.modes).all(same)
+    }
+
     /// Angular frequency of the fastest oscillator, rad/s.
     pub fn fastest(&self) -> f64 {
         self.modes.iter().map(|mode| mode.omega).fold(0.0, f64::max)

@@ -255,6 +255,8 @@ pub struct Fineness {
 #[derive(Default)]
 struct Bases {
     made: HashMap<(u32, [u64; 2]), u32>,
+    /// The same by the basis that a drive has: drives of one instrument and frequency share theirs.
+    reduced: HashMap<(usize, [u64; 2]), Arc<ReducedBasis>>,
     /// By drive, those that have its instrument.
     variants: HashMap<u32, Vec<u32>>,
 }
@@ -264,7 +266,9 @@ impl Bases {
     fn number(&mut self, drives: &mut Vec<Driven>, drive: u32, basis: BasisRule, run: &Run) -> u32 {
         *self.made.entry((drive, basis.key())).or_insert_with(|| {
             let own = &drives[drive as usize];
-            let driven = Driven { kept: reduced_by(own, basis, run), ..own.clone() };
+            let shared = (Arc::as_ptr(&own.kept) as usize, basis.key());
+            let kept = self.reduced.entry(shared).or_insert_with(|| reduced_by(own, basis, run));
+            let driven = Driven { kept: Arc::clone(kept), ..own.clone() };
             // The same basis by another accuracy.
             let known = self.variants.entry(drive).or_insert_with(|| vec![drive]);
             let same = |n: &&u32| drives[**n as usize].kept.modes == driven.kept.modes;

@@ -9,8 +9,10 @@ use rayon::prelude::*;
 
 /// Modes that a station has room for.
 const MODES: usize = Station::FREE.x.len();
-/// Numbers of an instance.
-const WIDTH: usize = 2 * (HARMONICS + 15 + 1) + 8 + 3 + 2 * (1 + 8 + 2 * MODES);
+/// Numbers of a result and its state; of an instance's own, and with what a search from rest found.
+const STATE: usize = (HARMONICS + 15 + 1) + (1 + 8 + 2 * MODES);
+const OWN: usize = STATE + 8 + 3;
+const WIDTH: usize = OWN + STATE;
 
 /// A portion and its number as bytes.
 pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
@@ -22,18 +24,21 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     let notes = notes.join("\n");
     bytes.extend((notes.len() as u32).to_le_bytes());
     bytes.extend(notes.as_bytes());
-    let first = instances.first().map_or([0; WIDTH], row);
+    let first = instances.first().map_or([0; WIDTH], |one| row(one, WIDTH));
+    // Without searches from rest their columns are the same for all.
+    let rests = instances.iter().any(|one| one.from_rest.is_some());
+    let width = if rests { WIDTH } else { OWN };
     // Most columns are of one number.
     let (mut differ, mut any) = ([0; WIDTH], [0; WIDTH]);
-    for row in instances.iter().map(row) {
-        for column in 0..WIDTH {
+    for row in instances.iter().map(|one| row(one, width)) {
+        for column in 0..width {
             differ[column] |= row[column] ^ first[column];
             any[column] |= row[column];
         }
     }
     let columns: Vec<usize> = (0..WIDTH).filter(|column| differ[*column] != 0).collect();
     let mut varying = vec![Vec::with_capacity(instances.len()); columns.len()];
-    for row in instances.iter().map(row) {
+    for row in instances.iter().map(|one| row(one, width)) {
         varying.iter_mut().zip(&columns).for_each(|(values, column)| values.push(row[*column]));
     }
     let mut varying = varying.into_iter();
@@ -150,8 +155,8 @@ fn rule(one: BasisRule) -> [u64; 3] {
     }
 }
 
-/// An instance's numbers, by their bits.
-fn row(one: &Ended) -> [u64; WIDTH] {
+/// An instance's numbers, by their bits: all, or its own.
+fn row(one: &Ended, width: usize) -> [u64; WIDTH] {
     let Ended { finished, estimate, left_out, periods, jump, .. } = one;
     let Ended { neighbour_started, precision, fineness, state, from_rest, .. } = one;
     let mut row = [0; WIDTH];
@@ -168,6 +173,9 @@ fn row(one: &Ended) -> [u64; WIDTH] {
     put(fineness.gap.to_bits());
     rule(fineness.rule).into_iter().for_each(&mut put);
     stand(state.as_deref(), &mut put);
+    if width == OWN {
+        return row;
+    }
     finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |rest| &rest.0), &mut put);
     stand(from_rest.as_ref().map(|rest| &rest.1), &mut put);
     row
@@ -334,7 +342,7 @@ mod tests {
             let bytes = to_bytes(12, &one);
             assert_eq!(number(&bytes), Some((12, count)));
             let back = from_bytes(&bytes, count).expect("it is whole");
-            let rows = |one: &Portion| one.instances.iter().map(row).collect::<Vec<_>>();
+            let rows = |one: &Portion| one.instances.iter().map(|one| row(one, WIDTH)).collect::<Vec<_>>();
             assert_eq!((rows(&one), &one.notes), (rows(&back), &back.notes));
             assert_eq!((back.whole, back.searched, back.curves), (true, true, false));
             assert!(from_bytes(&bytes, count + 1).is_none());

@@ -7,7 +7,7 @@ use super::node::{Guess, Lead, Turns};
 use super::sizes::{Sized, by_size, with_size};
 use super::{PeriodicState, Settled};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
-use crate::periodic::{Memory, Size, Spectrum};
+use crate::periodic::{Memory, Size, Spectrum, inverse};
 use crate::plan::{Plan, Precision, Station};
 use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 use rayon::prelude::*;
@@ -154,7 +154,7 @@ where
 {
     fn new(instance: u32, guess: Guess<D>) -> Option<Box<Self>> {
         let Guess { state, slope, multiplier, touching } = guess;
-        let inverse = (OMatrix::<f64, D, D>::identity() - &slope).try_inverse()?;
+        let inverse = inverse(OMatrix::<f64, D, D>::identity() - &slope)?;
         Some(Box::new(Self { instance, at: state, touching, multiplier, slope, inverse, last: None }))
     }
 

@@ -135,8 +135,15 @@ impl Turned {
         let numbered = |mode: &KeptMode| {
             theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
         };
+        // Of two levers with the same modes the residual oscillators stand for the same.
+        let copies = driven.kept.copies(theirs);
+        let residual = |mode: &KeptMode| {
+            let other = || theirs.modes.iter().position(|other| other.index.is_none());
+            (copies && mode.index.is_none()).then(other).flatten()
+        };
         let same = |mode: &KeptMode| {
-            theirs.modes.iter().position(|other| other.omega == mode.omega).or_else(|| numbered(mode))
+            let equal = theirs.modes.iter().position(|other| other.omega == mode.omega);
+            equal.or_else(|| numbered(mode)).or_else(|| residual(mode))
         };
         let turn = |time: f64| {
             let of = |mode: &KeptMode| {
@@ -168,12 +175,12 @@ impl Turned {
         state
     }
 
-    /// The map's slope from the other's, column by column.
+    /// So large a share of the map's slope from the same of the other's, column by column.
     pub(super) fn slope<D: Size + DimName>(
         &self,
         plan: &Plan,
         instance: u32,
-        theirs: &[f64],
+        (theirs, share): (&[f64], f64),
     ) -> OMatrix<f64, D, D>
     where
         DefaultAllocator: Memory<D>,
@@ -182,7 +189,7 @@ impl Turned {
         let (modes, others) = (D::DIM / 2, theirs.len().isqrt() / 2);
         let mut slope = match self.known.iter().all(Option::is_some) {
             true => OMatrix::<f64, D, D>::zeros(),
-            false => free_slope::<D>(plan, instance).0,
+            false => free_slope::<D>(plan, instance).0 * share,
         };
         for (k, j) in self.both() {
             for (l, i) in self.both() {
@@ -246,7 +253,7 @@ where
     DefaultAllocator: Memory<D>,
 {
     let turned = Turned::new(plan, instance, (&place.kept, place.steps), D::DIM / 2);
-    let slope = turned.slope(plan, instance, &place.slope);
+    let slope = turned.slope(plan, instance, (&place.slope, 1.0));
     (turned.station(place), slope)
 }
 

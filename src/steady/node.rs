@@ -53,7 +53,7 @@ impl Node {
     }
 
     /// Whether both move alike: under one law, in the same contact, as often.
-    fn moves_as(&self, other: &Self) -> bool {
+    pub fn moves_as(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
         let touching = self.touching == other.touching || !self.law.has_memory();
         touching && self.law == other.law && contacts
@@ -71,39 +71,35 @@ struct Turn {
     theirs: (Arc<ReducedBasis>, u32),
     own: (Arc<ReducedBasis>, u32),
     drive: Arc<Drive>,
-    /// None where a node is met as it is.
-    turned: Option<Turned>,
+    turned: Turned,
 }
 
 impl Turns {
-    /// How a node is met by an instance, whose state has so many modes.
+    /// How a node is met by an instance, whose state has so many modes; none where as it is.
     fn of(&mut self, plan: &Plan, instance: u32, node: &Node, modes: usize) -> Option<&Turned> {
         let (driven, steps) = (plan.driven(instance), plan.steps(instance));
-        let same = |a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>| Arc::ptr_eq(a, b) || a.modes == b.modes;
+        if met_as_it_is(plan, instance, node) {
+            return None;
+        }
         let fits = |turn: &Turn| {
-            let steps = (turn.theirs.1, turn.own.1) == (node.steps, steps);
-            steps
-                && Arc::ptr_eq(&turn.drive, &driven.drive)
-                && same(&turn.theirs.0, &node.kept)
-                && same(&turn.own.0, &driven.kept)
+            Arc::ptr_eq(&turn.drive, &driven.drive)
+                && (turn.theirs.1, turn.own.1) == (node.steps, steps)
+                && (Arc::ptr_eq(&turn.own.0, &driven.kept) || turn.own.0.modes == driven.kept.modes)
+                && same_modes(&turn.theirs.0, &node.kept)
         };
-        let place = self.0.iter().position(fits).unwrap_or_else(|| {
+        let place = self.0.iter().rposition(fits).unwrap_or_else(|| {
             if self.0.len() >= PAIRS {
                 self.0.clear();
             }
-            let as_it_is = node.steps == steps
-                && same(&driven.kept, &node.kept)
-                && driven.free.omega == node.drive.free.omega;
-            let turned = (!as_it_is).then(|| Turned::new(plan, instance, (&node.kept, node.steps), modes));
             self.0.push(Turn {
                 theirs: (Arc::clone(&node.kept), node.steps),
                 own: (Arc::clone(&driven.kept), steps),
                 drive: Arc::clone(&driven.drive),
-                turned,
+                turned: Turned::new(plan, instance, (&node.kept, node.steps), modes),
             });
             self.0.len() - 1
         });
-        self.0[place].turned.as_ref()
+        Some(&self.0[place].turned)
     }
 
     /// A node's state with an instance's steps, lever and free amplitude.
@@ -123,27 +119,56 @@ impl Turns {
         state
     }
 
-    /// Adds a node's slope, so often, to that of an instance.
-    fn add_slope<D: Size + DimName>(
+    /// The slope of an instance from those of nodes, each so often: nodes that are met alike are added up and turned once.
+    fn slope<'a, D: Size + DimName>(
         &mut self,
-        slope: &mut OMatrix<f64, D, D>,
-        (plan, instance): (&Plan, u32),
-        (node, weight): (&Node, f64),
-    ) where
+        plan: &Plan,
+        instance: u32,
+        nodes: impl Iterator<Item = (&'a Node, f64)>,
+    ) -> OMatrix<f64, D, D>
+    where
         DefaultAllocator: Memory<D>,
     {
-        match self.of(plan, instance, node, D::DIM / 2) {
-            None => {
-                let theirs = node.slope.iter().map(|value| f64::from(*value));
-                slope.iter_mut().zip(theirs).for_each(|(sum, value)| *sum += weight * value);
+        let mut all = OMatrix::<f64, D, D>::zeros();
+        let mut others: Vec<(&Node, f64, Vec<f64>)> = Vec::new();
+        for (node, weight) in nodes {
+            let add = |sums: &mut [f64]| {
+                let terms = sums.iter_mut().zip(&node.slope);
+                terms.for_each(|(sum, value)| *sum += weight * f64::from(*value));
+            };
+            if met_as_it_is(plan, instance, node) {
+                add(all.as_mut_slice());
+                continue;
             }
-            Some(turned) => {
-                let theirs: Vec<f64> = node.slope.iter().map(|value| f64::from(*value)).collect();
-                let turned = turned.slope::<D>(plan, instance, &theirs);
-                slope.zip_apply(&turned, |sum, value| *sum += weight * value);
+            let alike = |(other, ..): &(&Node, f64, Vec<f64>)| {
+                node.steps == other.steps
+                    && node.slope.len() == other.slope.len()
+                    && same_modes(&node.kept, &other.kept)
+            };
+            let place = others.iter().position(alike).unwrap_or_else(|| {
+                others.push((node, 0.0, vec![0.0; node.slope.len()]));
+                others.len() - 1
+            });
+            others[place].1 += weight;
+            add(&mut others[place].2);
+        }
+        for (node, share, sums) in others {
+            if let Some(turned) = self.of(plan, instance, node, D::DIM / 2) {
+                all += turned.slope::<D>(plan, instance, (&sums, share));
             }
         }
+        all
     }
+}
+
+/// Whether two bases have the same modes; those of levers that are scaled copies stand at the same phase.
+fn same_modes(a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>) -> bool {
+    Arc::ptr_eq(a, b) || a.copies(b)
+}
+
+/// Whether an instance has a node's steps and modes.
+fn met_as_it_is(plan: &Plan, instance: u32, node: &Node) -> bool {
+    node.steps == plan.steps(instance) && same_modes(&plan.driven(instance).kept, &node.kept)
 }
 
 /// One of the neighbours that a guess is made of.
@@ -183,6 +208,8 @@ pub struct Hint<'a> {
     pub neighbours: Vec<Neighbour<'a>>,
     /// The instance's own state in the run before; the neighbours tell how far the two runs are apart.
     pub own: Option<&'a PeriodicState>,
+    /// Whether the neighbours lie around it, the nearest first; else along a line, in its order.
+    pub scattered: bool,
 }
 
 /// Where an instance's state is expected, the slope there, and its largest multiplier.
@@ -210,13 +237,15 @@ impl Hint<'_> {
     {
         let first = self.neighbours.first()?.node;
         let stable = super::aims::certainly(plan, instance);
-        let sound = |one: &Neighbour| one.node.moves_as(first) && one.node.multiplier < stable;
+        let counts = |one: &Neighbour| !self.scattered || one.nearest != 0.0;
+        let sound =
+            |one: &Neighbour| one.node.moves_as(first) && (!counts(one) || one.node.multiplier < stable);
         if !self.neighbours.iter().all(sound) || first.law != plan.contact(instance).law {
             return None;
         }
         let mut guess = Guess {
             state: OVector::<f64, D>::zeros(),
-            slope: OMatrix::<f64, D, D>::zeros(),
+            slope: turns.slope(plan, instance, self.neighbours.iter().map(|one| (one.node, one.weight))),
             multiplier: 0.0,
             touching: first.touching,
         };
@@ -224,7 +253,7 @@ impl Hint<'_> {
         let states: Vec<OVector<f64, D>> =
             self.neighbours.iter().map(|one| turns.state::<D>(plan, instance, one.node)).collect();
         let scale = plan.driven(instance).free_amplitude().max(1e-15);
-        if self.own.is_none() && self.jumps(&states, scale) {
+        if self.own.is_none() && !self.scattered && self.jumps(&states, scale) {
             return None;
         }
         for (one, mut state) in self.neighbours.iter().zip(states) {
@@ -233,7 +262,6 @@ impl Hint<'_> {
             }
             guess.state.axpy(one.weight, &state, 1.0);
             nearest.axpy(one.nearest, &state, 1.0);
-            turns.add_slope(&mut guess.slope, (plan, instance), (one.node, one.weight));
             guess.multiplier += one.nearest * one.node.multiplier;
         }
         if let Some(own) = self.own {
@@ -243,7 +271,7 @@ impl Hint<'_> {
             guess.state += super::map::own_state::<D>(plan, instance, own);
         }
         let apart = (&guess.state - nearest).norm() / scale;
-        (self.own.is_some() || apart <= ASTRAY).then_some(guess)
+        (self.own.is_some() || self.scattered || apart <= ASTRAY).then_some(guess)
     }
 
     /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is

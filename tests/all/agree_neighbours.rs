@@ -6,12 +6,38 @@ use afmsweep::observe::{Observable, Status};
 use afmsweep::{Audit, Backend, Scene, Sweep, Swept};
 use std::path::Path;
 
-/// A grid of three axes, one of which changes the drive.
-fn scene(law: &str) -> Scene {
+/// Three axes, one of which changes the drive.
+const GRID: &str = r#"
+[sweep]
+"sample.youngs_modulus" = { from = "1 GPa", to = "10 GPa", points = 12, scale = "log" }
+"drive.free_amplitude" = { from = "19 nm", to = "22 nm", points = 10 }
+"approach.gap" = { from = "13 nm", to = "16 nm", points = 10 }
+"#;
+/// Points of the same and of levers, which are copies of each other but for their scale and their quality factor.
+const DESIGN: &str = r#"
+[uncertain]
+"sample.youngs_modulus" = { distribution = "loguniform", from = "1 GPa", to = "10 GPa" }
+"drive.free_amplitude" = { distribution = "uniform", from = "19 nm", to = "22 nm" }
+"approach.gap" = { distribution = "uniform", from = "13 nm", to = "16 nm" }
+"instrument.cantilever.stiffness" = { distribution = "uniform", from = "20 N/m", to = "60 N/m" }
+"instrument.cantilever.frequency" = { distribution = "uniform", from = "200 kHz", to = "400 kHz" }
+"instrument.cantilever.quality_factor" = { distribution = "uniform", from = 80, to = 120 }
+[design]
+kind = "latin-hypercube"
+samples = 2000
+"#;
+
+fn scene(law: &str, swept: &str) -> Scene {
+    let lever = match swept {
+        DESIGN => {
+            "stiffness = \"40 N/m\"\nfrequency = \"300 kHz\"\nquality_factor = 100\n[instrument.actuator]\nmodel = \"rigid\""
+        }
+        _ => "modes = [{ stiffness = \"40 N/m\", frequency = \"300 kHz\", quality_factor = 100 }]",
+    };
     let text = format!(
         r#"
 [instrument.cantilever]
-modes = [{{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }}]
+{lever}
 [instrument.tip]
 radius = "10 nm"
 [sample]
@@ -20,14 +46,11 @@ surface_energy = "20 mJ/m^2"
 law = "{law}"
 [drive]
 on = "tip"
-frequency = "300 kHz"
+frequency = "resonance"
 free_amplitude = "20 nm"
 [approach]
 gap = "15 nm"
-[sweep]
-"sample.youngs_modulus" = {{ from = "1 GPa", to = "10 GPa", points = 12, scale = "log" }}
-"drive.free_amplitude" = {{ from = "19 nm", to = "22 nm", points = 10 }}
-"approach.gap" = {{ from = "13 nm", to = "16 nm", points = 10 }}
+{swept}
 [run]
 steady = "search"
 accuracy = 1e-3
@@ -46,8 +69,8 @@ fn run(scene: &Scene, cold: bool, threads: usize) -> Swept {
 /// Truth: each instance by itself.
 #[test]
 fn what_neighbours_lead_to_is_what_a_search_finds() {
-    for law in ["hertz", "dmt", "jkr"] {
-        let scene = scene(law);
+    for (law, swept) in [("hertz", GRID), ("dmt", GRID), ("jkr", GRID), ("dmt", DESIGN), ("jkr", DESIGN)] {
+        let scene = scene(law, swept);
         let (ours, cold) = (run(&scene, false, 2), run(&scene, true, 2));
         let plan = &cold.run.plan;
         let mut largest: f64 = 0.0;
@@ -71,7 +94,9 @@ fn what_neighbours_lead_to_is_what_a_search_finds() {
         );
         assert!(started > 0.7, "{law}: {started}");
         assert!(cold.run.neighbour_started.is_empty());
-        assert!(2 * ours.steps_taken < cold.steps_taken, "{law}");
+        // Of a grid the trials, which cost as much, are less.
+        let gain = if swept == GRID { 2.0 } else { 1.5 };
+        assert!(gain * ours.steps_taken as f64 <= cold.steps_taken as f64, "{law}");
     }
 }
 
@@ -89,8 +114,16 @@ fn bits(swept: &Swept, i: usize) -> Vec<u64> {
 }
 
 #[test]
+fn threads_change_no_bit_of_a_design() {
+    let scene = scene("jkr", DESIGN);
+    let (one, two) = (run(&scene, false, 1), run(&scene, false, 2));
+    assert!(one.run.neighbour_started() > 0.7, "{}", one.run.neighbour_started());
+    assert!((0..one.run.plan.len()).all(|i| bits(&one, i) == bits(&two, i)));
+}
+
+#[test]
 fn threads_and_order_change_no_bit() {
-    let scene = scene("dmt");
+    let scene = scene("dmt", GRID);
     let one = run(&scene, false, 1);
     let count = one.run.plan.len();
     let all: Vec<_> = (0..count).map(|i| bits(&one, i)).collect();

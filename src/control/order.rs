@@ -1,0 +1,111 @@
+//! The order in which the instances of a large sweep begin at one another's states.
+//!
+//! The sweep is divided into blocks, each filled by itself: a run that has some of the blocks does with them what a run of
+//! all does. Grids are filled along their axes; lists, designs and what else has no axes to go along, by distance.
+
+use super::levels::{Levels, Slabs};
+use super::scattered::Scattered;
+use super::solved::{Solved, Weighted};
+use crate::plan::{Grid, Plan};
+use crate::scene::{Start, Steady};
+
+/// Fewer instances than these are searched for one by one.
+const LEAST: usize = 1000;
+/// Most instances of a block. More: fewer scouts, and guesses that rest on more of the sweep. Less: less is lost where a run
+/// is killed, and more shares have work.
+const BLOCK: usize = 1 << 15;
+
+/// The blocks of a plan.
+pub(super) struct Blocks {
+    kind: Kind,
+    /// The instances of the plan, block after block, in each in its own order.
+    pub order: Vec<u32>,
+}
+
+enum Kind {
+    Grids(Vec<Grid>),
+    /// So many instances each, by their numbers.
+    Scattered(Vec<usize>),
+}
+
+impl Blocks {
+    /// None where the plan is not the scene's own, too small, waited for, or led otherwise: along curves, to set-points.
+    pub fn of(plan: &Plan) -> Option<Self> {
+        let ensemble = &plan.ensemble;
+        let whole = plan.len() == ensemble.instances.len() && plan.len() >= LEAST;
+        let searched = plan.run.steady == Steady::Search && plan.run.start == Start::Steady;
+        let led = ensemble.curves.is_some() || plan.has_setpoints() || plan.run.steps_per_period.is_some();
+        if !whole || !searched || led {
+            return None;
+        }
+        if let Some(Slabs { grids, order }) =
+            ensemble.grid.as_ref().and_then(|grid| Slabs::worth(grid, BLOCK))
+        {
+            return Some(Self { kind: Kind::Grids(grids), order });
+        }
+        let (count, blocks) = (plan.len(), plan.len().div_ceil(BLOCK));
+        let sizes = (0..blocks).map(|n| (n + 1) * count / blocks - n * count / blocks).collect();
+        Some(Self { kind: Kind::Scattered(sizes), order: plan.instances().collect() })
+    }
+
+    /// How many instances each has.
+    pub fn sizes(&self) -> Vec<usize> {
+        match &self.kind {
+            Kind::Grids(grids) => grids.iter().map(Grid::len).collect(),
+            Kind::Scattered(sizes) => sizes.clone(),
+        }
+    }
+
+    /// The order within one of them, whose plan it is.
+    pub fn within(&self, block: usize, plan: &Plan) -> Order<'_> {
+        match &self.kind {
+            Kind::Grids(grids) => Order::Grid(Levels::over(&grids[block])),
+            Kind::Scattered(_) => Order::Scattered(Scattered::new(plan)),
+        }
+    }
+}
+
+/// The order within a block: some instances are searched for, then level after level the others begin at those before.
+pub(super) enum Order<'a> {
+    Grid(Levels<'a>),
+    Scattered(Scattered),
+}
+
+impl Order<'_> {
+    /// Those that are searched for.
+    pub fn scouts(&self) -> Vec<u32> {
+        match self {
+            Self::Grid(levels) => levels.scouts.clone(),
+            Self::Scattered(all) => all.scouts(),
+        }
+    }
+
+    /// How many levels come after them.
+    pub fn levels(&self) -> usize {
+        match self {
+            Self::Grid(levels) => levels.later.len(),
+            Self::Scattered(all) => all.levels(),
+        }
+    }
+
+    /// The instances of a level.
+    pub fn level(&self, number: usize) -> Vec<u32> {
+        match self {
+            Self::Grid(levels) => levels.later[number].points.clone(),
+            Self::Scattered(all) => all.level(number),
+        }
+    }
+
+    /// What the guess for an instance of a level rests on, by what is solved so far; of scattered ones the nearest comes first.
+    pub fn ground(&self, level: usize, instance: u32, solved: &[Solved]) -> Vec<Weighted> {
+        match self {
+            Self::Grid(levels) => levels.later[level].line(instance),
+            Self::Scattered(all) => all.ground(level, instance, solved),
+        }
+    }
+
+    /// Whether instances rest on others around them, not along a line.
+    pub fn scattered(&self) -> bool {
+        matches!(self, Self::Scattered(_))
+    }
+}
