@@ -92,6 +92,7 @@ impl Writer {
     /// Writes all of `results` to the partial file, in place of what an earlier call wrote.
     pub fn write(&mut self, results: &Results) -> Result<(), StoreError> {
         let image = write::image(results, &self.scene_text, &self.partial)?;
+        let image = image.bytes();
         let put = |file: &mut File| {
             file.rewind()?;
             file.set_len(0)?;

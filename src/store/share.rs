@@ -1,6 +1,6 @@
 //! The file of a share of a run: an HDF5 file around the journal of its portions, which `afmsweep merge` takes.
 
-use super::image::{file_image, in_memory};
+use super::image::{Image, in_memory};
 use super::labels::{self, read_text};
 use super::write::scene_group;
 use super::{Journal, StoreError, journal};
@@ -10,14 +10,9 @@ use std::path::Path;
 /// The dataset that holds the journal.
 pub(super) const JOURNAL: &str = "journal";
 
-/// The bytes of such a file.
-pub(super) fn image(
-    journal: &[u8],
-    title: &str,
-    scene_text: &str,
-    path: &Path,
-) -> Result<Vec<u8>, StoreError> {
-    let build = || -> hdf5::Result<Vec<u8>> {
+/// Such a file in memory.
+pub(super) fn image(journal: &[u8], title: &str, scene_text: &str, path: &Path) -> Result<Image, StoreError> {
+    let build = || -> hdf5::Result<Image> {
         let file = in_memory()?;
         labels::text(&file, "title", title)?;
         labels::text(&file, "comment", "a share of a run: afmsweep merge makes results of all shares")?;
@@ -25,8 +20,7 @@ pub(super) fn image(
         let builder = file.new_dataset::<u8>().shape([journal.len()]).obj_track_times(false);
         let builder = builder.chunk([journal.len().clamp(1, 1 << 20)]).fletcher32();
         builder.create(JOURNAL)?.write_raw(journal)?;
-        file.flush()?;
-        file_image(&file)
+        Image::of(file)
     };
     build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
 }

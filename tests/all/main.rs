@@ -77,6 +77,7 @@ mod exact_ramp;
 mod exact_reconstruction;
 mod exact_reference;
 mod exact_reference_engine;
+mod fuzz_inputs;
 mod hard_cases;
 mod hard_contact;
 mod hard_instrument;
