@@ -95,5 +95,6 @@ mod store_damage;
 mod store_file;
 mod store_place;
 mod store_python;
+mod store_scale;
 mod sweep_library;
 mod work_counters;
