@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Err(Error::Stopped(phase)) => println!("nothing was done: stopped in the {}", phase.word()),
         Err(error) => return Err(error.into()),
         Ok(swept) => {
-            let results = &swept.run.outcome.results;
+            let results = &swept.run.results;
             let done = results.iter().filter(|one| one.status != Status::NotRun).count();
             let missing: Vec<&str> = swept.missing.iter().map(|phase| phase.word()).collect();
             println!("{done} of {} instances are done; missing: {missing:?}", results.len());

@@ -51,8 +51,7 @@ fn truths(wide: &Wide) -> Vec<Option<Finished>> {
     let (plan, start) = (plan(wide), Instant::now());
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
     println!("    {}: run for {:e} in {:.0} s", wide.law, wide.accuracy, start.elapsed().as_secs_f64());
-    let audited = control::audit(&run.plan, &run.outcome, &run.found, wide.count, &Progress::default())
-        .expect("the plan can be run");
+    let audited = control::audit(&run, wide.count, &Progress::default()).expect("the plan can be run");
     println!("    {}: truths in {:.0} s", wide.law, start.elapsed().as_secs_f64());
     let mut truths = vec![None; wide.count];
     for one in audited.into_iter().filter(|one| one.truth.status == Status::Ok) {
@@ -176,8 +175,7 @@ fn carried_out(wide: &Wide) -> (Controlled, f64) {
 /// reference's own run as the scene says.
 fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
     let (count, start) = (run.plan.len(), Instant::now());
-    let audited = control::audit(&run.plan, &run.outcome, &run.found, count, &Progress::default())
-        .expect("the plan can be run");
+    let audited = control::audit(run, count, &Progress::default()).expect("the plan can be run");
     let mut truths = vec![None; count];
     let mut without = Vec::new();
     for one in audited {
@@ -203,11 +201,10 @@ fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
 /// How many of the first instances that are not steady the reference was asked about, and next to the ends of how many
 /// it finds a periodic state all the same.
 fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
-    let status = |i: &u32| run.outcome.results[*i as usize].status;
+    let status = |i: &u32| run.results.get(*i as usize).status;
     let all = (0..run.plan.len() as u32).filter(|i| status(i) == Status::NotSteady);
     let first: Vec<u32> = all.take(count).collect();
-    let audited = control::audit_of(&run.plan, &run.outcome, &run.found, &first, &Progress::default())
-        .expect("the plan can be run");
+    let audited = control::audit_of(run, &first, &Progress::default()).expect("the plan can be run");
     let with: Vec<&Audited> = audited.iter().filter(|one| one.truth.status == Status::Ok).collect();
     for one in &with {
         let i = one.instance as usize;
@@ -220,7 +217,7 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
     let (Wide { law, count, accuracy, .. }, plan) = (*wide, &run.plan);
     let (mut errors, mut low, mut steps, mut others) = (Vec::new(), 0, 0.0, 0);
     for (i, truth) in truths.iter().enumerate() {
-        let ours = &run.outcome.results[i];
+        let ours = &run.results.get(i);
         steps += f64::from(run.plan.steps(i as u32)) / count as f64;
         let Some(truth) = truth.as_ref().filter(|_| ours.status == Status::Ok) else { continue };
         let apart = |truth: &Finished| {
@@ -255,10 +252,10 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
     errors.sort_by(f64::total_cmp);
     let single = run.arithmetic.of.iter().filter(|one| **one == Precision::F32).count();
     let above = |times: f64| errors.iter().filter(|error| **error > times * accuracy).count();
-    let with = |status: Status| run.outcome.results.iter().filter(|one| one.status == status).count();
+    let with = |status: Status| run.results.iter().filter(|one| one.status == status).count();
     // Motion without contact is known in closed form, by the run as by the reference.
     let free = (0..count)
-        .filter(|i| run.plan.steps(*i as u32) == 0 && run.outcome.results[*i].status == Status::Ok)
+        .filter(|i| run.plan.steps(*i as u32) == 0 && run.results.get(*i).status == Status::Ok)
         .count();
     let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
     println!(
@@ -296,7 +293,7 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
 
 /// The reference's periodic state next to the run's own, if there is one.
 fn beside(run: &Controlled, instance: u32) -> Option<Finished> {
-    let station = run.found.get(instance as usize)?.as_ref()?.station;
+    let station = run.found.get(instance as usize)?.station;
     let reference = Reference { tolerance: BESIDE, ..Reference::default() };
     let found = solve_near(&run.plan, instance as usize, &station, &reference, &Progress::default());
     found.expect("the plan has the instance").filter(|one| one.status == Status::Ok)

@@ -70,7 +70,7 @@ fn row(name: &str, mut scene: Scene, count: usize) -> Value {
     let chosen = run.plan.part(&instances);
     let reference = Reference { tolerance: 1e-9, model: Model::Kept };
     let truths = reference.run(&chosen, &Progress::default()).expect("the plan can be run").results;
-    let ran: Vec<Finished> = instances.iter().map(|i| run.outcome.results[*i as usize]).collect();
+    let ran: Vec<Finished> = instances.iter().map(|i| run.results.get(*i as usize)).collect();
     let (error, ok) = largest(&chosen, &ran, &truths);
     let accuracy = scene.run.accuracy;
     let mut uniform = (0, f64::INFINITY);

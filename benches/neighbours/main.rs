@@ -40,7 +40,7 @@ fn apart(ours: &Swept, cold: &Swept) -> Apart {
     let mut apart = Apart::default();
     let plan = &cold.run.plan;
     for i in 0..plan.len() {
-        let (a, b) = (&ours.run.outcome.results[i], &cold.run.outcome.results[i]);
+        let (a, b) = (&ours.run.results.get(i), &cold.run.results.get(i));
         if a.status != b.status {
             apart.status.push((i, a.status, b.status));
             continue;
@@ -72,7 +72,7 @@ fn told(name: &str, ours: &Swept, cold: &Swept, apart: &Apart) -> Vec<Value> {
     let accuracy = cold.run.plan.run.accuracy;
     let one = |(difference, i): &(f64, usize)| {
         let of = |swept: &Swept| {
-            let measured = &swept.run.outcome.results[*i].measured;
+            let measured = &swept.run.results.get(*i).measured;
             format!("phase {:.1}, mean force {:.1e} N", measured.phase, measured.force_mean)
         };
         json!({ "scene": name, "instance": i, "difference": difference, "ours": of(ours), "cold": of(cold),

@@ -16,8 +16,8 @@ pub struct Missed(String);
 
 /// What is known of the errors.
 pub fn accuracy(scene: &Scene, run: &Controlled, verdict: &Verdict, told_not_to: bool, voice: Voice) {
-    let Controlled { plan, outcome, estimates, .. } = run;
-    let ok = |i: &usize| outcome.results[*i].status == Status::Ok && estimates[*i].is_finite();
+    let Controlled { plan, results, estimates, .. } = run;
+    let ok = |i: &usize| results.statuses()[*i] == Status::Ok && estimates[*i].is_finite();
     let mut known: Vec<f64> = (0..estimates.len()).filter(ok).map(|i| estimates[i]).collect();
     known.sort_by(f64::total_cmp);
     if let (Some(middle), Some(last)) = (known.get(known.len() / 2), known.last()) {
@@ -43,7 +43,7 @@ pub fn accuracy(scene: &Scene, run: &Controlled, verdict: &Verdict, told_not_to:
 /// Why no instance was redone.
 fn nothing_redone(run: &Controlled) -> String {
     let steps = |n: &usize| run.plan.steps(*n as u32) > 0;
-    let ok = |n: &usize| run.outcome.results[*n].status == Status::Ok;
+    let ok = |n: &usize| run.results.statuses()[*n] == Status::Ok;
     let stepped: Vec<usize> = (0..run.plan.len()).filter(steps).collect();
     if stepped.is_empty() {
         return "nothing to redo: no instance feels the sample, and the free motion is known in closed form"

@@ -227,7 +227,7 @@ impl Checked {
 
 /// What a run has of the instances of these places in it.
 fn of_run(name: String, run: &control::Controlled, places: &[u32]) -> Column {
-    let finished: Vec<_> = places.iter().map(|place| &run.outcome.results[*place as usize]).collect();
+    let finished: Vec<_> = places.iter().map(|place| run.results.get(*place as usize)).collect();
     Column {
         name,
         status: finished.iter().map(|one| one.status).collect(),

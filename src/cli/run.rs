@@ -241,7 +241,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         other => other?,
     };
     if !swept.missing.is_empty() {
-        return Err(Stopped::with(&swept.missing, &swept.run.outcome.results, &partial).into());
+        return Err(Stopped::with(&swept.missing, &swept.run.results, &partial).into());
     }
     let file = keeper.into_file().context("the run has no file")?;
     signals::held(|| file.finish(&swept.results))

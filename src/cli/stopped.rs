@@ -2,7 +2,7 @@
 
 use super::signals::{self, Signal};
 use afmsweep::Status;
-use afmsweep::engine::Finished;
+use afmsweep::engine::Columns;
 use afmsweep::sweep::{Phase, Share};
 use std::path::Path;
 
@@ -39,8 +39,8 @@ impl Stopped {
     }
 
     /// With a partial file at `partial`.
-    pub fn with(missing: &[Phase], results: &[Finished], partial: &Path) -> Self {
-        let done = results.iter().filter(|one| one.status != Status::NotRun).count();
+    pub fn with(missing: &[Phase], results: &Columns, partial: &Path) -> Self {
+        let done = results.statuses().iter().filter(|one| **one != Status::NotRun).count();
         let begun =
             results.iter().filter(|one| one.status == Status::NotRun && one.measured.is_any()).count();
         let words: Vec<&str> = missing.iter().map(|phase| phase.word()).collect();

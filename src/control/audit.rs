@@ -1,11 +1,10 @@
 //! A few instances redone by the reference engine.
 
-use super::truth;
+use super::{Controlled, truth};
 use crate::compare::{Scales, error, ranked, worst};
-use crate::engine::{EngineError, Finished, Outcome, Progress, Reference, TOLERANCE};
+use crate::engine::{Columns, EngineError, Finished, Progress, Reference, TOLERANCE};
 use crate::observe::Status;
 use crate::plan::Plan;
-use crate::steady::PeriodicState;
 
 /// Tolerance of the reference's steps in units of the accuracy asked for.
 const FINER: f64 = 1e-5;
@@ -51,34 +50,28 @@ impl Audited {
 ///
 /// # Errors
 /// What the reference engine says.
-pub fn audit(
-    plan: &Plan,
-    outcome: &Outcome,
-    found: &[Option<Box<PeriodicState>>],
-    count: usize,
-    progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
-    let chosen = ranked(plan, counted(plan, outcome), count, 1);
-    audit_of(plan, outcome, found, &chosen, progress)
+pub fn audit(run: &Controlled, count: usize, progress: &Progress) -> Result<Vec<Audited>, EngineError> {
+    let chosen = ranked(&run.plan, counted(&run.plan, &run.results), count, 1);
+    audit_of(run, &chosen, progress)
 }
 
 /// The instances that an audit may choose from.
-pub fn counted(plan: &Plan, outcome: &Outcome) -> Vec<u32> {
-    let counts = |i: &u32| plan.steps(*i) > 0 && outcome.results[*i as usize].status == Status::Ok;
+pub fn counted(plan: &Plan, results: &Columns) -> Vec<u32> {
+    let counts = |i: &u32| plan.steps(*i) > 0 && results.statuses()[*i as usize] == Status::Ok;
     plan.instances().filter(counts).collect()
 }
 
 /// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
-pub fn contacts(plan: &Plan, outcome: &Outcome) -> Vec<u32> {
+pub fn contacts(Controlled { plan, results, .. }: &Controlled) -> Vec<u32> {
     let touches = |i: &u32| {
-        let measured = &outcome.results[*i as usize].measured;
+        let measured = results.get(*i as usize).measured;
         match () {
             () if plan.wants.contact => measured.contact_time > 0.0,
             () if plan.wants.extremes => !measured.indentation_max.is_nan(),
             () => plan.expected_depth(*i) > 0.0,
         }
     };
-    let mut all = counted(plan, outcome);
+    let mut all = counted(plan, results);
     all.retain(touches);
     all.sort_by_key(|i| plan.steps(*i));
     all
@@ -88,13 +81,8 @@ pub fn contacts(plan: &Plan, outcome: &Outcome) -> Vec<u32> {
 ///
 /// # Errors
 /// What the reference engine says.
-pub fn audit_of(
-    plan: &Plan,
-    outcome: &Outcome,
-    found: &[Option<Box<PeriodicState>>],
-    chosen: &[u32],
-    progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
+pub fn audit_of(run: &Controlled, chosen: &[u32], progress: &Progress) -> Result<Vec<Audited>, EngineError> {
+    let Controlled { plan, results, found, .. } = run;
     progress.stage(&["audit"]);
     if chosen.is_empty() {
         return Ok(Vec::new());
@@ -102,9 +90,9 @@ pub fn audit_of(
     // Far below what is to be seen, and several times faster than the reference's own.
     let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
     let reference = Reference { tolerance, ..Reference::default() };
-    let truths = truth::truths(plan, false, chosen, found, &reference, progress)?;
+    let truths = truth::truths(plan, false, chosen, &truth::known(found), &reference, progress)?;
     let one = |(&instance, truth): (&u32, Finished)| {
-        let ours = &outcome.results[instance as usize];
+        let ours = results.get(instance as usize);
         let scales = Scales::of(plan, instance as usize, &truth.measured);
         let of = |observable| error(observable, &ours.measured, &truth.measured, &scales);
         let counts = ours.status == Status::Ok && truth.status == Status::Ok;
@@ -124,11 +112,11 @@ pub fn audit_of(
 }
 
 /// Takes the status ok from the instances that an audit found above the accuracy asked for.
-pub fn mark(outcome: &mut Outcome, audited: &[Audited], accuracy: f64) {
+pub fn mark(results: &mut Columns, audited: &[Audited], accuracy: f64) {
     for one in audited.iter().filter(|one| one.above(accuracy)) {
-        let status = &mut outcome.results[one.instance as usize].status;
-        if *status == Status::Ok {
-            *status = Status::AccuracyNotMet;
+        let place = one.instance as usize;
+        if results.statuses()[place] == Status::Ok {
+            results.set_status(place, Status::AccuracyNotMet);
         }
     }
 }

@@ -5,10 +5,12 @@ use super::choices::Choices;
 use super::first::First;
 use super::order::Order;
 use super::solved::Solved;
-use super::{Controlled, unfinished};
+use super::{Part, unfinished};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{BasisRule, Plan};
+use crate::steady::PeriodicState;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Instances that may be taken to their ends in any order, once those of the batches before them are.
 struct Batch<'a> {
@@ -34,9 +36,9 @@ pub(super) fn run(
     order: &Order,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     let (size, at_once) = engine.portions();
-    let mut whole = Controlled::not_begun(block.plan.clone(), block.choices);
+    let mut whole = Part::not_begun(block.plan.clone(), block.choices);
     whole.left_out.clone_from(&block.left_out);
     whole.solved = vec![Solved::Unknown; whole.plan.len()];
     whole.neighbour_started = vec![false; whole.plan.len()];
@@ -79,10 +81,10 @@ fn batches<'a>(plan: &Plan, order: &'a Order<'a>) -> Vec<Batch<'a>> {
 fn piece_of(
     block: &Block,
     (batch, piece): (&Batch, &[u32]),
-    whole: &Controlled,
+    whole: &Part,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     let part = whole.plan.part(piece);
     let stepped = part.stepped();
     let left_out = piece.iter().map(|i| block.left_out[*i as usize]).collect();
@@ -91,4 +93,33 @@ fn piece_of(
     let alone = First::alone(poorer, left_out, &block.choices.precision);
     let first = First { around, leads_on: batch.leads_on, ..alone };
     unfinished::marked(part, &stepped, first, engine, progress)
+}
+
+impl Part {
+    /// Takes in what became of a piece of it.
+    fn take(&mut self, piece: &[u32], part: Self) {
+        if !part.found.is_empty() && self.found.is_empty() {
+            self.found = vec![None; self.plan.len()];
+        }
+        for (place, found) in piece.iter().zip(part.found) {
+            // Nobody goes on from it with other steps.
+            let kept =
+                |state: Box<PeriodicState>| Box::new(PeriodicState { slope: Box::default(), ..*state });
+            self.found[*place as usize] = found.map(kept);
+        }
+        let begun = piece.iter().zip(part.neighbour_started);
+        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);
+        piece.iter().zip(part.solved).for_each(|(place, solved)| self.solved[*place as usize] = solved);
+        let mut taken = HashMap::new();
+        for (n, place) in piece.iter().enumerate() {
+            let i = *place as usize;
+            self.plan.take_resolution(*place, &part.plan, n as u32, &mut taken);
+            self.left_out[i] = part.left_out[n];
+            self.outcome.results[i] = part.outcome.results[n];
+            self.estimates[i] = part.estimates[n];
+            self.periods[i] = part.periods[n];
+            self.arithmetic.of[i] = part.arithmetic.of[n];
+        }
+        self.outcome.notes.extend(part.outcome.notes);
+    }
 }

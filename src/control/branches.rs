@@ -9,6 +9,7 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Station};
 use crate::steady::{self, PeriodicState};
+use std::collections::BTreeMap;
 
 /// Second states of the instances of a finished run. First they are searched for from the lever at rest with the steps of
 /// the run. Then every instance without one is searched again from its neighbours' states that continue another branch
@@ -28,17 +29,18 @@ pub fn others(
 ) -> Result<Others, EngineError> {
     progress.stage(&["branches"]);
     let plan: &Plan = &run.plan;
-    let counts = |i: &u32| plan.steps(*i) > 0 && run.outcome.results[*i as usize].status != Status::NotRun;
+    let counts = |i: &u32| plan.steps(*i) > 0 && run.results.statuses()[*i as usize] != Status::NotRun;
     let instances: Vec<u32> = plan.instances().filter(counts).collect();
-    let mut hunt = Hunt { run, seconds: (0..plan.len()).map(|_| None).collect() };
+    let mut hunt = Hunt { run, seconds: BTreeMap::new() };
     let mut all = Others::default();
     let found = match run.from_rest.is_empty() {
-        true => &from_rest(run, engine, progress, &mut all.notes)?,
-        false => &run.from_rest,
+        true => from_rest((plan, run.results.statuses()), engine, progress, &mut all.notes)?,
+        false => Vec::new(),
     };
     for &i in &instances {
-        if let Some(Second { finished, place }) = &found[i as usize] {
-            hunt.take(i, *finished, Some(place.clone()));
+        let second = found.get(i as usize).map_or_else(|| run.from_rest.get(i), Clone::clone);
+        if let Some(Second { finished, place }) = second {
+            hunt.take(i, finished, Some(place));
         }
     }
     all.from_rest = hunt.count();
@@ -54,13 +56,12 @@ pub fn others(
 /// What searches from the lever at rest find, by instance of the run: for many instances they are the most of what second
 /// states cost, and each is of its instance alone.
 pub(super) fn from_rest(
-    run: &Controlled,
+    (plan, statuses): (&Plan, &[Status]),
     engine: &dyn Engine,
     progress: &Progress,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Option<Second>>, EngineError> {
-    let plan = &run.plan;
-    let counts = |i: &u32| plan.steps(*i) > 0 && run.outcome.results[*i as usize].status != Status::NotRun;
+    let counts = |i: &u32| plan.steps(*i) > 0 && statuses[*i as usize] != Status::NotRun;
     let instances: Vec<u32> = plan.instances().filter(counts).collect();
     let settled = steady::from_rest(plan, &instances, engine, progress)?;
     notes.extend(settled.outcome.notes);
@@ -82,26 +83,25 @@ enum Which {
 /// The second states so far.
 struct Hunt<'a> {
     run: &'a Controlled,
-    seconds: Vec<Option<Second>>,
+    seconds: BTreeMap<u32, Second>,
 }
 
 impl Hunt<'_> {
     fn count(&self) -> usize {
-        self.seconds.iter().filter(|one| one.is_some()).count()
+        self.seconds.len()
     }
 
     /// Keeps what was found for an instance, if it is another state than the first.
     fn take(&mut self, i: u32, finished: Finished, place: Option<Box<PeriodicState>>) -> bool {
         let Some(mut place) = place else { return false };
-        let n = i as usize;
-        let (plan, ours) = (&self.run.plan, &self.run.outcome.results[n]);
-        let apart = difference(plan, i, ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
+        let (plan, ours) = (&self.run.plan, self.run.results.get(i as usize));
+        let apart = difference(plan, i, &ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
         // Where the first run found no steady state at all, any is another.
         let another = apart || !ours.status.is_steady();
         if another {
             // Nobody asks for the map's slope there again.
             place.slope = Box::default();
-            self.seconds[n] = Some(Second { finished, place });
+            self.seconds.insert(i, Second { finished, place });
         }
         another
     }
@@ -115,14 +115,14 @@ impl Hunt<'_> {
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
-        let mut may = vec![false; self.seconds.len()];
+        let mut may = vec![false; self.run.plan.len()];
         instances.iter().for_each(|i| may[*i as usize] = true);
         // Of each instance, which states of its neighbours it has been searched from.
-        let mut tried = vec![0u64; self.seconds.len()];
+        let mut tried = vec![0u64; self.run.plan.len()];
         let mut look: Vec<u32> = instances.to_vec();
         while !look.is_empty() && !progress.stopped() {
             let mut wave = Vec::new();
-            for &i in look.iter().filter(|i| self.seconds[**i as usize].is_none()) {
+            for &i in look.iter().filter(|i| !self.seconds.contains_key(i)) {
                 if let Some((bit, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
                     tried[i as usize] |= bit;
                     wave.push((i, j, which));
@@ -150,7 +150,7 @@ impl Hunt<'_> {
         let numbers: Vec<u32> = wave.iter().map(|(i, ..)| *i).collect();
         let part = plan.part(&numbers);
         let place = |(n, (_, j, which)): (usize, &(u32, u32, Which))| {
-            let of = self.state(*j, *which).map(|state| steady::carried((plan, *j, state), &part, n as u32));
+            let of = self.state(*j, *which).map(|state| steady::carried((plan, *j, &state), &part, n as u32));
             of.unwrap_or_else(|| Station::free(&part, n as u32))
         };
         let places: Vec<Station> = wave.iter().enumerate().map(place).collect();
@@ -180,40 +180,47 @@ impl Hunt<'_> {
         })
     }
 
-    fn state(&self, j: u32, which: Which) -> Option<&PeriodicState> {
+    fn state(&self, j: u32, which: Which) -> Option<PeriodicState> {
         match which {
-            Which::First => self.run.found.get(j as usize)?.as_deref(),
-            Which::Second => self.seconds[j as usize].as_ref().map(|second| &*second.place),
+            Which::First => self.run.found.get(j as usize),
+            Which::Second => self.seconds.get(&j).map(|second| (*second.place).clone()),
         }
     }
 
-    fn result(&self, j: u32, which: Which) -> Option<&Finished> {
+    fn has(&self, j: u32, which: Which) -> bool {
         match which {
-            Which::First => Some(&self.run.outcome.results[j as usize]),
-            Which::Second => self.seconds[j as usize].as_ref().map(|second| &second.finished),
+            Which::First => self.run.found.has(j as usize),
+            Which::Second => self.seconds.contains_key(&j),
+        }
+    }
+
+    fn result(&self, j: u32, which: Which) -> Option<Finished> {
+        match which {
+            Which::First => Some(self.run.results.get(j as usize)),
+            Which::Second => self.seconds.get(&j).map(|second| second.finished),
         }
     }
 
     /// Whether this state of a neighbour is on another branch than the instance's first: it is pushed where that is
     /// pulled, or the other way round; or the neighbour's other state is nearer to it.
     fn leads_elsewhere(&self, i: u32, j: u32, which: Which) -> bool {
-        if self.state(j, which).is_none() {
+        if !self.has(j, which) {
             return false;
         }
         let Some(theirs) = self.result(j, which) else { return false };
-        let ours = &self.run.outcome.results[i as usize];
+        let ours = self.run.results.get(i as usize);
         if !ours.status.is_steady() {
             return true;
         }
         let pulled = |one: &Finished| one.measured.force_mean < 0.0;
-        if pulled(ours) != pulled(theirs) {
+        if pulled(&ours) != pulled(&theirs) {
             return true;
         }
         let rest = match which {
             Which::First => Which::Second,
             Which::Second => Which::First,
         };
-        self.result(j, rest).is_some_and(|rest| far(ours, theirs) > far(ours, rest))
+        self.result(j, rest).is_some_and(|rest| far(&ours, &theirs) > far(&ours, &rest))
     }
 }
 

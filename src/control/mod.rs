@@ -17,6 +17,7 @@ mod modes;
 mod neighbours;
 mod order;
 mod other;
+mod part;
 mod portion;
 mod portions;
 mod precision;
@@ -38,28 +39,31 @@ pub use branches::others;
 pub use choices::{Choices, Course, choose};
 pub use division::Division;
 pub use other::{Other, Others};
+pub use part::Part;
 pub use portion::{Ended, InMemory, Keep, Place, Portion};
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
 
-use crate::engine::{Engine, EngineError, Outcome, Progress};
+use crate::engine::{Columns, Engine, EngineError, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
-use crate::steady::{self, PeriodicState, Settled};
+use crate::steady::{self, Settled, States};
 
-/// A run to the accuracy asked for.
+/// A run of all instances to the accuracy asked for. There may be very many: no number is held that need not be.
 #[derive(Clone, Debug)]
 pub struct Controlled {
     /// The plan that was carried out: modes and steps as the estimates asked for them.
     pub plan: Plan,
-    pub outcome: Outcome,
+    pub results: Columns,
+    /// What a user should know of how it went: one line each.
+    pub notes: Vec<String>,
     /// Of each instance the error of its worst observable, on its scale; NaN where nothing was estimated.
     pub estimates: Vec<f64>,
     /// The part of it that modes left out have.
     pub left_out: Vec<f64>,
     /// Of each instance the periodic state that was found; empty where none was searched for.
-    pub found: Vec<Option<Box<PeriodicState>>>,
+    pub found: States,
     /// Of each instance the periods of its last run, those of the search among them.
     pub periods: Vec<u32>,
     /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
@@ -67,10 +71,15 @@ pub struct Controlled {
     /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
-    /// Of each instance what others begin at; empty where none does.
-    solved: Vec<solved::Solved>,
-    /// Of each instance what the search from the lever at rest found; empty where it was not done.
-    from_rest: Vec<Option<other::Second>>,
+    /// What the searches from the lever at rest found; empty where they were not done.
+    from_rest: Seconds,
+}
+
+/// States beside the first ones, by instance.
+#[derive(Clone, Debug, Default)]
+struct Seconds {
+    results: Option<Columns>,
+    states: States,
 }
 
 /// Which arithmetic stepped what, and why.
@@ -144,7 +153,7 @@ pub fn carry_out(
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
     let mut all = portions::run(planned, choices, keep, engine, progress)?;
-    all.outcome.notes.splice(0..0, choices.notes.iter().cloned());
+    all.notes.splice(0..0, choices.notes.iter().cloned());
     let stepped = planned.stepped();
     if choices.course != Course::Controlled || keep.partly() || stepped.is_empty() {
         return Ok(all);
@@ -156,8 +165,8 @@ pub fn carry_out(
     for &i in &stepped {
         let i = i as usize;
         let doubtful = all.estimates[i] > all.plan.run.accuracy;
-        if doubtful && all.outcome.results[i].status == Status::Ok {
-            all.outcome.results[i].status = Status::AccuracyNotMet;
+        if doubtful && all.results.statuses()[i] == Status::Ok {
+            all.results.set_status(i, Status::AccuracyNotMet);
         }
     }
     Ok(all)
@@ -172,7 +181,7 @@ pub fn once(
     reason: &str,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     progress.stage(&["run"]);
     let Settled { mut outcome, found, periods, jumps } = steady::begin(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
@@ -182,7 +191,7 @@ pub fn once(
     }
     let unknown = vec![f64::NAN; plan.len()];
     let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
-    Ok(Controlled {
+    Ok(Part {
         plan,
         outcome,
         estimates: unknown,

@@ -2,7 +2,7 @@
 
 use super::choices::Choices;
 use super::other::Second;
-use super::{Arithmetic, Controlled};
+use super::{Arithmetic, Part};
 use crate::engine::{Finished, Outcome};
 use crate::periodic::Spectrum;
 use crate::plan::{BasisRule, Fineness, Plan, Precision, Station};
@@ -25,7 +25,7 @@ pub struct Portion {
     pub notes: Vec<String>,
 }
 
-/// What became of one instance; see [`Controlled`].
+/// What became of one instance; see [`Part`].
 #[derive(Clone, Debug)]
 pub struct Ended {
     pub finished: Finished,
@@ -101,7 +101,7 @@ impl Place {
 
 impl Portion {
     /// Of a run of some instances.
-    pub(super) fn of(run: &Controlled, whole: bool) -> Self {
+    pub(super) fn of(run: &Part, whole: bool) -> Self {
         let one = |i: u32| {
             let n = i as usize;
             let rest = run.from_rest.get(n).and_then(Option::as_ref);
@@ -133,7 +133,7 @@ impl Portion {
     }
 
     /// The run that it was, of these instances; none where they are not as many.
-    pub(super) fn controlled(self, part: Plan, choices: &Choices) -> Option<Controlled> {
+    pub(super) fn part(self, part: Plan, choices: &Choices) -> Option<Part> {
         let all = &self.instances;
         if all.len() != part.len() {
             return None;
@@ -157,7 +157,7 @@ impl Portion {
         let jumps = if self.curves { all.iter().map(|one| one.jump).collect() } else { Vec::new() };
         let of = all.iter().map(|one| one.precision).collect();
         let results = all.iter().map(|one| one.finished).collect();
-        Some(Controlled {
+        Some(Part {
             outcome: Outcome { results, ends: Vec::new(), notes: self.notes },
             estimates: all.iter().map(|one| one.estimate).collect(),
             left_out: all.iter().map(|one| one.left_out).collect(),

@@ -4,11 +4,12 @@ use super::block::{self, Block};
 use super::choices::{Choices, Course};
 use super::division::Division;
 use super::first::First;
+use super::other::Second;
 use super::portion::{Keep, Portion};
-use super::{Arithmetic, Controlled, branches, by_reference, modes, once, unfinished};
-use crate::engine::{Engine, EngineError, Progress, Reference};
+use super::{Controlled, Part, Seconds, branches, by_reference, modes, once, unfinished};
+use crate::engine::{Columns, Engine, EngineError, Progress, Reference};
 use crate::plan::{BasisRule, Plan};
-use crate::steady::{self, PeriodicState};
+use crate::steady::{self, States};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,19 +29,20 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// A portion, with its searches from rest where second states are asked for.
-    fn run(&self, number: usize, part: Plan) -> Result<Controlled, EngineError> {
+    fn run(&self, number: usize, part: Plan) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let mut ran = self.first_states(number, part)?;
         if ran.plan.run.both_branches && !progress.stopped() {
             let mut notes = Vec::new();
-            ran.from_rest = branches::from_rest(&ran, engine, progress, &mut notes)?;
+            let statuses: Vec<_> = ran.outcome.results.iter().map(|one| one.status).collect();
+            ran.from_rest = branches::from_rest((&ran.plan, &statuses), engine, progress, &mut notes)?;
             ran.outcome.notes.append(&mut notes);
         }
         Ok(ran)
     }
 
     /// Takes a portion, by its number and with its plan, to its end.
-    fn first_states(&self, number: usize, part: Plan) -> Result<Controlled, EngineError> {
+    fn first_states(&self, number: usize, part: Plan) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let portion = self.division.portion(number);
         match self.choices.course {
@@ -70,13 +72,13 @@ fn free(
     choices: &Choices,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     let outcome = match plan.has_setpoints() {
         true => steady::begin(&mut plan, engine, progress)?.outcome,
         false => engine.run(&plan, progress)?,
     };
     let count = plan.len();
-    Ok(Controlled {
+    Ok(Part {
         outcome,
         estimates: vec![0.0; count],
         left_out: vec![0.0; count],
@@ -149,6 +151,24 @@ pub(super) fn run(
 }
 
 impl Controlled {
+    /// Before anything.
+    pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
+        let count = plan.len();
+        Self {
+            results: Columns::not_run(count),
+            notes: Vec::new(),
+            estimates: vec![f64::NAN; count],
+            left_out: vec![f64::NAN; count],
+            found: States::default(),
+            periods: vec![0; count],
+            jumps: Vec::new(),
+            neighbour_started: Vec::new(),
+            arithmetic: choices.precision.arithmetic(count),
+            from_rest: Seconds::default(),
+            plan,
+        }
+    }
+
     /// Takes in what earlier runs have ended; gives the numbers of the portions that are to be run.
     fn take_known(&mut self, division: &Division, choices: &Choices, keep: &dyn Keep) -> Vec<usize> {
         let mut wanted = Vec::new();
@@ -160,7 +180,7 @@ impl Controlled {
             let of_use = known.filter(|known| known.whole || !runs);
             let ended = of_use.and_then(|known| {
                 let whole = known.whole;
-                Some((whole, known.controlled(self.plan.part(portion), choices)?))
+                Some((whole, known.part(self.plan.part(portion), choices)?))
             });
             let done = ended.as_ref().is_some_and(|(whole, _)| *whole);
             if let Some((_, ended)) = ended {
@@ -174,39 +194,60 @@ impl Controlled {
     }
 
     /// Takes in what became of a portion.
-    pub(super) fn take(&mut self, portion: &[u32], part: Self) {
-        let Arithmetic { of, .. } = part.arithmetic;
+    fn take(&mut self, portion: &[u32], part: Part) {
+        let count = self.plan.len();
         if !part.found.is_empty() && self.found.is_empty() {
-            self.found = vec![None; self.plan.len()];
+            self.found = States::none_of(count);
         }
-        for (place, found) in portion.iter().zip(part.found) {
-            // Nobody goes on from it with other steps.
-            let kept =
-                |state: Box<PeriodicState>| Box::new(PeriodicState { slope: Box::default(), ..*state });
-            self.found[*place as usize] = found.map(kept);
+        for (place, found) in portion.iter().zip(&part.found) {
+            self.found.put(*place as usize, found.as_deref());
         }
-        if !part.from_rest.is_empty() && self.from_rest.is_empty() {
-            self.from_rest = vec![None; self.plan.len()];
+        if !part.from_rest.is_empty() {
+            self.from_rest.take(count, portion, &part.from_rest);
         }
-        portion.iter().zip(part.from_rest).for_each(|(place, one)| self.from_rest[*place as usize] = one);
         if !part.jumps.is_empty() && self.jumps.is_empty() {
-            self.jumps = vec![false; self.plan.len()];
+            self.jumps = vec![false; count];
         }
-        portion.iter().zip(part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = jump);
-        let begun = portion.iter().zip(part.neighbour_started);
-        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);
-        portion.iter().zip(part.solved).for_each(|(place, solved)| self.solved[*place as usize] = solved);
+        portion.iter().zip(&part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = *jump);
+        let begun = portion.iter().zip(&part.neighbour_started);
+        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = *begun);
         let mut taken = HashMap::new();
         for (n, place) in portion.iter().enumerate() {
             let i = *place as usize;
             self.plan.take_resolution(*place, &part.plan, n as u32, &mut taken);
             self.left_out[i] = part.left_out[n];
-            self.outcome.results[i] = part.outcome.results[n];
+            self.results.set(i, &part.outcome.results[n]);
             self.estimates[i] = part.estimates[n];
             self.periods[i] = part.periods[n];
-            self.arithmetic.of[i] = of[n];
+            self.arithmetic.of[i] = part.arithmetic.of[n];
         }
-        self.outcome.notes.extend(part.outcome.notes);
+        self.notes.extend(part.outcome.notes);
+    }
+}
+
+impl Seconds {
+    /// Takes in what was found of a portion of so many instances.
+    fn take(&mut self, count: usize, portion: &[u32], all: &[Option<Second>]) {
+        if self.states.is_empty() {
+            self.states = States::none_of(count);
+        }
+        let results = self.results.get_or_insert_with(|| Columns::not_run(count));
+        for (place, second) in portion.iter().zip(all) {
+            let Some(Second { finished, place: state }) = second else { continue };
+            results.set(*place as usize, finished);
+            self.states.put(*place as usize, Some(state));
+        }
+    }
+
+    /// Whether there are any to be asked for.
+    pub(super) fn is_empty(&self) -> bool {
+        self.states.is_empty()
+    }
+
+    /// That of an instance.
+    pub(super) fn get(&self, instance: u32) -> Option<Second> {
+        let place = Box::new(self.states.get(instance as usize)?);
+        Some(Second { finished: self.results.as_ref()?.get(instance as usize), place })
     }
 }
 
@@ -265,14 +306,14 @@ mod tests {
             let plan = plan.part(&some);
             let (whole, parts) = both(&plan);
             for i in 0..plan.len() {
-                let (a, b) = (&whole.outcome.results[i], &parts.outcome.results[i]);
+                let (a, b) = (whole.results.get(i), parts.results.get(i));
                 assert_eq!(format!("{a:?}"), format!("{b:?}"), "{steady}, instance {i}");
                 assert_eq!(whole.estimates[i].to_bits(), parts.estimates[i].to_bits());
                 assert_eq!(
                     (whole.periods[i], whole.plan.steps(i as u32)),
                     (parts.periods[i], parts.plan.steps(i as u32))
                 );
-                let place = |all: &Controlled| Some(all.found.get(i)?.as_ref()?.station);
+                let place = |all: &Controlled| Some(all.found.get(i)?.station);
                 assert_eq!(place(&whole), place(&parts));
             }
         }
@@ -301,7 +342,7 @@ mod tests {
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         assert_eq!((plan.len(), whole_curves(&plan, 20)), (600, 128));
         let (whole, parts) = both(&plan);
-        let bits = |all: &Controlled| format!("{:?} {:?}", all.outcome.results, all.estimates);
+        let bits = |all: &Controlled| format!("{:?} {:?}", all.results, all.estimates);
         assert_eq!((bits(&whole), &whole.jumps), (bits(&parts), &parts.jumps));
         assert_eq!(parts.jumps.len(), 600);
     }
@@ -359,9 +400,8 @@ mod tests {
             |engine: &dyn Engine| crate::control::run(&plan, engine, &Progress::default()).expect("it runs");
         let [whole, small, plain] = [run(&Cpu::default()), run(&Small(Cpu::default())), run(&Plain)];
         assert!(whole.neighbour_started() > 0.9, "{}", whole.neighbour_started());
-        let bits = |all: &Controlled| {
-            format!("{:?} {:?} {:?}", all.outcome.results, all.estimates, all.neighbour_started)
-        };
+        let bits =
+            |all: &Controlled| format!("{:?} {:?} {:?}", all.results, all.estimates, all.neighbour_started);
         assert_eq!(bits(&whole), bits(&small));
         assert_eq!(bits(&whole), bits(&plain));
     }

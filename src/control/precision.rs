@@ -112,16 +112,18 @@ pub(super) fn add_rounding(
     let cpu = Cpu::default();
     let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
     let double = run.plan.part(&sample).in_precision(Precision::F64);
-    let settled = steady::beside_states(&double, &steady::of(&run.found, &sample), engine, progress)?;
-    run.outcome.notes.extend(settled.outcome.notes);
+    let found = run.found.of(&sample);
+    let found: Vec<_> = found.iter().map(Option::as_ref).collect();
+    let settled = steady::beside_states(&double, &found, engine, progress)?;
+    run.notes.extend(settled.outcome.notes);
     if progress.stopped() {
         return Ok(());
     }
-    let single = |i: u32| &run.outcome.results[i as usize];
+    let single = |i: u32| run.results.get(i as usize);
     let moved: Vec<f64> = sample
         .iter()
         .zip(&settled.outcome.results)
-        .map(|(i, double)| apart(&run.plan, *i, single(*i), double))
+        .map(|(i, double)| apart(&run.plan, *i, &single(*i), double))
         .collect();
     let finite = || moved.iter().copied().filter(|one| one.is_finite());
     run.arithmetic.rounding = finite().fold(0.0, f64::max);

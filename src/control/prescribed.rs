@@ -1,6 +1,6 @@
 //! Steps that the scene prescribes: they are kept, and what they cost is estimated all the same.
 
-use super::Controlled;
+use super::Part;
 use super::difference::differences;
 use super::first::First;
 use super::truth::gives_way;
@@ -18,7 +18,7 @@ pub(super) fn run(
     First { mut left_out, chosen, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     let settled = steady::begin(&mut plan, engine, progress)?;
     if plan.run.modes.is_none() {
         // Modes that are too fast for these steps: no basis on trial had them.
@@ -30,7 +30,7 @@ pub(super) fn run(
     }
     let (fewest, left) = (plan.policy.fewest_steps, plan.policy.left_of_steps);
     let estimates = left_out.clone();
-    let mut now = Controlled::new(plan, settled, (estimates, left_out), chosen);
+    let mut now = Part::new(plan, settled, (estimates, left_out), chosen);
     let half = |i: &u32| now.plan.steps(*i) / 2 >= fewest;
     let (coarse, mut doubtful): (Vec<u32>, Vec<u32>) = stepped.iter().copied().partition(half);
     stepped.iter().for_each(|i| now.estimates[*i as usize] = f64::NAN);
@@ -46,7 +46,7 @@ pub(super) fn run(
     Ok(now)
 }
 
-impl Controlled {
+impl Part {
     /// Runs these instances with other steps and takes `share` of the difference for their error; NaN where the other
     /// run was cut short.
     fn beside(

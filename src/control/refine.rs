@@ -3,7 +3,7 @@
 use super::decide::{Known, Next, Refinement, next};
 use super::difference::{difference, is_fast, left_of_bases};
 use super::first::{self, Begun, First};
-use super::{Controlled, modes, precision, prescribed, sensitive};
+use super::{Part, modes, precision, prescribed, sensitive};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
@@ -20,7 +20,7 @@ pub(super) fn run(
     first: First,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     if plan.run.steps_per_period.is_some() {
         return prescribed::run(plan, stepped, first, engine, progress);
     }
@@ -64,7 +64,7 @@ impl Groups {
 
 /// A run while it is refined.
 struct Refining<'a> {
-    now: Controlled,
+    now: Part,
     /// By instance.
     known: Vec<Refinement>,
     /// Whether instances that f32 does not serve go on in f64, and what rounding costs those that it does.
@@ -83,8 +83,8 @@ impl<'a> Refining<'a> {
     ) -> Self {
         let estimates = known.iter().map(Refinement::error).collect();
         let left_out = known.iter().map(|known| known.of_modes).collect();
-        let now = Controlled::new(plan, settled, (estimates, left_out), chosen);
-        let now = Controlled { neighbour_started, solved, ..now };
+        let now = Part::new(plan, settled, (estimates, left_out), chosen);
+        let now = Part { neighbour_started, solved, ..now };
         Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
     }
 
@@ -218,7 +218,7 @@ impl<'a> Refining<'a> {
     }
 
     /// The run as it is now. Those that were in doubt after the first two runs are tried with a start moved a little.
-    fn end(self, stepped: &[u32], mut doubted: Vec<u32>) -> Result<Controlled, EngineError> {
+    fn end(self, stepped: &[u32], mut doubted: Vec<u32>) -> Result<Part, EngineError> {
         let Self { mut now, mixed, rounding, engine, progress, .. } = self;
         for &i in stepped {
             now.add_unsettled(i);
@@ -238,7 +238,7 @@ impl<'a> Refining<'a> {
     }
 }
 
-impl Controlled {
+impl Part {
     /// Before anything is refined: the run so far, with its estimates and the part of them that modes left out have.
     pub(super) fn new(
         plan: Plan,
@@ -297,8 +297,8 @@ mod tests {
             let first = First::alone(poorer, vec![0.0], &chosen);
             run(with(0.1), &[0], first, &engine, &progress).expect("it runs")
         };
-        let error = |of: &Controlled| difference(&whole, 0, &of.outcome.results[0], &truth);
-        let modes = |of: &Controlled| of.plan.driven(0).kept.modes.len();
+        let error = |of: &Part| difference(&whole, 0, &of.outcome.results[0], &truth);
+        let modes = |of: &Part| of.plan.driven(0).kept.modes.len();
         let (alike, apart) = (run(None), run(Some(vec![BasisRule::Shares { accuracy: 0.3 }])));
         let asked = scene.run.accuracy;
         // By steps alone nothing is seen of it.

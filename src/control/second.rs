@@ -7,7 +7,7 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Case, Plan, STEPS_MAX, Station};
 use crate::steady::{self, PeriodicState};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
 /// with the next richer basis, both searched for from where it is. What stays above the aim has its steps doubled, as the
@@ -16,17 +16,11 @@ use std::collections::HashMap;
 /// Nothing is estimated of instances whose first states have no estimate.
 pub(super) fn estimated(
     run: &Controlled,
-    seconds: Vec<Option<Second>>,
+    seconds: BTreeMap<u32, Second>,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Vec<Other>, EngineError> {
-    let (mut numbers, mut all) = (Vec::new(), Vec::new());
-    for (i, second) in seconds.into_iter().enumerate() {
-        if let Some(second) = second {
-            numbers.push(i as u32);
-            all.push(second);
-        }
-    }
+    let (numbers, all): (Vec<u32>, Vec<Second>) = seconds.into_iter().unzip();
     let plan = run.plan.part(&numbers);
     let others = numbers.iter().zip(&all).zip(plan.cases()).map(|((i, second), case)| Other {
         instance: *i,

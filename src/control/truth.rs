@@ -1,11 +1,11 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
-use super::{Arithmetic, Controlled, coarse};
+use super::{Arithmetic, Controlled, Part, coarse};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
 use crate::observe::{Measured, Status};
 use crate::plan::{Plan, Precision, Station};
 use crate::scene::{Start, Steady};
-use crate::steady::{self, PeriodicState, Settled};
+use crate::steady::{self, Settled, States};
 use rayon::prelude::*;
 
 /// A run by the reference engine. States that the scene wants searched for are the reference's own next to those that
@@ -13,11 +13,7 @@ use rayon::prelude::*;
 ///
 /// # Errors
 /// What the engines say.
-pub fn by_reference(
-    plan: &Plan,
-    reference: &Reference,
-    progress: &Progress,
-) -> Result<Controlled, EngineError> {
+pub fn by_reference(plan: &Plan, reference: &Reference, progress: &Progress) -> Result<Part, EngineError> {
     progress.stage(&["reference"]);
     let count = plan.len();
     let search = plan.run.steady == Steady::Search;
@@ -32,12 +28,15 @@ pub fn by_reference(
         let stepped: Vec<u32> = plan.stepped().into_iter().filter(held).collect();
         let truths = match progress.stopped() {
             true => vec![Finished::NOT_RUN; stepped.len()],
-            false => truths(&plan, true, &stepped, &found, reference, progress)?,
+            false => {
+                let known = |i: u32| found.get(i as usize)?.as_deref().map(|place| place.station);
+                truths(&plan, true, &stepped, &known, reference, progress)?
+            }
         };
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
     }
     let unknown = vec![f64::NAN; count];
-    Ok(Controlled {
+    Ok(Part {
         plan: plan.clone(),
         outcome,
         estimates: unknown.clone(),
@@ -78,18 +77,25 @@ fn by_search(plan: &mut Plan, progress: &Progress) -> Result<Settled, EngineErro
     Ok(settled)
 }
 
+/// Where an instance is in its periodic motion, if that is known.
+pub(super) type Known<'a> = &'a (dyn Fn(u32) -> Option<Station> + Sync);
+
+/// As these states tell.
+pub(super) fn known(found: &States) -> impl Fn(u32) -> Option<Station> + Sync + '_ {
+    |instance| found.get(instance as usize).map(|state| state.station)
+}
+
 /// Where these instances are in their periodic motion: as found, or else as the stepped engine leaves them at the
 /// end of the run; none for runs from rest, whose beginning counts.
 fn stations(
     plan: &Plan,
     instances: &[u32],
-    found: &[Option<Box<PeriodicState>>],
+    known: Known,
     progress: &Progress,
 ) -> Result<Vec<Option<Station>>, EngineError> {
     if plan.run.start == Start::Rest {
         return Ok(vec![None; instances.len()]);
     }
-    let known = |i: u32| found.get(i as usize).and_then(|place| place.as_deref()).map(|place| place.station);
     let waiting: Vec<u32> = instances.iter().copied().filter(|i| known(*i).is_none()).collect();
     let mut ends = std::collections::HashMap::new();
     if !waiting.is_empty() {
@@ -110,11 +116,11 @@ pub(super) fn truths(
     plan: &Plan,
     wait: bool,
     instances: &[u32],
-    found: &[Option<Box<PeriodicState>>],
+    known: Known,
     reference: &Reference,
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
-    let near = near(plan, instances, found, reference, progress)?;
+    let near = near(plan, instances, known, reference, progress)?;
     let none = || (0..instances.len()).filter(|n| near[*n].is_none());
     let left: Vec<u32> = match wait || plan.run.start == Start::Rest {
         true => none().map(|n| instances[n]).collect(),
@@ -133,11 +139,11 @@ pub(super) fn truths(
 fn near(
     plan: &Plan,
     instances: &[u32],
-    found: &[Option<Box<PeriodicState>>],
+    known: Known,
     reference: &Reference,
     progress: &Progress,
 ) -> Result<Vec<Option<Finished>>, EngineError> {
-    let stations = stations(plan, instances, found, progress)?;
+    let stations = stations(plan, instances, known, progress)?;
     let part = with_contact(plan, instances);
     progress.task("periodic states", instances.len() as u64);
     // In their order: a run that is stopped has done the first ones.
@@ -218,7 +224,7 @@ pub fn beside(
     let search = plan.run.steady == Steady::Search;
     let first: Vec<Option<(Finished, Way)>> = match search {
         true => {
-            let near = near(plan, chosen, &run.found, reference, progress)?;
+            let near = near(plan, chosen, &known(&run.found), reference, progress)?;
             near.into_iter().map(|one| one.map(|one| (one, Way::State))).collect()
         }
         false => {
@@ -232,7 +238,7 @@ pub fn beside(
     let second: Vec<Option<Finished>> = match search {
         true if plan.ensemble.curves.is_some() => vec![None; left.len()],
         true => whole(plan, &left, reference, progress)?.into_iter().map(Some).collect(),
-        false => near(plan, &left, &run.found, reference, progress)?,
+        false => near(plan, &left, &known(&run.found), reference, progress)?,
     };
     let way = if search { Way::Run } else { Way::State };
     let mut second = second.into_iter();

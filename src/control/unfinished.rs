@@ -3,7 +3,7 @@
 use super::choices::Choices;
 use super::coarse::halved;
 use super::first::First;
-use super::{Controlled, precision, refine};
+use super::{Part, precision, refine};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
@@ -16,7 +16,7 @@ pub(super) fn marked(
     first: First,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
+) -> Result<Part, EngineError> {
     let (before, chosen) = (plan.clone(), first.chosen);
     let mut done = refine::run(plan, stepped, first, engine, progress)?;
     if progress.stopped() {
@@ -25,7 +25,7 @@ pub(super) fn marked(
     Ok(done)
 }
 
-impl Controlled {
+impl Part {
     /// Before anything.
     pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
         let count = plan.len();
@@ -124,7 +124,7 @@ mod tests {
             if !stopped {
                 break;
             }
-            for (i, (one, other)) in part.outcome.results.iter().zip(&whole.outcome.results).enumerate() {
+            for (i, (one, other)) in part.results.iter().zip(whole.results.iter()).enumerate() {
                 if one.status == Status::NotRun {
                     cut += 1;
                     continue;

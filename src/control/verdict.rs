@@ -38,15 +38,15 @@ impl Verdict {
     /// Of a run and its audits, once these are marked. `exact`: by the reference engine, whose results stand without
     /// either.
     pub fn of(run: &Controlled, audited: &[Audited], exact: bool) -> Self {
-        let (plan, results) = (&run.plan, &run.outcome.results);
+        let (plan, results) = (&run.plan, &run.results);
         let accuracy = plan.run.accuracy;
-        let with = |status| results.iter().filter(|one| one.status == status).count();
+        let with = |status| results.statuses().iter().filter(|one| **one == status).count();
         let compared = || audited.iter().filter(|one| one.worst.is_some());
         let told = |n: usize| {
             let redone = || compared().any(|one| one.instance as usize == n);
             exact || plan.steps(n as u32) == 0 || !run.estimates[n].is_nan() || redone()
         };
-        let unknown = (0..results.len()).filter(|n| results[*n].status == Status::Ok && !told(*n));
+        let unknown = (0..results.len()).filter(|n| results.statuses()[*n] == Status::Ok && !told(*n));
         let largest =
             compared().max_by(|a, b| a.worst.partial_cmp(&b.worst).unwrap_or(std::cmp::Ordering::Equal));
         Self {

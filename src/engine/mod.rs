@@ -1,6 +1,7 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
+mod columns;
 mod compiled;
 mod cpu;
 mod estimate;
@@ -19,6 +20,7 @@ mod station;
 mod threads;
 mod trace;
 
+pub use columns::Columns;
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};

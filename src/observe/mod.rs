@@ -109,6 +109,65 @@ impl Measured {
         gap: f64::NAN,
     };
 
+    /// How many numbers it is.
+    pub const WIDTH: usize = HARMONICS + 15;
+
+    /// All of its numbers, in an order that a run's journal has too.
+    pub fn numbers(&self) -> [f64; Self::WIDTH] {
+        let Self {
+            harmonics,
+            phase,
+            force_max,
+            force_min,
+            force_mean,
+            indentation_max,
+            contact_time,
+            dissipation,
+            virial,
+            contacts,
+            deflection_amplitude,
+            deflection_phase,
+            deflection_mean,
+            free_phase,
+            frequency_shift,
+            gap,
+        } = *self;
+        let mut numbers = [f64::NAN; Self::WIDTH];
+        let (first, rest) = numbers.split_at_mut(HARMONICS);
+        first.copy_from_slice(&harmonics);
+        let [contact, energies] = [[indentation_max, contact_time], [dissipation, virial]];
+        let deflection = [deflection_amplitude, deflection_phase, deflection_mean];
+        let all = [phase, force_max, force_min, force_mean].into_iter().chain(contact).chain(energies);
+        let all = all.chain([contacts]).chain(deflection).chain([free_phase, frequency_shift, gap]);
+        rest.iter_mut().zip(all).for_each(|(place, number)| *place = number);
+        numbers
+    }
+
+    /// What these are the [`Measured::numbers`] of.
+    pub fn of_numbers(numbers: &[f64; Self::WIDTH]) -> Self {
+        let mut harmonics = [f64::NAN; HARMONICS];
+        harmonics.copy_from_slice(&numbers[..HARMONICS]);
+        let number = |place: usize| numbers[HARMONICS + place];
+        Self {
+            harmonics,
+            phase: number(0),
+            force_max: number(1),
+            force_min: number(2),
+            force_mean: number(3),
+            indentation_max: number(4),
+            contact_time: number(5),
+            dissipation: number(6),
+            virial: number(7),
+            contacts: number(8),
+            deflection_amplitude: number(9),
+            deflection_phase: number(10),
+            deflection_mean: number(11),
+            free_phase: number(12),
+            frequency_shift: number(13),
+            gap: number(14),
+        }
+    }
+
     /// Whether anything was.
     pub fn is_any(&self) -> bool {
         let mut row = [f64::NAN; HARMONICS];

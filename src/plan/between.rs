@@ -18,6 +18,7 @@ impl Plan {
             drives.len() as u32 - 1
         };
         let mut instances = Vec::with_capacity(pairs.len());
+        let mut contacts = Vec::with_capacity(pairs.len());
         let mut resolution = Vec::with_capacity(pairs.len());
         for &(first, second, share) in pairs {
             let (one, other) = (self.driven(first), self.driven(second));
@@ -30,12 +31,15 @@ impl Plan {
             };
             let (from, to) = (self.case(first), self.case(second));
             let gap = from.gap * (1.0 - share) + to.gap * share;
-            instances.push(Instance { drive, contact: to.contact, gap, setpoint: None });
+            instances.push(Instance { drive, contact: contacts.len() as u32, gap });
+            contacts.push(to.contact);
             resolution.push(Resolution { gap, drive, steps: to.steps });
         }
         let ensemble = Ensemble {
             drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
+            contacts,
             instances,
+            setpoints: Vec::new(),
             curves: None,
             grid: None,
         };

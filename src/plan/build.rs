@@ -1,5 +1,6 @@
 //! From a scene to its plan.
 
+use super::contacts::Contacts;
 use super::{
     Curves, Drive, Driven, Ensemble, Grid, GridAxis, Instance, InstanceId, Plan, Policy, Precision,
     ReducedBasis, Resolution, SetPoint, steps,
@@ -41,7 +42,11 @@ impl Plan {
         let resolution = |(one, drive): (&Instance, &u32)| Resolution {
             gap: one.gap,
             drive: *drive,
-            steps: steps_of(&scene.run, one, &drives[*drive as usize]),
+            steps: steps_of(
+                &scene.run,
+                (&ensemble.contacts[one.contact as usize], one.gap),
+                &drives[*drive as usize],
+            ),
         };
         let resolution = ensemble.instances.par_iter().zip(&basis_of).map(resolution).collect();
         let asked = wants(&scene.output.observables);
@@ -72,7 +77,10 @@ impl Plan {
 
 /// Gives instances whose contacts are too fast for the modes with the largest shares a basis that is made for them.
 fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>, basis_of: &mut [u32]) {
-    let rung = |one: &Instance| (one.drive, drives[one.drive as usize].rung(&one.contact, one.gap));
+    let rung = |one: &Instance| {
+        let contact = &ensemble.contacts[one.contact as usize];
+        (one.drive, drives[one.drive as usize].rung(contact, one.gap))
+    };
     let rungs: Vec<(u32, u32)> = ensemble.instances.par_iter().map(rung).collect();
     let mut distinct = rungs.clone();
     distinct.par_sort_unstable();
@@ -219,6 +227,9 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     Ok((all, drives.of))
 }
 
+/// Instances that are looked at together: what is held of each is more than what is kept.
+const AT_ONCE: usize = 1 << 16;
+
 /// The scene's instances.
 fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
     let instance = |(index, drive): (usize, &u32)| {
@@ -232,12 +243,24 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
             // A light tap, but for the lever's bending.
             Some(Held::Force(force)) => free - force * driven.kept.flexibility,
         };
-        let setpoint = held.map(|held| SetPoint { held, branch });
-        Instance { drive: *drive, contact: Contact::new(&params), gap, setpoint }
+        (Contact::new(&params), gap, held.map(|held| SetPoint { held, branch }))
     };
+    let mut contacts = Contacts::default();
+    let (mut instances, mut setpoints) = (Vec::with_capacity(drive_of.len()), Vec::new());
+    for from in (0..drive_of.len()).step_by(AT_ONCE) {
+        let some = &drive_of[from..drive_of.len().min(from + AT_ONCE)];
+        let some: Vec<_> =
+            some.par_iter().enumerate().map(|(n, drive)| instance((from + n, drive))).collect();
+        for (drive, (contact, gap, setpoint)) in drive_of[from..].iter().zip(some) {
+            instances.push(Instance { drive: *drive, contact: contacts.number(contact), gap });
+            setpoints.extend(setpoint);
+        }
+    }
     Ensemble {
         drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
-        instances: drive_of.par_iter().enumerate().map(instance).collect(),
+        contacts: contacts.all,
+        instances,
+        setpoints,
         curves: scene.sweep.curve.and_then(|curve| {
             let points = scene.sweep.axes.last()?.values.len() as u32;
             Some(Curves { points, ways: 1 + u32::from(curve.both) })
@@ -299,12 +322,12 @@ impl Swing {
 }
 
 /// Steps per period of an instance; 0 where it never feels the sample.
-fn steps_of(run: &Run, one: &Instance, driven: &Driven) -> u32 {
+fn steps_of(run: &Run, (contact, gap): (&Contact, f64), driven: &Driven) -> u32 {
     let amplitude = driven.free_amplitude();
-    if run.start == Start::Steady && one.contact.is_out_of_reach(amplitude, one.gap) {
+    if run.start == Start::Steady && contact.is_out_of_reach(amplitude, gap) {
         return 0;
     }
     run.steps_per_period.unwrap_or_else(|| {
-        steps::steps(&one.contact, &driven.kept, driven.free.omega, amplitude, one.gap, run.accuracy)
+        steps::steps(contact, &driven.kept, driven.free.omega, amplitude, gap, run.accuracy)
     })
 }

@@ -16,8 +16,12 @@ pub struct InstanceId(pub u32);
 pub struct Ensemble {
     /// Distinct instruments under their drive.
     pub drives: Vec<Arc<Drive>>,
+    /// Distinct contacts, or nearly so.
+    pub contacts: Vec<Contact>,
     /// In the scene's order.
     pub instances: Vec<Instance>,
+    /// Of each instance what it is held at by moving its sample; empty where gaps are given.
+    pub setpoints: Vec<SetPoint>,
     /// Where the instances are points of curves, how these lie in their order.
     pub curves: Option<Curves>,
     /// Where the instances are every combination of the values of some axes, how these lie in their order.
@@ -81,10 +85,10 @@ pub struct Drive {
 pub struct Instance {
     /// Index into [`Ensemble::drives`].
     pub drive: u32,
-    pub contact: Contact,
+    /// Index into [`Ensemble::contacts`].
+    pub contact: u32,
     /// m: where it is not given, about where a hard sample would stand.
     pub gap: f64,
-    pub setpoint: Option<SetPoint>,
 }
 
 /// What an instance is held at by moving its sample.
@@ -104,6 +108,13 @@ impl Drive {
     /// Amplitude of the tip without a sample, m.
     pub fn free_amplitude(&self) -> f64 {
         self.free.tip.norm()
+    }
+}
+
+impl Ensemble {
+    /// The contact of an instance.
+    pub fn contact(&self, id: InstanceId) -> &Contact {
+        &self.contacts[self[id].contact as usize]
     }
 }
 

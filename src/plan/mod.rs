@@ -5,6 +5,7 @@ mod between;
 mod build;
 mod classes;
 mod compliance;
+mod contacts;
 mod ensemble;
 mod modes;
 mod oscillator;
@@ -169,7 +170,7 @@ impl Plan {
 
     /// Everything about one instance.
     pub fn case(&self, instance: u32) -> Case {
-        let Instance { contact, .. } = self.ensemble[self.id(instance)];
+        let contact = *self.contact(instance);
         let Resolution { gap, drive, steps } = self.resolution[instance as usize];
         let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
         Case { drive, contact, gap, steps, least_change }
@@ -182,17 +183,17 @@ impl Plan {
 
     /// An instance's contact.
     pub fn contact(&self, instance: u32) -> &Contact {
-        &self.ensemble[self.id(instance)].contact
+        self.ensemble.contact(self.id(instance))
     }
 
     /// What an instance is held at, where its gap is not given.
     pub fn setpoint(&self, instance: u32) -> Option<SetPoint> {
-        self.ensemble[self.id(instance)].setpoint
+        self.ensemble.setpoints.get(self.id(instance).0 as usize).copied()
     }
 
     /// Whether its instances are held at set-points: all of a scene are, or none.
     pub fn has_setpoints(&self) -> bool {
-        self.ensemble.instances.first().is_some_and(|one| one.setpoint.is_some())
+        !self.ensemble.setpoints.is_empty()
     }
 
     /// Steps per drive period of an instance.

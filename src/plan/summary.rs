@@ -17,9 +17,12 @@ pub struct Summary {
 /// Drives told one by one; of more, the first and the last.
 const TOLD: usize = 6;
 
-/// Bytes held for an instance beside its results: by a run's largest resident set with 20,000 and 80,000 instances
-/// on the CPU; and how much more in a search, which holds that of so many instances at a time.
-const HELD: u64 = 1_070;
+/// Bytes held for an instance beside its results, where states are waited for and where they are searched for; and how much
+/// more of so many instances at a time: by largest resident sets of 100,000 to 10,000,000 instances on the CPU
+/// (`tests/python/many.py`).
+const HELD: u64 = 280;
+const HELD_FOUND: u64 = 580;
+const HELD_WAITING: u64 = 500;
 const HELD_SEARCHING: u64 = 1_300;
 const AT_A_TIME: usize = 1 << 17;
 /// Bytes of the program itself and its libraries.
@@ -204,11 +207,12 @@ impl Plan {
     /// Bytes a run holds in memory at most: the program, plans of the scene and of what runs again, measurements of
     /// all of them, periodic states, and the results with their file.
     pub fn memory_bytes(&self) -> u64 {
-        let searching = match self.run.steady {
-            Steady::Wait => 0,
-            Steady::Search => HELD_SEARCHING * self.len().min(AT_A_TIME) as u64,
+        let (held, at_a_time) = match self.run.steady {
+            Steady::Wait => (HELD, HELD_WAITING),
+            Steady::Search => (HELD_FOUND, HELD_SEARCHING),
         };
-        PROGRAM + HELD * self.len() as u64 + searching + 2 * self.file_bytes()
+        let portions = at_a_time * self.len().min(AT_A_TIME) as u64;
+        PROGRAM + held * self.len() as u64 + portions + 2 * self.file_bytes()
     }
 
     /// What speaks against the plan though it can be run, one line each: drives that are too slow for the modes they

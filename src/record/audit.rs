@@ -2,7 +2,6 @@
 
 use super::observables;
 use crate::control::{Audited, Verdict};
-use crate::engine::Finished;
 use crate::observe::Status;
 use crate::plan::Plan;
 use crate::store::{Attribute, AuditTable, Flags, Results, Variable};
@@ -41,8 +40,8 @@ fn group(plan: &Plan, audited: &[Audited]) -> Option<AuditTable> {
     if audited.is_empty() {
         return None;
     }
-    let truths: Vec<Finished> = audited.iter().map(|one| one.truth).collect();
-    let mut variables = observables(plan, &truths);
+    let truths = || audited.iter().map(|one| one.truth);
+    let mut variables = observables(plan, truths());
     // The root says on what errors count.
     variables.iter_mut().for_each(|variable| variable.error_scale.clear());
     let blind = audited.iter().map(|one| one.blind).collect();
@@ -52,7 +51,7 @@ fn group(plan: &Plan, audited: &[Audited]) -> Option<AuditTable> {
         long_name: "status by the reference engine".into(),
         meanings: Status::ALL.iter().map(|status| status.meaning().to_owned()).collect(),
         bits: false,
-        data: truths.iter().map(|truth| truth.status as u8).collect(),
+        data: truths().map(|truth| truth.status as u8).collect(),
     };
     let instances = audited.iter().map(|one| u64::from(one.instance)).collect();
     Some(AuditTable {

@@ -9,7 +9,7 @@ use crate::compare::Scales;
 use crate::contact::{Contact, Law, Warning};
 use crate::control::Arithmetic;
 use crate::design::Described;
-use crate::engine::{Finished, Outcome};
+use crate::engine::{Columns, Finished};
 use crate::observe::Observable;
 use crate::plan::{Plan, Precision};
 use crate::scene::{Layout, Params, Scene};
@@ -44,14 +44,14 @@ pub struct Facts {
 }
 
 /// Everything the results file holds, waveforms apart.
-pub fn results(scene: &Scene, plan: &Plan, outcome: &Outcome, facts: &Facts) -> Results {
-    let warnings = warnings(scene, plan, outcome);
+pub fn results(scene: &Scene, plan: &Plan, finished: &Columns, facts: &Facts) -> Results {
+    let warnings = warnings(scene, plan, finished);
     Results {
         title: scene.title.clone(),
         axes: scene.sweep.axes.iter().map(coordinate).collect(),
         list: scene.sweep.layout == Layout::List,
-        variables: variables(plan, &outcome.results),
-        status: outcome.results.iter().map(|one| one.status as u8).collect(),
+        variables: variables(plan, finished),
+        status: finished.statuses().iter().map(|one| *one as u8).collect(),
         steps_per_period: plan.cases().map(|case| case.steps).collect(),
         flags: vec![
             Flags {
@@ -150,8 +150,8 @@ fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
     }
 }
 
-fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
-    let mut variables = observables(plan, results);
+fn variables(plan: &Plan, results: &Columns) -> Vec<Variable> {
+    let mut variables = observables(plan, results.iter());
     variables.push(Variable {
         name: "tabor_parameter".into(),
         units: "1".into(),
@@ -165,11 +165,11 @@ fn variables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
 }
 
 /// Variable `drive_work`, the scale of what is lost and of the virial, where one of them was asked for.
-fn drive_work(plan: &Plan, results: &[Finished]) -> Option<Variable> {
+fn drive_work(plan: &Plan, results: &Columns) -> Option<Variable> {
     let scaled = [Observable::Dissipation, Observable::Virial];
-    let of = |(i, one): (usize, &Finished)| match one.measured.phase.is_nan() {
-        true => f64::NAN,
-        false => Scales::of(plan, i, &one.measured).work,
+    let of = |i: usize| match results.get(i).measured {
+        measured if measured.phase.is_nan() => f64::NAN,
+        measured => Scales::of(plan, i, &measured).work,
     };
     plan.observables.iter().any(|one| scaled.contains(one)).then(|| Variable {
         name: "drive_work".into(),
@@ -177,17 +177,18 @@ fn drive_work(plan: &Plan, results: &[Finished]) -> Option<Variable> {
         long_name: "work of the drive per period, or the loss if larger: the scale of errors of both".into(),
         harmonics: None,
         error_scale: String::new(),
-        data: results.par_iter().enumerate().map(of).collect(),
+        data: (0..results.len()).into_par_iter().map(of).collect(),
     })
 }
 
-fn observables(plan: &Plan, results: &[Finished]) -> Vec<Variable> {
+fn observables(plan: &Plan, results: impl Iterator<Item = Finished> + Clone) -> Vec<Variable> {
+    let count = results.clone().count();
     plan.observables
         .iter()
         .map(|&observable| {
             let width = observable.width();
-            let mut data = vec![0.0; width * results.len()];
-            for (row, one) in data.chunks_exact_mut(width).zip(results) {
+            let mut data = vec![0.0; width * count];
+            for (row, one) in data.chunks_exact_mut(width).zip(results.clone()) {
                 observable.write(&one.measured, row);
             }
             Variable {
@@ -231,11 +232,11 @@ fn bit(warning: &Warning) -> u8 {
 }
 
 /// Warnings of each instance as bits, at the largest indentation measured or else expected.
-fn warnings(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Vec<u8> {
+fn warnings(scene: &Scene, plan: &Plan, finished: &Columns) -> Vec<u8> {
     (0..plan.len())
         .into_par_iter()
         .map(|index| {
-            let depth = depth(plan, index, outcome.results[index].measured.indentation_max);
+            let depth = depth(plan, index, finished.get(index).measured.indentation_max);
             let params = scene.instance(index);
             let contact = plan.contact(index as u32);
             contact.warnings(&params, depth).iter().map(bit).fold(0, |all, one| all | one)
@@ -244,7 +245,7 @@ fn warnings(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Vec<u8> {
 }
 
 /// How many instances have each warning of [`WARNINGS`], and the first one's own words.
-pub fn warning_lines(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Results) -> Vec<String> {
+pub fn warning_lines(scene: &Scene, plan: &Plan, finished: &Columns, results: &Results) -> Vec<String> {
     let Some(flags) = results.flags.iter().find(|flags| flags.bits) else { return Vec::new() };
     (0..WARNINGS.len())
         .filter_map(|number| {
@@ -253,7 +254,7 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, outcome: &Outcome, results: &Re
             let first = flags.data.iter().position(|bits| bits & mask != 0)?;
             let params: Params = scene.instance(first);
             let contact: &Contact = plan.contact(first as u32);
-            let depth = depth(plan, first, outcome.results[first].measured.indentation_max);
+            let depth = depth(plan, first, finished.get(first).measured.indentation_max);
             let words = contact
                 .warnings(&params, depth)
                 .into_iter()

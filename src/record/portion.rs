@@ -2,7 +2,7 @@
 
 use crate::control::{Ended, Place, Portion};
 use crate::engine::Finished;
-use crate::observe::{HARMONICS, Measured, Status};
+use crate::observe::{Measured, Status};
 use crate::periodic::Spectrum;
 use crate::plan::{BasisRule, Fineness, Precision, Station};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Modes that a station has room for.
 const MODES: usize = Station::FREE.x.len();
 /// Numbers of a result and its state; of an instance's own, and with what a search from rest found.
-const STATE: usize = (HARMONICS + 15 + 1) + (1 + 8 + 2 * MODES);
+const STATE: usize = (Measured::WIDTH + 1) + (1 + 8 + 2 * MODES);
 const OWN: usize = STATE + 8 + 3;
 const WIDTH: usize = OWN + STATE;
 
@@ -123,31 +123,6 @@ fn little(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte))
 }
 
-/// Measured numbers in their order here.
-fn measured(one: &Measured) -> impl Iterator<Item = f64> {
-    let Measured {
-        harmonics,
-        phase,
-        force_max,
-        force_min,
-        force_mean,
-        indentation_max,
-        contact_time,
-        dissipation,
-        virial,
-        contacts,
-        deflection_amplitude,
-        deflection_phase,
-        deflection_mean,
-        free_phase,
-        frequency_shift,
-        gap,
-    } = *one;
-    let rest = [phase, force_max, force_min, force_mean, indentation_max, contact_time, dissipation, virial];
-    let more = [contacts, deflection_amplitude, deflection_phase, deflection_mean, free_phase];
-    harmonics.into_iter().chain(rest).chain(more).chain([frequency_shift, gap])
-}
-
 fn rule(one: BasisRule) -> [u64; 3] {
     match one {
         BasisRule::Shares { accuracy } => [0, accuracy.to_bits(), 0],
@@ -182,7 +157,7 @@ fn row(one: &Ended, width: usize) -> [u64; WIDTH] {
 }
 
 fn finish(one: &Finished, put: &mut impl FnMut(u64)) {
-    measured(&one.measured).for_each(|value| put(value.to_bits()));
+    one.measured.numbers().into_iter().for_each(|value| put(value.to_bits()));
     put(one.status as u64);
 }
 
@@ -233,36 +208,14 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
 }
 
 fn of_finished(numbers: &mut impl Iterator<Item = u64>) -> Option<Finished> {
-    let measured = of_measured(numbers)?;
+    let mut all = [f64::NAN; Measured::WIDTH];
+    for place in &mut all {
+        *place = f64::from_bits(numbers.next()?);
+    }
+    let measured = Measured::of_numbers(&all);
     let code = numbers.next()?;
     let status = Status::ALL.into_iter().find(|status| *status as u64 == code)?;
     Some(Finished { measured, status })
-}
-
-fn of_measured(numbers: &mut impl Iterator<Item = u64>) -> Option<Measured> {
-    let mut number = || numbers.next().map(f64::from_bits);
-    let mut harmonics = [f64::NAN; HARMONICS];
-    for place in &mut harmonics {
-        *place = number()?;
-    }
-    Some(Measured {
-        harmonics,
-        phase: number()?,
-        force_max: number()?,
-        force_min: number()?,
-        force_mean: number()?,
-        indentation_max: number()?,
-        contact_time: number()?,
-        dissipation: number()?,
-        virial: number()?,
-        contacts: number()?,
-        deflection_amplitude: number()?,
-        deflection_phase: number()?,
-        deflection_mean: number()?,
-        free_phase: number()?,
-        frequency_shift: number()?,
-        gap: number()?,
-    })
 }
 
 fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {

@@ -3,9 +3,9 @@
 use super::audit::estimate_of;
 use super::observables;
 use crate::control::{Other, Others};
-use crate::engine::Finished;
+use crate::engine::{Columns, Finished};
 use crate::plan::Plan;
-use crate::steady::PeriodicState;
+use crate::steady::States;
 use crate::store::{Branch, Flags, NO_STATE, Results, Variable};
 
 /// What the codes of the flag `branch` mean.
@@ -30,15 +30,12 @@ fn branch(one: &Finished) -> u8 {
 pub fn search(
     results: &mut Results,
     plan: &Plan,
-    finished: &[Finished],
-    (found, periods): (&[Option<Box<PeriodicState>>], &[u32]),
+    finished: &Columns,
+    (found, periods): (&States, &[u32]),
     others: Option<&Others>,
 ) {
     // Nothing is found where nothing was searched for, or nothing yet.
-    let multiplier = |i: usize| {
-        found.get(i).and_then(|place| place.as_ref()).map_or(f64::NAN, |one| one.spectrum.multiplier)
-    };
-    results.variables.push(multipliers((0..finished.len()).map(multiplier).collect()));
+    results.variables.push(multipliers((0..finished.len()).map(|i| found.multiplier(i)).collect()));
     results.variables.push(Variable {
         name: "periods_stepped".into(),
         units: "1".into(),
@@ -47,7 +44,7 @@ pub fn search(
         error_scale: String::new(),
         data: periods.iter().map(|count| f64::from(*count)).collect(),
     });
-    results.flags.push(branch_flags(finished.iter().map(branch).collect()));
+    results.flags.push(branch_flags(finished.iter().map(|one| branch(&one)).collect()));
     results.other_branch = others.map(|others| branches(plan, &others.states));
 }
 
@@ -67,8 +64,7 @@ pub fn jumps(results: &mut Results, jumps: &[bool]) {
 /// Second states over all instances.
 fn branches(plan: &Plan, others: &[Other]) -> Branch {
     let count = plan.len();
-    let finished: Vec<Finished> = others.iter().map(|other| other.finished).collect();
-    let mut variables = observables(plan, &finished);
+    let mut variables = observables(plan, others.iter().map(|other| other.finished));
     variables.push(estimate_of(others.iter().map(|other| other.estimate).collect()));
     variables.push(multipliers(others.iter().map(|other| other.multiplier).collect()));
     for variable in &mut variables {

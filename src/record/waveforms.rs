@@ -4,7 +4,7 @@ use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
 use crate::plan::{Plan, Station};
 use crate::scene::{Start, WaveformRequest};
-use crate::steady::PeriodicState;
+use crate::steady::States;
 use crate::store::Waveforms;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -13,19 +13,15 @@ use std::f64::consts::TAU;
 /// drive's phase on. Time counts from the start of the run, or, where that is arbitrary (a start
 /// in steady motion), from the first sample. `found` holds the periodic states that were found, by instance, or
 /// nothing.
-pub fn waveforms(
-    plan: &Plan,
-    found: &[Option<Box<PeriodicState>>],
-    request: &WaveformRequest,
-) -> Result<Waveforms, EngineError> {
+pub fn waveforms(plan: &Plan, found: &States, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
     let mut all = Waveforms::default();
     let mut times: Vec<Vec<f64>> = Vec::new();
     let rows: Vec<Rows> = request
         .instances
         .par_iter()
         .map(|&instance| {
-            let place = found.get(instance).and_then(|place| place.as_deref());
-            instance_rows(plan, instance, place.map(|place| &place.station), request)
+            let place = found.get(instance);
+            instance_rows(plan, instance, place.as_ref().map(|place| &place.station), request)
         })
         .collect::<Result<_, _>>()?;
     all.instances = request.instances.iter().map(|&instance| instance as u64).collect();

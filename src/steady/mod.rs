@@ -15,12 +15,14 @@ mod node;
 mod search;
 mod setpoint;
 mod sizes;
+mod states;
 mod wait;
 
 pub use carried::carried;
 pub use follow::jumps_moved;
 pub use led::from_neighbours;
 pub use node::{Hint, Lead, Neighbour, Node};
+pub use states::States;
 pub use wait::SETTLED;
 
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};

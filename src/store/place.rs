@@ -92,6 +92,7 @@ impl Writer {
     /// Writes all of `results` to the partial file, in place of what an earlier call wrote.
     pub fn write(&mut self, results: &Results) -> Result<(), StoreError> {
         let image = write::image(results, &self.scene_text, &self.partial)?;
+        let image = image.bytes();
         let put = |file: &mut File| {
             file.rewind()?;
             file.set_len(0)?;
@@ -141,14 +142,17 @@ impl Writer {
         Ok(())
     }
 
-    /// Makes these bytes the results file by way of a neighbour, while the partial file stays what it is; then that is
+    /// Makes these bytes, one after the other, the results file by way of a neighbour, while the partial file stays what it is; then that is
     /// removed.
-    pub(super) fn finish_beside(mut self, bytes: &[u8]) -> Result<(), StoreError> {
+    pub(super) fn finish_beside(mut self, bytes: &[&[u8]]) -> Result<(), StoreError> {
         let beside = partial_path(&self.partial).with_extension("new");
         // What a run that was killed here has left; nothing is written through a link.
         let _ = fs::remove_file(&beside);
         let opened = OpenOptions::new().write(true).create_new(true).open(&beside);
-        let put = opened.and_then(|mut file| file.write_all(bytes).map(|()| file));
+        let put = opened.and_then(|mut file| {
+            bytes.iter().try_for_each(|some| file.write_all(some))?;
+            Ok(file)
+        });
         let done = put
             .map_err(|e| StoreError::io(&beside, "write", e))
             .and_then(|file| self.put_in_place(&file, &beside));

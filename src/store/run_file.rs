@@ -66,7 +66,7 @@ impl RunFile {
     /// See [`StoreError`]; then the journal stays.
     pub fn finish(self, results: &Results) -> Result<(), StoreError> {
         let image = write::image(results, &self.scene_text, self.writer.partial())?;
-        self.writer.finish_beside(&image)
+        self.writer.finish_beside(&[image.bytes()])
     }
 
     /// Puts a file that holds the journal itself in place: that of a share of a run. `title` is what it says of itself.
@@ -76,7 +76,8 @@ impl RunFile {
     pub fn finish_share(mut self, title: &str) -> Result<(), StoreError> {
         let journal = self.writer.contents()?;
         let image = share::image(&journal, title, &self.scene_text, self.writer.partial())?;
-        self.writer.finish_beside(&image)
+        let image = image.bytes();
+        self.writer.finish_beside(&[image, &share::seal(image)])
     }
 
     /// Where the journal is.

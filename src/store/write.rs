@@ -11,7 +11,7 @@ mod waveforms;
 
 use super::check::check;
 use super::history::history;
-use super::image::{file_image, in_memory};
+use super::image::{Image, in_memory};
 use super::labels::{self, Scale, attach};
 use super::{
     Attribute, COLUMNS, Coordinate, Flags, OWN_ATTRIBUTES, PROVENANCE, Results, StoreError, Variable, sums,
@@ -31,15 +31,14 @@ const TINY: usize = 4096;
 /// The axis of the two ways along a curve, by its path.
 const DIRECTION: &str = "curve.direction";
 
-/// The bytes of the results file. `path` only serves messages.
-pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Vec<u8>, StoreError> {
+/// The results file in memory. `path` only serves messages.
+pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Image, StoreError> {
     check(results)?;
-    let build = || -> hdf5::Result<Vec<u8>> {
+    let build = || -> hdf5::Result<Image> {
         let file = in_memory()?;
         root(&file, results)?;
         groups::write(&file, results, scene_text)?;
-        file.flush()?;
-        file_image(&file)
+        Image::of(file)
     };
     build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
 }

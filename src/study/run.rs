@@ -6,6 +6,7 @@ use crate::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use crate::plan::{Plan, Precision};
 use crate::record::{self, Facts};
 use crate::scene::{Scene, SceneError};
+use crate::steady::States;
 use crate::store::{Results, Writer};
 use std::path::Path;
 use std::time::Instant;
@@ -58,9 +59,9 @@ impl Ran {
             command_line: "afmsweep study paper".into(),
             arithmetic: Arithmetic::of(&self.plan, "nothing is estimated"),
         };
-        let mut results = record::results(&self.scene, &self.plan, &self.outcome, &facts);
+        let mut results = record::results(&self.scene, &self.plan, &self.outcome.results[..].into(), &facts);
         if let Some(request) = &self.scene.output.waveforms {
-            results.waveforms = Some(record::waveforms(&self.plan, &[], request)?);
+            results.waveforms = Some(record::waveforms(&self.plan, &States::default(), request)?);
         }
         Ok(results)
     }

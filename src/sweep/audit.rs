@@ -23,22 +23,20 @@ pub(super) fn redo(
     stepping: f64,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
-    let Controlled { plan, outcome, found, .. } = run;
     match asked {
         Audit::None => return Ok(Vec::new()),
         Audit::Instances(count) => {
-            return control::audit(plan, outcome, found, count as usize, progress);
+            return control::audit(run, count as usize, progress);
         }
         Audit::Auto => {}
     }
     let limit = Duration::from_secs_f64((SHARE * stepping).max(SECONDS));
     let threads = rayon::current_num_threads();
     let each = (limit.as_secs_f64() / ONE).min(64.0) as usize;
-    let mut done =
-        within(limit, progress, |watched| control::audit(plan, outcome, found, threads * each, watched))?;
+    let mut done = within(limit, progress, |watched| control::audit(run, threads * each, watched))?;
     let contact = |one: &Audited| one.worst.is_some() && one.touches();
     let start = Instant::now();
-    let mut left = control::contacts(plan, outcome);
+    let mut left = control::contacts(run);
     left.retain(|i| done.iter().all(|one| one.instance != *i));
     for some in left.chunks(threads) {
         let spent = start.elapsed().as_secs_f64();
@@ -46,9 +44,7 @@ pub(super) fn redo(
             break;
         }
         let rest = Duration::from_secs_f64(CONTACT - spent);
-        done.extend(within(rest, progress, |watched| {
-            control::audit_of(plan, outcome, found, some, watched)
-        })?);
+        done.extend(within(rest, progress, |watched| control::audit_of(run, some, watched))?);
     }
     done.sort_unstable_by_key(|one| one.instance);
     Ok(done)

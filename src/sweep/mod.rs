@@ -360,7 +360,7 @@ impl Sweep {
         let Begun { course, engine, .. } = begun;
         let (exact, estimated) = (course == Course::Reference, course == Course::Controlled);
         let mut missing = Missing::of(&run, progress);
-        if run.outcome.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
+        if run.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
             return Err(Error::Stopped(Phase::Stepping));
         }
         let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {
@@ -371,7 +371,7 @@ impl Sweep {
         let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
             audit::redo(audit, &run, stepping, progress)
         })?;
-        control::mark(&mut run.outcome, &audited, run.plan.run.accuracy);
+        control::mark(&mut run.results, &audited, run.plan.run.accuracy);
         let command_line = self.options.command_line.clone();
         let done =
             swept::Done { scene, run, taken, others, audited, exact, estimated, summary, command_line };

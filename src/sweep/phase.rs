@@ -42,8 +42,7 @@ impl Missing {
         if !progress.stopped() {
             return Self::default();
         }
-        let results = &run.outcome.results;
-        let any = |what: &dyn Fn(&Finished) -> bool| results.iter().any(what);
+        let any = |what: &dyn Fn(&Finished) -> bool| run.results.iter().any(|one| what(&one));
         let mut missing = Vec::new();
         if any(&|one| one.status == Status::NotRun && !one.measured.is_any()) {
             missing.push(Phase::Stepping);

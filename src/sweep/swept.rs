@@ -58,7 +58,7 @@ pub(super) fn collect(
 ) -> Result<Swept, Error> {
     let Done { scene, run, taken, others, audited, exact, estimated, summary, command_line } = done;
     let verdict = Verdict::of(&run, &audited, exact);
-    let Controlled { plan, outcome, estimates, found, periods, .. } = &run;
+    let Controlled { plan, results: finished, estimates, found, periods, .. } = &run;
     let facts = Facts {
         device: engine.device(),
         wall_time: start.elapsed().as_secs_f64(),
@@ -69,19 +69,19 @@ pub(super) fn collect(
         command_line,
         arithmetic: run.arithmetic.clone(),
     };
-    let mut results = record::results(scene, plan, outcome, &facts);
+    let mut results = record::results(scene, plan, finished, &facts);
     record::error_estimate(&mut results, estimates, &control::basis(plan, estimated, exact));
     let request = scene.output.waveforms.as_ref();
     results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), progress, || {
         request.map(|request| record::waveforms(plan, found, request)).transpose()
     })?;
     if plan.run.steady == Steady::Search {
-        record::search(&mut results, plan, &outcome.results, (found, periods), others.as_ref());
+        record::search(&mut results, plan, finished, (found, periods), others.as_ref());
         record::jumps(&mut results, &run.jumps);
     }
     record::audit(&mut results, plan, &audited, &verdict);
     results.attributes.extend(record::complete(&missing.words()));
-    let warnings = record::warning_lines(scene, plan, outcome, &results);
+    let warnings = record::warning_lines(scene, plan, finished, &results);
     let (rate, steps_taken) = (facts.rate, taken);
     Ok(Swept { results, verdict, others, warnings, missing: missing.0, steps_taken, stepping, rate, run })
 }

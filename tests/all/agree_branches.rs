@@ -150,7 +150,7 @@ fn compare(scene: &Scene, run: &Controlled, others: &Others) -> Tally {
         let mut followed = Followed::there_and_back(free, gaps);
         let ours = |n: usize| {
             let i = a * gaps.len() + n;
-            let first = run.outcome.results[i];
+            let first = run.results.get(i);
             let other = others.states.iter().find(|other| other.instance as usize == i);
             let second = other.map(|other| motion(&other.finished.measured));
             first.status.is_steady().then(|| motion(&first.measured)).into_iter().chain(second).collect()

@@ -99,7 +99,7 @@ fn the_mean_force_counts_on_the_largest_one() {
         let scene = Scene::parse(Path::new("lever.toml"), &text(observables)).unwrap();
         let plan = Plan::new(&scene, Precision::F64).unwrap();
         let run = control::run(&plan, &Cpu::default(), &Progress::default()).unwrap();
-        let of = |i: usize| Scales::of(&run.plan, i, &run.outcome.results[i].measured).force;
+        let of = |i: usize| Scales::of(&run.plan, i, &run.results.get(i).measured).force;
         (0..run.plan.len()).map(of).collect::<Vec<_>>()
     };
     let (alone, beside) = (scales("\"force_mean\""), scales("\"force_mean\", \"force_max\", \"force_min\""));

@@ -32,7 +32,7 @@ fn the_accuracy_asked_for_is_met_under_every_law() {
         for accuracy in [1e-2, 1e-3, 1e-4] {
             let plan = checks::plan(&sweep(law, accuracy), None);
             let run = controlled(&plan);
-            let ours = run.outcome.results[0];
+            let ours = run.results.get(0);
             assert_eq!((ours.status, truth.status), (Status::Ok, Status::Ok));
             let scales = Scales::of(&run.plan, 0, &truth.measured);
             let error = worst(&plan.observables, &ours.measured, &truth.measured, &scales);
@@ -80,8 +80,8 @@ fn gaps_swept_alone_each_have_the_modes_they_need() {
     let scene = Scene::parse(Path::new("gaps.toml"), text).expect("the scene is whole");
     let plan = checks::plan(&scene, None);
     let run = controlled(&plan);
-    assert!(run.outcome.results.iter().all(|one| one.status == Status::Ok));
-    let audited = control::audit(&run.plan, &run.outcome, &run.found, plan.len(), &Progress::default());
+    assert!(run.results.iter().all(|one| one.status == Status::Ok));
+    let audited = control::audit(&run, plan.len(), &Progress::default());
     let errors: Vec<f64> = audited.expect("it runs").iter().filter_map(|one| one.worst).collect();
     println!("largest error {:.1e}", errors.iter().copied().fold(0.0, f64::max));
     assert_eq!(errors.len(), plan.len());
@@ -97,7 +97,7 @@ fn modes_that_matter_are_kept() {
     let kept = |plan: &afmsweep::plan::Plan, drive: u32| plan.drives[drive as usize].kept.modes.len();
     assert!(kept(&run.plan, run.plan.case(0).drive) > kept(&plan, 0));
     assert!(run.estimates[0] <= scene.run.accuracy);
-    assert_eq!(run.outcome.results[0].status, Status::Ok);
+    assert_eq!(run.results.get(0).status, Status::Ok);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn what_stays_in_doubt_is_not_called_ok() {
     scene.run.accuracy = 1e-9;
     scene.run.modes = Some(1);
     let run = controlled(&checks::plan(&scene, None));
-    let status = run.outcome.results[0].status;
+    let status = run.results.get(0).status;
     assert!(status != Status::Ok || run.estimates[0] <= 1e-9, "{status:?} {:e}", run.estimates[0]);
     assert_ne!(status, Status::Ok);
 }
@@ -134,13 +134,13 @@ fn an_instance_alone_equals_itself_among_others() {
     for gap in [12e-9, 19.9e-9] {
         scene.base.approach.gap = gap;
         let run = controlled(&checks::plan(&scene, None));
-        results.push((run.outcome.results[0], run.plan.steps(0), run.estimates[0]));
+        results.push((run.results.get(0), run.plan.steps(0), run.estimates[0]));
     }
     let text = scene.resolved_toml() + "\n[samples]\n\"approach.gap\" = [\"12 nm\", \"19.9 nm\"]\n";
     let both = Scene::parse(Path::new("both.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     let run = controlled(&checks::plan(&both, None));
     for (i, (alone, steps, estimate)) in results.iter().enumerate() {
-        assert_eq!(run.outcome.results[i].measured.harmonics, alone.measured.harmonics);
+        assert_eq!(run.results.get(i).measured.harmonics, alone.measured.harmonics);
         assert_eq!((run.plan.steps(i as u32), run.estimates[i]), (*steps, *estimate));
     }
 }
@@ -149,15 +149,17 @@ fn an_instance_alone_equals_itself_among_others() {
 fn the_audit_is_the_references_word() {
     let plan = checks::plan(&sweep(LawChoice::Dmt, 1e-3), None);
     let run = controlled(&plan);
-    let audited = control::audit(&run.plan, &run.outcome, &run.found, 4, &Progress::default()).unwrap();
+    let audited = control::audit(&run, 4, &Progress::default()).unwrap();
     assert_eq!(audited.len(), 1);
     let truth = Reference::default().run(&plan, &Progress::default()).unwrap().results[0];
     let (a, b) = (audited[0].truth.measured.harmonics[0], truth.measured.harmonics[0]);
     assert!((a / b - 1.0).abs() < 1e-7, "{a:e} {b:e}");
     assert!(audited[0].worst.unwrap() < 1e-3);
     // A run that is wrong is found out.
-    let mut wrong = run.outcome.clone();
-    wrong.results[0].measured.force_max *= 1.01;
-    let audited = control::audit(&run.plan, &wrong, &run.found, 4, &Progress::default()).unwrap();
+    let mut wrong = run.clone();
+    let mut first = run.results.get(0);
+    first.measured.force_max *= 1.01;
+    wrong.results.set(0, &first);
+    let audited = control::audit(&wrong, 4, &Progress::default()).unwrap();
     assert!((audited[0].worst.unwrap() - 0.01).abs() < 1e-3);
 }

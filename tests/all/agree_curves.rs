@@ -178,7 +178,7 @@ fn agrees(system: System) {
             truth = system.truth(values);
         }
         let run = run(&scene);
-        let ours = run.outcome.results.iter().map(|one| &one.measured);
+        let ours = run.results.iter().map(|one| one.measured);
         let ours = ours.map(|one| Motion { amplitude: one.harmonics[0], phase: one.phase });
         let apart: Vec<f64> =
             ours.zip(&truth).map(|(ours, (theirs, free))| ours.apart(theirs) / free).collect();
@@ -186,7 +186,7 @@ fn agrees(system: System) {
         let flagged: Vec<(usize, usize)> =
             (0..2 * points).filter(|i| run.jumps[*i]).map(|i| (i / points, i % points)).collect();
         println!("{} points to {accuracy:e}: jumps {flagged:?}, off by {largest:.1e} at most", 2 * points);
-        assert!(run.outcome.results.iter().all(|one| one.status == Status::Ok));
+        assert!(run.results.iter().all(|one| one.status == Status::Ok));
         assert!(largest < accuracy, "{apart:?}");
         // Where the points agree so do jumps; that the flag tells them is seen by the integrator's large moves.
         let before = |(way, n): (usize, usize)| if way == 0 { n - 1 } else { points + n + 1 };
@@ -284,7 +284,7 @@ fn points_reached_before_a_stop_are_kept() {
         let part = control::run(&plan, &engine, &progress).expect("it runs");
         assert!(progress.stopped());
         let mut kept = 0;
-        for (one, other) in part.outcome.results.iter().zip(&whole.outcome.results) {
+        for (one, other) in part.results.iter().zip(whole.results.iter()) {
             assert_eq!(one.status, Status::NotRun);
             if one.measured.is_any() {
                 kept += 1;
@@ -317,7 +317,6 @@ fn jumps_that_move_with_the_steps_are_told() {
     let (rough, fine) = (run(0.05), run(5e-4));
     println!("jumps at points {} and {}", place(&rough), place(&fine));
     assert_ne!(place(&fine), place(&rough));
-    let told =
-        |run: &Controlled| run.outcome.notes.iter().any(|note| note.contains("stand at another point"));
-    assert!(told(&rough), "{:?}", rough.outcome.notes);
+    let told = |run: &Controlled| run.notes.iter().any(|note| note.contains("stand at another point"));
+    assert!(told(&rough), "{:?}", rough.notes);
 }

@@ -75,7 +75,7 @@ fn what_neighbours_lead_to_is_what_a_search_finds() {
         let plan = &cold.run.plan;
         let mut largest: f64 = 0.0;
         for i in 0..plan.len() {
-            let (a, b) = (&ours.run.outcome.results[i], &cold.run.outcome.results[i]);
+            let (a, b) = (&ours.run.results.get(i), &cold.run.results.get(i));
             assert_eq!(a.status, b.status, "{law}, instance {i}");
             if b.status != Status::Ok {
                 continue;
@@ -102,7 +102,7 @@ fn what_neighbours_lead_to_is_what_a_search_finds() {
 
 /// Every number's bits, the status, the estimate.
 fn bits(swept: &Swept, i: usize) -> Vec<u64> {
-    let result = &swept.run.outcome.results[i];
+    let result = &swept.run.results.get(i);
     let mut bits = vec![result.status as u64, swept.run.estimates[i].to_bits()];
     let mut row = vec![0.0; 64];
     for observable in Observable::all() {

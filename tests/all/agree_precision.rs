@@ -51,7 +51,7 @@ fn single_where_its_rounding_is_small() {
     let double = run(&plan(&text, Precision::F64, false));
     assert_eq!(in_single(&double), 0);
     let mut differ = 0;
-    for (i, (a, b)) in ours.outcome.results.iter().zip(&double.outcome.results).enumerate() {
+    for (i, (a, b)) in ours.results.iter().zip(double.results.iter()).enumerate() {
         assert_eq!((a.status, b.status), (Status::Ok, Status::Ok), "instance {i}");
         let scales = Scales::of(&double.plan, i, &b.measured);
         let apart = worst(&double.plan.observables, &a.measured, &b.measured, &scales);
@@ -60,7 +60,7 @@ fn single_where_its_rounding_is_small() {
         differ += usize::from(apart > 0.0);
     }
     assert!(differ >= single, "{differ} of {single} are rounded");
-    let audited = control::audit(&ours.plan, &ours.outcome, &ours.found, 40, &Progress::default()).unwrap();
+    let audited = control::audit(&ours, 40, &Progress::default()).unwrap();
     assert_eq!(audited.len(), 40);
     for one in audited {
         assert!(one.worst.is_some_and(|error| error < 1e-3), "instance {}: {:?}", one.instance, one.worst);

@@ -78,7 +78,7 @@ fn modes_far_faster_than_the_contact_are_two_oscillators() {
         let plan = checks::plan(&scene, None);
         let progress = Progress::default();
         let run = control::run(&plan, &Cpu::default(), &progress).expect("the plan can be run");
-        let station = run.found[0].as_ref().expect("it has a periodic state").station;
+        let station = run.found.get(0).expect("it has a periodic state").station;
         let state = |tolerance| {
             let start = Instant::now();
             let found = solve_near(&run.plan, 0, &station, &options(tolerance, Model::Whole), &progress);

@@ -173,10 +173,10 @@ fn both_branches_are_those_that_two_starts_end_on() {
     assert_eq!(others.len(), 1);
     let wait = |name: &str| {
         let plan = checks::plan(&load(name), None);
-        control::run(&plan, &engine, &progress).unwrap().outcome.results[0]
+        control::run(&plan, &engine, &progress).unwrap().results.get(0)
     };
     for (ours, theirs) in [
-        (run.outcome.results[0], wait("branch_repulsive.toml")),
+        (run.results.get(0), wait("branch_repulsive.toml")),
         (others[0].finished, wait("branch_attractive.toml")),
     ] {
         let error = apart(&plan, &ours, &theirs);
@@ -186,7 +186,7 @@ fn both_branches_are_those_that_two_starts_end_on() {
         );
         assert!(error < 2.0 * plan.run.accuracy, "{error:e}");
     }
-    assert!(others[0].finished.measured.force_mean < 0.0 && run.outcome.results[0].measured.force_mean > 0.0);
+    assert!(others[0].finished.measured.force_mean < 0.0 && run.results.get(0).measured.force_mean > 0.0);
     assert!(others[0].multiplier < 1.0);
 }
 

@@ -62,7 +62,7 @@ fn held_amplitudes_have_the_phases_of_the_power_balance() {
         let scene = tapping(branch, GRID);
         let ran = run(&scene);
         let mut branches = [0, 0];
-        for (i, one) in ran.outcome.results.iter().enumerate() {
+        for (i, one) in ran.results.iter().enumerate() {
             let case = scene.instance(i);
             let Some(Held::Amplitude(share)) = case.approach.held else { panic!("{:?}", case.approach) };
             let free = ran.plan.driven(i as u32).free_amplitude();
@@ -102,7 +102,7 @@ fn held_states_are_those_that_a_slow_approach_meets() {
         );
         let ran = run(&scene);
         let force = 20e-9 * 26.0 / 450.0;
-        for (i, one) in ran.outcome.results.iter().enumerate() {
+        for (i, one) in ran.results.iter().enumerate() {
             assert_eq!(one.status, Status::Ok, "{name}, instance {i}");
             let at = |gap: f64| Place { gap, frequency: 300e3, force };
             let far = 23e-9;
@@ -143,7 +143,7 @@ fn held_forces_of_slow_motion_are_in_static_equilibrium() {
     "#;
     let ran = run(&parse(text));
     let modulus = 300e6 / (1.0 - 0.4f64.powi(2));
-    for (one, force) in ran.outcome.results.iter().zip([2e-9, 10e-9, 40e-9]) {
+    for (one, force) in ran.results.iter().zip([2e-9, 10e-9, 40e-9]) {
         assert_eq!(one.status, Status::Ok);
         assert!((one.measured.force_max / force - 1.0).abs() < 1e-3 * 0.06, "{}", one.measured.force_max);
         let depth = (0.75 * force / modulus / 20e-9f64.sqrt()).powf(2.0 / 3.0);
@@ -164,7 +164,7 @@ fn no_sample_holds_no_set_point() {
     );
     let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
     let ran = control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs");
-    for one in &ran.outcome.results {
+    for one in ran.results.iter() {
         assert_eq!(one.status, Status::NoSetpoint);
         assert!(one.measured.harmonics[0].is_nan());
     }
@@ -207,7 +207,7 @@ fn set_points_that_only_waiting_passes_are_held() {
         .replace("WHERE", "setpoint_branch = \"repulsive\"")
         .replace("SWEPT", "\"approach.setpoint\" = { values = [0.3, 0.85, 0.9] }");
     let run = run(&parse(&text));
-    for (one, share) in run.outcome.results.iter().zip([0.3, 0.85, 0.9]) {
+    for (one, share) in run.results.iter().zip([0.3, 0.85, 0.9]) {
         let found = one.measured.harmonics[0] / 10e-9;
         assert_eq!(one.status, Status::Ok, "{share}");
         assert!((found - share).abs() < 1e-3, "{share}: {found}");

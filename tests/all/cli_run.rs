@@ -43,12 +43,11 @@ fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> Controlled {
 
 /// Every variable and status equals what the engine says, to the bit.
 fn agrees(results: &Results, path: &Path, precision: Precision, steps: Option<u32>) {
-    let Controlled { plan, outcome, estimates, .. } = engine(path, precision, steps);
-    let finished = outcome.results;
+    let Controlled { plan, results: finished, estimates, .. } = engine(path, precision, steps);
     assert_eq!(difference(variable(results, "error_estimate"), &estimates), 0.0, "{}", path.display());
     for observable in &plan.observables {
         let mut expected = vec![f64::NAN; observable.width() * finished.len()];
-        for (row, one) in expected.chunks_exact_mut(observable.width()).zip(&finished) {
+        for (row, one) in expected.chunks_exact_mut(observable.width()).zip(finished.iter()) {
             observable.write(&one.measured, row);
         }
         let stored = variable(results, observable.name());
@@ -337,8 +336,8 @@ fn reference_backend() {
     assert!(matches!(&device.1, Attribute::Text(text) if text.starts_with("reference integrator, DOP853")));
     let plan = Plan::new(&Scene::load(&scene).unwrap(), Precision::F64).unwrap();
     let expected = Reference::default().run(&plan, &Progress::default()).unwrap().results;
-    let stepped = engine(&scene, Precision::F64, None).outcome.results;
-    for (i, (own, other)) in expected.iter().zip(&stepped).enumerate() {
+    let stepped = engine(&scene, Precision::F64, None).results;
+    for (i, (own, other)) in expected.iter().zip(stepped.iter()).enumerate() {
         assert_eq!(variable(&results, "amplitude")[i], own.measured.harmonics[0]);
         assert_eq!(variable(&results, "force_max")[i], own.measured.force_max);
         assert!((own.measured.harmonics[0] - other.measured.harmonics[0]).abs() < 1e-3 * 20e-9);

@@ -92,7 +92,7 @@ fn runs_over_such_axes_give_the_bits_of_the_cases() {
     let whole = run(&things());
     for (i, scene) in written().iter().enumerate() {
         let one = run(scene);
-        let (ours, alone) = (&whole.outcome.results[i], &one.outcome.results[0]);
+        let (ours, alone) = (&whole.results.get(i), &one.results.get(0));
         assert_eq!(format!("{ours:?}"), format!("{alone:?}"), "instance {i}");
         let law = [Law::Hertz, Law::Dmt, Law::Jkr][i / 2];
         assert_eq!(whole.plan.contact(i as u32).law, law);

@@ -197,7 +197,7 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
     let mut line = format!("{name:<20}");
     for precision in [Precision::F64, Precision::F32] {
         let run = controlled(&double.clone().in_precision(precision));
-        let (plan, finished, estimate) = (run.plan, run.outcome.results[0], run.estimates[0]);
+        let (plan, finished, estimate) = (run.plan, run.results.get(0), run.estimates[0]);
         let mut say = |text: String| wrong.push(format!("{name}, {}: {text}", precision.name()));
         let found = reference.as_ref().map(|truth| errors(&plan, &finished, truth));
         if precision == Precision::F64 {

@@ -40,7 +40,7 @@ fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
         });
         let run = control::run(&plan, &engine, &progress).unwrap();
         control::others(&run, &[plan.len()], &engine, &progress).unwrap();
-        control::audit(&run.plan, &run.outcome, &run.found, 2, &progress).unwrap();
+        control::audit(&run, 2, &progress).unwrap();
         over.store(true, Ordering::Relaxed);
         seen = watcher.join().unwrap();
     });

@@ -1,7 +1,9 @@
 //! Results files that were cut, spoilt or are none: told apart, and never a panic.
 
 use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
-use afmsweep::store::{Results, StoreError, Writer, partial_path, read};
+use afmsweep::store::{
+    Earlier, Kind, Results, RunFile, StoreError, Writer, open_journal, partial_path, read,
+};
 use std::path::{Path, PathBuf};
 
 /// A file of these results, and a folder that goes away with it.
@@ -204,5 +206,24 @@ fn a_spoilt_number_is_seen_in_variables_of_every_size() {
         // Large variables are compressed: their numbers do not stand in the file as such.
         assert!(tried > 0, "{} instances", results.status.len());
         std::fs::remove_file(&path).unwrap();
+    }
+}
+
+/// Not one bit of a share's file may turn over: none reaches the HDF5 library, which a spoilt one can bring down.
+#[test]
+fn a_share_of_which_a_bit_is_spoilt_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let (mut file, _) = RunFile::create(&path, SCENE, Earlier::Kept).unwrap();
+    file.begin("the header").unwrap();
+    file.append(Kind::Portion, &[7; 300]).unwrap();
+    file.finish_share("a share").unwrap();
+    assert_eq!(open_journal(&path).unwrap().records().count(), 1);
+    let whole = std::fs::read(&path).unwrap();
+    for bit in (0..8 * whole.len()).step_by(37).chain(8 * (whole.len() - 12)..8 * whole.len()) {
+        let mut spoilt = whole.clone();
+        spoilt[bit / 8] ^= 1 << (bit % 8);
+        std::fs::write(&path, &spoilt).unwrap();
+        assert!(matches!(open_journal(&path), Err(StoreError::Damaged { .. })), "bit {bit}");
     }
 }

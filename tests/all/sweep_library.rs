@@ -136,7 +136,7 @@ fn an_observer_can_stop_a_run() {
         Err(Error::Stopped(phase)) => phase,
         Ok(swept) => {
             // The instances that never meet the sample are done at once.
-            assert!(swept.run.outcome.results.iter().any(|one| one.status == Status::NotRun));
+            assert!(swept.run.results.iter().any(|one| one.status == Status::NotRun));
             assert_eq!(swept.results.text("incomplete_phase"), Some("stepping"));
             swept.missing[0]
         }

@@ -43,6 +43,13 @@ KINDS = {
              ["--no-estimate"]),
     "list": (LEVER + '[contact]\nlaw = "hertz"\n[approach]\ngap = "14 nm"\n[samples]\n'
              f'"sample.youngs_modulus" = [{MODULI}]\n"instrument.tip.radius" = [{RADII}]\n', "32", []),
+    "design": (LEVER + '[contact]\nlaw = "hertz"\n[approach]\ngap = "14 nm"\n[uncertain]\n'
+               '"sample.youngs_modulus" = { distribution = "loguniform", from = "0.5 GPa", to = "5 GPa" }\n'
+               '"instrument.cantilever.stiffness" = { distribution = "normal", mean = "26 N/m", sd = "5 %" }\n'
+               '[design]\nkind = "sobol"\nsamples = 256\nseed = 3\n[run]\nsteady = "search"\n', "16", []),
+    # Begins at its neighbours' states.
+    "neighbours": (LEVER + '[contact]\nlaw = "hertz"\n[sweep]\n' + STIFFNESSES.replace("COUNT", "120") + GAPS
+                   + '[run]\nsteady = "search"\n', "64", []),
     "curve": (LEVER + '[contact]\nlaw = "dmt"\n[sweep]\n' + STIFFNESSES.replace("COUNT", "70")
               + '[curve]\nquantity = "approach.gap"\nfrom = "22 nm"\nto = "12 nm"\npoints = 12\ndirection = "both"\n',
               "200", []),

@@ -26,7 +26,7 @@ pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
         "audit": audit(swept),
         "search": search(swept),
         "warnings": swept.warnings,
-        "notes": swept.run.outcome.notes,
+        "notes": swept.run.notes,
         "precision": swept.run.arithmetic.name(),
         "device": results.text("device"),
         "wall_time_s": wall,
@@ -69,6 +69,6 @@ fn search(swept: &Swept) -> Value {
     if swept.run.found.is_empty() {
         return Value::Null;
     }
-    let found = swept.run.found.iter().filter(|state| state.is_some()).count();
+    let found = swept.run.found.count();
     json!({ "found": found, "second_states": swept.others.as_ref().map(|others| others.states.len()) })
 }

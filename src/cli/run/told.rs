@@ -56,7 +56,7 @@ impl Observer for Told<'_> {
 
 /// What became of a whole run. `unaudited`: nobody wonders why no instance was redone.
 pub(super) fn end(scene: &Scene, swept: &Swept, unaudited: bool, voice: Voice) {
-    for note in &swept.run.outcome.notes {
+    for note in &swept.run.notes {
         voice.say(format_args!("note: {note}"));
     }
     if swept.run.plan.run.steady == Steady::Search {
@@ -71,13 +71,8 @@ pub(super) fn end(scene: &Scene, swept: &Swept, unaudited: bool, voice: Voice) {
 fn searched(swept: &Swept, voice: Voice) {
     let Swept { run, others, .. } = swept;
     let stepped = run.plan.cases().filter(|case| case.steps > 0).count();
-    let mut spent: Vec<u32> = run
-        .found
-        .iter()
-        .zip(&run.periods)
-        .filter(|(found, _)| found.is_some())
-        .map(|(_, count)| *count)
-        .collect();
+    let spent = run.periods.iter().enumerate().filter(|(i, _)| run.found.has(*i));
+    let mut spent: Vec<u32> = spent.map(|(_, count)| *count).collect();
     spent.sort_unstable();
     let middle = spent
         .get(spent.len() / 2)
@@ -138,13 +133,13 @@ fn precision(run: &Controlled, voice: Voice) {
 
 /// What a user should know of the run: doubtful instances and doubtful contacts.
 fn close(swept: &Swept, voice: Voice) {
-    let results = &swept.run.outcome.results;
+    let statuses = swept.run.results.statuses();
     for status in Status::ALL {
-        let count = results.iter().filter(|one| one.status == status).count();
+        let count = statuses.iter().filter(|one| **one == status).count();
         if count > 0 && status != Status::Ok {
             voice.say(format_args!(
                 "{count} of {} marked {}: {}",
-                instances(results.len()),
+                instances(statuses.len()),
                 status.meaning().replace('_', " "),
                 status.reason()
             ));

@@ -9,6 +9,7 @@ use super::{FIGURE_4, LAWS, Picture};
 use crate::record;
 use crate::report::{Chart, Field, Look, Plot};
 use crate::scene::{ActuatorModel, DriveLevel, LawChoice, Scene};
+use crate::steady::States;
 use crate::store::Waveforms;
 use std::path::Path;
 
@@ -134,7 +135,7 @@ struct Wave {
 /// The waveforms of a run's first instance; empty for a scene that does not ask for them.
 fn waveform(ran: &Ran) -> Result<Wave, StudyError> {
     let waves = match &ran.scene.output.waveforms {
-        Some(request) => record::waveforms(&ran.plan, &[], request)?,
+        Some(request) => record::waveforms(&ran.plan, &States::default(), request)?,
         None => Waveforms::default(),
     };
     let first = |rows: Vec<Vec<f64>>| rows.into_iter().next().unwrap_or_default();
