@@ -26,6 +26,7 @@ mod refine;
 mod sample;
 mod scattered;
 mod second;
+mod seconds;
 mod sensitive;
 mod solved;
 mod tree;
@@ -72,14 +73,7 @@ pub struct Controlled {
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
     /// What the searches from the lever at rest found; empty where they were not done.
-    from_rest: Seconds,
-}
-
-/// States beside the first ones, by instance.
-#[derive(Clone, Debug, Default)]
-struct Seconds {
-    results: Option<Columns>,
-    states: States,
+    from_rest: seconds::Seconds,
 }
 
 /// Which arithmetic stepped what, and why.

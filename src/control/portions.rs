@@ -4,9 +4,9 @@ use super::block::{self, Block};
 use super::choices::{Choices, Course};
 use super::division::Division;
 use super::first::First;
-use super::other::Second;
 use super::portion::{Keep, Portion};
-use super::{Controlled, Part, Seconds, branches, by_reference, modes, once, unfinished};
+use super::seconds::Seconds;
+use super::{Controlled, Part, branches, by_reference, modes, once, unfinished};
 use crate::engine::{Columns, Engine, EngineError, Progress, Reference};
 use crate::plan::{BasisRule, Plan};
 use crate::steady::{self, States};
@@ -222,32 +222,6 @@ impl Controlled {
             self.arithmetic.of[i] = part.arithmetic.of[n];
         }
         self.notes.extend(part.outcome.notes);
-    }
-}
-
-impl Seconds {
-    /// Takes in what was found of a portion of so many instances.
-    fn take(&mut self, count: usize, portion: &[u32], all: &[Option<Second>]) {
-        if self.states.is_empty() {
-            self.states = States::none_of(count);
-        }
-        let results = self.results.get_or_insert_with(|| Columns::not_run(count));
-        for (place, second) in portion.iter().zip(all) {
-            let Some(Second { finished, place: state }) = second else { continue };
-            results.set(*place as usize, finished);
-            self.states.put(*place as usize, Some(state));
-        }
-    }
-
-    /// Whether there are any to be asked for.
-    pub(super) fn is_empty(&self) -> bool {
-        self.states.is_empty()
-    }
-
-    /// That of an instance.
-    pub(super) fn get(&self, instance: u32) -> Option<Second> {
-        let place = Box::new(self.states.get(instance as usize)?);
-        Some(Second { finished: self.results.as_ref()?.get(instance as usize), place })
     }
 }
 
