@@ -27,7 +27,7 @@ pub struct Choices {
     pub course: Course,
     /// Most instances that are taken to their ends together: some ten seconds of work of one core or one GPU.
     pub portion: usize,
-    /// Whether the instances of a large grid begin at one another's states; the grid decides in which order.
+    /// Whether the instances of a large sweep begin at one another's states; the sweep decides in which order.
     #[serde(default)]
     pub neighbours: bool,
     /// What the engine had to say of the trials.

@@ -90,9 +90,9 @@ fn rows_that_share_a_lever_share_its_instrument() {
     }
 }
 
-/// Samples are numbered and have no neighbours: none begins at another's state.
+/// Samples are numbered, which makes no neighbours: they begin at the nearest in what they are made of.
 #[test]
-fn samples_do_not_begin_at_their_neighbours() {
+fn samples_begin_at_the_nearest_not_at_the_next() {
     let text = std::fs::read_to_string(crate::program::scene("sensitivity.toml")).unwrap();
     let text = text.replace("samples = 2048", "samples = 256");
     let scene = Scene::parse("sensitivity.toml".as_ref(), &text).unwrap();
@@ -101,5 +101,5 @@ fn samples_do_not_begin_at_their_neighbours() {
     assert_eq!(grid.axes.iter().map(|axis| axis.order.len()).collect::<Vec<_>>(), [0]);
     let run = Sweep::new(scene).backend(Backend::Cpu).audit(Audit::None).run().unwrap();
     let started = run.results.attributes.iter().find(|(name, _)| name == "neighbour_started");
-    assert_eq!(started.unwrap().1, Attribute::Number(0.0));
+    assert!(matches!(started.unwrap().1, Attribute::Number(share) if share > 0.9), "{started:?}");
 }

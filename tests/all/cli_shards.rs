@@ -2,6 +2,7 @@
 
 use crate::cli_journal::{KINDS, TAPPING, assert_alike};
 use crate::program::Desk;
+use afmsweep::store::{Attribute, read};
 
 #[test]
 fn shares_merged_are_the_run_of_the_whole() {
@@ -28,6 +29,44 @@ fn shares_merged_are_the_run_of_the_whole() {
         desk.works(&merge.concat());
         assert_alike(&desk.path("whole.h5"), &desk.path("merged.h5"), name);
     }
+}
+
+/// A design of two blocks, whose samples begin at one another's states.
+const DESIGN: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }]
+[contact]
+law = "hertz"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+free_amplitude = "20 nm"
+[uncertain]
+"sample.youngs_modulus" = { distribution = "loguniform", from = "1 GPa", to = "10 GPa" }
+"approach.gap" = { distribution = "uniform", from = "13 nm", to = "16 nm" }
+[design]
+kind = "monte-carlo"
+samples = 33000
+[run]
+steady = "search"
+[output]
+observables = ["amplitude", "phase"]
+"#;
+
+#[test]
+fn shares_of_a_design_are_the_run_of_the_whole() {
+    let desk = Desk::new();
+    desk.write("design.toml", DESIGN);
+    desk.works(&["run", "design.toml", "-q", "--no-audit", "--threads", "1", "-o", "whole.h5"]);
+    for share in ["1/2", "2/2"] {
+        desk.works(&["run", "design.toml", "-q", "--no-audit", "--shard", share, "--threads", "2"]);
+    }
+    let files = ["results/design.1-of-2.h5", "results/design.2-of-2.h5"];
+    desk.works(&["merge", files[0], files[1], "--no-audit", "-o", "merged.h5"]);
+    let whole = read(&desk.path("whole.h5")).unwrap();
+    let begun = whole.attributes.iter().find(|(name, _)| name == "neighbour_started").unwrap();
+    assert!(matches!(begun.1, Attribute::Number(share) if share > 0.9), "{begun:?}");
+    assert_alike(&desk.path("whole.h5"), &desk.path("merged.h5"), "design");
 }
 
 #[test]
