@@ -54,6 +54,16 @@ pub(crate) struct Joint {
 impl Structure {
     pub fn new(p: &InstrumentParams, on: DriveOn, mesh: Mesh) -> Result<Self, InstrumentError> {
         let lever = LeverPart::new(p, mesh.beam_elements, mesh.order.max(3))?;
+        Self::with(lever, p, on, mesh)
+    }
+
+    /// The same with a lever that is there already.
+    pub fn with(
+        lever: LeverPart,
+        p: &InstrumentParams,
+        on: DriveOn,
+        mesh: Mesh,
+    ) -> Result<Self, InstrumentError> {
         let coupling = match p.actuator.model {
             ActuatorModel::Coupled => Coupling::Joint { kappa: 1.0 },
             ActuatorModel::AsPrinted => Coupling::Joint { kappa: 2.0 },

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::beam::UnitBeam;
+use super::beam::{UnitBeam, change, highest};
 use super::eigen::Eigen;
 use super::error::InstrumentError;
 use super::{check_not_negative, check_positive, check_quality};
@@ -143,6 +143,16 @@ impl LeverPart {
                 self.inverse_q(j) * share * share
             })
             .sum()
+    }
+
+    /// The part of a shape's strain energy that is in the two highest degrees of each element; none of a list of modes.
+    pub fn highest(&self, y: &[f64]) -> f64 {
+        if self.elements == 0 { 0.0 } else { highest(y, 2 * self.elements, self.elements) }
+    }
+
+    /// See [`change`], of the j-th mode of the lever alone and its two highest degrees.
+    pub fn change(&self, j: usize) -> f64 {
+        change(self.highest(self.alone.vectors.column(j).as_slice()))
     }
 
     /// Angular frequency of the first mode alone, rad/s.

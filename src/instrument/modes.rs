@@ -9,11 +9,12 @@
 //! out: of the order of 1/Q in the quadrature part of a forced motion, and more for two modes
 //! closer to each other than their widths.
 
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DVector, DVectorView};
 
 use super::Mode;
 use super::assemble::{Coupling, Structure};
-use super::eigen::{Eigen, check_finite};
+use super::beam::change;
+use super::eigen::Eigen;
 use super::error::InstrumentError;
 use super::lever::LeverPart;
 use super::rod::Rod;
@@ -32,33 +33,8 @@ pub(crate) struct Solved {
     pub residual: f64,
     /// Largest |p_i.M p_j - delta_ij| against the slower modes and itself.
     pub orthonormality: f64,
-}
-
-/// Natural angular frequencies, rad/s, rising: what the choice of mesh needs, without vectors.
-pub(crate) fn frequencies(s: &Structure) -> Result<Vec<f64>, InstrumentError> {
-    let alone = &s.lever.alone.mu;
-    let mut mu = match (&s.coupling, &s.rod) {
-        (Coupling::Joint { kappa }, Some(rod)) => values(s.joint(rod, *kappa).mass)?,
-        (Coupling::Cascade, Some(rod)) => {
-            let mut mu = values(rod.mass.clone())?;
-            let moved = separated(alone, &mu);
-            mu.extend(moved);
-            mu
-        }
-        _ => alone.clone(),
-    };
-    mu.sort_by(|a, b| b.total_cmp(a));
-    Ok(rising(&mu))
-}
-
-/// Angular frequencies of falling `mu`, those lost in rounding left out.
-pub(crate) fn rising(mu: &[f64]) -> Vec<f64> {
-    mu.iter().filter(|m| **m > 0.0).map(|m| m.powf(-0.5)).collect()
-}
-
-fn values(mass: DMatrix<f64>) -> Result<Vec<f64>, InstrumentError> {
-    check_finite(&mass)?;
-    Ok(mass.symmetric_eigenvalues().iter().copied().collect())
+    /// By how much the frequency would be higher without the two highest degrees of each element, relative.
+    pub change: f64,
 }
 
 /// All modes of the model in rising frequency, those lost in rounding left out.
@@ -105,7 +81,8 @@ fn joint(s: &Structure, rod: &Rod, kappa: f64) -> Result<Vec<Solved>, Instrument
             drive: omega * joint.drive.dot(&y),
             top: omega * joint.top.dot(&y),
         };
-        solved.push(Solved { mode, residual, orthonormality });
+        let change = change(rod.highest(on_rod) + s.lever.highest(on_lever));
+        solved.push(Solved { mode, residual, orthonormality, change });
     }
     check_lost(lost, joint.tip.dot(&joint.force))?;
     Ok(solved)
@@ -145,7 +122,8 @@ fn cascade(lever: &LeverPart, rod: &Rod, on: DriveOn) -> Result<Vec<Solved>, Ins
             drive,
             top,
         };
-        solved.push(Solved { mode, residual, orthonormality });
+        let change = change(rod.highest(of_rod.vectors.column(j).as_slice()));
+        solved.push(Solved { mode, residual, orthonormality, change });
     }
     let quality = of_lever.quality(&lever.mass);
     for (i, &(residual, orthonormality)) in quality.iter().enumerate() {
@@ -169,7 +147,7 @@ fn cascade(lever: &LeverPart, rod: &Rod, on: DriveOn) -> Result<Vec<Solved>, Ins
             drive,
             top: 0.0,
         };
-        solved.push(Solved { mode, residual, orthonormality });
+        solved.push(Solved { mode, residual, orthonormality, change: lever.change(i) });
     }
     Ok(solved)
 }
@@ -192,7 +170,7 @@ fn base(lever: &LeverPart, on: DriveOn) -> Vec<Solved> {
             DriveOn::Tip => omega * along(&lever.drive, y),
         };
         let mode = Mode { omega, quality_factor: 1.0 / lever.inverse_q(k), tip, force: tip, drive, top: 0.0 };
-        solved.push(Solved { mode, residual, orthonormality });
+        solved.push(Solved { mode, residual, orthonormality, change: lever.change(k) });
     }
     solved
 }

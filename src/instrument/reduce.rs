@@ -10,12 +10,15 @@
 //!
 //! How. Hierarchical elements of up to nine half-waves each converge exponentially in their
 //! degree, so the number of elements is fixed by counting half-waves and the degree is raised by
-//! two until no frequency that matters moves by more than the tolerance. The change seen is the
-//! coarser model's error; the finer one, which is kept, is far better.
+//! two until no frequency that matters has moved by more than the tolerance. What a model with two
+//! degrees fewer would give is read off the shapes of the finer one (`beam::change`), so that one
+//! model is enough for most. The change is the coarser model's error; the finer one, which is kept,
+//! is far better.
 
 use super::assemble::{Coupling, Mesh, Structure};
 use super::error::InstrumentError;
-use super::modes::{Solved, frequencies, rising, solve};
+use super::lever::LeverPart;
+use super::modes::{Solved, solve};
 use super::rod::Rod;
 use super::{Instrument, check_positive};
 use crate::scene::{ActuatorModel, DriveOn, InstrumentParams};
@@ -49,35 +52,27 @@ impl Instrument {
                 expected: "between 1e-12 and 0.1",
             });
         }
-        let start = Mesh { rod_elements: 1, beam_elements: 1, order: ORDERS[0] };
-        let lever = super::lever::LeverPart::new(params, 1, start.order)?;
+        let mut mesh = Mesh { rod_elements: 1, beam_elements: 1, order: ORDERS[0] + 2 };
+        let mut lever = LeverPart::new(params, mesh.beam_elements, mesh.order)?;
         let band = band(params, &lever.alone.mu)?;
-        let mut mesh = Mesh { rod_elements: band.rod_elements, ..start };
-        let first = Structure::new(params, on, mesh)?;
-        if first.rod.is_none() && first.lever.elements == 0 {
-            // A list of modes on a base: nothing to refine.
-            return finish(first, mesh, usize::MAX, |_| 0.0, tolerance);
-        }
-        let both = |s: &Structure| Ok((frequencies(s)?, rising(&s.lever.alone.mu)));
-        let mut coarse = both(&first)?;
+        mesh.rod_elements = band.rod_elements;
         loop {
-            mesh.order += 2;
-            let structure = Structure::new(params, on, mesh)?;
-            let fine = both(&structure)?;
-            let in_band = fine.0.iter().take_while(|omega| **omega <= band.omega).count();
-            let change = |k: usize| relative_change(&coarse.0, &fine.0, k);
-            let coupled = (0..in_band).map(|k| beyond_rounding(change(k), fine.0[k] / fine.0[0]));
-            let alone = (0..LEVER_MODES.min(fine.1.len()))
-                .map(|k| beyond_rounding(relative_change(&coarse.1, &fine.1, k), fine.1[k] / fine.1[0]));
+            let structure = Structure::with(lever, params, on, mesh)?;
+            let solved = solve(&structure)?;
+            let in_band = solved.iter().take_while(|one| one.mode.omega <= band.omega).count();
+            let coupled = solved[..in_band].iter().map(|one| one.change);
+            let listed = LEVER_MODES.min(structure.lever.alone.mu.len());
+            let alone = (0..listed).map(|j| structure.lever.change(j));
             // `f64::max` would pass over NaN.
             let worst = coupled.chain(alone).fold(0.0, |a: f64, b| if b <= a { a } else { b });
             if worst <= tolerance {
-                return finish(structure, mesh, in_band, change, tolerance);
+                return finish(&structure, mesh, &solved, in_band, tolerance);
             }
             if mesh.order >= ORDERS[1] {
                 return Err(InstrumentError::NotConverged { change: worst, tolerance, order: mesh.order });
             }
-            coarse = fine;
+            mesh.order += 2;
+            lever = LeverPart::new(params, mesh.beam_elements, mesh.order)?;
         }
     }
 
@@ -134,37 +129,22 @@ fn band(p: &InstrumentParams, lever_mu: &[f64]) -> Result<Band, InstrumentError>
     Ok(Band { omega: wanted.min(reach), rod_elements: count.div_ceil(PER_ELEMENT) })
 }
 
-fn relative_change(coarse: &[f64], fine: &[f64], k: usize) -> f64 {
-    match (coarse.get(k), fine.get(k)) {
-        (Some(a), Some(b)) => ((a - b) / b).abs(),
-        _ => f64::INFINITY,
-    }
-}
-
-/// A change less what rounding alone does to 1/omega^2 beside the largest, `ratio` being the
-/// frequency over the lowest.
-fn beyond_rounding(change: f64, ratio: f64) -> f64 {
-    let excess = change - 16.0 * f64::EPSILON * ratio * ratio;
-    if excess < 0.0 { 0.0 } else { excess }
-}
-
 fn finish(
-    structure: Structure,
+    structure: &Structure,
     mesh: Mesh,
+    solved: &[Solved],
     in_band: usize,
-    change: impl Fn(usize) -> f64,
     tolerance: f64,
 ) -> Result<Instrument, InstrumentError> {
-    let solved = solve(&structure)?;
-    let resolved = solved.iter().enumerate().take_while(|(k, _)| change(*k) <= tolerance).count();
-    check_range(&solved)?;
+    let resolved = solved.iter().take_while(|one| one.change <= tolerance).count();
+    check_range(solved)?;
     for s in &solved[..in_band.max(resolved).min(solved.len())] {
         if !(s.residual <= QUALITY && s.orthonormality <= QUALITY) {
             let Solved { residual, orthonormality, .. } = *s;
             return Err(InstrumentError::Inaccurate { residual, orthonormality, limit: QUALITY });
         }
     }
-    Ok(instrument(&structure, mesh, &solved, resolved))
+    Ok(instrument(structure, mesh, solved, resolved))
 }
 
 /// Sizes at the ends of f64's range pass every check and still overflow in a product.

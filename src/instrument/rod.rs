@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::beam::unit_stiffness;
+use super::beam::{highest, unit_stiffness};
 use super::error::InstrumentError;
 use super::legendre::{gauss, legendre};
 use crate::scene::ActuatorParams;
@@ -27,6 +27,7 @@ pub(crate) struct Rod {
     /// Force on the top per volt, N/V.
     pub force_per_volt: f64,
     pub quality_factor: f64,
+    elements: usize,
 }
 
 impl Rod {
@@ -52,7 +53,13 @@ impl Rod {
             top: &rows[0] / stiffness.sqrt(),
             force_per_volt: p.h33 * area / (p.beta33 * p.length),
             quality_factor: p.quality_factor,
+            elements,
         })
+    }
+
+    /// The part of a shape's strain energy that is in the two highest degrees of each element.
+    pub fn highest(&self, y: &[f64]) -> f64 {
+        highest(y, self.elements, self.elements)
     }
 
     /// Upper estimate of how many modes of the rod lie below `frequency` (Hz); they are

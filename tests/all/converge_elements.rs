@@ -80,6 +80,39 @@ fn finer_mesh_confirms_the_resolved_modes() {
     }
 }
 
+/// The same for rods and levers of many dimensions: what two degrees fewer would give is read off the shapes, not computed.
+#[test]
+fn finer_meshes_confirm_instruments_of_many_dimensions() {
+    let mut state = 1u64;
+    let mut draw = |least: f64, most: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        least * (most / least).powf((state >> 11) as f64 / (1u64 << 53) as f64)
+    };
+    let models =
+        [ActuatorModel::Coupled, ActuatorModel::Prescribed, ActuatorModel::AsPrinted, ActuatorModel::Rigid];
+    let mut worst: f64 = 0.0;
+    for case in 0..48 {
+        let mut p = InstrumentParams::default();
+        p.actuator.model = models[case % models.len()];
+        p.actuator.length = draw(0.5e-3, 8e-3);
+        p.actuator.width = draw(5e-5, 1e-3);
+        if let afmsweep::scene::Lever::Dimensions { length, thickness, .. } = &mut p.cantilever.lever {
+            (*length, *thickness) = (draw(60e-6, 300e-6), draw(1e-6, 8e-6));
+        }
+        p.tip.half_length = draw(1e-6, 1e-5);
+        let i = Instrument::reduce(&p, DriveOn::Actuator, 1e-8).unwrap();
+        let mesh = Mesh { rod_elements: 6, beam_elements: 4, order: 16 };
+        let fine = Instrument::on_mesh(&p, DriveOn::Actuator, mesh).unwrap();
+        assert!(i.resolved >= 8, "case {case}: {} modes resolved", i.resolved);
+        for k in 0..i.resolved.min(30) {
+            let error = (i.modes[k].omega / fine.modes[k].omega - 1.0).abs();
+            assert!(error <= 1e-8, "case {case}: mode {} of {} is off by {error:.1e}", k + 1, i.resolved);
+            worst = worst.max(error);
+        }
+    }
+    println!("48 instruments, largest error of a resolved mode {worst:.1e}");
+}
+
 /// A tighter tolerance asks for a higher degree, and never resolves fewer modes of the band.
 #[test]
 fn tolerance_steers_the_degree() {

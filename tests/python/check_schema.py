@@ -38,7 +38,7 @@ waveforms_beyond waveforms_too_long zipped_and_axis zipped_name_taken zipped_rag
 """
 # A size beyond what there is, or a unit made of several symbols: a pattern cannot reckon.
 SIZES = """
-angular_frequency beyond_doubles not_a_number size_quality size_radius size_swept_modulus sweep_bad_end
+angular_frequency beyond_doubles not_a_number size_quality size_radius size_stiffness size_swept_modulus sweep_bad_end
 sweep_infinite_end sweep_log_through_zero
 """
 
