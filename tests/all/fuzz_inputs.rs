@@ -2,12 +2,17 @@
 //! taken means the same when it is written and read again. proptest makes the inputs: the same few in every run, or, where
 //! FUZZ_SECONDS is set, others for so long in each test. What was found wrong once stands in `tests/scenes/bad` or here.
 
+use afmsweep::Status;
+use afmsweep::control::{Ended, Portion};
+use afmsweep::engine::Finished;
+use afmsweep::plan::{BasisRule, Fineness, Precision};
 use afmsweep::record::{portion_from_bytes, portion_number, portion_to_bytes};
 use afmsweep::scene::Scene;
 use afmsweep::store::{Earlier, Journal, Kind, RunFile};
-use afmsweep::units::{Dimension, format, parse};
+use afmsweep::units::{self, Dimension, parse};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseError, TestRunner};
+use std::cell::Cell;
 use std::fmt::Debug;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,13 +20,16 @@ use std::time::{Duration, Instant};
 /// Inputs of a test where nobody asks for more.
 const FEW: u32 = 192;
 
-/// Holds `test` to inputs of `strategy`.
-fn hold<S: Strategy>(strategy: &S, test: impl Fn(S::Value) -> Result<(), TestCaseError>)
+/// Holds `test` to inputs of `strategy`; it says whether one was taken, and some must be.
+fn hold<S: Strategy>(strategy: &S, test: impl Fn(S::Value) -> Result<bool, TestCaseError>)
 where
     S::Value: Debug,
 {
     let config = || Config { cases: FEW, failure_persistence: None, ..Config::default() };
-    let held = |mut runner: TestRunner| runner.run(strategy, &test).unwrap_or_else(|error| panic!("{error}"));
+    let taken = Cell::new(0);
+    let counted = |value| test(value).map(|one| taken.set(taken.get() + u64::from(one)));
+    let held =
+        |mut runner: TestRunner| runner.run(strategy, counted).unwrap_or_else(|error| panic!("{error}"));
     let seconds: f64 = std::env::var("FUZZ_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(0.0);
     let start = Instant::now();
     held(TestRunner::new_with_rng(config(), TestRunner::deterministic().new_rng()));
@@ -30,7 +38,8 @@ where
         held(TestRunner::new(config()));
         rounds += 1;
     }
-    println!("{} inputs in {:.0} s", rounds * FEW, start.elapsed().as_secs_f64());
+    println!("{} inputs, {} taken, in {:.0} s", rounds * FEW, taken.get(), start.elapsed().as_secs_f64());
+    assert!(taken.get() > 0, "no input was taken");
 }
 
 /// Pieces of numbers, units and slips in them.
@@ -46,22 +55,28 @@ fn quantity() -> impl Strategy<Value = String> {
         ]).prop_map(str::to_owned),
         1 => any::<char>().prop_map(String::from),
     ];
-    prop::collection::vec(piece, 0..6).prop_map(|pieces| pieces.concat())
+    let any = prop::collection::vec(piece, 0..6).prop_map(|pieces| pieces.concat());
+    // Half of them have the form of one.
+    let units = prop::sample::select(vec!["nm", "kHz", "GPa", "N/m", "mJ/m^2", "us", "", "aJ", "V"]);
+    let form = ("-?[0-9]{1,9}(\\.[0-9]{0,20})?([eE][-+]?[0-9]{1,3})?", units);
+    prop_oneof![any, form.prop_map(|(number, unit)| format!("{number} {unit}"))]
 }
 
 #[test]
 fn quantities_of_any_text_are_read_or_refused() {
     let any = (quantity(), prop::sample::select(Dimension::ALL.to_vec()));
     hold(&any, |(text, dimension)| {
-        match parse(&text, dimension) {
+        let parsed = parse(&text, dimension);
+        let read = parsed.is_ok();
+        match parsed {
             Ok(value) => {
                 prop_assert!(!value.is_nan(), "{text:?} is no number");
-                let back = parse(&format(value, dimension), dimension);
+                let back = parse(&units::format(value, dimension), dimension);
                 prop_assert_eq!(back.ok().map(f64::to_bits), Some(value.to_bits()), "{:?}", text);
             }
             Err(error) => prop_assert!(error.to_string().len() > 10, "{text:?}: {error}"),
         }
-        Ok(())
+        Ok(read)
     });
 }
 
@@ -70,7 +85,7 @@ fn quantities_of_any_text_are_read_or_refused() {
 fn quantities_of_any_size_come_back_by_their_bits() {
     let any = (any::<f64>(), prop::sample::select(Dimension::ALL.to_vec()));
     hold(&any, |(value, dimension)| {
-        let text = format(value, dimension);
+        let text = units::format(value, dimension);
         match value.is_nan() {
             true => prop_assert!(parse(&text, dimension).is_err() || dimension == Dimension::Dimensionless),
             false => {
@@ -78,7 +93,7 @@ fn quantities_of_any_size_come_back_by_their_bits() {
                 prop_assert_eq!(back.ok().map(f64::to_bits), Some(value.to_bits()), "{}", text);
             }
         }
-        Ok(())
+        Ok(true)
     });
 }
 
@@ -165,7 +180,9 @@ fn scenes_of_any_text_are_read_or_refused() {
     let any = (prop::sample::select(texts), slips(&TOKENS));
     hold(&any, |(text, slips)| {
         let text = slipped(&text, &slips);
-        match Scene::parse(&folder.join("fuzzed.toml"), &text) {
+        let parsed = Scene::parse(&folder.join("fuzzed.toml"), &text);
+        let taken = parsed.is_ok();
+        match parsed {
             Ok(scene) => {
                 prop_assert!(!scene.is_empty());
                 let resolved = scene.resolved_toml();
@@ -176,7 +193,7 @@ fn scenes_of_any_text_are_read_or_refused() {
             }
             Err(error) => prop_assert!(error.to_string().len() > 20, "{error}"),
         }
-        Ok(())
+        Ok(taken)
     });
 }
 
@@ -217,7 +234,9 @@ fn tables_of_any_text_are_read_or_refused() {
     hold(&slips(&CELLS), |slips| {
         let table = slipped(text, &slips);
         std::fs::write(folder.path().join("rows.csv"), &table).expect("there is room");
-        match Scene::parse(&folder.path().join("fuzzed.toml"), scene) {
+        let parsed = Scene::parse(&folder.path().join("fuzzed.toml"), scene);
+        let taken = parsed.is_ok();
+        match parsed {
             Ok(scene) => {
                 prop_assert!(scene.len() < table.lines().count() + table.matches('\r').count());
                 prop_assert!(
@@ -226,8 +245,35 @@ fn tables_of_any_text_are_read_or_refused() {
             }
             Err(error) => prop_assert!(error.to_string().len() > 20, "{error}"),
         }
-        Ok(())
+        Ok(taken)
     });
+}
+
+/// Where bytes are harmed, over what length, how, and by what.
+type Harm = (usize, usize, u8, u8);
+
+/// Fewer than `most` of them, for so many bytes.
+fn harms(length: usize, most: usize) -> impl Strategy<Value = Vec<Harm>> {
+    prop::collection::vec((0..length, 0usize..40, 0u8..8, any::<u8>()), 1..most.max(2))
+}
+
+/// The bytes after these: cut off, taken out, overwritten, doubled, appended to, or a bit of them turned over.
+fn harmed(bytes: &[u8], all: &[Harm]) -> Vec<u8> {
+    let mut harmed = bytes.to_vec();
+    for &(from, length, way, byte) in all {
+        let from = from.min(harmed.len());
+        let to = (from + length).min(harmed.len());
+        let piece = harmed[from..to].to_vec();
+        match way {
+            0 => harmed.truncate(from),
+            1 => drop(harmed.drain(from..to)),
+            2 => harmed[from..to].fill(byte),
+            3 => drop(harmed.splice(from..from, piece)),
+            4 => harmed.extend(piece),
+            _ => harmed.iter_mut().skip(from).take(1).for_each(|one| *one ^= 1 << (byte % 8)),
+        }
+    }
+    harmed
 }
 
 /// The journal of a run that wrote these records.
@@ -250,23 +296,11 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
         (Kind::Portion, b"afmjournal 1\n".to_vec()),
     ];
     let bytes = journal(&whole);
-    let harm = (0..bytes.len(), 0usize..40, 0u8..6, any::<u8>());
-    hold(&prop::collection::vec(harm, 1..5), |all| {
-        let mut harmed = bytes.clone();
-        for (from, length, way, byte) in all {
-            let from = from.min(harmed.len());
-            let to = (from + length).min(harmed.len());
-            let piece = harmed[from..to].to_vec();
-            match way {
-                0 => harmed.truncate(from),
-                1 => drop(harmed.drain(from..to)),
-                2 => harmed[from..to].fill(byte),
-                3 => drop(harmed.splice(from..from, piece)),
-                4 => harmed.extend(piece),
-                _ => harmed.iter_mut().skip(from).take(1).for_each(|one| *one ^= 1 << (byte % 8)),
-            }
-        }
-        match Journal::read(harmed.clone()) {
+    hold(&harms(bytes.len(), 5), |all| {
+        let harmed = harmed(&bytes, &all);
+        let read = Journal::read(harmed.clone());
+        let taken = read.is_ok();
+        match read {
             Ok(read) => {
                 prop_assert_eq!(read.header(), "the header");
                 prop_assert!(read.torn() <= harmed.len());
@@ -277,32 +311,43 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
             }
             Err(why) => prop_assert!(why.len() > 10, "{why}"),
         }
-        Ok(())
+        Ok(taken)
     });
 }
 
-/// Any bytes are no portion, or one that is the same when it is written and read again. Nothing large is asked for.
+/// Damaged bytes of a portion are none, or a portion that is the same when it is written and read again.
 #[test]
 fn portions_of_any_bytes_come_back_or_are_none() {
-    let column = prop_oneof![
-        6 => any::<u64>().prop_map(|bits| [vec![0], bits.to_le_bytes().to_vec()].concat()),
-        3 => Just([vec![0u8], vec![0; 8]].concat()),
-        1 => (1u8..=9, prop::collection::vec(any::<u8>(), 0..30)).prop_map(|(width, rest)| [vec![width], rest].concat()),
-    ];
-    let head = (0u64..4, prop::array::uniform4(0u8..2), 0u32..3, prop::collection::vec(any::<u8>(), 0..6));
-    let any = (head, prop::collection::vec(column, 0..190), prop::collection::vec(any::<u8>(), 0..4));
-    hold(&any, |((number, flags, count, notes), columns, rest)| {
-        let length = (notes.len() as u32).to_le_bytes();
-        let head = [&number.to_le_bytes()[..], &flags, &count.to_le_bytes(), &length, &notes].concat();
-        let bytes = [head, columns.concat(), rest].concat();
-        let Some((told, instances)) = portion_number(&bytes) else { return Ok(()) };
-        prop_assert_eq!((told as u64, instances), (number, count as usize));
-        if let Some(portion) = portion_from_bytes(&bytes, instances) {
-            let again = portion_to_bytes(told, &portion);
-            let back = portion_from_bytes(&again, instances);
-            let back = back.ok_or_else(|| TestCaseError::fail("what was written is not read"))?;
-            prop_assert_eq!(portion_to_bytes(told, &back), again);
-        }
-        Ok(())
+    let one = |n: u32| Ended {
+        finished: Finished { status: Status::ALL[n as usize % 3], ..Finished::NOT_RUN },
+        estimate: 1e-4 * f64::from(n),
+        left_out: f64::NAN,
+        periods: 300 * n,
+        jump: n == 2,
+        neighbour_started: n > 1,
+        precision: Precision::F64,
+        fineness: Fineness { steps: 64 << n, gap: 1e-8, rule: BasisRule::Shares { accuracy: 1e-3 } },
+        state: None,
+        from_rest: None,
+    };
+    let portion = Portion {
+        whole: true,
+        searched: true,
+        curves: false,
+        from_rest: false,
+        instances: (0..4).map(one).collect(),
+        notes: vec!["a note".into()],
+    };
+    let bytes = portion_to_bytes(7, &portion);
+    hold(&harms(bytes.len(), 2), |all| {
+        let harmed = harmed(&bytes, &all);
+        let Some((told, instances)) = portion_number(&harmed) else { return Ok(false) };
+        let Some(portion) = portion_from_bytes(&harmed, instances) else { return Ok(false) };
+        prop_assert_eq!(portion.instances.len(), instances);
+        let again = portion_to_bytes(told, &portion);
+        let back = portion_from_bytes(&again, instances);
+        let back = back.ok_or_else(|| TestCaseError::fail("what was written is not read"))?;
+        prop_assert_eq!(portion_to_bytes(told, &back), again);
+        Ok(true)
     });
 }
