@@ -7,10 +7,12 @@
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
+# make fuzz-inputs   ten minutes of odd texts and bytes over units, scenes, tables and journals (SECONDS=)
+# make many   memory and time of runs of 1e5 to 1e7 instances, and of opening their files (a quarter of an hour)
 # make signal-check  60 signals at random moments of a run, and whether what it leaves is true (some minutes)
 # make slurm-check, make dask-check   a run in shares by Slurm on one node (as root, with slurm-wlm), and by Dask (a minute each)
 # make dakota-check   studies driven by Dakota: its points, its calibration (some seconds)
-# make kill-check   100 kills at random moments of runs of every kind, and 2,000 bits turned over in a journal (half an hour)
+# make kill-check   100 kills at random moments of runs of every kind, and 2,000 bits turned over in a journal and in results files (half an hour)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=
@@ -22,7 +24,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files signal-check kill-check slurm-check dask-check dakota-check peers clean
+.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check slurm-check dask-check dakota-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -83,12 +85,19 @@ fuzz: build
 fuzz-files: build
 	python3 tests/python/fuzz_files.py $(PROGRAM)
 
+fuzz-inputs: deps
+	FUZZ_SECONDS=$(or $(SECONDS),600) cargo test $(FEATURES) --test all fuzz_inputs -- --nocapture
+
+many: build $(PYTHON)
+	.venv/bin/python tests/python/many.py $(PROGRAM)
+
 signal-check: build $(PYTHON)
 	.venv/bin/python tests/python/signals.py $(PROGRAM)
 
 kill-check: build $(PYTHON)
 	.venv/bin/python tests/python/kills.py $(PROGRAM)
 	.venv/bin/python tests/python/journal_bits.py $(PROGRAM)
+	.venv/bin/python tests/python/results_bits.py $(PROGRAM)
 
 slurm-check: build $(PYTHON)
 	.venv/bin/python tests/clusters/slurm.py $(PROGRAM)

@@ -24,6 +24,7 @@ mod lock;
 mod occupant;
 #[cfg(feature = "hdf5")]
 mod partial;
+#[cfg(feature = "hdf5")]
 mod place;
 #[cfg(feature = "hdf5")]
 mod read;
@@ -48,6 +49,7 @@ pub use journal::{Journal, Kind};
 pub use occupant::{Earlier, same_file};
 #[cfg(feature = "hdf5")]
 pub use partial::partial_path;
+#[cfg(feature = "hdf5")]
 pub use place::Writer;
 #[cfg(feature = "hdf5")]
 pub use read::{read, scene_of};
