@@ -23,6 +23,9 @@ pub struct PrepareArgs {
     /// Run each instance once as planned: no error estimates
     #[arg(long)]
     no_estimate: bool,
+    /// Search for each instance's periodic state by itself: shares may then be as small as portions
+    #[arg(long)]
+    cold: bool,
     /// Instances that are run and written down together [default: some ten seconds of work]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     portion: Option<u32>,
@@ -49,6 +52,7 @@ pub fn main(args: &PrepareArgs, voice: Voice) -> anyhow::Result<()> {
         .engine
         .sweep(load(&args.scene)?)?
         .estimate(!args.no_estimate)
+        .cold(args.cold)
         .portion(args.portion.map(|count| count as usize))
         .watched_by(&progress);
     let prepared = match sweep.prepare(&Told(voice)) {

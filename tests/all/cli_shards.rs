@@ -69,6 +69,30 @@ fn shares_of_a_design_are_the_run_of_the_whole() {
     assert_alike(&desk.path("whole.h5"), &desk.path("merged.h5"), "design");
 }
 
+/// A design of less than a block is the work of one share where its samples begin at one another's states, and of all
+/// where `prepare --cold` says that they do not.
+#[test]
+fn cold_choices_divide_small_designs() {
+    let desk = Desk::new();
+    desk.write("design.toml", &DESIGN.replace("33000", "1200"));
+    let all = ["run", "design.toml", "-q", "--no-audit", "--cold", "--portion", "200", "-o", "whole.h5"];
+    desk.works(&all);
+    desk.works(&["prepare", "design.toml", "--cold", "--portion", "200", "-o", "cold.toml"]);
+    let mut files = Vec::new();
+    for k in 1..=3 {
+        let (share, file) = (format!("{k}/3"), format!("results/design.{k}-of-3.h5"));
+        desk.works(&["run", "design.toml", "-q", "--shard", &share, "--choices", "cold.toml"]);
+        desk.works(&["export", &file, "-o", "part.h5", "--overwrite"]);
+        let part = read(&desk.path("part.h5")).unwrap();
+        let amplitude = part.variables.iter().find(|one| one.name == "amplitude").unwrap();
+        let done = amplitude.data.iter().filter(|value| value.is_finite()).count();
+        assert_eq!(done, 400, "share {k}");
+        files.push(file);
+    }
+    desk.works(&["merge", &files[0], &files[1], &files[2], "--no-audit", "-o", "merged.h5"]);
+    assert_alike(&desk.path("whole.h5"), &desk.path("merged.h5"), "cold design");
+}
+
 #[test]
 fn a_merge_names_what_is_missing_and_how_to_make_it() {
     let desk = Desk::new();
