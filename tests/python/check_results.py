@@ -209,6 +209,8 @@ def check_tree(path):
     for engine in ENGINES:
         with xr.open_datatree(path, engine=engine) as tree:
             assert set(tree.children) == set(GROUPS), list(tree.children)
+            # What a notebook shows; a group's coordinate of a root's dimension's name would be refused here.
+            assert "waveforms" in tree._repr_html_()
 
 
 def check_h5dump(path):

@@ -26,7 +26,10 @@ pub(super) fn write(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
         ("force", "N", "force on the tip, positive away from the sample", &waveforms.force),
     ] {
         let dataset = layout.quantity(name, units, long_name, &dims, &rows.concat())?;
-        labels::text(&dataset, "coordinates", if own_time { "time instance" } else { "instance" })?;
+        // Not `instance`: in a list's file xarray shows no group whose coordinate has the name of the file's own dimension.
+        if own_time {
+            labels::text(&dataset, "coordinates", "time")?;
+        }
     }
     layout.close()
 }
