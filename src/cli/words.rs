@@ -73,7 +73,8 @@ impl<'a> Row<'a> {
         let path = self.table();
         let under = |parent: &str| path == parent || path.ends_with(&format!(".{parent}"));
         let keyed = word.rsplit_once('.').filter(|(parent, _)| under(parent)).map(|(_, last)| last);
-        self.words().iter().any(|one| *one == word || Some(*one) == keyed)
+        // Values of keys stand in quotation marks, which nobody asks with.
+        self.words().iter().any(|one| one.trim_matches('"') == word || *one == word || Some(*one) == keyed)
     }
 
     /// The meaning first, then unit, default and ranges.

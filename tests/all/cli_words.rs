@@ -98,5 +98,7 @@ fn every_key_observable_and_status_is_explained() {
 fn a_word_that_nothing_has_leads_on() {
     let desk = Desk::new();
     desk.refuses(&["explain", "accuracy_not"], &["accuracy_not_met"]);
+    // A value of a key, without its quotation marks.
+    assert_eq!(desk.works(&["explain", "hertz"]).out, desk.works(&["explain", "\"hertz\""]).out);
     desk.refuses(&["explain", "zzz"], &["afmsweep explain"]);
 }

@@ -72,17 +72,22 @@ def check(scene, folder):
 def check_points(folder):
     """Unscrambled Sobol' points are SciPy's, to the bit; scrambled ones are as evenly spread as SciPy's."""
     scene = folder / "points.toml"
-    # From 0 to 0.5: the values are half of the shares, which is exact.
+    # From 0 to a power of two: the values are that times the shares, which is exact.
+    largest = {"approach.gap": 2.0**-20, "sample.poisson_ratio": 0.5, "instrument.tip.poisson_ratio": 0.5}
     lines = ["[uncertain]"]
-    for path, unit in [("approach.gap", " m"), ("sample.poisson_ratio", ""), ("instrument.tip.poisson_ratio", "")]:
-        ends = [f'"{end}{unit}"' if unit else end for end in ("0.0", "0.5")]
+    for path, end in largest.items():
+        ends = [f'"{value!r} m"' if path == "approach.gap" else value for value in (0.0, end)]
         lines.append(f'"{path}" = {{ distribution = "uniform", from = {ends[0]}, to = {ends[1]} }}')
     scene.write_text("\n".join(lines) + '\n[design]\nkind = "sobol"\nsamples = 4096\nscramble = false\n')
-    ours = np.loadtxt(call("sample", scene).splitlines(), delimiter=",", skiprows=1)
+
+    def shares():
+        return np.loadtxt(call("sample", scene).splitlines(), delimiter=",", skiprows=1) / list(largest.values())
+
+    ours = shares()
     theirs = qmc.Sobol(ours.shape[1], scramble=False).random(4096)
-    assert (2 * ours == theirs).all(), "unscrambled points differ from SciPy's"
+    assert (ours == theirs).all(), "unscrambled points differ from SciPy's"
     scene.write_text("\n".join(lines) + '\n[design]\nkind = "sobol"\nsamples = 4096\nreplicates = 1\n')
-    scrambled = 2 * np.loadtxt(call("sample", scene).splitlines(), delimiter=",", skiprows=1)
+    scrambled = shares()
     spread = qmc.discrepancy(scrambled)
     usual = [qmc.discrepancy(qmc.Sobol(3, rng=seed).random(4096)) for seed in range(5)]
     assert spread < 1.5 * max(usual), f"discrepancy {spread:.1e}, SciPy's {max(usual):.1e}"
