@@ -43,7 +43,7 @@ pub(super) fn weights(at: &[f64], points: &[&[f64]]) -> Option<Vec<f64>> {
 }
 
 /// The solution of so many linear equations, row after row with its right side last, by elimination with partial
-/// pivoting; none where they have none. A general library's takes several times as long at these sizes.
+/// pivoting in place; none where they have none.
 fn solved(mut rows: Vec<f64>, size: usize) -> Option<Vec<f64>> {
     let wide = size + 1;
     for k in 0..size {

@@ -1,5 +1,5 @@
 //! The inverse of a small matrix, by Gauss and Jordan with partial pivoting (Golub & Van Loan, Matrix Computations, 2013,
-//! section 3.4). A general library's, by factors and triangular solutions, takes several times as long at these sizes.
+//! section 3.4). In place, on no heap.
 
 use super::{Memory, Size};
 use nalgebra::{DefaultAllocator, DimName, OMatrix};
