@@ -53,28 +53,8 @@
 
 #[cfg(feature = "report")]
 pub mod bench;
-pub mod compare;
-pub mod contact;
-pub mod control;
-pub mod design;
-pub mod engine;
-pub mod instrument;
-pub mod observe;
-pub mod periodic;
-pub mod plan;
-pub mod reconstruct;
-pub mod record;
-#[cfg(feature = "report")]
-pub mod report;
-pub mod scene;
-pub mod stats;
-pub mod steady;
-pub mod store;
 #[cfg(feature = "report")]
 pub mod study;
-mod suggest;
-pub mod sweep;
-pub mod units;
 
 pub use observe::{Observable, Status};
 pub use plan::{Policy, Precision};
@@ -82,5 +62,10 @@ pub use scene::Scene;
 pub use store::{Array, Results};
 pub use sweep::{Audit, Backend, Error, Observer, Sweep, Swept};
 
-/// What runs per step and instance: a crate of its own, since it takes longest to compile.
+// The crates below this one, each with the modules that its own page describes.
+pub use afmsweep_core::{compare, control, engine, periodic, plan, record, steady, sweep};
+pub use afmsweep_data::{design, observe, reconstruct, stats, store, units};
 pub use afmsweep_kernel as kernel;
+pub use afmsweep_model::{contact, instrument, scene};
+#[cfg(feature = "report")]
+pub use afmsweep_report as report;

@@ -152,7 +152,7 @@ impl fmt::Display for UnitError {
 impl std::error::Error for UnitError {}
 
 /// Text for a message: without control characters, and cut where it is long.
-pub(crate) fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     const MOST: usize = 60;
     let mut clean: String = text
         .chars()

@@ -13,13 +13,13 @@
 //! `assemble.rs`.
 //!
 //! ```
-//! use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument};
-//! use afmsweep::scene::{DriveLevel, DriveOn, InstrumentParams};
+//! use afmsweep_model::instrument::{DEFAULT_TOLERANCE, Instrument};
+//! use afmsweep_model::scene::{DriveLevel, DriveOn, InstrumentParams};
 //!
 //! let instrument = Instrument::reduce(&InstrumentParams::default(), DriveOn::Actuator, DEFAULT_TOLERANCE)?;
 //! let motion = instrument.free_motion(DriveLevel::Voltage(15.0), 30e3)?;
 //! assert!((motion.tip.norm() - 6.4722e-9).abs() < 1e-13); // m
-//! # Ok::<(), afmsweep::instrument::InstrumentError>(())
+//! # Ok::<(), afmsweep_model::instrument::InstrumentError>(())
 //! ```
 //!
 //! Flow: `rod.rs`, `beam.rs` (elements) and `lever.rs` (three descriptions of a lever) ->

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// der Waals' `-H R/(6 (D0 + d)^2)` for `w = H/(12 pi D0^2)`.
 ///
 /// ```
-/// use afmsweep::contact::{Dmt, StaticLaw};
+/// use afmsweep_model::contact::{Dmt, StaticLaw};
 /// let law = Dmt::new(1e9, 1e-8, 0.05, 3e-10);
 /// let pull_off = -2.0 * std::f64::consts::PI * 0.05 * 1e-8;
 /// assert_eq!(law.force(0.0, false), pull_off);

@@ -5,7 +5,7 @@
 //! `"30 nm"` is therefore the f64 nearest to 3e-8, as the literal `3e-8` is.
 //!
 //! ```
-//! use afmsweep::units::{Dimension, format, parse};
+//! use afmsweep_data::units::{Dimension, format, parse};
 //! assert_eq!(parse("30 nm", Dimension::Length), Ok(3e-8));
 //! assert_eq!(parse("20 mJ/m^2", Dimension::SurfaceEnergy), Ok(0.02));
 //! assert_eq!(format(3e-8, Dimension::Length), "30 nm");
@@ -16,7 +16,7 @@ mod symbols;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use error::shortened;
+pub use error::shortened;
 pub use error::{UnitError, UnitErrorKind};
 use symbols::Unit;
 

@@ -37,10 +37,11 @@ pub use heatmap::{Heatmap, Panel};
 pub use quantity::shown;
 pub use view::Wish;
 
-use crate::store::{Results, StoreError, read};
+use afmsweep_data::{observe, reconstruct, stats, store, units};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use store::{Results, StoreError, read};
 
 /// Found in the page of every report: such a folder may be written again.
 const MARKER: &str = "afmsweep report";

@@ -285,7 +285,7 @@ mod tests {
     /// Truth is a far richer basis with far more steps.
     #[test]
     fn a_lever_that_is_too_poor_for_one_instance_is_seen_by_its_own_difference() {
-        let text = include_str!("../../tests/hard/sample_1_tpa.toml");
+        let text = include_str!("../../../../tests/hard/sample_1_tpa.toml");
         let scene = Scene::parse(Path::new("sample_1_tpa.toml"), text).expect("the scene is whole");
         let whole = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let (engine, progress) = (Cpu::default(), Progress::default());

@@ -271,7 +271,7 @@ mod tests {
     /// The whole is what portions of it are, to the bit: waited for and searched for.
     #[test]
     fn portions_give_what_the_whole_gives() {
-        let text = include_str!("../../scenes/quickstart.toml");
+        let text = include_str!("../../../../scenes/quickstart.toml");
         for steady in ["wait", "search"] {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
             let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");

@@ -85,8 +85,8 @@ crate::kernel::laws!(model);
 /// The fields are for reading; for other values build another one.
 ///
 /// ```
-/// use afmsweep::contact::{Contact, Law};
-/// use afmsweep::scene::Params;
+/// use afmsweep_model::contact::{Contact, Law};
+/// use afmsweep_model::scene::Params;
 ///
 /// // Soft and sticky: Tabor's parameter is far beyond 5, so `auto` takes JKR.
 /// let contact = Contact::new(&Params::default());
@@ -212,7 +212,7 @@ impl Contact {
 /// An infinite modulus of the tip is a rigid one.
 ///
 /// ```
-/// use afmsweep::{contact::combined_modulus, scene::Params};
+/// use afmsweep_model::{contact::combined_modulus, scene::Params};
 /// assert!((combined_modulus(&Params::default()) / 177777.777777777778 - 1.0).abs() < 1e-15);
 /// ```
 pub fn combined_modulus(params: &Params) -> f64 {

@@ -21,7 +21,7 @@ pub const NEGLIGIBLE_ADHESION: f64 = 1e-3;
 /// the range `z0` of the attraction (Tabor 1977).
 ///
 /// ```
-/// use afmsweep::contact::tabor_parameter;
+/// use afmsweep_model::contact::tabor_parameter;
 /// // E* = 1 GPa, R = 8 nm, w = 0.05 J/m^2, z0 = 1/2 nm: (8e-9 * 0.0025/(1e18 * 1.25e-28))^(1/3)
 /// assert!((tabor_parameter(4e9 / 3.0, 8e-9, 0.05, 5e-10) / 0.16f64.cbrt() - 1.0).abs() < 1e-14);
 /// ```

@@ -54,7 +54,7 @@ impl Contact {
     /// that [`Contact::curves`] shows.
     ///
     /// ```
-    /// use afmsweep::{contact::Contact, scene::Params};
+    /// use afmsweep_model::{contact::Contact, scene::Params};
     /// let contact = Contact::new(&Params::default());
     /// let ramp = contact.ramp(1.0);
     /// // JKR acts on contact alone: the tip snaps in where it touches.

@@ -1,7 +1,8 @@
 //! A whole run as `afmsweep run` does it: from a scene to its results, in memory.
 //!
 //! ```
-//! use afmsweep::{Scene, Sweep};
+//! use afmsweep_core::sweep::Sweep;
+//! use afmsweep_model::scene::Scene;
 //!
 //! let scene = Scene::parse("example.toml".as_ref(), r#"
 //! [instrument.cantilever]

@@ -68,7 +68,7 @@ mod tests {
     use std::sync::Arc;
 
     fn bistable() -> Plan {
-        let text = include_str!("../../scenes/bistable.toml");
+        let text = include_str!("../../../../scenes/bistable.toml");
         let scene = Scene::parse(Path::new("bistable.toml"), text).expect("the scene is whole");
         Plan::new(&scene, Precision::F64).expect("the scene can be planned")
     }

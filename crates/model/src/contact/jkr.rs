@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 /// Without adhesion this is Hertz.
 ///
 /// ```
-/// use afmsweep::contact::{Jkr, StaticLaw};
+/// use afmsweep_model::contact::{Jkr, StaticLaw};
 /// let (modulus, radius, work) = (1e8, 2e-8, 0.05);
 /// let law = Jkr::new(modulus, radius, work);
 /// let unit = std::f64::consts::PI * work * radius;

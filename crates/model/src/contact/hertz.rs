@@ -8,7 +8,7 @@ use crate::kernel::LENGTH;
 /// Hertz 1882; equation (14) of Ha, Fung & Chen 2005.
 ///
 /// ```
-/// use afmsweep::contact::{Hertz, StaticLaw};
+/// use afmsweep_model::contact::{Hertz, StaticLaw};
 /// let law = Hertz::new(1e9, 4e-8);
 /// // K sqrt(R) delta^1.5 = 1e9 * 2e-4 * 1e-3^3 * 1e-9 at a depth of 1e-10 m
 /// assert!((law.force(1e-10, true) / 2e-10 - 1.0).abs() < 1e-14);

@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn what_a_stopped_run_calls_done_is_what_the_whole_run_gives() {
-        let text = include_str!("../../scenes/quickstart.toml");
+        let text = include_str!("../../../../scenes/quickstart.toml");
         let mut counts = [0, 0];
         for steady in ["wait", "search"] {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
