@@ -119,6 +119,8 @@ where
     state: OVector<f64, D>,
     change: OVector<f64, D>,
     slope: OMatrix<f64, D, D>,
+    /// Numbers of the state that the map moves.
+    moving: Vec<usize>,
     /// Columns of the slope that no guess stands for.
     columns: Vec<usize>,
     /// What is known of the slope at the fixed point of a map that differs little from this one.
@@ -141,6 +143,7 @@ where
             options,
             change: OVector::zeros_generic(size, U1),
             slope: OMatrix::zeros_generic(size, size),
+            moving: (0..size.value()).collect(),
             columns: (0..size.value()).collect(),
             known: None,
             taken: Taken::Elsewhere,
@@ -173,9 +176,15 @@ where
         Self { slope, known: Some(known), ..Self::new(state, options) }
     }
 
-    /// Numbers in a state.
+    /// The same search where the map leaves all numbers but these at rest: no evaluation is spent on the others.
+    pub fn among(self, moving: Vec<usize>) -> Self {
+        let columns = self.columns.into_iter().filter(|column| moving.contains(column)).collect();
+        Self { columns, moving, ..self }
+    }
+
+    /// Numbers that move.
     pub fn size(&self) -> usize {
-        self.state.len()
+        self.moving.len()
     }
 
     /// Evaluations so far: each takes one period.
@@ -213,12 +222,12 @@ where
             Stage::Begin | Stage::Done(_) => {}
             Stage::Stride { step, .. } => state += step,
             Stage::Slope { whole } => {
-                let k = if *whole { n } else { self.columns[n] };
+                let k = if *whole { self.moving[n] } else { self.columns[n] };
                 state[k] += self.options.step * self.options.scale;
             }
             Stage::Last => {
                 let step = self.last_step() * self.options.scale;
-                state[n / 2] += if n.is_multiple_of(2) { -step } else { step };
+                state[self.moving[n / 2]] += if n.is_multiple_of(2) { -step } else { step };
             }
         }
         state
@@ -267,7 +276,7 @@ where
         let here = &self.state + &self.change;
         for (n, value) in values.iter().enumerate() {
             let Some(value) = value else { return false };
-            let k = if whole { n } else { self.columns[n] };
+            let k = if whole { self.moving[n] } else { self.columns[n] };
             self.slope.set_column(k, &((value - &here) / (self.options.step * self.options.scale)));
         }
         // What was known led astray.
@@ -367,8 +376,8 @@ where
     }
 
     fn last(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
-        for k in 0..self.state.len() {
-            let (Some(Some(low)), Some(Some(high))) = (values.get(2 * k), values.get(2 * k + 1)) else {
+        for (n, &k) in self.moving.iter().enumerate() {
+            let (Some(Some(low)), Some(Some(high))) = (values.get(2 * n), values.get(2 * n + 1)) else {
                 return Stage::Done(Verdict::Lost(Lost::Undefined));
             };
             self.slope.set_column(k, &((high - low) / (2.0 * self.last_step() * self.options.scale)));

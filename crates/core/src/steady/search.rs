@@ -111,7 +111,7 @@ pub(super) fn all(
                 return Ok(done);
             }
             let map = PeriodMap::new(plan, chunk, engine, progress)?;
-            let parts = map.spread(|slots| {
+            let parts = map.spread(&|slots| {
                 let batch = Batch { plan, from, instances: chunk, map: &map };
                 with_size(count, Part { batch, slots })
             });
@@ -271,6 +271,12 @@ impl Batch<'_> {
     }
 }
 
+/// Of a state of so many numbers those of modes that the instance has: travels, then rates.
+fn moving(plan: &Plan, instance: u32, numbers: usize) -> Vec<usize> {
+    let modes = plan.driven(instance).kept.modes.len().min(numbers / 2);
+    (0..modes).chain((numbers / 2..).take(modes)).collect()
+}
+
 /// One instance's search.
 struct One<D: Size>
 where
@@ -299,7 +305,11 @@ where
             periods: 0,
             start,
             remembers,
-            search: Search::guided(vector(&start), slope, columns, options),
+            search: Search::guided(vector(&start), slope, columns, options).among(moving(
+                plan,
+                instance,
+                D::DIM,
+            )),
         }
     }
 
@@ -308,6 +318,7 @@ where
         let (remembers, options) = options(plan, instance);
         let (start, slope) = as_its_own::<D>(plan, instance, place);
         let search = Search::beside(vector(&start), slope, place.spectrum, options);
+        let search = search.among(moving(plan, instance, D::DIM));
         Self { slot, periods: 0, start, remembers, search }
     }
 
@@ -316,11 +327,12 @@ where
     fn along(plan: &Plan, slot: u32, instance: u32, last: Option<&PeriodicState>, along: &Along) -> Self {
         let start = along.places[instance as usize];
         let (remembers, options) = options(plan, instance);
+        let moving = moving(plan, instance, D::DIM);
         let lightly = along.lightly.get(instance as usize).copied().unwrap_or(false);
         let options = Options {
             near: true,
             carried: last.is_some(),
-            most: along.most.0 + along.most.1 * D::DIM as u32,
+            most: along.most.0 + along.most.1 * moving.len() as u32,
             last_step: options.last_step.filter(|_| !lightly),
             stable: !lightly,
             ..options
@@ -328,10 +340,11 @@ where
         let search = match last {
             Some(last) => {
                 let slope = as_its_own::<D>(plan, instance, last).1;
-                Search::guided(vector(&start), slope, (0..D::DIM).collect(), options)
+                Search::guided(vector(&start), slope, moving.clone(), options)
             }
             None => Search::new(vector(&start), options),
         };
+        let search = search.among(moving);
         Self { slot, periods: 0, start, remembers, search }
     }
 
@@ -339,6 +352,7 @@ where
     fn next_to(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
         let (remembers, options) = options(plan, instance);
         let search = Search::new(vector(&start), Options { near: true, ..options });
+        let search = search.among(moving(plan, instance, D::DIM));
         Self { slot, periods: 0, start, remembers, search }
     }
 
