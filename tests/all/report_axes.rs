@@ -176,6 +176,18 @@ fn instances_that_are_not_ok_are_listed_with_what_varies_and_why() {
     assert!(page.contains("Instances that are not ok: the first 20 of 32"), "{page}");
 }
 
+/// Truth: none of these instances is ok, so there is no value to tell, not even one that is nothing within its error.
+#[test]
+fn what_is_not_ok_is_no_finding() {
+    let mut results = Results { status: vec![1; 32], ..plain(&[4, 8]) };
+    results.variables = vec![variable("contact_time", "1", None, vec![0.0; 32])];
+    let report = Report::of(&results);
+    let file = save(report.home.path(), &results);
+    let told = report::write(&file, Some(&report.folder), &Wish::default()).unwrap().findings;
+    assert!(told.iter().all(|line| !line.starts_with("Over")), "{told:?}");
+    assert!(told.iter().any(|line| line.starts_with("0 of 32 instances are ok (32 not steady)")), "{told:?}");
+}
+
 #[test]
 fn the_command_draws_over_the_axes_asked_for() {
     let home = tempfile::tempdir().unwrap();

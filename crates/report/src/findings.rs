@@ -97,12 +97,13 @@ fn range(results: &Results, variable: &Variable) -> Option<String> {
     );
     let states = states(results, variable);
     // What is doubtful is no finding.
-    let value = |(value, state): &(f64, State)| match state {
-        State::Zero => Some(0.0),
+    let value = |((value, state), status): (&(f64, State), &u8)| match state {
+        State::Zero if *status == Status::Ok as u8 => Some(0.0),
         State::Good => Some(*value),
         _ => None,
     };
-    Some(format!("{name} {}", span(states.iter().filter_map(value), &variable.units)?))
+    let values = states.iter().zip(&results.status).filter_map(value);
+    Some(format!("{name} {}", span(values, &variable.units)?))
 }
 
 /// `2 nm to 5 nm`, in the unit of the larger; the one value where they are all the same.
