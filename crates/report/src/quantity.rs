@@ -85,7 +85,7 @@ impl Unit {
 /// A value in SI `units` as people read it, with at most so many significant digits: `5.70416 nm`.
 ///
 /// ```
-/// use afmsweep::report::shown;
+/// use afmsweep_report::shown;
 /// assert_eq!(shown(5.70415785e-9, "m", 6), "5.70416 nm");
 /// assert_eq!(shown(f64::NAN, "m", 4), "no value");
 /// assert_eq!(shown(0.0123, "1", 2), "0.012");
