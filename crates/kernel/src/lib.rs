@@ -14,7 +14,7 @@
 //!
 //! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
 
-//! This is a crate of its own because it takes longest to compile and changes least: [`Stepper`] is all that the CPU
+//! This is a crate of its own because it takes long to compile and changes least: [`Stepper`] is all that the CPU
 //! engine calls of it, and the one place where lanes, laws and numbers of modes meet.
 
 mod constants;

@@ -6,11 +6,13 @@
 //! is: it says at which points it wants to know it, and is told. Many searches so run side by side.
 
 mod inverse;
+mod options;
 mod search;
 mod size;
 mod spectrum;
 
 pub use inverse::inverse;
-pub use search::{Found, Lost, Options, Search, Verdict};
+pub use options::Options;
+pub use search::{Found, Lost, Search, Verdict};
 pub use size::{Memory, Size};
 pub use spectrum::Spectrum;

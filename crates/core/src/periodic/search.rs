@@ -1,35 +1,9 @@
 //! One search.
 
+use super::options::Options;
 use super::size::{Memory, Size};
 use super::spectrum::{Spectrum, factors};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector, U1};
-
-/// How a search goes about.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Length of a state that is not small: the free amplitude.
-    pub scale: f64,
-    /// Distance to the fixed point, in units of `scale`, that is aimed at, and that is near enough where the map
-    /// is too rough for that.
-    pub tolerance: f64,
-    pub enough: f64,
-    /// Step of the differences that make the slope, in units of `scale`: far above the map's roughness.
-    pub step: f64,
-    /// Step of the central differences that make the slope at the end; without one the slope on one side will do there,
-    /// unless it leaves the state's stability in doubt.
-    pub last_step: Option<f64>,
-    /// A multiplier by one-sided differences, or by those of a map that differs little, that is below this leaves no doubt
-    /// of the state's stability.
-    pub clearly: f64,
-    /// Most evaluations of the map.
-    pub most: u32,
-    /// Whether the start is thought to be next to the fixed point.
-    pub near: bool,
-    /// Whether the slope that it begins with is that of a fixed point nearby: the first stride goes by it.
-    pub carried: bool,
-    /// Whether only a stable fixed point is of use.
-    pub stable: bool,
-}
 
 /// A fixed point.
 #[derive(Clone, Debug)]
@@ -119,8 +93,8 @@ where
     state: OVector<f64, D>,
     change: OVector<f64, D>,
     slope: OMatrix<f64, D, D>,
-    /// Numbers of the state that the map moves.
-    moving: Vec<usize>,
+    /// Numbers of the state that the map moves, where these are not all.
+    moving: Option<Vec<usize>>,
     /// Columns of the slope that no guess stands for.
     columns: Vec<usize>,
     /// What is known of the slope at the fixed point of a map that differs little from this one.
@@ -143,7 +117,7 @@ where
             options,
             change: OVector::zeros_generic(size, U1),
             slope: OMatrix::zeros_generic(size, size),
-            moving: (0..size.value()).collect(),
+            moving: None,
             columns: (0..size.value()).collect(),
             known: None,
             taken: Taken::Elsewhere,
@@ -176,15 +150,21 @@ where
         Self { slope, known: Some(known), ..Self::new(state, options) }
     }
 
-    /// The same search where the map leaves all numbers but these at rest: no evaluation is spent on the others.
-    pub fn among(self, moving: Vec<usize>) -> Self {
-        let columns = self.columns.into_iter().filter(|column| moving.contains(column)).collect();
-        Self { columns, moving, ..self }
+    /// The same search where the map leaves all numbers but these, if any are given, at rest: no evaluation is spent on the
+    /// others.
+    pub fn among(mut self, moving: Option<Vec<usize>>) -> Self {
+        self.columns.retain(|column| moving.as_ref().is_none_or(|moving| moving.contains(column)));
+        Self { moving, ..self }
+    }
+
+    /// Place in the state of the n-th number that moves.
+    fn moved(&self, n: usize) -> usize {
+        self.moving.as_ref().map_or(n, |moving| moving[n])
     }
 
     /// Numbers that move.
     pub fn size(&self) -> usize {
-        self.moving.len()
+        self.moving.as_ref().map_or(self.state.len(), Vec::len)
     }
 
     /// Evaluations so far: each takes one period.
@@ -222,12 +202,12 @@ where
             Stage::Begin | Stage::Done(_) => {}
             Stage::Stride { step, .. } => state += step,
             Stage::Slope { whole } => {
-                let k = if *whole { self.moving[n] } else { self.columns[n] };
+                let k = if *whole { self.moved(n) } else { self.columns[n] };
                 state[k] += self.options.step * self.options.scale;
             }
             Stage::Last => {
                 let step = self.last_step() * self.options.scale;
-                state[self.moving[n / 2]] += if n.is_multiple_of(2) { -step } else { step };
+                state[self.moved(n / 2)] += if n.is_multiple_of(2) { -step } else { step };
             }
         }
         state
@@ -276,7 +256,7 @@ where
         let here = &self.state + &self.change;
         for (n, value) in values.iter().enumerate() {
             let Some(value) = value else { return false };
-            let k = if whole { self.moving[n] } else { self.columns[n] };
+            let k = if whole { self.moved(n) } else { self.columns[n] };
             self.slope.set_column(k, &((value - &here) / (self.options.step * self.options.scale)));
         }
         // What was known led astray.
@@ -376,11 +356,12 @@ where
     }
 
     fn last(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
-        for (n, &k) in self.moving.iter().enumerate() {
+        for n in 0..self.size() {
             let (Some(Some(low)), Some(Some(high))) = (values.get(2 * n), values.get(2 * n + 1)) else {
                 return Stage::Done(Verdict::Lost(Lost::Undefined));
             };
-            self.slope.set_column(k, &((high - low) / (2.0 * self.last_step() * self.options.scale)));
+            self.slope
+                .set_column(self.moved(n), &((high - low) / (2.0 * self.last_step() * self.options.scale)));
         }
         self.found(Spectrum::new(&self.slope, &factors(&self.slope, 1.0)))
     }

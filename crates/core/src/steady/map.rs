@@ -42,8 +42,8 @@ impl<'a> PeriodMap<'a> {
     }
 
     /// Does `work` for all instances: at once, or for some after the other on many threads where the engine does not
-    /// spread a list over them itself. By reference, or all of this is compiled for each size of states.
-    pub fn spread<T: Send>(&self, work: &(dyn Fn(Range<u32>) -> T + Sync)) -> Vec<T> {
+    /// spread a list over them itself.
+    pub fn spread<T: Send>(&self, work: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
         let count = self.instances.len() as u32;
         if self.quick.is_none() {
             return vec![work(0..count)];

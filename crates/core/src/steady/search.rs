@@ -111,7 +111,7 @@ pub(super) fn all(
                 return Ok(done);
             }
             let map = PeriodMap::new(plan, chunk, engine, progress)?;
-            let parts = map.spread(&|slots| {
+            let parts = map.spread(|slots| {
                 let batch = Batch { plan, from, instances: chunk, map: &map };
                 with_size(count, Part { batch, slots })
             });
@@ -271,10 +271,10 @@ impl Batch<'_> {
     }
 }
 
-/// Of a state of so many numbers those of modes that the instance has: travels, then rates.
-fn moving(plan: &Plan, instance: u32, numbers: usize) -> Vec<usize> {
-    let modes = plan.driven(instance).kept.modes.len().min(numbers / 2);
-    (0..modes).chain((numbers / 2..).take(modes)).collect()
+/// Of a state of so many numbers those of modes that the instance has, travels, then rates; none where it has them all.
+fn moving(plan: &Plan, instance: u32, numbers: usize) -> Option<Vec<usize>> {
+    let (modes, most) = (plan.driven(instance).kept.modes.len(), numbers / 2);
+    (modes < most).then(|| (0..modes).chain((most..).take(modes)).collect())
 }
 
 /// One instance's search.
@@ -332,7 +332,7 @@ where
         let options = Options {
             near: true,
             carried: last.is_some(),
-            most: along.most.0 + along.most.1 * moving.len() as u32,
+            most: along.most.0 + along.most.1 * moving.as_ref().map_or(D::DIM, Vec::len) as u32,
             last_step: options.last_step.filter(|_| !lightly),
             stable: !lightly,
             ..options
@@ -340,7 +340,7 @@ where
         let search = match last {
             Some(last) => {
                 let slope = as_its_own::<D>(plan, instance, last).1;
-                Search::guided(vector(&start), slope, moving.clone(), options)
+                Search::guided(vector(&start), slope, (0..D::DIM).collect(), options)
             }
             None => Search::new(vector(&start), options),
         };

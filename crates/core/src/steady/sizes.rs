@@ -5,7 +5,7 @@ use crate::periodic::{Memory, Size};
 use crate::plan::Plan;
 use nalgebra::{Const, DefaultAllocator, DimName};
 
-/// Numbers of modes that searches are compiled for: each costs a second or two of compiling. Between them a state is larger
+/// Numbers of modes that searches are compiled for: each costs about a second of compiling. Between them a state is larger
 /// than it need be, but no period is stepped for what is at rest in it.
 const SIZES: [usize; 9] = [1, 2, 3, 4, 6, 8, 12, 16, MODES_MAX];
 

@@ -1,0 +1,28 @@
+//! What a search is told.
+
+/// How a search goes about.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Length of a state that is not small: the free amplitude.
+    pub scale: f64,
+    /// Distance to the fixed point, in units of `scale`, that is aimed at, and that is near enough where the map
+    /// is too rough for that.
+    pub tolerance: f64,
+    pub enough: f64,
+    /// Step of the differences that make the slope, in units of `scale`: far above the map's roughness.
+    pub step: f64,
+    /// Step of the central differences that make the slope at the end; without one the slope on one side will do there,
+    /// unless it leaves the state's stability in doubt.
+    pub last_step: Option<f64>,
+    /// A multiplier by one-sided differences, or by those of a map that differs little, that is below this leaves no doubt
+    /// of the state's stability.
+    pub clearly: f64,
+    /// Most evaluations of the map.
+    pub most: u32,
+    /// Whether the start is thought to be next to the fixed point.
+    pub near: bool,
+    /// Whether the slope that it begins with is that of a fixed point nearby: the first stride goes by it.
+    pub carried: bool,
+    /// Whether only a stable fixed point is of use.
+    pub stable: bool,
+}
