@@ -6,7 +6,7 @@ use afmsweep::scene::{Layout, Lever, SweptAxes};
 
 /// Instances, and instruments that are reduced one by one, of which planning takes a second or so on one core.
 const MANY_INSTANCES: usize = 100_000;
-const MANY_INSTRUMENTS: usize = 400;
+const MANY_INSTRUMENTS: usize = 10_000;
 
 /// Says what is planned where that takes seconds. Printed before it begins.
 pub fn announce(scene: &Scene, voice: Voice) {

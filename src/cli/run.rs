@@ -244,13 +244,16 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         return Err(Stopped::with(&swept.missing, &swept.run.results, &partial).into());
     }
     let file = keeper.into_file().context("the run has no file")?;
+    let writing = Instant::now();
     signals::held(|| file.finish(&swept.results))
         .with_context(|| format!("the run is whole, and its journal stays {}", partial.display()))?;
+    let writing = writing.elapsed().as_secs_f64();
     told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice);
     let wall = start.elapsed().as_secs_f64();
     voice.say(format_args!(
-        "wrote {} in {wall:.2} s ({:.2} s stepping, {:.2e} instance-steps/s)",
+        "wrote {} in {wall:.2} s (planning {:.2} s, stepping {:.2} s, writing {writing:.2} s; {:.2e} instance-steps/s)",
         output.display(),
+        swept.planning,
         swept.stepping,
         swept.rate
     ));

@@ -93,8 +93,9 @@ const CASES: &[(&str, Expect)] = &[
     ("snap_in_jkr", Within(holds_on)),
     // A contact shorter than a step throws the tip out of all bounds.
     ("too_few_steps", Says(Status::NonFinite)),
-    ("bounces_dmt", InDouble(touches)),
-    // Sixteen contacts and more of a lever that rings between them.
+    // Sixteen contacts and more of a lever that rings between them. Of the one with attraction the error is 2e-4, and what is
+    // estimated of it 0.9 to 1.3 times the ask, by the last bits of the lever's modes.
+    ("bounces_dmt", Says(Status::AccuracyNotMet)),
     ("bounces_hertz", Says(Status::AccuracyNotMet)),
     ("bounces_jkr", Within(touches)),
     ("soft_0.03_dmt", InDouble(touches)),

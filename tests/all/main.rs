@@ -78,6 +78,7 @@ mod exact_ramp;
 mod exact_reconstruction;
 mod exact_reference;
 mod exact_reference_engine;
+mod exact_rods;
 mod fuzz_inputs;
 mod hard_cases;
 mod hard_contact;

@@ -355,6 +355,7 @@ impl Sweep {
     ) -> Result<Swept, Error> {
         let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
         let begun = self.begun(observer)?;
+        let planning = start.elapsed().as_secs_f64();
         let summary = begun.plan.summary(None).json().to_string();
         let stepping = Instant::now();
         let mut run = instances(&begun)?;
@@ -376,6 +377,6 @@ impl Sweep {
         let command_line = self.options.command_line.clone();
         let done =
             swept::Done { scene, run, taken, others, audited, exact, estimated, summary, command_line };
-        swept::collect(done, (start, stepping), engine.as_ref(), missing, progress)
+        swept::collect(done, (start, planning, stepping), engine.as_ref(), missing, progress)
     }
 }

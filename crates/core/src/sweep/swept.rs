@@ -27,6 +27,8 @@ pub struct Swept {
     pub missing: Vec<Phase>,
     /// Instance-steps taken: trials, searches and estimates among them, audits not.
     pub steps_taken: u64,
+    /// Planning, s: instruments, drives, contacts, the choice of an engine.
+    pub planning: f64,
     /// Stepping, s, and instance-steps per second of it.
     pub stepping: f64,
     pub rate: f64,
@@ -48,10 +50,10 @@ pub(super) struct Done<'a> {
     pub command_line: String,
 }
 
-/// Results of the phases, waveforms last. `begun`: when the run began, and the seconds of its stepping.
+/// Results of the phases, waveforms last. `start`: when the run began, and the seconds of its planning and stepping.
 pub(super) fn collect(
     done: Done,
-    (start, stepping): (Instant, f64),
+    (start, planning, stepping): (Instant, f64, f64),
     engine: &dyn Engine,
     mut missing: Missing,
     progress: &Progress,
@@ -83,5 +85,16 @@ pub(super) fn collect(
     results.attributes.extend(record::complete(&missing.words()));
     let warnings = record::warning_lines(scene, plan, finished, &results);
     let (rate, steps_taken) = (facts.rate, taken);
-    Ok(Swept { results, verdict, others, warnings, missing: missing.0, steps_taken, stepping, rate, run })
+    Ok(Swept {
+        results,
+        verdict,
+        others,
+        warnings,
+        missing: missing.0,
+        steps_taken,
+        planning,
+        stepping,
+        rate,
+        run,
+    })
 }

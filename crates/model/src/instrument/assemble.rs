@@ -9,11 +9,10 @@
 //! sample's force do no work on u(l_p) and count the lever's inertia twice; here the force works
 //! on the whole travel of the tip.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::error::InstrumentError;
 use super::lever::LeverPart;
 use super::rod::Rod;
+use super::secular::{Line, Pair, pairs};
 use crate::scene::{ActuatorModel, DriveOn, InstrumentParams};
 
 /// Elements and polynomial degree; the lever's degree is at least 3.
@@ -42,15 +41,6 @@ pub(crate) struct Structure {
     pub on: DriveOn,
 }
 
-/// One symmetric eigenproblem of unit stiffness with its rows of participation.
-pub(crate) struct Joint {
-    pub mass: DMatrix<f64>,
-    pub tip: DVector<f64>,
-    pub force: DVector<f64>,
-    pub drive: DVector<f64>,
-    pub top: DVector<f64>,
-}
-
 impl Structure {
     pub fn new(p: &InstrumentParams, on: DriveOn, mesh: Mesh) -> Result<Self, InstrumentError> {
         let lever = LeverPart::new(p, mesh.beam_elements, mesh.order.max(3))?;
@@ -77,35 +67,17 @@ impl Structure {
         Ok(Self { coupling, rod, lever, on })
     }
 
-    /// Rod and lever acting on each other: unknowns of the rod, then of the lever.
-    pub fn joint(&self, rod: &Rod, kappa: f64) -> Joint {
+    /// The modes of rod and lever acting on each other, in coordinates of unit stiffness: the corner is the rod's top, then
+    /// come the modes of the rod with its top held and those of the lever alone.
+    ///
+    /// `T = 1/2 (v' + kappa r u')^T M (v' + kappa r u')` spelled out: the top carries the rigid mass and pulls on every mode of
+    /// the lever, and nothing else is coupled (Craig & Bampton, AIAA J. 6 (1968) 1313).
+    pub fn joint(&self, rod: &Rod, kappa: f64) -> Vec<Pair> {
         let lever = &self.lever;
-        let (r, l) = (rod.top.len(), lever.tip.len());
-        let mut mass = DMatrix::zeros(r + l, r + l);
-        mass.view_mut((0, 0), (r, r)).copy_from(&rod.mass);
-        mass.view_mut((r, r), (l, l)).copy_from(&lever.mass);
-        // T = 1/2 (v' + kappa r u')^T M (v' + kappa r u') spelled out: the base carries the rigid mass and
-        // pulls on every unknown of the lever.
-        mass.view_mut((0, 0), (r, r)).ger(kappa * kappa * lever.rigid_mass, &rod.top, &rod.top, 1.0);
-        let pull = kappa * &rod.top * lever.base.transpose();
-        mass.view_mut((0, r), (r, l)).copy_from(&pull);
-        mass.view_mut((r, 0), (l, r)).copy_from(&pull.transpose());
-        let row = |on_top: f64, on_lever: &DVector<f64>| {
-            let mut row = DVector::zeros(r + l);
-            row.rows_mut(0, r).axpy(on_top, &rod.top, 1.0);
-            row.rows_mut(r, l).copy_from(on_lever);
-            row
-        };
-        let still = DVector::zeros(l);
-        Joint {
-            tip: row(kappa, &lever.tip),
-            force: row(1.0, &lever.tip),
-            drive: match self.on {
-                DriveOn::Actuator => row(rod.force_per_volt, &still),
-                DriveOn::Tip => row(1.0, &lever.drive),
-            },
-            top: row(1.0, &still),
-            mass,
-        }
+        let k = rod.stiffness.sqrt();
+        let corner = (rod.mass + kappa * kappa * lever.rigid_mass) / rod.stiffness;
+        let mu: Vec<f64> = rod.mu.iter().chain(&lever.mu).copied().collect();
+        let pulls = rod.coupling.iter().map(|c| c / k).chain(lever.base.iter().map(|b| kappa * b / k));
+        pairs(Line::arrowhead(corner), &mu, &pulls.collect::<Vec<_>>())
     }
 }

@@ -5,80 +5,45 @@
 //! acts. Dimensionless: length, `E I / l_b^3` and the beam's mass are 1.
 
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
+use super::error::InstrumentError;
 use super::legendre::{gauss, legendre};
+use super::unit_modes::{Known, UnitModes};
 
-/// A beam in coordinates of unit stiffness, dimensionless.
+/// The clamped beam without a tip as its own modes of unit stiffness, dimensionless.
 #[derive(Clone, Debug)]
 pub(crate) struct UnitBeam {
-    pub mass: DMatrix<f64>,
+    pub modes: UnitModes,
     /// Inertial coupling to a translation of the base, M r.
-    pub base: DVector<f64>,
-    /// Travel of the tip, `v + l v_x` at the end.
-    pub tip: DVector<f64>,
+    pub base: Vec<f64>,
+    /// Travel of the free end, and its slope.
+    pub end: Vec<f64>,
+    pub slope: Vec<f64>,
 }
 
 impl UnitBeam {
-    /// A beam of `elements` equal elements of degree `order` (at least 3) that carries
-    /// `tip_mass` (in beam masses) at `arm` (in beam lengths) beyond its end.
+    /// Of `elements` equal elements of degree `order` (at least 3); each is solved for once.
     ///
-    /// None if the numbers leave the range in which the stiffness can be factored.
-    pub fn new(elements: usize, order: usize, tip_mass: f64, arm: f64) -> Option<Self> {
-        let (k, mut m, mut base) = unit_cantilever(elements, order);
-        let mut tip = DVector::zeros(k.nrows());
-        let end = 2 * (elements - 1);
-        tip[end] = 1.0;
-        // The slope unknowns are h v_x: of the size of the travel, whatever the mesh.
-        tip[end + 1] = arm * elements as f64;
-        m.ger(tip_mass, &tip, &tip, 1.0);
-        base.axpy(tip_mass, &tip, 1.0);
-        let (mass, mut rows) = unit_stiffness(k, &m, &[&base, &tip])?;
-        let tip = rows.pop()?;
-        let base = rows.pop()?;
-        Some(Self { mass, base, tip })
+    /// # Errors
+    /// A mesh whose modes are not met to rounding.
+    pub fn on(elements: usize, order: usize) -> Result<Arc<Self>, InstrumentError> {
+        static KNOWN: Known<UnitBeam> = Known::new();
+        KNOWN.on(elements, order, || {
+            let (k, m, base) = unit_cantilever(elements, order);
+            let row = |at: usize, value: f64| {
+                let mut row = DVector::zeros(k.nrows());
+                row[at] = value;
+                row
+            };
+            let at = 2 * (elements - 1);
+            // The slope unknowns are h v_x: of the size of the travel, whatever the mesh.
+            let (end, slope) = (row(at, 1.0), row(at + 1, elements as f64));
+            let (modes, mut rows) = UnitModes::of(k, &m, &[&base, &end, &slope], (2 * elements, elements))?;
+            let mut next = || rows.remove(0);
+            Ok(Self { modes, base: next(), end: next(), slope: next() })
+        })
     }
-}
-
-/// Turns `(K, M)` into coordinates `y = L^T q`, `K = L L^T`, of unit stiffness: gives
-/// `L^-1 M L^-T` and `L^-1 row` for each row. The largest eigenvalues of that mass matrix are
-/// the slowest modes, which therefore come out to machine precision. None unless K > 0.
-pub(crate) fn unit_stiffness(
-    k: DMatrix<f64>,
-    m: &DMatrix<f64>,
-    rows: &[&DVector<f64>],
-) -> Option<(DMatrix<f64>, Vec<DVector<f64>>)> {
-    let l = k.cholesky()?.unpack();
-    let half = l.solve_lower_triangular(m)?;
-    let mut mass = l.solve_lower_triangular(&half.transpose())?;
-    let n = mass.nrows();
-    for i in 0..n {
-        for j in 0..i {
-            let mean = 0.5 * (mass[(i, j)] + mass[(j, i)]);
-            mass[(i, j)] = mean;
-            mass[(j, i)] = mean;
-        }
-    }
-    let rows = rows.iter().map(|r| l.solve_lower_triangular(*r)).collect::<Option<Vec<_>>>()?;
-    Some((mass, rows))
-}
-
-/// What leaving out unknowns that hold the part `left_out` of a mode's strain energy adds to its frequency, relative, at most:
-/// the quotient of Rayleigh of the shape without them. The unknowns of a degree are among those of the next, and what they
-/// weigh by themselves is nothing beside a mode that has converged, so it is no more than a little too much.
-pub(crate) fn change(left_out: f64) -> f64 {
-    if left_out < 0.5 { 0.5 * left_out / (1.0 - left_out) } else { f64::INFINITY }
-}
-
-/// The part of `y.y` that the two highest degrees of each element have: the last two of its bubbles, which follow the unknowns
-/// of the nodes. The stiffness is diagonal in bubbles, so they are the same unknowns in coordinates of unit stiffness.
-pub(crate) fn highest(y: &[f64], of_nodes: usize, elements: usize) -> f64 {
-    let bubbles = (y.len() - of_nodes) / elements;
-    if bubbles < 2 {
-        // Without these no element is left.
-        return 1.0;
-    }
-    let last = y[of_nodes..].chunks(bubbles).flat_map(|all| &all[bubbles - 2..]);
-    last.map(|one| one * one).sum()
 }
 
 /// Stiffness, mass and base coupling of the clamped beam without a tip.

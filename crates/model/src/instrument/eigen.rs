@@ -27,11 +27,6 @@ impl Eigen {
         })
     }
 
-    /// Below this an eigenvalue is rounding.
-    pub(super) fn floor(&self) -> f64 {
-        self.mu.len() as f64 * f64::EPSILON * self.mu[0]
-    }
-
     /// Residual and orthonormality of each pair.
     pub(super) fn quality(&self, mass: &DMatrix<f64>) -> Vec<(f64, f64)> {
         let image = mass * &self.vectors;

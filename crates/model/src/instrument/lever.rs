@@ -1,13 +1,14 @@
 //! The lever as a substructure relative to its base, whichever way it was described.
 //!
-//! All three descriptions of `scene::Lever` end as the same few arrays, so nothing further on
-//! knows which was used.
+//! All three descriptions of `scene::Lever` end as the same few arrays, the modes of the lever alone on a base at rest, so
+//! nothing further on knows which was used.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use super::beam::{UnitBeam, change, highest};
-use super::eigen::Eigen;
+use super::beam::UnitBeam;
 use super::error::InstrumentError;
+use super::secular::{Line, Pair, orthonormality, pairs};
+use super::unit_modes::{Quality, change, in_rows};
 use super::{check_not_negative, check_positive, check_quality};
 use crate::scene::{InstrumentParams, Lever, LeverMode, QualityFactor, TipMass, TipParams};
 
@@ -19,24 +20,26 @@ const TIP_SHARE: f64 = 0.999;
 /// Each leaves a tenth of the miss and less.
 const HEAVINESS_ROUNDS: usize = 12;
 
-/// The lever in coordinates `y` of unit stiffness: energy `y.y/2`; with the base at `s` its
-/// kinetic energy is `y'.mass.y'/2 + s' base.y' + rigid_mass s'^2/2`.
+/// The lever by its modes alone in coordinates `y` of unit stiffness, slowest first: energy `y.y/2`; with the base at `s` its
+/// kinetic energy is `sum of mu y'^2/2 + s' base.y' + rigid_mass s'^2/2`.
 #[derive(Clone, Debug)]
 pub(crate) struct LeverPart {
-    /// s^2
-    pub mass: DMatrix<f64>,
+    /// 1/omega^2 of each mode, s^2.
+    pub mu: Vec<f64>,
     /// Inertial coupling to the base, M r.
-    pub base: DVector<f64>,
+    pub base: Vec<f64>,
     /// What the base carries when everything moves with it, r.M r, kg.
     pub rigid_mass: f64,
     /// Travel of the tip relative to the base, per `y`.
-    pub tip: DVector<f64>,
+    pub tip: Vec<f64>,
     /// Push of a drive on the tip, per `y`: equal to `tip` but for listed modes with a `drive`.
-    pub drive: DVector<f64>,
-    /// The modes of the lever alone, on a base at rest.
-    pub alone: Eigen,
-    /// 1/Q of the modes alone; the last serves those beyond the list.
+    pub drive: Vec<f64>,
+    /// 1/Q of the modes; the last serves those beyond the list.
     inverse_q: Vec<f64>,
+    /// What each mode has of the two highest degrees of each element, a row for each.
+    high: DMatrix<f64>,
+    /// How well each mode is met.
+    pub quality: Vec<Quality>,
     /// Finite elements used: none for a list of modes.
     pub elements: usize,
 }
@@ -102,25 +105,23 @@ impl LeverPart {
         // In rising frequency, as the eigenvectors come, so that quality factors stay with their modes.
         let mut sorted: Vec<&LeverMode> = modes.iter().collect();
         sorted.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
-        let inverse_square: Vec<f64> =
-            sorted.iter().map(|m| (std::f64::consts::TAU * m.frequency).powi(-2)).collect();
-        let column = |f: &dyn Fn(&LeverMode) -> f64| {
-            DVector::from_iterator(sorted.len(), sorted.iter().map(|m| f(m) / m.stiffness.sqrt()))
+        let column = |f: &dyn Fn(&LeverMode) -> f64| -> Vec<f64> {
+            sorted.iter().map(|m| f(m) / m.stiffness.sqrt()).collect()
         };
         let tip = column(&|_| 1.0);
         let drive = column(&|m| m.drive);
         let mass_of = |m: &LeverMode| m.stiffness * (std::f64::consts::TAU * m.frequency).powi(-2);
         let base = column(&|m| mass_of(m) * m.drive);
         let rigid_mass = sorted.iter().map(|m| mass_of(m) * m.drive * m.drive).sum();
-        let count = sorted.len();
         let part = Self {
-            mass: DMatrix::from_diagonal(&DVector::from_vec(inverse_square.clone())),
+            mu: sorted.iter().map(|m| (std::f64::consts::TAU * m.frequency).powi(-2)).collect(),
             base,
             rigid_mass,
             tip,
             drive,
-            alone: Eigen { mu: inverse_square, vectors: DMatrix::identity(count, count) },
             inverse_q: sorted.iter().map(|m| 1.0 / m.quality_factor).collect(),
+            high: DMatrix::zeros(0, sorted.len()),
+            quality: vec![Quality::default(); sorted.len()],
             elements: 0,
         };
         part.in_range()
@@ -131,37 +132,34 @@ impl LeverPart {
         self.inverse_q[j.min(self.inverse_q.len() - 1)]
     }
 
-    /// The lever's part of 1/Q of a mode whose unit-stiffness shape has `y` on the lever: strain
-    /// energy in each mode of the lever alone, `omega_j^2 (psi_j.M v)^2`, times that mode's 1/Q.
+    /// The lever's part of 1/Q of a mode whose unit-stiffness shape has `y` on the lever: its strain energy in each mode of
+    /// the lever alone times that mode's 1/Q.
     pub fn weighted_inverse_q(&self, y: &[f64]) -> f64 {
-        if let [all] = self.inverse_q[..] {
-            return all * y.iter().map(|v| v * v).sum::<f64>();
-        }
-        (0..self.alone.mu.len())
-            .map(|j| {
-                let share: f64 = self.alone.vectors.column(j).iter().zip(y).map(|(a, b)| a * b).sum();
-                self.inverse_q(j) * share * share
-            })
-            .sum()
+        y.iter().enumerate().map(|(j, y)| self.inverse_q(j) * y * y).sum()
     }
 
     /// The part of a shape's strain energy that is in the two highest degrees of each element; none of a list of modes.
     pub fn highest(&self, y: &[f64]) -> f64 {
-        if self.elements == 0 { 0.0 } else { highest(y, 2 * self.elements, self.elements) }
+        in_rows(&self.high, y)
     }
 
     /// See [`change`], of the j-th mode of the lever alone and its two highest degrees.
     pub fn change(&self, j: usize) -> f64 {
-        change(self.highest(self.alone.vectors.column(j).as_slice()))
+        change(self.high.column(j).norm_squared())
+    }
+
+    /// See [`Quality::absolute`], of each mode.
+    pub fn misses(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.mu.iter().zip(&self.quality).map(|(mu, quality)| quality.absolute(*mu))
     }
 
     /// Angular frequency of the first mode alone, rad/s.
     pub fn first_omega(&self) -> f64 {
-        self.alone.mu[0].powf(-0.5)
+        self.mu[0].powf(-0.5)
     }
 
     fn in_range(self) -> Result<Self, InstrumentError> {
-        let all = self.mass.iter().chain(self.base.iter()).chain(self.tip.iter()).chain(self.drive.iter());
+        let all = self.mu.iter().chain(&self.base).chain(&self.tip).chain(&self.drive);
         if let Some(&value) = all.chain([&self.rigid_mass]).find(|v| !v.is_finite()) {
             return Err(InstrumentError::OutOfRange { what: "lever's mass", value });
         }
@@ -199,11 +197,8 @@ fn calibrated(
     // Of the first mode, in beams of bending stiffness and mass 1: its stiffness, and its mass without the tip's. That
     // mass hardly depends on the tip's, so the tip's in beam masses is soon found.
     let first = |heaviness: f64| -> Result<(f64, f64), InstrumentError> {
-        let unit = UnitBeam::new(elements, order, heaviness, 0.0)
-            .ok_or(InstrumentError::OutOfRange { what: "tip's mass in lever masses", value: heaviness })?;
-        let modes = Eigen::of(&unit.mass)?;
-        let tip = modes.vectors.column(0).dot(&unit.tip);
-        Ok((tip.powi(-2), tip.powi(-2) * modes.mu[0] - heaviness))
+        let unit = Loaded::new(elements, order, heaviness, 0.0)?;
+        Ok((unit.tip[0].powi(-2), unit.tip[0].powi(-2) * unit.mu[0] - heaviness))
     };
     let mut heaviness = 0.25 * share / (1.0 - share);
     for _ in 0..HEAVINESS_ROUNDS {
@@ -230,22 +225,74 @@ impl Beam {
                 return Err(InstrumentError::OutOfRange { what, value });
             }
         }
-        let heaviness = self.tip_mass / self.mass;
-        let unit = UnitBeam::new(self.elements, self.order, heaviness, self.arm)
-            .ok_or(InstrumentError::OutOfRange { what: "tip's mass in lever masses", value: heaviness })?;
-        let mass = unit.mass * (self.mass / self.stiffness);
-        let tip = unit.tip / self.stiffness.sqrt();
+        let unit = Loaded::new(self.elements, self.order, self.tip_mass / self.mass, self.arm)?;
+        let scaled = |all: Vec<f64>, scale: f64| -> Vec<f64> { all.iter().map(|one| one * scale).collect() };
+        let tip = scaled(unit.tip, self.stiffness.sqrt().recip());
         LeverPart {
-            alone: Eigen::of(&mass)?,
-            mass,
-            base: unit.base * (self.mass / self.stiffness.sqrt()),
+            mu: scaled(unit.mu, self.mass / self.stiffness),
+            base: scaled(unit.base, self.mass / self.stiffness.sqrt()),
             rigid_mass: self.mass + self.tip_mass,
             drive: tip.clone(),
             tip,
             inverse_q,
+            high: unit.high,
+            quality: unit.quality,
             elements: self.elements,
         }
         .in_range()
+    }
+}
+
+/// The modes of a clamped beam with a tip, of unit stiffness and dimensionless.
+struct Loaded {
+    mu: Vec<f64>,
+    base: Vec<f64>,
+    tip: Vec<f64>,
+    high: DMatrix<f64>,
+    quality: Vec<Quality>,
+}
+
+impl Loaded {
+    /// On `elements` elements of degree `order`, with a tip of `heaviness` beam masses `arm` beam lengths beyond its end.
+    fn new(elements: usize, order: usize, heaviness: f64, arm: f64) -> Result<Self, InstrumentError> {
+        let bare = UnitBeam::on(elements, order)?;
+        let tip: Vec<f64> = bare.end.iter().zip(&bare.slope).map(|(end, slope)| end + arm * slope).collect();
+        let mut loaded = Self {
+            mu: bare.modes.mu.clone(),
+            base: bare.base.clone(),
+            tip,
+            high: bare.modes.high.clone(),
+            quality: bare.modes.quality.clone(),
+        };
+        if !heaviness.is_finite() {
+            return Err(InstrumentError::OutOfRange { what: "tip's mass in lever masses", value: heaviness });
+        }
+        // So light a tip changes nothing.
+        if heaviness.recip().is_finite() {
+            loaded.carry(heaviness);
+        }
+        Ok(loaded)
+    }
+
+    /// The tip's mass is one more square of the tip's speed in the kinetic energy.
+    fn carry(&mut self, heaviness: f64) {
+        let with = pairs(Line::rank_one(heaviness), &self.mu, &self.tip);
+        let along =
+            |row: &[f64], pair: &Pair| -> f64 { row.iter().zip(&pair.rest).map(|(a, b)| a * b).sum() };
+        let shapes = DMatrix::from_fn(self.mu.len(), with.len(), |k, one| with[one].rest[k]);
+        let tip: Vec<f64> = with.iter().map(|pair| along(&self.tip, pair)).collect();
+        self.base =
+            with.iter().zip(&tip).map(|(pair, tip)| along(&self.base, pair) + heaviness * tip).collect();
+        self.high = &self.high * shapes;
+        let parts: Vec<[f64; 2]> =
+            self.mu.iter().zip(&self.quality).map(|(mu, quality)| quality.absolute(*mu)).collect();
+        let quality = with.iter().zip(orthonormality(&with)).map(|(pair, orthonormality)| {
+            let own = Quality { residual: pair.residual, orthonormality };
+            Quality::of_sum(own, pair.value, &pair.rest, &parts)
+        });
+        self.quality = quality.collect();
+        self.mu = with.iter().map(|pair| pair.value).collect();
+        self.tip = tip;
     }
 }
 

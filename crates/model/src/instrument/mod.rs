@@ -22,8 +22,8 @@
 //! # Ok::<(), afmsweep_model::instrument::InstrumentError>(())
 //! ```
 //!
-//! Flow: `rod.rs`, `beam.rs` (elements) and `lever.rs` (three descriptions of a lever) ->
-//! `assemble.rs` -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
+//! Flow: `rod.rs`, `beam.rs` (elements, whose modes `unit_modes.rs` keeps) and `lever.rs` (three descriptions of a lever) ->
+//! `assemble.rs` -> `secular.rs` (eigenpairs of what is coupled by one row) -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
 //! `summary.rs`; `fluid.rs` has the lever in a fluid.
 
 mod assemble;
@@ -39,7 +39,9 @@ mod reduce;
 mod response;
 mod rod;
 mod scaled;
+mod secular;
 pub mod summary;
+mod unit_modes;
 
 use nalgebra::Complex;
 

@@ -9,15 +9,13 @@
 //! out: of the order of 1/Q in the quadrature part of a forced motion, and more for two modes
 //! closer to each other than their widths.
 
-use nalgebra::{DVector, DVectorView};
-
 use super::Mode;
 use super::assemble::{Coupling, Structure};
-use super::beam::change;
-use super::eigen::Eigen;
 use super::error::InstrumentError;
 use super::lever::LeverPart;
 use super::rod::Rod;
+use super::secular::{Pair, dot, orthonormality};
+use super::unit_modes::{Quality, change};
 use crate::scene::DriveOn;
 
 /// A rod and a lever that does not act back have no independent modes where frequencies coincide
@@ -29,10 +27,7 @@ const SEPARATION: f64 = 2e-6;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Solved {
     pub mode: Mode,
-    /// |K p - omega^2 M p| / |K p|
-    pub residual: f64,
-    /// Largest |p_i.M p_j - delta_ij| against the slower modes and itself.
-    pub orthonormality: f64,
+    pub quality: Quality,
     /// By how much the frequency would be higher without the two highest degrees of each element, relative.
     pub change: f64,
 }
@@ -41,7 +36,7 @@ pub(crate) struct Solved {
 pub(crate) fn solve(s: &Structure) -> Result<Vec<Solved>, InstrumentError> {
     let mut solved = match (&s.coupling, &s.rod) {
         (Coupling::Joint { kappa }, Some(rod)) => joint(s, rod, *kappa)?,
-        (Coupling::Cascade, Some(rod)) => cascade(&s.lever, rod, s.on)?,
+        (Coupling::Cascade, Some(rod)) => cascade(&s.lever, rod, s.on),
         _ => base(&s.lever, s.on),
     };
     for Solved { mode, .. } in &mut solved {
@@ -57,122 +52,127 @@ pub(crate) fn solve(s: &Structure) -> Result<Vec<Solved>, InstrumentError> {
 
 /// Rod and lever acting on each other.
 fn joint(s: &Structure, rod: &Rod, kappa: f64) -> Result<Vec<Solved>, InstrumentError> {
-    let joint = s.joint(rod, kappa);
-    let eigen = Eigen::of(&joint.mass)?;
-    let split = rod.top.len();
-    let rod_inverse_q = 1.0 / rod.quality_factor;
-    let mut lost = 0.0;
-    let mut solved = Vec::with_capacity(eigen.mu.len());
-    for (k, (residual, orthonormality)) in eigen.quality(&joint.mass).into_iter().enumerate() {
-        let y = eigen.vectors.column(k);
-        if eigen.mu[k] <= eigen.floor() {
-            lost += joint.tip.dot(&y) * joint.force.dot(&y);
-            continue;
-        }
-        let omega = eigen.mu[k].powf(-0.5);
-        let (on_rod, on_lever) = y.as_slice().split_at(split);
-        let in_rod: f64 = on_rod.iter().map(|v| v * v).sum();
-        let inverse_q = in_rod * rod_inverse_q + s.lever.weighted_inverse_q(on_lever);
-        let mode = Mode {
+    let (lever, split) = (&s.lever, rod.mu.len());
+    let pairs = s.joint(rod, kappa);
+    let per_top = rod.stiffness.sqrt().recip();
+    let mode = |pair: &Pair, omega: f64| {
+        let (on_rod, on_lever) = pair.rest.split_at(split);
+        let top = pair.corner * per_top;
+        let bent = dot(&lever.tip, on_lever);
+        let drive = match s.on {
+            DriveOn::Actuator => rod.force_per_volt * top,
+            DriveOn::Tip => top + dot(&lever.drive, on_lever),
+        };
+        let in_rod = pair.corner * pair.corner + dot(on_rod, on_rod);
+        let inverse_q = in_rod / rod.quality_factor + lever.weighted_inverse_q(on_lever);
+        Mode {
             omega,
             quality_factor: 1.0 / inverse_q,
-            tip: omega * joint.tip.dot(&y),
-            force: omega * joint.force.dot(&y),
-            drive: omega * joint.drive.dot(&y),
-            top: omega * joint.top.dot(&y),
-        };
-        let change = change(rod.highest(on_rod) + s.lever.highest(on_lever));
-        solved.push(Solved { mode, residual, orthonormality, change });
+            tip: omega * (kappa * top + bent),
+            force: omega * (top + bent),
+            drive: omega * drive,
+            top: omega * top,
+        }
+    };
+    let left_out = |pair: &Pair| {
+        let (on_rod, on_lever) = pair.rest.split_at(split);
+        rod.highest(on_rod) + lever.highest(on_lever)
+    };
+    let parts: Vec<[f64; 2]> = rod.misses().chain(lever.misses()).collect();
+    let mut solved = checked(&pairs, mode, left_out, &parts);
+    // All others lie above a mode of a part: of the fastest alone may nothing but rounding be left.
+    let rounding = pairs.len() as f64 * f64::EPSILON * pairs[0].value;
+    if pairs[pairs.len() - 1].value <= rounding {
+        solved.pop();
+        let fastest = mode(&pairs[pairs.len() - 1], 1.0);
+        let flexibility = dot(&lever.tip, &lever.tip) + kappa / rod.stiffness;
+        check_lost(fastest.tip * fastest.force, flexibility)?;
     }
-    check_lost(lost, joint.tip.dot(&joint.force))?;
     Ok(solved)
+}
+
+/// The most by which a frequency may change, whatever the tolerance: modes from the first beyond it on are not looked at.
+const CHANGE_MAX: f64 = 0.1;
+
+/// Pairs as modes, with how well they are met as far as their frequencies stand. `parts` is by how much what they are made of
+/// misses its equations ([`Quality::absolute`]).
+fn checked(
+    pairs: &[Pair],
+    mode: impl Fn(&Pair, f64) -> Mode,
+    left_out: impl Fn(&Pair) -> f64,
+    parts: &[[f64; 2]],
+) -> Vec<Solved> {
+    let changes = pairs.iter().map(|pair| change(left_out(pair)));
+    let changes: Vec<f64> = changes.take_while(|change| *change <= CHANGE_MAX).collect();
+    let orthonormality = orthonormality(&pairs[..changes.len()]);
+    let one = |(k, pair): (usize, &Pair)| {
+        let mode = mode(pair, pair.value.powf(-0.5));
+        let Some(&change) = changes.get(k) else {
+            return Solved { mode, quality: Quality::UNKNOWN, change: f64::INFINITY };
+        };
+        let own = Quality { residual: pair.residual, orthonormality: orthonormality[k] };
+        let quality = Quality::of_sum(own, pair.value, &pair.rest, parts);
+        Solved { mode, quality, change }
+    };
+    pairs.iter().enumerate().map(one).collect()
 }
 
 /// A rod that drives the lever without feeling it: the equations are block-triangular, so the
 /// right vectors (which say how things move) and the left ones (which say what pushes) differ.
 /// A rod mode carries the lever's forced motion at its frequency; a mode of the lever is pushed
 /// by the drive through the rod's forced motion at the lever's. Each is still one oscillator.
-fn cascade(lever: &LeverPart, rod: &Rod, on: DriveOn) -> Result<Vec<Solved>, InstrumentError> {
-    let of_rod = Eigen::of(&rod.mass)?;
-    let of_lever = &lever.alone;
-    let lever_mu = separated(&of_lever.mu, &of_rod.mu);
-    let along = |row: &DVector<f64>, eigen: &Eigen| -> Vec<f64> {
-        (0..eigen.mu.len()).map(|k| row.dot(&eigen.vectors.column(k))).collect()
-    };
-    let (tops, tips) = (along(&rod.top, &of_rod), along(&lever.tip, of_lever));
-    let (pulls, drives) = (along(&lever.base, of_lever), along(&lever.drive, of_lever));
-    let mut solved = Vec::with_capacity(tops.len() + tips.len());
-    for (j, (residual, orthonormality)) in of_rod.quality(&rod.mass).into_iter().enumerate() {
-        let mu = of_rod.mu[j];
-        if mu <= of_rod.floor() {
-            continue;
-        }
-        let omega = mu.powf(-0.5);
-        let top = omega * tops[j];
-        let carried: f64 = (0..tips.len()).map(|i| tips[i] * pulls[i] / (mu - lever_mu[i])).sum();
+fn cascade(lever: &LeverPart, rod: &Rod, on: DriveOn) -> Vec<Solved> {
+    let of_rod = rod.alone();
+    let rod_mu: Vec<f64> = of_rod.iter().map(|pair| pair.value).collect();
+    let lever_mu = separated(&lever.mu, &rod_mu);
+    let per_top = rod.stiffness.sqrt().recip();
+    let tops: Vec<f64> = of_rod.iter().map(|pair| pair.corner * per_top).collect();
+    let (tips, pulls) = (&lever.tip, &lever.base);
+    let mode = |pair: &Pair, omega: f64| {
+        let top = omega * pair.corner * per_top;
+        let carried: f64 = (0..tips.len()).map(|i| tips[i] * pulls[i] / (pair.value - lever_mu[i])).sum();
         let drive = match on {
             DriveOn::Actuator => rod.force_per_volt * top,
             DriveOn::Tip => 0.0,
         };
-        let mode = Mode {
-            omega,
-            quality_factor: rod.quality_factor,
-            tip: top * (1.0 + carried),
-            force: 0.0,
-            drive,
-            top,
-        };
-        let change = change(rod.highest(of_rod.vectors.column(j).as_slice()));
-        solved.push(Solved { mode, residual, orthonormality, change });
-    }
-    let quality = of_lever.quality(&lever.mass);
-    for (i, &(residual, orthonormality)) in quality.iter().enumerate() {
-        if of_lever.mu[i] <= of_lever.floor() {
-            continue;
-        }
+        Mode { omega, quality_factor: rod.quality_factor, tip: top * (1.0 + carried), force: 0.0, drive, top }
+    };
+    let mut solved =
+        checked(&of_rod, mode, |pair| rod.highest(&pair.rest), &rod.misses().collect::<Vec<_>>());
+    for i in 0..tips.len() {
         let omega = lever_mu[i].powf(-0.5);
         let drive = match on {
             DriveOn::Actuator => {
                 let passed: f64 =
-                    (0..tops.len()).map(|j| tops[j] * tops[j] / (lever_mu[i] - of_rod.mu[j])).sum();
+                    (0..tops.len()).map(|j| tops[j] * tops[j] / (lever_mu[i] - rod_mu[j])).sum();
                 omega * pulls[i] * passed * rod.force_per_volt
             }
-            DriveOn::Tip => omega * drives[i],
+            DriveOn::Tip => omega * lever.drive[i],
         };
-        let mode = Mode {
-            omega,
-            quality_factor: 1.0 / lever.inverse_q(i),
-            tip: omega * tips[i],
-            force: omega * tips[i],
-            drive,
-            top: 0.0,
-        };
-        solved.push(Solved { mode, residual, orthonormality, change: lever.change(i) });
+        solved.push(of_lever(lever, i, omega, drive));
     }
-    Ok(solved)
+    solved
 }
 
 /// No rod: the lever alone, on a base that rests or moves as told.
 fn base(lever: &LeverPart, on: DriveOn) -> Vec<Solved> {
-    let eigen = &lever.alone;
-    let along = |row: &DVector<f64>, y: DVectorView<f64>| row.dot(&y);
-    let mut solved = Vec::with_capacity(eigen.mu.len());
-    for (k, (residual, orthonormality)) in eigen.quality(&lever.mass).into_iter().enumerate() {
-        if eigen.mu[k] <= eigen.floor() {
-            continue;
-        }
-        let omega = eigen.mu[k].powf(-0.5);
-        let y = eigen.vectors.column(k);
-        let tip = omega * along(&lever.tip, y);
+    let one = |k: usize| {
+        let omega = lever.mu[k].powf(-0.5);
         let drive = match on {
             // Per acceleration of the base, which pulls the lever back: -Gamma_k.
-            DriveOn::Actuator => -omega * along(&lever.base, y),
-            DriveOn::Tip => omega * along(&lever.drive, y),
+            DriveOn::Actuator => -omega * lever.base[k],
+            DriveOn::Tip => omega * lever.drive[k],
         };
-        let mode = Mode { omega, quality_factor: 1.0 / lever.inverse_q(k), tip, force: tip, drive, top: 0.0 };
-        solved.push(Solved { mode, residual, orthonormality, change: lever.change(k) });
-    }
-    solved
+        of_lever(lever, k, omega, drive)
+    };
+    (0..lever.mu.len()).map(one).collect()
+}
+
+/// A mode of the lever alone at `omega`, driven like that, with the rod's top at rest.
+fn of_lever(lever: &LeverPart, k: usize, omega: f64, drive: f64) -> Solved {
+    let tip = omega * lever.tip[k];
+    let mode = Mode { omega, quality_factor: 1.0 / lever.inverse_q(k), tip, force: tip, drive, top: 0.0 };
+    Solved { mode, quality: lever.quality[k], change: lever.change(k) }
 }
 
 /// The lever's `mu` kept apart from the rod's by [`SEPARATION`].

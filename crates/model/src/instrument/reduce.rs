@@ -11,7 +11,7 @@
 //! How. Hierarchical elements of up to nine half-waves each converge exponentially in their
 //! degree, so the number of elements is fixed by counting half-waves and the degree is raised by
 //! two until no frequency that matters has moved by more than the tolerance. What a model with two
-//! degrees fewer would give is read off the shapes of the finer one (`beam::change`), so that one
+//! degrees fewer would give is read off the shapes of the finer one (`unit_modes::change`), so that one
 //! model is enough for most. The change is the coarser model's error; the finer one, which is kept,
 //! is far better.
 
@@ -20,6 +20,7 @@ use super::error::InstrumentError;
 use super::lever::LeverPart;
 use super::modes::{Solved, solve};
 use super::rod::Rod;
+use super::unit_modes::Quality;
 use super::{Instrument, check_positive};
 use crate::scene::{ActuatorModel, DriveOn, InstrumentParams};
 
@@ -54,14 +55,14 @@ impl Instrument {
         }
         let mut mesh = Mesh { rod_elements: 1, beam_elements: 1, order: ORDERS[0] + 2 };
         let mut lever = LeverPart::new(params, mesh.beam_elements, mesh.order)?;
-        let band = band(params, &lever.alone.mu)?;
+        let band = band(params, &lever.mu)?;
         mesh.rod_elements = band.rod_elements;
         loop {
             let structure = Structure::with(lever, params, on, mesh)?;
             let solved = solve(&structure)?;
             let in_band = solved.iter().take_while(|one| one.mode.omega <= band.omega).count();
             let coupled = solved[..in_band].iter().map(|one| one.change);
-            let listed = LEVER_MODES.min(structure.lever.alone.mu.len());
+            let listed = LEVER_MODES.min(structure.lever.mu.len());
             let alone = (0..listed).map(|j| structure.lever.change(j));
             // `f64::max` would pass over NaN.
             let worst = coupled.chain(alone).fold(0.0, |a: f64, b| if b <= a { a } else { b });
@@ -139,8 +140,8 @@ fn finish(
     let resolved = solved.iter().take_while(|one| one.change <= tolerance).count();
     check_range(solved)?;
     for s in &solved[..in_band.max(resolved).min(solved.len())] {
-        if !(s.residual <= QUALITY && s.orthonormality <= QUALITY) {
-            let Solved { residual, orthonormality, .. } = *s;
+        let Quality { residual, orthonormality } = s.quality;
+        if !(residual <= QUALITY && orthonormality <= QUALITY) {
             return Err(InstrumentError::Inaccurate { residual, orthonormality, limit: QUALITY });
         }
     }
@@ -172,7 +173,7 @@ fn instrument(structure: &Structure, mesh: Mesh, solved: &[Solved], resolved: us
     let has_beam = structure.lever.elements > 0;
     Instrument {
         modes: solved.iter().map(|s| s.mode).collect(),
-        residual: solved[..resolved].iter().fold(0.0, |worst, s| worst.max(s.residual)),
+        residual: solved[..resolved].iter().fold(0.0, |worst, s| worst.max(s.quality.residual)),
         rod_elements: if has_rod { mesh.rod_elements } else { 0 },
         beam_elements: if has_beam { mesh.beam_elements } else { 0 },
         order: if has_rod || has_beam { mesh.order } else { 0 },

@@ -6,28 +6,38 @@
 //! `h33 A V / (beta33 l_p)` and a stiffness `-h33^2 A / (beta33 l_p)`, both at the top. Their
 //! equation (11) takes a uniform field instead, which differs by 1.6 % in the first frequency;
 //! the uniform displacement of (9) is the one that Gauss's law supports, so it is used here.
+//!
+//! The rod stands as one unknown for its top, in which it is stretched evenly, and the modes that it has with its top held
+//! (Craig & Bampton, AIAA J. 6 (1968) 1313, all modes kept): its stiffness has no coupling then, and spring and load at the
+//! top change but one number each.
 
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
-use super::beam::{highest, unit_stiffness};
 use super::error::InstrumentError;
 use super::legendre::{gauss, legendre};
+use super::secular::{Line, Pair, pairs};
+use super::unit_modes::{Known, UnitModes, in_rows};
 use crate::scene::ActuatorParams;
 
 /// How far above the instability the modulus must lie, relative: closer, the difference is rounding.
 const STABILITY_MARGIN: f64 = 1e-9;
 
-/// The rod in coordinates `y` of unit stiffness: energy `y.y/2`, kinetic energy `y'.mass.y'/2`.
+/// The rod by the travel of its top and its modes with the top held, these in coordinates of unit stiffness.
 #[derive(Clone, Debug)]
 pub(crate) struct Rod {
-    /// s^2
-    pub mass: DMatrix<f64>,
-    /// Travel of the top per `y`, m per J^1/2.
-    pub top: DVector<f64>,
+    /// Force on the top per its travel, with the spring of the electrodes, N/m.
+    pub stiffness: f64,
+    /// What moves with the top, kg.
+    pub mass: f64,
+    /// 1/omega^2 of the modes with the top held, s^2.
+    pub mu: Vec<f64>,
+    /// Inertial coupling of the top's travel to each of them, kg^1/2 s.
+    pub coupling: Vec<f64>,
     /// Force on the top per volt, N/V.
     pub force_per_volt: f64,
     pub quality_factor: f64,
-    elements: usize,
+    unit: Arc<UnitBar>,
 }
 
 impl Rod {
@@ -37,29 +47,44 @@ impl Rod {
     /// Impossible dimensions, and a modulus not above `h33^2/beta33` (the rod would collapse).
     pub fn new(p: &ActuatorParams, elements: usize, order: usize) -> Result<Self, InstrumentError> {
         let softening = check(p)?;
+        let unit = UnitBar::on(elements, order)?;
         let area = p.width * p.thickness;
-        let stiffness = p.youngs_modulus * area / p.length;
-        let mass_total = p.density * area * p.length;
-        // Dimensionless: length, stiffness and mass 1.
-        let (mut k, m) = unit_bar(elements, order);
-        let top_index = elements - 1;
-        k[(top_index, top_index)] -= softening / p.youngs_modulus;
-        let mut top = DVector::zeros(k.nrows());
-        top[top_index] = 1.0;
-        let (mass, rows) = unit_stiffness(k, &m, &[&top])
-            .ok_or(InstrumentError::UnstableRod { youngs_modulus: p.youngs_modulus, softening })?;
-        Ok(Self {
-            mass: mass * (mass_total / stiffness),
-            top: &rows[0] / stiffness.sqrt(),
+        let bar = p.youngs_modulus * area / p.length;
+        let mass = p.density * area * p.length;
+        let square = mass / bar;
+        let scaled = |all: &[f64], scale: f64| -> Vec<f64> { all.iter().map(|one| one * scale).collect() };
+        let rod = Self {
+            stiffness: bar * (1.0 - softening / p.youngs_modulus),
+            mass: mass * unit.mass,
+            mu: scaled(&unit.modes.mu, square),
+            coupling: scaled(&unit.coupling, mass / bar.sqrt()),
             force_per_volt: p.h33 * area / (p.beta33 * p.length),
             quality_factor: p.quality_factor,
-            elements,
-        })
+            unit,
+        };
+        let sizes =
+            [("rod's stiffness", rod.stiffness), ("rod's mass", mass), ("rod's mass over stiffness", square)];
+        match sizes.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
+            Some((what, value)) => Err(InstrumentError::OutOfRange { what, value }),
+            None => Ok(rod),
+        }
     }
 
-    /// The part of a shape's strain energy that is in the two highest degrees of each element.
+    /// The modes of the rod alone, in coordinates of unit stiffness: the corner is the top.
+    pub fn alone(&self) -> Vec<Pair> {
+        let k = self.stiffness.sqrt();
+        let coupling: Vec<f64> = self.coupling.iter().map(|c| c / k).collect();
+        pairs(Line::arrowhead(self.mass / self.stiffness), &self.mu, &coupling)
+    }
+
+    /// The part of a shape's strain energy that is in the two highest degrees of each element; `y` is of the modes.
     pub fn highest(&self, y: &[f64]) -> f64 {
-        highest(y, self.elements, self.elements)
+        in_rows(&self.unit.modes.high, y)
+    }
+
+    /// See [`Quality::absolute`], of each of the modes with the top held.
+    pub fn misses(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.mu.iter().zip(&self.unit.modes.quality).map(|(mu, quality)| quality.absolute(*mu))
     }
 
     /// Upper estimate of how many modes of the rod lie below `frequency` (Hz); they are
@@ -93,6 +118,35 @@ fn check(p: &ActuatorParams) -> Result<f64, InstrumentError> {
         Ok(softening)
     } else {
         Err(InstrumentError::UnstableRod { youngs_modulus: p.youngs_modulus, softening })
+    }
+}
+
+/// The bar of length, stiffness `E A / l` and mass 1 with its top held, and what couples the top to that.
+#[derive(Clone, Debug)]
+struct UnitBar {
+    modes: UnitModes,
+    /// Of the bar stretched evenly by 1.
+    mass: f64,
+    /// Inertial coupling of that shape to each mode.
+    coupling: Vec<f64>,
+}
+
+impl UnitBar {
+    /// Of `elements` equal elements of degree `order`; each is solved for once.
+    fn on(elements: usize, order: usize) -> Result<Arc<Self>, InstrumentError> {
+        static KNOWN: Known<UnitBar> = Known::new();
+        KNOWN.on(elements, order, || {
+            let (k, m) = unit_bar(elements, order);
+            let top = elements - 1;
+            let stretched = |i: usize, _| if i <= top { (i + 1) as f64 / elements as f64 } else { 0.0 };
+            let stretched = DVector::from_fn(k.nrows(), stretched);
+            let pulled = &m * &stretched;
+            let mass = pulled.dot(&stretched);
+            let held = |all: DMatrix<f64>| all.remove_row(top).remove_column(top);
+            let (k, m, pulled) = (held(k), held(m), pulled.remove_row(top));
+            let (modes, mut rows) = UnitModes::of(k, &m, &[&pulled], (top, elements))?;
+            Ok(Self { modes, mass, coupling: rows.remove(0) })
+        })
     }
 }
 
