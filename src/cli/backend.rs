@@ -10,7 +10,8 @@ pub struct EngineArgs {
     /// Engine; auto takes a real GPU where there is one and the run is long enough for it, else the CPU
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
-    /// GPU adapter, by its index or a part of its name as `afmsweep devices` lists them
+    /// GPU adapter, by its index or a part of its name as `afmsweep devices` lists them; several of one kind as 0,1, or all
+    /// of the best one's kind
     #[arg(long, value_name = "ADAPTER")]
     device: Option<String>,
     /// Arithmetic of the inner loop [default: by a trial of both; where none is worth while f64, on a GPU f32 for accuracy
@@ -86,6 +87,13 @@ pub(super) fn say_choice(choice: &Choice, voice: Voice) {
         Choice::NoGpu => voice.say("no hardware GPU found: running on the CPU"),
         Choice::NoDouble(name) => {
             voice.say(format_args!("{name} cannot compute in f64: running on the CPU"));
+        }
+        Choice::OneOf(indices) => {
+            let all = indices.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+            voice.say(format_args!(
+                "on one of {} GPUs of its kind: --device all, or --device {all}, runs on all of them",
+                indices.len()
+            ));
         }
         Choice::Software => voice.say(
             "the only GPU adapter is a software driver, which computes on the processor: --backend cpu is faster",

@@ -1,7 +1,7 @@
 //! `afmsweep devices`: what could run a scene here.
 
 use super::{print, print_json};
-use afmsweep::engine::gpu::{AdapterReport, adapters};
+use afmsweep::engine::gpu::{AdapterReport, adapters, alike};
 use afmsweep::engine::processor;
 use serde_json::{Value, json};
 
@@ -29,10 +29,11 @@ pub fn main(args: &DevicesArgs) -> anyhow::Result<()> {
     let mut text = format!("cpu    {}, {threads} threads, f32 and f64\n", processor());
     for one in &adapters {
         text += &format!(
-            "gpu {}  {}, {}; {} MiB a binding, {} MiB a buffer, workgroups of {} threads\n",
+            "gpu {}  {}, {}{}; {} MiB a binding, {} MiB a buffer, workgroups of {} threads\n",
             one.index,
             one.title(),
             if one.double { "f32 and f64" } else { "f32" },
+            if one.bus.is_empty() { String::new() } else { format!("; bus {}", one.bus) },
             one.binding_bytes >> 20,
             one.buffer_bytes >> 20,
             one.workgroup_threads,
@@ -43,6 +44,10 @@ pub fn main(args: &DevicesArgs) -> anyhow::Result<()> {
     } else if adapters.iter().all(AdapterReport::software) {
         text +=
             "       only software adapters, which compute on the processor: --backend auto takes the cpu\n";
+    }
+    for kind in alike(&adapters) {
+        let indices = kind.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+        text += &format!("       of one kind: --device {indices} deals a run out to all of them\n");
     }
     print(&text)
 }
@@ -55,6 +60,7 @@ fn adapter_json(one: &AdapterReport) -> Value {
         "kind": one.kind,
         "interface": one.interface,
         "driver": one.driver,
+        "bus": one.bus,
         "precisions": if one.double { vec!["f32", "f64"] } else { vec!["f32"] },
         "binding_bytes": one.binding_bytes,
         "buffer_bytes": one.buffer_bytes,

@@ -25,9 +25,7 @@ pub struct PlanArgs {
 pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
     let sweep = args.engine.sweep(args.table.load(&args.scene)?)?;
     planning::announce(sweep.scene(), voice);
-    // Nothing runs: which engine would is told to those who ask.
-    let voice = Voice { quiet: !voice.verbose || args.json, ..voice };
-    let (plan, engine) = sweep.plan(&Told(voice))?;
+    let (plan, engine) = sweep.plan(&Told(Voice { quiet: voice.quiet || args.json, ..voice }))?;
     let scene = sweep.scene();
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
     let mut warnings = scene.warnings();
@@ -52,6 +50,9 @@ struct Told(Voice);
 
 impl Observer for Told {
     fn chosen(&self, choice: &Choice) {
-        say_choice(choice, self.0);
+        // Nothing runs: which engine would is told to those who ask, what more there is to all.
+        if self.0.verbose || matches!(choice, Choice::OneOf(_)) {
+            say_choice(choice, self.0);
+        }
     }
 }

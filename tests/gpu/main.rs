@@ -1,5 +1,6 @@
 //! The shader against the CPU, on whatever GPU adapter there is: whole runs (`agree_gpu`), each law's kick by itself
-//! (`kicks_gpu`), and what the comparison of bits is worth (`faults_gpu`).
+//! (`kicks_gpu`), and what the comparison of bits is worth (`faults_gpu`); and runs on several devices (`several_gpu`), for
+//! which a software driver gets a twin (`twin`).
 //!
 //! Tests that the adapters found cannot run list themselves as ignored.
 
@@ -10,16 +11,28 @@ mod agree_gpu;
 mod checks;
 mod faults_gpu;
 mod kicks_gpu;
+#[allow(dead_code)]
+#[path = "../program/mod.rs"]
+mod program;
+mod several_gpu;
 mod shader;
 #[allow(dead_code)]
 #[path = "../support/mod.rs"]
 mod support;
+mod twin;
 
 use libtest_mimic::Arguments;
 
 fn main() {
     let arguments = Arguments::from_args();
     let found = shader::found();
-    let tests = [agree_gpu::tests(&found), faults_gpu::tests(&found), kicks_gpu::tests(&found)];
-    libtest_mimic::run(&arguments, tests.into_iter().flatten().collect()).exit();
+    let tests = [
+        agree_gpu::tests(&found),
+        faults_gpu::tests(&found),
+        kicks_gpu::tests(&found),
+        several_gpu::tests(&found),
+    ];
+    let conclusion = libtest_mimic::run(&arguments, tests.into_iter().flatten().collect());
+    twin::remove();
+    conclusion.exit();
 }

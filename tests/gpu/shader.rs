@@ -1,5 +1,6 @@
 //! Runs on the GPU and on the CPU, and how to compare them bit by bit.
 
+use crate::twin;
 use afmsweep::contact::Law;
 use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
@@ -68,7 +69,10 @@ pub fn gpu() -> Gpu {
 /// The adapters, told; and without Mesa's words about the missing display.
 pub fn found() -> Vec<AdapterReport> {
     // SAFETY: called first of all, before there are threads.
-    unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    unsafe {
+        std::env::set_var("NODEVICE_SELECT", "1");
+        twin::add();
+    }
     let found = adapters();
     if found.is_empty() {
         println!("no GPU adapter here: every test here is ignored");
@@ -77,9 +81,9 @@ pub fn found() -> Vec<AdapterReport> {
     found
 }
 
-/// Whether the adapter rounds as the processor does: a software driver, told not to fuse.
+/// Whether the adapters round as the processor does: software drivers, told not to fuse.
 pub fn exact(found: &[AdapterReport]) -> bool {
-    found.len() == 1 && found[0].software() && found[0].strict
+    !found.is_empty() && found.iter().all(|one| one.software() && one.strict)
 }
 
 /// Rounded after each operation, as the shader does where it is told to.

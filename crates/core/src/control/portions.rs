@@ -247,6 +247,10 @@ mod tests {
             (20, 3)
         }
 
+        fn by_threads(&self) -> bool {
+            true
+        }
+
         fn return_map(&self, plan: &Plan, of: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
             self.0.return_map(plan, of)
         }

@@ -64,6 +64,10 @@ impl Engine for Cpu {
         (1 << 14, 4 * rayon::current_num_threads())
     }
 
+    fn by_threads(&self) -> bool {
+        true
+    }
+
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
         let map = return_map::Map::new(plan, instances, Rounding::new(self.strict))?;
         Ok(Some(Box::new(map)))

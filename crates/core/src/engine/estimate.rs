@@ -1,7 +1,7 @@
 //! How long a plan will take here.
 
 use super::{Engine, EngineError, Progress};
-use crate::plan::Plan;
+use crate::plan::{Class, Plan};
 use std::time::{Duration, Instant};
 
 /// Instances tried per class, and steps tried in all.
@@ -21,15 +21,15 @@ pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
     if plan.instance_steps() == 0 {
         return Ok(0.0);
     }
-    let tried: Vec<u32> = plan
-        .classes()
-        .into_iter()
-        .filter(|class| class.steps > 0)
-        .flat_map(|class| {
-            let every = class.instances.len().div_ceil(INSTANCES);
-            class.instances.into_iter().step_by(every)
-        })
-        .collect();
+    let mut classes = plan.classes();
+    classes.retain(|class| class.steps > 0);
+    // The few of a class keep one device busy.
+    let busy = engine.devices().min(classes.len()).max(1);
+    let few = |class: Class| {
+        let every = class.instances.len().div_ceil(INSTANCES);
+        class.instances.into_iter().step_by(every)
+    };
+    let tried: Vec<u32> = classes.into_iter().flat_map(few).collect();
     let mut trial = plan.part(&tried);
     let per_period = trial.instance_steps() as f64 / f64::from(trial.run.periods);
     trial.run.periods = ((STEPS / per_period) as u32).clamp(1, plan.run.periods);
@@ -44,5 +44,6 @@ pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
         runs += 1.0;
     }
     let seconds = start.elapsed().as_secs_f64() / runs;
-    Ok(seconds * plan.instance_steps() as f64 / trial.instance_steps() as f64)
+    let share = plan.instance_steps() as f64 / trial.instance_steps() as f64;
+    Ok(seconds * share * busy as f64 / engine.devices().max(1) as f64)
 }

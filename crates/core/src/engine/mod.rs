@@ -59,6 +59,21 @@ pub trait Engine: Send + Sync {
         (1 << 17, 1)
     }
 
+    /// Whether many small runs side by side are as good as a large one: the engine has no threads but its callers'.
+    fn by_threads(&self) -> bool {
+        false
+    }
+
+    /// Devices of one kind, of which a small run keeps one busy.
+    fn devices(&self) -> usize {
+        1
+    }
+
+    /// Which of several devices took how much so far, in words; none where there is one.
+    fn dealt(&self) -> Option<String> {
+        None
+    }
+
     /// The return map of these instances, to be asked again and again; none where the engine has no quicker way to
     /// one than to run a plan each time.
     ///

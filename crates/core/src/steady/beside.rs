@@ -40,7 +40,7 @@ pub(super) fn all(
         periods: vec![0; count],
         jumps: Vec::new(),
     };
-    let part = if double.portions().1 > 1 { PART } else { tried.len().max(1) };
+    let part = if double.by_threads() { PART } else { tried.len().max(1) };
     let parts: Vec<_> = by_size(plan, &tried)
         .into_iter()
         .flat_map(|(size, some)| some.chunks(part).map(|some| (size, some.to_vec())).collect::<Vec<_>>())

@@ -12,4 +12,6 @@ pub enum Choice {
     NoDouble(String),
     /// The only GPU adapter is a software driver, which computes on the processor.
     Software,
+    /// One GPU of several of its kind, which have these indices.
+    OneOf(Vec<usize>),
 }

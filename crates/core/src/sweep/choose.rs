@@ -4,7 +4,7 @@ use super::{Backend, Choice, Error, Observer, Options};
 #[cfg(feature = "gpu")]
 use crate::engine::EngineError;
 #[cfg(feature = "gpu")]
-use crate::engine::gpu::{Gpu, adapters};
+use crate::engine::gpu::{Gpu, adapters, alike};
 use crate::engine::{Cpu, Engine, Reference};
 use crate::plan::Plan;
 #[cfg(feature = "gpu")]
@@ -36,7 +36,7 @@ pub(super) fn engine(
     }
 }
 
-/// A GPU that was asked for, by name or as any.
+/// GPUs that were asked for, by name or as any.
 #[cfg(feature = "gpu")]
 fn named(
     options: &Options,
@@ -45,8 +45,10 @@ fn named(
     observer: &dyn Observer,
 ) -> Result<Box<dyn Engine>, Error> {
     let gpu = gpu(options, wanted, plan)?;
-    if wanted.is_none() && gpu.report().software() {
-        observer.chosen(&Choice::Software);
+    match wanted {
+        None if gpu.report().software() => observer.chosen(&Choice::Software),
+        None => others(&gpu, observer),
+        Some(_) => {}
     }
     Ok(Box::new(gpu))
 }
@@ -71,6 +73,14 @@ fn gpu(options: &Options, wanted: Option<&str>, plan: &mut Plan) -> Result<Gpu, 
     Ok(gpu)
 }
 
+/// Tells of others of its kind.
+#[cfg(feature = "gpu")]
+fn others(gpu: &Gpu, observer: &dyn Observer) {
+    if let Some(kind) = alike(&adapters()).into_iter().find(|kind| kind.contains(&gpu.report().index)) {
+        observer.chosen(&Choice::OneOf(kind));
+    }
+}
+
 /// A real GPU if there is one, never a software driver.
 #[cfg(feature = "gpu")]
 fn best(options: &Options, plan: &mut Plan, observer: &dyn Observer) -> Result<Box<dyn Engine>, Error> {
@@ -78,7 +88,9 @@ fn best(options: &Options, plan: &mut Plan, observer: &dyn Observer) -> Result<B
     let open = options.precision.is_none() && plan.run.accuracy >= SINGLE;
     let single = open || options.precision == Some(Precision::F32);
     if let Some(one) = found.iter().find(|one| !one.software() && (single || one.double)) {
-        return Ok(Box::new(gpu(options, Some(&one.index.to_string()), plan)?));
+        let gpu = gpu(options, Some(&one.index.to_string()), plan)?;
+        others(&gpu, observer);
+        return Ok(Box::new(gpu));
     }
     let real = found.iter().find(|one| !one.software());
     observer.chosen(&real.map_or(Choice::NoGpu, |one| Choice::NoDouble(one.name.clone())));

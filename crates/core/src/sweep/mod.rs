@@ -135,7 +135,8 @@ impl Sweep {
         self
     }
 
-    /// The GPU adapter of this index or part of a name; none leaves the choice to the run.
+    /// The GPU adapter of this index or part of a name, several of one kind with commas between them, or `all` of the best
+    /// one's kind; none leaves the choice to the run. No result hangs on how many there are.
     #[must_use]
     pub fn device(mut self, device: Option<String>) -> Self {
         self.options.device = device;
@@ -369,6 +370,7 @@ impl Sweep {
             control::others(&run, &scene.sweep.shape(), engine.as_ref(), progress).map(Some)
         })?;
         let (stepping, taken) = (stepping.elapsed().as_secs_f64(), progress.steps());
+        run.notes.extend(engine.dealt());
         let audit = if exact { Audit::None } else { self.options.audit };
         let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
             audit::redo(audit, &run, stepping, progress)

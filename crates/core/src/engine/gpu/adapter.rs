@@ -1,4 +1,4 @@
-//! Which GPUs there are, and which one to take.
+//! Which GPUs there are, and which to take.
 
 use super::GpuError;
 use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
@@ -14,6 +14,8 @@ pub struct AdapterReport {
     /// `vulkan`, `metal`, `dx12`, ...
     pub interface: String,
     pub driver: String,
+    /// Where it sits in the machine, as `0000:65:00.0`; empty where the driver does not say.
+    pub bus: String,
     /// Whether shaders can compute in f64.
     pub double: bool,
     /// Whether it can be kept from fusing sums and products.
@@ -37,6 +39,11 @@ impl AdapterReport {
         format!("{} ({} GPU, {}{driver})", self.name, self.kind, self.interface)
     }
 
+    /// Whether another one is listed for the same card: two manifests of one driver do that.
+    fn is(&self, other: &Self) -> bool {
+        !self.software() && !self.bus.is_empty() && self.bus == other.bus && self.title() == other.title()
+    }
+
     fn rank(&self) -> usize {
         let order = ["discrete", "integrated", "virtual", "other", "software"];
         order.iter().position(|kind| *kind == self.kind).unwrap_or(order.len())
@@ -58,6 +65,7 @@ fn report(index: usize, adapter: &Adapter) -> AdapterReport {
         },
         interface: info.backend.to_str().to_owned(),
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        bus: info.device_pci_bus_id,
         strict: info.backend == Backend::Vulkan && adapter.features().contains(Features::PASSTHROUGH_SHADERS),
         double: adapter.features().contains(Features::SHADER_F64),
         binding_bytes: limits.max_storage_buffer_binding_size,
@@ -86,28 +94,156 @@ pub fn adapters() -> Vec<AdapterReport> {
     list().into_iter().map(|(_, report)| report).collect()
 }
 
-/// The adapter asked for, by its index or a part of its name; else the best one there is, a software driver
-/// last.
-pub(super) fn choose(wanted: Option<&str>) -> Result<(Adapter, AdapterReport), GpuError> {
-    let mut found = list();
-    if found.is_empty() {
-        return Err(GpuError::NoAdapter);
+/// The indices of adapters of one kind, for each kind of which there are several cards: name, interface and driver are the
+/// same, and so are the last bits of what they compute.
+pub fn alike(found: &[AdapterReport]) -> Vec<Vec<usize>> {
+    let mut kinds: Vec<(String, Vec<&AdapterReport>)> = Vec::new();
+    for one in found {
+        match kinds.iter_mut().find(|kind| kind.0 == one.title()) {
+            Some((_, cards)) if cards.iter().any(|card| card.is(one)) => {}
+            Some((_, cards)) => cards.push(one),
+            None => kinds.push((one.title(), vec![one])),
+        }
     }
-    let place = match wanted {
-        None => {
-            let best = found.iter().enumerate().min_by_key(|(_, (_, report))| report.rank());
-            best.map_or(0, |(place, _)| place)
+    let several = kinds.into_iter().filter(|kind| kind.1.len() > 1);
+    several.map(|(_, cards)| cards.into_iter().map(|one| one.index).collect()).collect()
+}
+
+/// An adapter, and what it can do.
+pub(super) type Found = (Adapter, AdapterReport);
+
+/// The adapters asked for, the first by itself.
+pub(super) fn choose(wanted: Option<&str>) -> Result<(Found, Vec<Found>), GpuError> {
+    let (adapters, reports): (Vec<Adapter>, Vec<AdapterReport>) = list().into_iter().unzip();
+    let places = places(&reports, wanted)?;
+    let mut all: Vec<Option<Found>> = adapters.into_iter().zip(reports).map(Some).collect();
+    let mut chosen = places.into_iter().filter_map(|place| all.get_mut(place)?.take());
+    let first = chosen.next().ok_or(GpuError::NoAdapter)?;
+    Ok((first, chosen.collect()))
+}
+
+/// The places in the list of the adapters asked for: of one by its index or a part of its name, of several with commas
+/// between them, of all of the best one's kind; else the best there is, a software driver last.
+fn places(found: &[AdapterReport], wanted: Option<&str>) -> Result<Vec<usize>, GpuError> {
+    let best = (0..found.len()).min_by_key(|place| found[*place].rank()).ok_or(GpuError::NoAdapter)?;
+    let Some(wanted) = wanted else { return Ok(vec![best]) };
+    if wanted == "all" {
+        let kind = alike(found).into_iter().find(|kind| kind.contains(&found[best].index));
+        let place = |index: &usize| found.iter().position(|one| one.index == *index);
+        return Ok(kind.map_or(vec![best], |kind| kind.iter().filter_map(place).collect()));
+    }
+    let parts: Vec<&str> = wanted.split(',').map(str::trim).collect();
+    let indices = parts.iter().all(|part| part.parse::<usize>().is_ok());
+    // A name may have a comma in it.
+    if !indices && let Ok(place) = one(found, wanted) {
+        return Ok(vec![place]);
+    }
+    let places = parts.into_iter().map(|part| one(found, part)).collect::<Result<Vec<_>, _>>()?;
+    for (n, place) in places.iter().enumerate() {
+        let listed = |other: &&usize| other == &place || found[**other].is(&found[*place]);
+        if let Some(before) = places[..n].iter().find(listed) {
+            let adapter = format!("{} {}", found[*before].index, found[*before].name);
+            return Err(GpuError::Twice { wanted: wanted.into(), adapter });
         }
-        Some(wanted) => {
-            let named = |report: &AdapterReport| match wanted.parse::<usize>() {
-                Ok(index) => report.index == index,
-                Err(_) => report.name.to_lowercase().contains(&wanted.to_lowercase()),
-            };
-            found.iter().position(|(_, report)| named(report)).ok_or_else(|| GpuError::NoSuchAdapter {
-                wanted: wanted.to_owned(),
-                found: found.iter().map(|(_, one)| format!("{} {}", one.index, one.name)).collect(),
-            })?
+    }
+    let mut kinds: Vec<String> = Vec::new();
+    for one in places.iter().map(|place| &found[*place]) {
+        if !kinds.iter().any(|kind| *kind == one.title()) {
+            kinds.push(one.title());
         }
+    }
+    if kinds.len() > 1 {
+        let of_one_kind = alike(found).into_iter().next().unwrap_or_default();
+        return Err(GpuError::Kinds { wanted: wanted.into(), kinds, of_one_kind });
+    }
+    Ok(places)
+}
+
+/// The adapter of this index or part of a name.
+fn one(found: &[AdapterReport], wanted: &str) -> Result<usize, GpuError> {
+    let named = |report: &AdapterReport| match wanted.parse::<usize>() {
+        Ok(index) => report.index == index,
+        Err(_) => !wanted.is_empty() && report.name.to_lowercase().contains(&wanted.to_lowercase()),
     };
-    Ok(found.swap_remove(place))
+    found.iter().position(named).ok_or_else(|| GpuError::NoSuchAdapter {
+        wanted: wanted.to_owned(),
+        found: found.iter().map(|one| format!("{} {}", one.index, one.name)).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A machine with these adapters: name, kind, bus.
+    fn machine(adapters: &[(&str, &'static str, &str)]) -> Vec<AdapterReport> {
+        let one = |(index, (name, kind, bus)): (usize, &(&str, &'static str, &str))| AdapterReport {
+            index,
+            name: (*name).into(),
+            kind,
+            interface: "vulkan".into(),
+            driver: "1.0".into(),
+            bus: (*bus).into(),
+            double: true,
+            strict: true,
+            binding_bytes: 1 << 27,
+            buffer_bytes: 1 << 31,
+            workgroups: 65_535,
+            workgroup_threads: 1024,
+        };
+        adapters.iter().enumerate().map(one).collect()
+    }
+
+    const BIG: (&str, &str) = ("Big 100", "discrete");
+    const SOFT: (&str, &str) = ("soft (LLVM 15, 256 bits)", "software");
+
+    fn node() -> Vec<AdapterReport> {
+        machine(&[
+            (SOFT.0, SOFT.1, ""),
+            (BIG.0, BIG.1, "0000:01:00.0"),
+            (BIG.0, BIG.1, "0000:02:00.0"),
+            ("Small 5", "integrated", "0000:00:02.0"),
+        ])
+    }
+
+    #[test]
+    fn adapters_are_named_one_by_one_or_all_of_a_kind() {
+        let found = node();
+        let of = |wanted: &str| places(&found, Some(wanted)).expect("they are there");
+        assert_eq!(places(&found, None).expect("there is one"), [1]);
+        assert_eq!(of("2"), [2]);
+        assert_eq!(of("small"), [3]);
+        assert_eq!(of("1,2"), [1, 2]);
+        assert_eq!(of("2, 1"), [2, 1]);
+        assert_eq!(of("all"), [1, 2]);
+        // The comma of a name parts nothing.
+        assert_eq!(of("LLVM 15, 256"), [0]);
+        assert_eq!(places(&found[..1], Some("all")).expect("there is one"), [0]);
+        assert_eq!(alike(&found), [[1, 2]]);
+    }
+
+    #[test]
+    fn what_cannot_be_dealt_to_is_refused_in_words() {
+        let found = node();
+        let why = |wanted: &str| places(&found, Some(wanted)).expect_err("it is refused").to_string();
+        assert!(why("1,7").contains("no GPU adapter `7`; there is: 0 soft"), "{}", why("1,7"));
+        assert!(why("1,").contains("no GPU adapter ``"), "{}", why("1,"));
+        assert!(why("1,1").contains("`1,1` names the GPU adapter 1 Big 100 twice"), "{}", why("1,1"));
+        assert!(why("big,big").contains("by its index"), "{}", why("big,big"));
+        let kinds = why("1,3");
+        assert!(kinds.contains("different kinds (Big 100 (discrete GPU, vulkan, 1.0); Small 5"), "{kinds}");
+        assert!(kinds.ends_with("name adapters of one kind, as --device 1,2"), "{kinds}");
+        assert!(places(&[], Some("all")).is_err());
+    }
+
+    /// Two manifests of a driver list each card twice.
+    #[test]
+    fn a_card_is_taken_once() {
+        let (one, two) = ((BIG.0, BIG.1, "0000:01:00.0"), (BIG.0, BIG.1, "0000:02:00.0"));
+        let found = machine(&[one, two, one, two]);
+        assert_eq!(places(&found, Some("all")).expect("they are there"), [0, 1]);
+        assert!(matches!(places(&found, Some("0,2")), Err(GpuError::Twice { .. })));
+        let soft = machine(&[(SOFT.0, SOFT.1, ""), (SOFT.0, SOFT.1, "")]);
+        assert_eq!(places(&soft, Some("all")).expect("they are there"), [0, 1]);
+    }
 }

@@ -1,28 +1,28 @@
-//! The GPU engine: one thread of a compute shader takes one instance through the run.
+//! The GPU engine: one thread of a compute shader takes one instance through the run, on one device or on several.
 
 mod adapter;
 mod chunk;
+mod deal;
+mod dealer;
+mod device;
 mod pace;
 mod pack;
+mod piece;
 mod session;
 mod strict;
 
-pub use adapter::{AdapterReport, adapters};
+pub use adapter::{AdapterReport, adapters, alike};
 pub use chunk::Job;
 
-use super::cpu::{self, Resume};
-use super::measure::{Sums, finish};
-use super::member::member;
-use super::saved::Saved;
-use super::{Ended, Engine, EngineError, Outcome, Progress, station};
-use crate::kernel::Rounding;
+use super::cpu;
+use super::{Engine, EngineError, Outcome, Progress};
 use crate::plan::{Class, Plan, Precision};
-use chunk::{Checkpoint, Chunk};
-use pace::Pace;
-use rayon::prelude::*;
+use deal::Deal;
+use dealer::Dealer;
+use device::Device;
+use piece::Cut;
 use session::Session;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -35,12 +35,27 @@ pub enum GpuError {
     NoAdapter,
     #[error("no GPU adapter `{wanted}`; there is: {}", found.join(", "))]
     NoSuchAdapter { wanted: String, found: Vec<String> },
+    #[error(
+        "`{wanted}` names the GPU adapter {adapter} twice: name each once, by its index as `afmsweep devices` lists them"
+    )]
+    Twice { wanted: String, adapter: String },
+    #[error(
+        "the GPU adapters of `{wanted}` are of different kinds ({}), whose last bits may differ, so that results would hang on which of them ran an instance: name adapters of one kind{}",
+        kinds.join("; "), advice(of_one_kind)
+    )]
+    Kinds { wanted: String, kinds: Vec<String>, of_one_kind: Vec<usize> },
     #[error("{0} cannot compute in f64 in shaders: use --precision f32, or --backend cpu")]
     NoDouble(String),
     #[error("{0} cannot be kept from fusing sums and products: only a Vulkan driver can")]
     NoStrict(String),
     #[error("{adapter} cannot be opened: {why}; use --backend cpu")]
     Device { adapter: String, why: String },
+}
+
+/// `, as 0,1`; nothing where no two are.
+fn advice(of_one_kind: &[usize]) -> String {
+    let indices: Vec<String> = of_one_kind.iter().map(ToString::to_string).collect();
+    if indices.is_empty() { String::new() } else { format!(", as --device {}", indices.join(",")) }
 }
 
 /// What can go wrong on a device that was opened.
@@ -64,6 +79,10 @@ pub struct Drill {
     pub lose_at: Option<u32>,
     /// How often that happens.
     pub times: u32,
+    /// Only to the device of this place among the engine's.
+    pub only: Option<usize>,
+    /// Once lost, a device cannot be opened again.
+    pub for_good: bool,
     /// Chunks of more instances are refused for want of memory.
     pub memory_for: Option<usize>,
     /// Time between checkpoints in place of some seconds.
@@ -75,208 +94,190 @@ pub struct Drill {
 }
 
 impl Drill {
+    fn concerns(&self, place: usize) -> bool {
+        self.only.is_none_or(|only| only == place)
+    }
+
     fn strike(&self, session: &Session) {
-        let Some(at) = self.lose_at else { return };
+        let Some(at) = self.lose_at.filter(|_| self.concerns(session.place)) else { return };
         let number = self.dispatches.fetch_add(1, Ordering::Relaxed) + 1;
         if number.is_multiple_of(at) && self.lost.fetch_add(1, Ordering::Relaxed) < self.times {
             session.device.destroy();
         }
     }
+
+    /// Whether a device is not to be opened any more.
+    fn keeps_shut(&self, place: usize) -> bool {
+        self.for_good && self.concerns(place) && self.lost.load(Ordering::Relaxed) > 0
+    }
 }
 
-/// A GPU, or a driver that plays one.
+/// GPUs of one kind, or a driver that plays one. Of several each run is cut by how fast they have been, and whoever is free
+/// takes the next piece; no result hangs on which of them took it.
 pub struct Gpu {
-    adapter: wgpu::Adapter,
+    devices: Vec<Device>,
+    dealer: Dealer,
     report: AdapterReport,
-    /// Most instances on the device at a time, below what its memory allows.
+    /// Most instances on a device at a time, below what its memory allows.
     pub chunk: Option<usize>,
+    /// Fewest instances of a class that are worth another device.
+    pub least: usize,
     /// Forbids the driver to fuse or reorder sums and products: what it computes is then what the CPU does
     /// with [`Cpu::strict`](crate::engine::Cpu::strict), bit by bit, as far as the device divides and takes roots as IEEE 754 asks. From the start on for
     /// software drivers, to which it costs nothing; only a Vulkan driver can do it.
     pub strict: bool,
     /// For tests of what happens when a device fails.
     pub drill: Drill,
-    /// The device and its compiled shaders between two runs, and the precision and strictness it is open for.
-    idle: Mutex<Option<(Precision, bool, Session)>>,
 }
 
-/// Failures on one chunk after which the CPU takes over.
-const TRIES: u32 = 3;
+/// A GPU takes so many instances in the time of one.
+const LEAST: usize = 1024;
 
 impl Gpu {
-    /// The adapter asked for by index or part of its name; else the best there is.
+    /// The adapters asked for, by index or part of a name, several with commas between them, or `all` of the best one's
+    /// kind; else the best there is.
+    ///
+    /// # Errors
+    /// There is none, or none such; several that are not of one kind.
     pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
-        let (adapter, report) = adapter::choose(wanted)?;
+        let (first, others) = adapter::choose(wanted)?;
+        let report = first.1.clone();
         let strict = report.strict && report.software();
-        let (drill, idle) = (Drill::default(), Mutex::default());
-        Ok(Self { adapter, report, chunk: None, strict, drill, idle })
+        let all = std::iter::once(first).chain(others);
+        let devices: Vec<Device> = all.enumerate().map(|(place, one)| Device::new(place, one)).collect();
+        let (dealer, drill) = (Dealer::new(devices.len()), Drill::default());
+        Ok(Self { devices, dealer, report, chunk: None, least: LEAST, strict, drill })
     }
 
-    /// What it can do.
+    /// What it can do; of several what each can.
     pub fn report(&self) -> &AdapterReport {
         &self.report
     }
 
-    /// Most instances of the class that the device takes at a time.
+    /// What each of its devices can do.
+    pub fn reports(&self) -> impl Iterator<Item = &AdapterReport> {
+        self.devices.iter().map(|one| &one.report)
+    }
+
+    /// Instance-steps that each device has done.
+    pub fn taken(&self) -> Vec<u64> {
+        self.dealer.taken()
+    }
+
+    /// How fast each device is taken to be beside the others until they have shown it.
+    pub fn expect(&self, speeds: &[f64]) {
+        self.dealer.expect(speeds);
+    }
+
+    /// Most instances of the class that a device takes at a time.
     fn capacity(&self, plan: &Plan, class: &Class) -> usize {
         let spec = pack::spec(plan, class);
         let each = spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64;
-        let most = self.report.binding_bytes.min(self.report.buffer_bytes) / each;
+        let bytes = |report: &AdapterReport| report.binding_bytes.min(report.buffer_bytes);
+        let most = self.reports().map(bytes).min().unwrap_or(0) / each;
         // Threads are numbered with 32 bits, workgroups up to the device's limit in two dimensions.
         let most = most.min(1 << 24) as usize;
         self.chunk.map_or(most, |chunk| chunk.min(most)).max(1)
     }
 
-    fn class(
-        &self,
-        plan: &Plan,
-        class: &Class,
-        opened: &mut Opened,
-        progress: &Progress,
-    ) -> Result<Vec<Ended>, EngineError> {
-        let chunks: Vec<&[u32]> = class.instances.chunks(self.capacity(plan, class)).collect();
-        let mut out = Vec::with_capacity(class.instances.len());
-        let begin =
-            |instances: &[u32]| station::begin(plan, instances).map(|saved| Checkpoint { saved, done: 0 });
-        let tables = |instances: &[u32]| {
-            let at = begin(instances);
-            let tables = pack::tables(plan, class, instances, at.as_ref().map(|at| at.saved.as_slice()));
-            (tables, at)
-        };
-        let mut next = chunks.first().map(|first| tables(first));
-        for number in 0..chunks.len() {
-            let Some((packed, at)) = next.take() else { break };
-            // The next chunk's tables are made while this one runs.
-            let (finished, made) = std::thread::scope(|scope| {
-                let tables = &tables;
-                let after = chunks.get(number + 1).map(|after| scope.spawn(move || tables(after)));
-                let finished = self.chunk(plan, class, packed, at, opened, progress);
-                (finished, after.and_then(|made| made.join().ok()))
-            });
-            out.extend(finished?);
-            next = made;
+    /// Opens what was never opened. That no device can be opened is an error before anything is computed; later runs go on
+    /// on the CPU.
+    fn open(&self, precision: Precision) -> Result<Vec<String>, EngineError> {
+        if precision == Precision::F64 && !self.report.double {
+            return Err(GpuError::NoDouble(self.report.name.clone()).into());
         }
-        Ok(out)
-    }
-
-    /// One chunk, whatever happens: on the device, with half as many instances, on the CPU.
-    fn chunk(
-        &self,
-        plan: &Plan,
-        class: &Class,
-        mut tables: pack::Tables,
-        mut checkpoint: Option<Checkpoint>,
-        opened: &mut Opened,
-        progress: &Progress,
-    ) -> Result<Vec<Ended>, EngineError> {
-        for _ in 0..TRIES {
-            let done = checkpoint.as_ref().map_or(0, |at| at.done);
-            opened.open(self, plan.precision);
-            let Opened { session: Some(session), pace, .. } = opened else { break };
-            let run = Chunk::new(plan, class, session, &self.drill, &tables)
-                .and_then(|chunk| chunk.run(done, pace, &mut checkpoint, progress));
-            let failure = match run {
-                Ok(Some(saved)) => return Ok(finish_all(plan, class, &tables.instances, &saved)),
-                Ok(None) => return Ok(vec![Ended::NOT_RUN; tables.instances.len()]),
-                Err(failure) => session.cause(failure),
-            };
-            opened.session = None;
-            opened.pace.slow_down();
-            let saved = checkpoint.as_ref().map(|at| at.saved.as_slice());
-            let count = tables.instances.len();
-            if matches!(failure, Failure::Memory) && count > 1 {
-                opened.notes.push(format!("{failure} with {count} instances: going on with half of them"));
-                let mut out = Vec::with_capacity(count);
-                for half in [0..count / 2, count / 2..count] {
-                    let at = checkpoint.as_ref().map(|at| at.part(half.clone()));
-                    let saved = at.as_ref().map(|at| at.saved.as_slice());
-                    let tables = pack::tables(plan, class, &tables.instances[half], saved);
-                    out.extend(self.chunk(plan, class, tables, at, opened, progress)?);
+        self.dealer.begin_anew();
+        let (mut notes, mut why) = (Vec::new(), None);
+        for place in self.dealer.untried() {
+            match self.devices.get(place).map(|device| device.open(self.strict, &self.drill)) {
+                Some(Err(error)) => {
+                    self.dealer.lost(place);
+                    notes.push(format!("{}{error}", self.who(place)));
+                    why = Some(error);
                 }
-                return Ok(out);
+                _ => self.dealer.give_back(place),
             }
-            let from = checkpoint.as_ref().map_or(0, |at| at.done);
-            opened.notes.push(format!("{failure}: going on from period {from} with a new device"));
-            tables = pack::tables(plan, class, &tables.instances, saved);
         }
-        let from = checkpoint.as_ref().map_or(0, |at| at.done);
-        opened.notes.push(format!("going on from period {from} on the CPU"));
-        let rest = Class { instances: tables.instances, ..class.clone() };
-        let resume = checkpoint.as_ref().map(|at| Resume::Saved(&at.saved, at.done));
-        cpu::resume(plan, &rest, resume, Rounding::new(self.strict), progress)
+        match why {
+            Some(error) if self.dealer.holding() == 0 => Err(error.into()),
+            _ => Ok(notes),
+        }
+    }
+
+    /// `adapter 1: `, of one device nothing.
+    fn who(&self, place: usize) -> String {
+        match self.devices.get(place).filter(|_| self.devices.len() > 1) {
+            Some(device) => format!("adapter {}: ", device.report.index),
+            None => String::new(),
+        }
     }
 }
 
-fn finish_all(plan: &Plan, class: &Class, instances: &[u32], saved: &[Saved]) -> Vec<Ended> {
-    let tell = plan.starts.is_some();
-    instances
-        .par_iter()
-        .zip(saved)
-        .map(|(instance, saved)| {
-            let (case, driven) = member(plan, *instance);
-            let sums = Sums::new(saved.run_sums, saved.finite, plan.run.measure, class.steps);
-            Ended {
-                finished: finish(&sums, &case, driven, &plan.run, plan.wants),
-                end: tell.then(|| Box::new(station::station(saved))),
-            }
-        })
-        .collect()
-}
-
-/// The device while it holds, and what there is to tell.
-struct Opened {
-    session: Option<Session>,
-    pace: Pace,
-    notes: Vec<String>,
-}
-
-impl Opened {
-    /// Opens a device if none is open.
-    fn open(&mut self, gpu: &Gpu, precision: Precision) {
-        if self.session.is_none() {
-            match Session::open(gpu, precision == Precision::F64) {
-                Ok(session) => self.session = Some(session),
-                Err(error) => self.notes.push(error.to_string()),
-            }
-        }
+/// `0, 1 and 2`.
+fn listed(words: &[String]) -> String {
+    match words {
+        [most @ .., last] if !most.is_empty() => format!("{} and {last}", most.join(", ")),
+        _ => words.concat(),
     }
 }
 
 impl Engine for Gpu {
     fn device(&self) -> String {
-        self.report.title()
+        match self.devices.len() {
+            1 => self.report.title(),
+            count => {
+                let indices: Vec<String> = self.reports().map(|one| one.index.to_string()).collect();
+                format!("{count} devices of one kind, {}, adapters {}", self.report.title(), listed(&indices))
+            }
+        }
     }
 
     fn kind(&self) -> String {
-        // What it hands back to the processor, and searches in f64 where it has none, counts too.
-        format!("gpu {} beside {}", self.device(), cpu::Cpu::default().kind())
+        // What it hands back to the processor, and searches in f64 where it has none, counts too; how many devices does not.
+        format!("gpu {} beside {}", self.report.title(), cpu::Cpu::default().kind())
     }
 
     fn double(&self) -> bool {
         self.report.double
     }
 
-    fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
-        // A device that cannot be opened at all is an error, before anything is computed.
-        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
-        let held = idle.take().filter(|held| (held.0, held.1) == (plan.precision, self.strict));
-        let session = match held {
-            Some((.., session)) => session,
-            None => Session::open(self, plan.precision == Precision::F64)?,
+    /// What portions do on the processor is hidden behind those that have a device.
+    fn portions(&self) -> (usize, usize) {
+        (1 << 17, if self.devices.len() > 1 { 2 * self.devices.len() } else { 1 })
+    }
+
+    fn devices(&self) -> usize {
+        self.devices.len()
+    }
+
+    fn dealt(&self) -> Option<String> {
+        let taken = self.taken();
+        let all = taken.iter().sum::<u64>().max(1) as f64;
+        let one = |(report, steps): (&AdapterReport, &u64)| {
+            format!("adapter {} {:.0} %", report.index, 100.0 * *steps as f64 / all)
         };
-        let pace = Pace::new(self.report.software());
-        let mut opened = Opened { session: Some(session), pace, notes: Vec::new() };
+        let words: Vec<String> = self.reports().zip(&taken).map(one).collect();
+        (words.len() > 1).then(|| format!("instance-steps on the GPUs: {}", listed(&words)))
+    }
+
+    fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
         let mut outcome = Outcome::of(plan);
-        for class in &plan.classes() {
-            let finished = match class.steps {
-                0 => cpu::free_class(plan, class),
-                _ if progress.stopped() => continue,
-                _ => self.class(plan, class, &mut opened, progress)?,
-            };
-            outcome.put(&class.instances, finished);
+        outcome.notes = self.open(plan.precision)?;
+        let _entered = self.dealer.enter();
+        let devices = self.dealer.speeds();
+        let cut = Cut { devices: &devices, least: self.least, software: self.report.software() };
+        let mut pieces = Vec::new();
+        for (group, class) in plan.classes().iter().enumerate() {
+            match class.steps {
+                0 => outcome.put(&class.instances, cpu::free_class(plan, class)),
+                _ => pieces.extend(cut.pieces(plan, (group, class), self.capacity(plan, class))),
+            }
         }
-        *idle = opened.session.map(|session| (plan.precision, self.strict, session));
-        outcome.notes = opened.notes;
+        if self.devices.len() > 1 {
+            // The largest first, so that none is left over for the end.
+            pieces.sort_by_key(|piece| std::cmp::Reverse(piece.work(plan)));
+        }
+        Deal::new(self, plan, progress).all(pieces.into(), &mut outcome)?;
         Ok(outcome)
     }
 }

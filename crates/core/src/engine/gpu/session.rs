@@ -1,20 +1,33 @@
 //! One open device: its queue, its pipelines, and whatever went wrong on it.
 
-use super::{Failure, GpuError};
-use super::{Gpu, strict};
+use super::adapter::AdapterReport;
+use super::{Failure, GpuError, strict};
 use crate::kernel::{Binding, ShaderSpec, WORKGROUP};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
-    BufferUsages, ComputePipeline, Device, DeviceDescriptor, Features, MapMode, PassthroughShaderEntryPoint,
+    BufferUsages, ComputePipeline, DeviceDescriptor, Features, MapMode, PassthroughShaderEntryPoint,
     PipelineLayout, PipelineLayoutDescriptor, PollType, Queue, ShaderModule, ShaderModuleDescriptor,
     ShaderModuleDescriptorPassthrough, ShaderRuntimeChecks, ShaderSource, ShaderStages, SubmissionIndex,
 };
 
+/// What is to be opened.
+pub(super) struct Opening<'a> {
+    pub adapter: &'a wgpu::Adapter,
+    pub report: &'a AdapterReport,
+    /// Its place among the engine's devices.
+    pub place: usize,
+    pub strict: bool,
+    /// Changes the shader's text before it is compiled.
+    pub edit: Option<fn(String) -> String>,
+}
+
 /// A device and what is compiled on it.
 pub(super) struct Session {
-    pub device: Device,
+    /// Its place among the engine's devices.
+    pub place: usize,
+    pub device: wgpu::Device,
     pub queue: Queue,
     /// Whether the driver must round after each operation.
     strict: bool,
@@ -33,16 +46,14 @@ fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
 }
 
 impl Session {
-    pub fn open(gpu: &Gpu, double: bool) -> Result<Self, GpuError> {
-        let Gpu { adapter, report, strict, .. } = gpu;
+    /// Opens a device; for f64 as well where it has it, so that one session serves both.
+    pub fn open(opening: &Opening) -> Result<Self, GpuError> {
+        let Opening { adapter, report, place, strict, edit } = *opening;
         let mut features = Features::empty();
-        if double {
-            if !report.double {
-                return Err(GpuError::NoDouble(report.name.clone()));
-            }
+        if report.double {
             features |= Features::SHADER_F64;
         }
-        if *strict {
+        if strict {
             if !report.strict {
                 return Err(GpuError::NoStrict(report.name.clone()));
             }
@@ -70,14 +81,7 @@ impl Session {
         device.set_device_lost_callback(move |reason, message| {
             note(&seen, Failure::Lost(format!("{reason:?} {message}").trim().to_owned()));
         });
-        Ok(Self {
-            device,
-            queue,
-            strict: *strict,
-            edit: gpu.drill.edit,
-            pipelines: Mutex::default(),
-            trouble,
-        })
+        Ok(Self { device, queue, place, strict, edit, pipelines: Mutex::default(), trouble })
     }
 
     /// What `failure` came from: the word of a lost device may come after its first consequences.

@@ -1,0 +1,101 @@
+//! One of an engine's devices: its adapter, and what is open and compiled on it.
+
+use super::adapter::AdapterReport;
+use super::chunk::Chunk;
+use super::pack::Tables;
+use super::piece::Piece;
+use super::session::{Opening, Session};
+use super::{Drill, Failure, GpuError};
+use crate::engine::Progress;
+use crate::engine::saved::Saved;
+use crate::plan::Plan;
+use std::sync::{Mutex, PoisonError};
+
+/// What became of a piece on a device.
+pub(super) enum Fate {
+    /// Its instances at the end of the run.
+    Done(Vec<Saved>),
+    /// The run was stopped.
+    Stopped,
+    Failed(Failure),
+    /// The device cannot be opened.
+    Closed(GpuError),
+}
+
+/// An adapter, and the session on it.
+pub(super) struct Device {
+    adapter: wgpu::Adapter,
+    pub report: AdapterReport,
+    /// Its place among the engine's devices.
+    place: usize,
+    /// What is open, and whether it rounds strictly.
+    open: Mutex<Option<(bool, Session)>>,
+}
+
+impl Device {
+    pub fn new(place: usize, (adapter, report): (wgpu::Adapter, AdapterReport)) -> Self {
+        Self { adapter, report, place, open: Mutex::default() }
+    }
+
+    /// Opens it unless it is open.
+    pub fn open(&self, strict: bool, drill: &Drill) -> Result<(), GpuError> {
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        self.session(&mut open, strict, drill).map(|_| ())
+    }
+
+    /// Forgets what is open.
+    pub fn close(&self) {
+        *self.open.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    fn session<'a>(
+        &self,
+        open: &'a mut Option<(bool, Session)>,
+        strict: bool,
+        drill: &Drill,
+    ) -> Result<&'a Session, GpuError> {
+        let (_, session) = match open.take().filter(|held| held.0 == strict) {
+            Some(held) => open.insert(held),
+            None if drill.keeps_shut(self.place) => {
+                let (adapter, why) = (self.report.name.clone(), "as drilled".into());
+                return Err(GpuError::Device { adapter, why });
+            }
+            None => {
+                let (adapter, report) = (&self.adapter, &self.report);
+                let opening = Opening { adapter, report, place: self.place, strict, edit: drill.edit };
+                open.insert((strict, Session::open(&opening)?))
+            }
+        };
+        Ok(session)
+    }
+
+    /// Steps a piece to the end of the run. Nothing here waits for the threads of the caller's pool, all of which may
+    /// be waiting for devices.
+    pub fn step(
+        &self,
+        plan: &Plan,
+        (piece, tables): (&mut Piece, &Tables),
+        (strict, drill): (bool, &Drill),
+        progress: &Progress,
+    ) -> Fate {
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let session = match self.session(&mut open, strict, drill) {
+            Ok(session) => session,
+            Err(error) => return Fate::Closed(error),
+        };
+        let done = piece.done();
+        let Piece { class, at, pace, .. } = piece;
+        let run = Chunk::new(plan, class, session, drill, tables)
+            .and_then(|chunk| chunk.run(done, pace, at, progress));
+        match run {
+            Ok(Some(saved)) => Fate::Done(saved),
+            Ok(None) => Fate::Stopped,
+            Err(failure) => {
+                let failure = session.cause(failure);
+                *open = None;
+                pace.slow_down();
+                Fate::Failed(failure)
+            }
+        }
+    }
+}
