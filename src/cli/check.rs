@@ -214,7 +214,7 @@ impl Checked {
                 return Ok(Vec::new());
             }
         };
-        voice.say(format_args!("gpu: {}", gpu.report().title()));
+        voice.say(format_args!("gpu: {}", gpu.device()));
         let has = |precision: &Precision| *precision == Precision::F32 || gpu.report().double;
         let columns = [Precision::F64, Precision::F32].into_iter().filter(has).map(|precision| {
             let twin = self.column("cpu", &Cpu { strict: true }, precision)?;

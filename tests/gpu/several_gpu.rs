@@ -58,7 +58,7 @@ fn any_deal_gives_the_same_bits(pair: &Pair) -> Result<(), Failed> {
             [([1.0, 1.0], None), ([9.0, 1.0], None), ([1.0, 9.0], None), ([1.0, 1.0], Some(4))]
         {
             let mut gpu = pair.two();
-            gpu.expect(&speeds);
+            gpu.suppose(&speeds);
             gpu.chunk = chunk;
             let outcome = on(&gpu, &plan);
             let what = format!("{law}, {start}, {}, speeds {speeds:?}, chunks {chunk:?}", precision.name());

@@ -164,7 +164,7 @@ impl Dealer {
     }
 
     /// Sets how fast each device is taken to be.
-    pub fn expect(&self, speeds: &[f64]) {
+    pub fn suppose(&self, speeds: &[f64]) {
         self.states().iter_mut().zip(speeds).for_each(|(one, speed)| one.speed = *speed);
     }
 
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn a_device_that_fails_again_and_again_gets_no_more_work() {
         let dealer = Dealer::new(2);
-        dealer.expect(&[1.0, 2.0]);
+        dealer.suppose(&[1.0, 2.0]);
         for last in [false, false, true] {
             assert_eq!(dealer.lease(1), Some(1));
             assert_eq!(dealer.failed(1), last);

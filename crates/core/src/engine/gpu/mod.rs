@@ -130,7 +130,7 @@ pub struct Gpu {
     pub drill: Drill,
 }
 
-/// A GPU takes so many instances in the time of one.
+/// 16 workgroups: fewer leave most processors of a GPU without work as it is. Not measured on one.
 const LEAST: usize = 1024;
 
 impl Gpu {
@@ -165,8 +165,8 @@ impl Gpu {
     }
 
     /// How fast each device is taken to be beside the others until they have shown it.
-    pub fn expect(&self, speeds: &[f64]) {
-        self.dealer.expect(speeds);
+    pub fn suppose(&self, speeds: &[f64]) {
+        self.dealer.suppose(speeds);
     }
 
     /// Most instances of the class that a device takes at a time.
