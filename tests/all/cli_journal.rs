@@ -194,14 +194,39 @@ fn a_journal_is_gone_on_with_only_by_its_own_run() {
 fn altered(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
     let journal = Journal::read(bytes.to_vec()).unwrap();
     let (before, header) = (journal.header(), journal.header().replace(from, to));
-    let mut record = (header.len() as u32).to_le_bytes().to_vec();
-    record.push(Kind::Header as u8);
-    let sum = crc32fast::hash(&[&record, header.as_bytes()].concat());
-    record.extend(crc32fast::hash(&record).to_le_bytes());
-    record.extend(header.as_bytes());
-    record.extend(sum.to_le_bytes());
     let (start, rest) = (13, 13 + before.len() + 13);
-    [&bytes[..start], &record, &bytes[rest..]].concat()
+    [&bytes[..start], &recorded(Kind::Header, header.as_bytes()), &bytes[rest..]].concat()
+}
+
+/// A record of a journal, with its sums.
+fn recorded(kind: Kind, own: &[u8]) -> Vec<u8> {
+    let mut record = (own.len() as u32).to_le_bytes().to_vec();
+    record.push(kind as u8);
+    let sum = crc32fast::hash(&[&record, own].concat());
+    record.extend(crc32fast::hash(&record).to_le_bytes());
+    record.extend(own);
+    record.extend(sum.to_le_bytes());
+    record
+}
+
+/// A record with right sums that tells of four thousand million instances takes no memory: its portion is run again.
+#[cfg(unix)]
+#[test]
+fn a_portion_of_more_instances_than_there_are_is_run_again() {
+    let desk = Desk::new();
+    let bytes = stopped(&desk);
+    desk.works(&["run", "tapping.toml", "-q", "-o", "whole.h5", "--audit", "2"]);
+    let (number, flags, notes) = (0u64.to_le_bytes(), [1, 1, 0, 0], 0u32.to_le_bytes());
+    let column = [&[0u8][..], &1u64.to_le_bytes()].concat().repeat(1000);
+    let own = [&number[..], &flags, &u32::MAX.to_le_bytes(), &notes, &column].concat();
+    std::fs::write(desk.path("a.h5.partial"), [bytes, recorded(Kind::Portion, &own)].concat()).unwrap();
+    let resume = ["run", "tapping.toml", "-q", "-o", "a.h5", "--audit", "2", "--resume"];
+    let limited = "ulimit -v 8000000; exec \"$0\" \"$@\"";
+    let mut command = std::process::Command::new("sh");
+    command.args(["-c", limited, env!("CARGO_BIN_EXE_afmsweep")]).args(resume).current_dir(desk.path(""));
+    let said = said(command.output().unwrap());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_alike(&desk.path("whole.h5"), &desk.path("a.h5"), "after a portion of too many");
 }
 
 #[test]

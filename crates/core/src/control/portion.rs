@@ -68,8 +68,9 @@ pub trait Keep: Sync {
         true
     }
 
-    /// What became of it in an earlier run. One that was not whole is shown and not gone on with.
-    fn known(&self, _number: usize) -> Option<Portion> {
+    /// What became of it, which has so many instances, in an earlier run. One that was not whole is shown and not gone on
+    /// with.
+    fn known(&self, _number: usize, _instances: usize) -> Option<Portion> {
         None
     }
 

@@ -174,7 +174,7 @@ impl Controlled {
         let mut wanted = Vec::new();
         for number in 0..division.len() {
             let portion = division.portion(number);
-            let known = keep.known(number);
+            let known = keep.known(number, portion.len());
             let runs = keep.wanted(number);
             // What was cut short is run anew, from what was chosen.
             let of_use = known.filter(|known| known.whole || !runs);

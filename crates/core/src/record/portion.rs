@@ -67,7 +67,8 @@ pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
     Some((usize::try_from(number).ok()?, rest.whole(4)? as usize))
 }
 
-/// A portion of so many instances from its bytes; none where they are no such portion.
+/// A portion of so many instances from its bytes; none where they are no such portion. How many there are is the caller's to
+/// know: bytes may tell of more than there is memory for.
 pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
     let mut rest = Rest(bytes);
     rest.take(8)?;

@@ -195,10 +195,10 @@ impl Keep for Keeper {
         self.runs && self.share.has(number)
     }
 
-    fn known(&self, number: usize) -> Option<Portion> {
+    /// Bytes that tell of another number of instances are none of this portion: no memory is asked for by their word.
+    fn known(&self, number: usize, instances: usize) -> Option<Portion> {
         let (_, bytes) = self.record(*self.known.get(&number)?)?;
-        let (_, count) = portion_number(bytes)?;
-        portion_from_bytes(bytes, count)
+        portion_from_bytes(bytes, instances)
     }
 
     fn ended(&self, number: usize, portion: &dyn Fn() -> Portion) -> ControlFlow<()> {
