@@ -95,6 +95,9 @@ pub(super) fn say_choice(choice: &Choice, voice: Voice) {
                 indices.len()
             ));
         }
+        Choice::Without(others) => {
+            voice.say(format_args!("on all GPUs of one kind, without those of another: {}", others.join("; ")));
+        }
         Choice::Software => voice.say(
             "the only GPU adapter is a software driver, which computes on the processor: --backend cpu is faster",
         ),

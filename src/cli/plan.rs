@@ -51,7 +51,7 @@ struct Told(Voice);
 impl Observer for Told {
     fn chosen(&self, choice: &Choice) {
         // Nothing runs: which engine would is told to those who ask, what more there is to all.
-        if self.0.verbose || matches!(choice, Choice::OneOf(_)) {
+        if self.0.verbose || matches!(choice, Choice::OneOf(_) | Choice::Without(_)) {
             say_choice(choice, self.0);
         }
     }

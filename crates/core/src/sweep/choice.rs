@@ -14,4 +14,6 @@ pub enum Choice {
     Software,
     /// One GPU of several of its kind, which have these indices.
     OneOf(Vec<usize>),
+    /// All GPUs of one kind; others, which are told, are left out.
+    Without(Vec<String>),
 }

@@ -48,6 +48,7 @@ fn named(
     match wanted {
         None if gpu.report().software() => observer.chosen(&Choice::Software),
         None => others(&gpu, observer),
+        Some("all") => left_out(&gpu, observer),
         Some(_) => {}
     }
     Ok(Box::new(gpu))
@@ -78,6 +79,16 @@ fn gpu(options: &Options, wanted: Option<&str>, plan: &mut Plan) -> Result<Gpu, 
 fn others(gpu: &Gpu, observer: &dyn Observer) {
     if let Some(kind) = alike(&adapters()).into_iter().find(|kind| kind.contains(&gpu.report().index)) {
         observer.chosen(&Choice::OneOf(kind));
+    }
+}
+
+/// Tells which real GPUs are of another kind than those that were asked for.
+#[cfg(feature = "gpu")]
+fn left_out(gpu: &Gpu, observer: &dyn Observer) {
+    let mut others = adapters();
+    others.retain(|one| !one.software() && one.title() != gpu.report().title());
+    if !others.is_empty() {
+        observer.chosen(&Choice::Without(others.iter().map(|one| one.title()).collect()));
     }
 }
 

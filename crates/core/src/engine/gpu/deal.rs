@@ -4,7 +4,7 @@ use super::dealer::{Did, TRIES};
 use super::device::Fate;
 use super::pack::{self, Tables};
 use super::piece::Piece;
-use super::{Failure, Gpu, GpuError};
+use super::{Failure, Gpu};
 use crate::engine::cpu::{self, Resume};
 use crate::engine::measure::{Sums, finish};
 use crate::engine::member::member;
@@ -95,7 +95,7 @@ impl<'a> Deal<'a> {
                 return outcome.put(&piece.class.instances, ended);
             }
             Fate::Closed(error) => {
-                outcome.notes.push(format!("{}{}", self.gpu.who(place), closed(&error)));
+                outcome.notes.push(self.gpu.without(place, &error));
                 return pieces.push_front(piece);
             }
             Fate::Failed(failure) => failure,
@@ -122,20 +122,14 @@ impl<'a> Deal<'a> {
     /// What no device can do.
     fn on_the_cpu(&self, piece: Piece, outcome: &mut Outcome) -> Result<(), EngineError> {
         let Piece { class, at, .. } = &piece;
-        outcome.notes.push(format!("going on from period {} on the CPU", piece.done()));
+        if self.gpu.dealer.is_news() {
+            outcome.notes.push(format!("going on from period {} on the CPU", piece.done()));
+        }
         let resume = at.as_ref().map(|at| Resume::Saved(&at.saved, at.done));
         let rounding = Rounding::new(self.gpu.strict);
         let ended = cpu::resume(self.plan, class, resume, rounding, self.progress)?;
         outcome.put(&class.instances, ended);
         Ok(())
-    }
-}
-
-/// Why a device is left out.
-fn closed(error: &GpuError) -> String {
-    match error {
-        GpuError::Device { why, .. } => format!("the device cannot be opened ({why}): going on without it"),
-        other => format!("{other}: going on without it"),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Who of an engine's devices is free, how fast each is beside the others, and which are lost.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -15,6 +15,8 @@ struct State {
     busy: bool,
     lost: bool,
     failures: u32,
+    /// Whether it was lost before, and has done nothing since.
+    frail: bool,
     /// Beside the other devices.
     speed: f64,
     /// Instance-steps.
@@ -28,6 +30,8 @@ pub(super) struct Dealer {
     freed: Condvar,
     /// Runs that go on.
     runs: AtomicUsize,
+    /// Whether it was said that nothing is left but the CPU.
+    said: AtomicBool,
 }
 
 /// What a device did of a class: its place, the instance-steps and the time.
@@ -35,8 +39,10 @@ pub(super) type Did = (usize, u64, Duration);
 
 impl Dealer {
     pub fn new(count: usize) -> Self {
-        let state = State { tried: false, busy: false, lost: false, failures: 0, speed: 1.0, taken: 0 };
-        Self { devices: Mutex::new(vec![state; count]), freed: Condvar::new(), runs: AtomicUsize::new(0) }
+        let state =
+            State { tried: false, busy: false, lost: false, failures: 0, frail: false, speed: 1.0, taken: 0 };
+        let devices = Mutex::new(vec![state; count]);
+        Self { devices, freed: Condvar::new(), runs: AtomicUsize::new(0), said: AtomicBool::new(false) }
     }
 
     fn states(&self) -> MutexGuard<'_, Vec<State>> {
@@ -111,7 +117,8 @@ impl Dealer {
 
     /// The device is free again, and did so many instance-steps.
     pub fn did(&self, place: usize, steps: u64) {
-        self.end(place, |one| (one.failures, one.taken) = (0, one.taken + steps));
+        self.said.store(false, Ordering::Relaxed);
+        self.end(place, |one| (one.failures, one.frail, one.taken) = (0, false, one.taken + steps));
     }
 
     /// The device is free again, and failed; true if that was once too often.
@@ -130,12 +137,18 @@ impl Dealer {
         self.end(place, |one| one.lost = true);
     }
 
-    /// Takes devices that are lost for new ones, if all are.
+    /// Where all devices are lost, tries those once more that have done something since they last were.
     pub fn begin_anew(&self) {
         let mut states = self.states();
         if states.iter().all(|one| one.lost) {
-            states.iter_mut().for_each(|one| (one.lost, one.failures) = (false, 0));
+            let firm = states.iter_mut().filter(|one| !one.frail);
+            firm.for_each(|one| (one.lost, one.failures, one.frail) = (false, 0, true));
         }
+    }
+
+    /// Whether it is news that nothing is left but the CPU.
+    pub fn is_news(&self) -> bool {
+        !self.said.swap(true, Ordering::Relaxed)
     }
 
     /// Learns from what several devices did of one class how fast each is beside the others.
@@ -230,7 +243,24 @@ mod tests {
         assert_eq!((dealer.holding(), dealer.taken()), (1, vec![7, 0]));
         dealer.lost(0);
         assert_eq!(dealer.lease(1), None);
+        // Once more, and again only after it has done something.
         dealer.begin_anew();
         assert_eq!(dealer.holding(), 2);
+        assert_eq!(dealer.lease(0), Some(0));
+        dealer.did(0, 1);
+        (0..2).for_each(|place| dealer.lost(place));
+        dealer.begin_anew();
+        assert_eq!((dealer.holding(), dealer.lease(1)), (1, Some(0)));
+        dealer.lost(0);
+        dealer.begin_anew();
+        assert_eq!(dealer.holding(), 0);
+    }
+
+    #[test]
+    fn what_is_left_to_the_cpu_is_said_once() {
+        let dealer = Dealer::new(1);
+        assert_eq!([dealer.is_news(), dealer.is_news()], [true, false]);
+        dealer.did(0, 1);
+        assert!(dealer.is_news());
     }
 }

@@ -192,7 +192,7 @@ impl Gpu {
             match self.devices.get(place).map(|device| device.open(self.strict, &self.drill)) {
                 Some(Err(error)) => {
                     self.dealer.lost(place);
-                    notes.push(format!("{}{error}", self.who(place)));
+                    notes.push(self.without(place, &error));
                     why = Some(error);
                 }
                 _ => self.dealer.give_back(place),
@@ -202,6 +202,15 @@ impl Gpu {
             Some(error) if self.dealer.holding() == 0 => Err(error.into()),
             _ => Ok(notes),
         }
+    }
+
+    /// Why a device is left out.
+    fn without(&self, place: usize, error: &GpuError) -> String {
+        let why = match error {
+            GpuError::Device { why, .. } => format!("the device cannot be opened ({why})"),
+            other => other.to_string(),
+        };
+        format!("{}{why}: going on without it", self.who(place))
     }
 
     /// `adapter 1: `, of one device nothing.
