@@ -3,9 +3,10 @@
 //! FUZZ_SECONDS is set, others for so long in each test. What was found wrong once stands in `tests/scenes/bad` or here.
 
 use afmsweep::Status;
-use afmsweep::control::{Ended, Portion};
+use afmsweep::control::{Ended, Place, Portion};
 use afmsweep::engine::Finished;
-use afmsweep::plan::{BasisRule, Fineness, Precision};
+use afmsweep::periodic::Spectrum;
+use afmsweep::plan::{BasisRule, Fineness, Precision, Station};
 use afmsweep::record::{portion_from_bytes, portion_number, portion_to_bytes};
 use afmsweep::scene::Scene;
 use afmsweep::store::{Earlier, Journal, Kind, RunFile};
@@ -318,6 +319,9 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
 /// Damaged bytes of a portion are none, or a portion that is the same when it is written and read again.
 #[test]
 fn portions_of_any_bytes_come_back_or_are_none() {
+    let spectrum = Spectrum { multiplier: 0.3, least_change: f64::NAN };
+    let rule = BasisRule::Contact { rate: 2e6, count: 3 };
+    let place = Place { station: Station::FREE, spectrum, steps: 256, rule };
     let one = |n: u32| Ended {
         finished: Finished { status: Status::ALL[n as usize % 3], ..Finished::NOT_RUN },
         estimate: 1e-4 * f64::from(n),
@@ -327,14 +331,14 @@ fn portions_of_any_bytes_come_back_or_are_none() {
         neighbour_started: n > 1,
         precision: Precision::F64,
         fineness: Fineness { steps: 64 << n, gap: 1e-8, rule: BasisRule::Shares { accuracy: 1e-3 } },
-        state: None,
-        from_rest: None,
+        state: (n > 0).then(|| Box::new(place)),
+        from_rest: (n == 3).then(|| Box::new((Finished::NOT_RUN, place))),
     };
     let portion = Portion {
         whole: true,
         searched: true,
         curves: false,
-        from_rest: false,
+        from_rest: true,
         instances: (0..4).map(one).collect(),
         notes: vec!["a note".into()],
     };

@@ -21,7 +21,7 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     bytes.extend((number as u64).to_le_bytes());
     bytes.extend([*whole, *searched, *curves, *from_rest].map(u8::from));
     bytes.extend((instances.len() as u32).to_le_bytes());
-    let notes = notes.join("\n");
+    let notes = lines(notes.iter().map(String::as_str)).join("\n");
     bytes.extend((notes.len() as u32).to_le_bytes());
     bytes.extend(notes.as_bytes());
     let first = instances.first().map_or([0; WIDTH], |one| row(one, WIDTH));
@@ -59,6 +59,14 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     bytes
 }
 
+/// Notes as one line each, without empty ones: a driver's words may be many lines.
+fn lines<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let line = |note: &str| -> Vec<String> {
+        note.split(['\n', '\r']).filter(|part| !part.is_empty()).map(str::to_owned).collect()
+    };
+    notes.map(|note| line(note).join(" ")).filter(|note| !note.is_empty()).collect()
+}
+
 /// The number of the portion that the bytes hold, and how many instances it has.
 pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
     let mut rest = Rest(bytes);
@@ -83,7 +91,7 @@ pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
     }
     let length = rest.whole(4)? as usize;
     let notes = std::str::from_utf8(rest.take(length)?).ok()?;
-    let notes = notes.lines().map(str::to_owned).collect();
+    let notes = lines(notes.split('\n'));
     let columns: Vec<Vec<u64>> = (0..WIDTH).map(|_| column(&mut rest, count)).collect::<Option<_>>()?;
     if !rest.0.is_empty() {
         return None;
@@ -302,6 +310,22 @@ mod tests {
             assert!(from_bytes(&bytes, count + 1).is_none());
             assert!((0..bytes.len()).all(|end| from_bytes(&bytes[..end], count).is_none()));
         }
+    }
+
+    /// Many lines of a driver, empty ones, none: each note is one line, and the same after any number of journeys.
+    #[test]
+    fn notes_come_back_one_line_each() {
+        let notes = ["refused:\n\n  two\r\nthree\n", "", "\n\n", "a", "b\r"].map(str::to_owned).to_vec();
+        let one = Portion { notes, ..portion(1, 3) };
+        let back = from_bytes(&to_bytes(0, &one), 1).expect("it is whole");
+        assert_eq!(back.notes, ["refused:   two three", "a", "b"]);
+        let again = from_bytes(&to_bytes(0, &back), 1).expect("it is whole");
+        assert_eq!(again.notes, back.notes);
+        // Empty lines in bytes that somebody else has written are no notes.
+        let mut bytes = to_bytes(0, &Portion { notes: vec!["abcd".into()], ..one });
+        let place = bytes.windows(4).position(|four| four == b"abcd").expect("it is there");
+        bytes[place + 1..place + 4].fill(b'\n');
+        assert_eq!(from_bytes(&bytes, 1).expect("it is whole").notes, ["a"]);
     }
 
     /// Whatever the bytes are, nothing panics and nothing large is asked for.
