@@ -7,6 +7,9 @@ use std::time::Duration;
 /// Failures of a device one after another, after which it gets no more work.
 pub(super) const TRIES: u32 = 3;
 
+/// Of the mean speed, what the slowest device is taken to have.
+const FEWEST: f64 = 0.05;
+
 /// What is known of a device.
 #[derive(Clone, Debug)]
 struct State {
@@ -172,7 +175,8 @@ impl Dealer {
         let before: f64 = seen.iter().map(|one| states[one.0].speed).sum::<f64>() / seen.len() as f64;
         for (place, rate) in seen {
             let speed = &mut states[place].speed;
-            *speed = 0.5 * (*speed + before * rate / mean);
+            // Whoever was slow once is given some work all the same, by which to show whether it still is.
+            *speed = (0.5 * (*speed + before * rate / mean)).max(FEWEST * before);
         }
     }
 
@@ -211,6 +215,10 @@ mod tests {
         let speeds = dealer.speeds();
         assert_eq!(speeds.iter().map(|one| one.0).collect::<Vec<_>>(), [0, 2, 1]);
         assert!((speeds[0].1 / speeds[2].1 - 4.0).abs() < 1e-3 && speeds[1].1 == 1.0, "{speeds:?}");
+        // Stuck for once, a device is not left out for ever.
+        let stuck = Dealer::new(2);
+        (0..50).for_each(|_| stuck.learn(&[(0, 1_000_000, second), (1, 1, second)]));
+        assert!(stuck.speeds()[1].1 > 0.02 * stuck.speeds()[0].1, "{:?}", stuck.speeds());
         // One device alone tells nothing.
         dealer.learn(&[(2, 1_000_000, second)]);
         assert_eq!(dealer.speeds(), speeds);

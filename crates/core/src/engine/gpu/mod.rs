@@ -261,12 +261,12 @@ impl Engine for Gpu {
 
     fn dealt(&self) -> Option<String> {
         let taken = self.taken();
-        let all = taken.iter().sum::<u64>().max(1) as f64;
+        let all = taken.iter().sum::<u64>() as f64;
         let one = |(report, steps): (&AdapterReport, &u64)| {
             format!("adapter {} {:.0} %", report.index, 100.0 * *steps as f64 / all)
         };
         let words: Vec<String> = self.reports().zip(&taken).map(one).collect();
-        (words.len() > 1).then(|| format!("instance-steps on the GPUs: {}", listed(&words)))
+        (words.len() > 1 && all > 0.0).then(|| format!("instance-steps on the GPUs: {}", listed(&words)))
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
