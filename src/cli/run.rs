@@ -175,9 +175,17 @@ fn begin(
     let anyway = args.resume == Some(Resume::Anyway);
     let keeper = Keeper::of_run(file, earlier, share, anyway)?;
     if args.resume.is_some() {
+        let later = match keeper.known_answers() {
+            0 => String::new(),
+            count => format!(", and {count} of what is found after them,"),
+        };
         match keeper.known_portions() {
             0 => voice.say(format_args!("{} has no portion to go on with: begins", partial.display())),
-            count => voice.say(format_args!("goes on with {} of {}", portions(count), partial.display())),
+            count => voice.say(format_args!(
+                "goes on with {}{later} of {}",
+                counted(count, "portion"),
+                partial.display()
+            )),
         }
     }
     let sweep = args
@@ -203,13 +211,13 @@ pub(super) fn lost(journal: &Journal, path: &Path, voice: Voice) {
         ));
     }
     if journal.spoilt > 0 {
-        voice.say(format_args!("{}: {} spoilt; left out", path.display(), portions(journal.spoilt)));
+        voice.say(format_args!("{}: {} spoilt; left out", path.display(), counted(journal.spoilt, "record")));
     }
 }
 
 /// `1 portion`, `2 portions`.
-fn portions(count: usize) -> String {
-    format!("{count} portion{}", if count == 1 { "" } else { "s" })
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {

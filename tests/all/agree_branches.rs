@@ -4,7 +4,7 @@
 
 use crate::support::follow::{Follower, Motion};
 use crate::support::laws::Law;
-use afmsweep::control::{self, Controlled, Others};
+use afmsweep::control::{self, Controlled, InMemory, Others};
 use afmsweep::engine::{Cpu, Progress, on_threads};
 use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -66,7 +66,7 @@ fn run(scene: &Scene, threads: usize) -> (Controlled, Others) {
     let (engine, progress) = (Cpu::default(), Progress::default());
     let both = || {
         let run = control::run(&plan, &engine, &progress).unwrap();
-        let others = control::others(&run, &scene.sweep.shape(), &engine, &progress).unwrap();
+        let others = control::others(&run, &scene.sweep.shape(), &InMemory, &engine, &progress).unwrap();
         (run, others)
     };
     on_threads(Some(threads), both).unwrap()

@@ -95,6 +95,7 @@ mod scenes;
 mod shader_text;
 mod store_damage;
 mod store_file;
+mod store_followups;
 mod store_place;
 mod store_python;
 mod store_scale;

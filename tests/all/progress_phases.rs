@@ -1,6 +1,6 @@
 //! What a run says of itself on the way. Truth: a watcher beside it.
 
-use afmsweep::control;
+use afmsweep::control::{self, InMemory};
 use afmsweep::engine::{Cpu, Phase, Progress};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
@@ -39,8 +39,8 @@ fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
             seen
         });
         let run = control::run(&plan, &engine, &progress).unwrap();
-        control::others(&run, &[plan.len()], &engine, &progress).unwrap();
-        control::audit(&run, 2, &progress).unwrap();
+        control::others(&run, &[plan.len()], &InMemory, &engine, &progress).unwrap();
+        control::audit(&run, 2, &InMemory, &progress).unwrap();
         over.store(true, Ordering::Relaxed);
         seen = watcher.join().unwrap();
     });

@@ -1,5 +1,7 @@
 //! A few instances redone by the reference engine.
 
+use super::asked::{Answer, Question, What};
+use super::portion::Keep;
 use super::{Controlled, truth};
 use crate::compare::{Scales, error, ranked, worst};
 use crate::engine::{Columns, EngineError, Finished, Progress, Reference, TOLERANCE};
@@ -8,6 +10,8 @@ use crate::plan::Plan;
 
 /// Tolerance of the reference's steps in units of the accuracy asked for.
 const FINER: f64 = 1e-5;
+/// Instances for each thread whose states are waited for together.
+const PIECE: usize = 32;
 
 /// One audited instance.
 #[derive(Clone, Debug)]
@@ -48,11 +52,18 @@ impl Audited {
 /// the states that the run searched for): that tells its error, and leaves open whether waiting would end in the
 /// same state. Runs from rest are redone whole.
 ///
+/// What `keep` knows is not redone, and it is told of each instance that is. Of a run that is stopped, what is known comes.
+///
 /// # Errors
 /// What the reference engine says.
-pub fn audit(run: &Controlled, count: usize, progress: &Progress) -> Result<Vec<Audited>, EngineError> {
+pub fn audit(
+    run: &Controlled,
+    count: usize,
+    keep: &dyn Keep,
+    progress: &Progress,
+) -> Result<Vec<Audited>, EngineError> {
     let chosen = ranked(&run.plan, counted(&run.plan, &run.results), count, 1);
-    audit_of(run, &chosen, progress)
+    audit_of(run, &chosen, keep, progress)
 }
 
 /// The instances that an audit may choose from.
@@ -81,16 +92,18 @@ pub fn contacts(Controlled { plan, results, .. }: &Controlled) -> Vec<u32> {
 ///
 /// # Errors
 /// What the reference engine says.
-pub fn audit_of(run: &Controlled, chosen: &[u32], progress: &Progress) -> Result<Vec<Audited>, EngineError> {
-    let Controlled { plan, results, found, .. } = run;
+pub fn audit_of(
+    run: &Controlled,
+    chosen: &[u32],
+    keep: &dyn Keep,
+    progress: &Progress,
+) -> Result<Vec<Audited>, EngineError> {
+    let Controlled { plan, results, .. } = run;
     progress.stage(&["audit"]);
     if chosen.is_empty() {
         return Ok(Vec::new());
     }
-    // Far below what is to be seen, and several times faster than the reference's own.
-    let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
-    let reference = Reference { tolerance, ..Reference::default() };
-    let truths = truth::truths(plan, false, chosen, &truth::known(found), &reference, progress)?;
+    let truths = truths_of(run, chosen, keep, progress)?;
     let one = |(&instance, truth): (&u32, Finished)| {
         let ours = results.get(instance as usize);
         let scales = Scales::of(plan, instance as usize, &truth.measured);
@@ -109,6 +122,45 @@ pub fn audit_of(run: &Controlled, chosen: &[u32], progress: &Progress) -> Result
     let mut all: Vec<Audited> = chosen.iter().zip(truths).filter(done).map(one).collect();
     all.sort_unstable_by_key(|one| one.instance);
     Ok(all)
+}
+
+/// What the reference engine makes of these instances, or has made of them in an earlier run.
+fn truths_of(
+    run: &Controlled,
+    chosen: &[u32],
+    keep: &dyn Keep,
+    progress: &Progress,
+) -> Result<Vec<Finished>, EngineError> {
+    let Controlled { plan, found, .. } = run;
+    // Far below what is to be seen, and several times faster than the reference's own.
+    let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
+    let reference = Reference { tolerance, ..Reference::default() };
+    let known = truth::known(found);
+    let question = |i: u32| Question::new(What::Truth, plan, i, known(i).as_ref());
+    let asked: Vec<Question> = chosen.iter().map(|i| question(*i)).collect();
+    let recalled: Vec<Option<Finished>> =
+        keep.recalled(&asked).into_iter().map(|one| Some(one?.finished)).collect();
+    let left = chosen.iter().zip(&recalled).filter(|(_, known)| known.is_none());
+    let left: Vec<u32> = left.map(|(i, _)| *i).collect();
+    let told = |i: u32, finished: &Finished| {
+        let answer = Answer { finished: *finished, place: None };
+        if keep.answered(&[(question(i), answer)]).is_break() {
+            progress.stop();
+        }
+    };
+    let judge = truth::Judge { reference: &reference, told: &told };
+    // Where no states were searched for, those of a piece are waited for before the first one is redone.
+    let waits = keep.lasts() && found.is_empty();
+    let size = if waits { PIECE * rayon::current_num_threads() } else { left.len().max(1) };
+    let mut truths = Vec::with_capacity(left.len());
+    for piece in left.chunks(size) {
+        match progress.stopped() {
+            true => truths.extend(piece.iter().map(|_| Finished::NOT_RUN)),
+            false => truths.extend(truth::truths(plan, false, piece, &known, &judge, progress)?),
+        }
+    }
+    let mut truths = truths.into_iter();
+    Ok(recalled.into_iter().filter_map(|known| known.or_else(|| truths.next())).collect())
 }
 
 /// Takes the status ok from the instances that an audit found above the accuracy asked for.

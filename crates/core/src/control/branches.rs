@@ -4,6 +4,8 @@
 use super::difference::difference;
 use super::neighbours::Neighbours;
 use super::other::{Others, Second};
+use super::pieces::Pieces;
+use super::portion::Keep;
 use super::{Controlled, second};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
@@ -19,38 +21,57 @@ use std::collections::BTreeMap;
 /// `shape` are the lengths of the sweep's axes, the last running fastest: neighbours are one apart along one of them.
 /// A list of samples has no neighbours (`shape` empty) and is left at the searches from rest.
 ///
+/// What `keep` knows is not searched for again, and it is told of each search that ends. Of a run that is stopped, what is
+/// known comes; a state that is not brought to its end is called not run.
+///
 /// # Errors
 /// What the engine says.
 pub fn others(
     run: &Controlled,
     shape: &[usize],
+    keep: &dyn Keep,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Others, EngineError> {
     progress.stage(&["branches"]);
     let plan: &Plan = &run.plan;
-    let counts = |i: &u32| plan.steps(*i) > 0 && run.results.statuses()[*i as usize] != Status::NotRun;
-    let instances: Vec<u32> = plan.instances().filter(counts).collect();
-    let mut hunt = Hunt { run, seconds: BTreeMap::new() };
+    let instances = searched(plan, run.results.statuses());
+    let pieces = Pieces::new(keep, engine, progress);
+    let mut hunt = Hunt { run, seconds: BTreeMap::new(), open: false };
     let mut all = Others::default();
-    let found = match run.from_rest.is_empty() {
-        true => from_rest((plan, run.results.statuses()), engine, progress, &mut all.notes)?,
-        false => Vec::new(),
-    };
-    for &i in &instances {
-        let second = found.get(i as usize).map_or_else(|| run.from_rest.get(i), Clone::clone);
-        if let Some(Second { finished, place }) = second {
-            hunt.take(i, finished, Some(place));
+    match run.from_rest.is_empty() {
+        true => {
+            let found = pieces.beginning_at_rest(&plan.part(&instances))?;
+            for (&i, one) in instances.iter().zip(found) {
+                match one {
+                    Some((finished, place)) => _ = hunt.take(i, finished, place),
+                    None => hunt.open = true,
+                }
+            }
+        }
+        false => {
+            for &i in &instances {
+                if let Some(Second { finished, place }) = run.from_rest.get(i) {
+                    hunt.take(i, finished, Some(place));
+                }
+            }
         }
     }
     all.from_rest = hunt.count();
     if let Some(neighbours) = Neighbours::of(shape, plan.len()) {
         all.grid = true;
-        hunt.follow(&instances, &neighbours, &mut all, engine, progress)?;
+        hunt.follow(&instances, &neighbours, &mut all, &pieces)?;
     }
-    let seconds = hunt.seconds;
-    all.states = second::estimated(run, seconds, engine, progress)?;
+    all.states = second::estimated(run, hunt.seconds, &pieces)?;
+    all.notes = pieces.notes.into_inner();
+    all.notes.dedup();
     Ok(all)
+}
+
+/// The instances that may have a second state.
+fn searched(plan: &Plan, statuses: &[Status]) -> Vec<u32> {
+    let counts = |i: &u32| plan.steps(*i) > 0 && statuses[*i as usize] != Status::NotRun;
+    plan.instances().filter(counts).collect()
 }
 
 /// What searches from the lever at rest find, by instance of the run: for many instances they are the most of what second
@@ -61,9 +82,7 @@ pub(super) fn from_rest(
     progress: &Progress,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Option<Second>>, EngineError> {
-    let counts = |i: &u32| plan.steps(*i) > 0 && statuses[*i as usize] != Status::NotRun;
-    let instances: Vec<u32> = plan.instances().filter(counts).collect();
-    let settled = steady::from_rest(plan, &instances, engine, progress)?;
+    let settled = steady::from_rest(plan, &searched(plan, statuses), engine, progress)?;
     notes.extend(settled.outcome.notes);
     let state = |(finished, place): (Finished, Option<Box<PeriodicState>>)| {
         // Nobody asks for the map's slope there again.
@@ -84,6 +103,8 @@ enum Which {
 struct Hunt<'a> {
     run: &'a Controlled,
     seconds: BTreeMap<u32, Second>,
+    /// Whether a search was left undone: what would follow from it is not known.
+    open: bool,
 }
 
 impl Hunt<'_> {
@@ -112,15 +133,14 @@ impl Hunt<'_> {
         instances: &[u32],
         neighbours: &Neighbours,
         all: &mut Others,
-        engine: &dyn Engine,
-        progress: &Progress,
+        pieces: &Pieces,
     ) -> Result<(), EngineError> {
         let mut may = vec![false; self.run.plan.len()];
         instances.iter().for_each(|i| may[*i as usize] = true);
         // Of each instance, which states of its neighbours it has been searched from.
         let mut tried = vec![0u64; self.run.plan.len()];
         let mut look: Vec<u32> = instances.to_vec();
-        while !look.is_empty() && !progress.stopped() {
+        while !look.is_empty() && !self.open {
             let mut wave = Vec::new();
             for &i in look.iter().filter(|i| !self.seconds.contains_key(i)) {
                 if let Some((bit, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
@@ -128,7 +148,7 @@ impl Hunt<'_> {
                     wave.push((i, j, which));
                 }
             }
-            look = self.wave(&wave, all, engine, progress)?;
+            look = self.wave(&wave, all, pieces)?;
             let next: Vec<u32> = look.iter().flat_map(|i| neighbours.around(*i)).map(|(_, j)| j).collect();
             // Who found nothing may have other neighbours to try.
             look = wave.into_iter().map(|(i, ..)| i).chain(next).filter(|i| may[*i as usize]).collect();
@@ -143,8 +163,7 @@ impl Hunt<'_> {
         &mut self,
         wave: &[(u32, u32, Which)],
         all: &mut Others,
-        engine: &dyn Engine,
-        progress: &Progress,
+        pieces: &Pieces,
     ) -> Result<Vec<u32>, EngineError> {
         let plan = &self.run.plan;
         let numbers: Vec<u32> = wave.iter().map(|(i, ..)| *i).collect();
@@ -154,17 +173,18 @@ impl Hunt<'_> {
             of.unwrap_or_else(|| Station::free(&part, n as u32))
         };
         let places: Vec<Station> = wave.iter().enumerate().map(place).collect();
-        let mut settled = steady::from_places(&part, &places, engine, progress)?;
         let mut found = Vec::new();
-        for (n, &i) in numbers.iter().enumerate() {
-            if self.take(i, settled.outcome.results[n], settled.found[n].take()) {
+        for (&i, one) in numbers.iter().zip(pieces.beginning_at(&part, &places)?) {
+            let Some((finished, place)) = one else {
+                self.open = true;
+                continue;
+            };
+            all.tried += 1;
+            if self.take(i, finished, place) {
                 found.push(i);
             }
         }
-        all.tried += wave.len();
         all.followed += found.len();
-        all.notes.append(&mut settled.outcome.notes);
-        all.notes.dedup();
         Ok(found)
     }
 

@@ -2,6 +2,7 @@
 //! with more steps or more modes; a few instances are audited by the reference engine.
 
 mod around;
+mod asked;
 mod audit;
 mod blend;
 mod block;
@@ -18,6 +19,8 @@ mod neighbours;
 mod order;
 mod other;
 mod part;
+mod pieces;
+mod place;
 mod portion;
 mod portions;
 mod precision;
@@ -35,13 +38,15 @@ mod truth;
 mod unfinished;
 mod verdict;
 
+pub use asked::{Allowance, Answer, Question, What};
 pub use audit::{Audited, audit, audit_of, contacts, mark};
 pub use branches::others;
 pub use choices::{Choices, Course, choose};
 pub use division::Division;
 pub use other::{Other, Others};
 pub use part::Part;
-pub use portion::{Ended, InMemory, Keep, Place, Portion};
+pub use place::Place;
+pub use portion::{Ended, InMemory, Keep, Portion};
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
 

@@ -1,12 +1,12 @@
 //! What became of some instances of a run, as plain data apart from their plan: what a run writes down to go on from.
 
+use super::asked::{Allowance, Answer, Question};
 use super::choices::Choices;
 use super::other::Second;
+use super::place::Place;
 use super::{Arithmetic, Part};
 use crate::engine::{Finished, Outcome};
-use crate::periodic::Spectrum;
-use crate::plan::{BasisRule, Fineness, Plan, Precision, Station};
-use crate::steady::PeriodicState;
+use crate::plan::{Fineness, Plan, Precision};
 use std::ops::ControlFlow;
 
 /// What became of the instances of a portion, in its order.
@@ -42,16 +42,7 @@ pub struct Ended {
     pub from_rest: Option<Box<(Finished, Place)>>,
 }
 
-/// A periodic state without the slope of its map.
-#[derive(Clone, Copy, Debug)]
-pub struct Place {
-    pub station: Station,
-    pub spectrum: Spectrum,
-    pub steps: u32,
-    pub rule: BasisRule,
-}
-
-/// What is known of a run's portions before it begins, and who is told of each that ends.
+/// What is known of a run before it begins, of its portions and of what is asked after them, and who is told of what ends.
 pub trait Keep: Sync {
     /// In how many shares the run is done: these decide how it is divided.
     fn shares(&self) -> usize {
@@ -78,6 +69,46 @@ pub trait Keep: Sync {
     fn ended(&self, _number: usize, _portion: &dyn Fn() -> Portion) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+
+    /// Whether what it is told outlasts the run: then it is told of pieces of the work.
+    fn lasts(&self) -> bool {
+        false
+    }
+
+    /// The answers that an earlier run has found, one for each question.
+    fn recalled(&self, asked: &[Question]) -> Vec<Option<Answer>> {
+        vec![None; asked.len()]
+    }
+
+    /// Questions that have been answered; a break ends the run.
+    fn answered(&self, _all: &[(Question, Answer)]) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// The instances that an earlier run's audit has redone.
+    fn redone(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
+    /// The numbers that answer a question of another kind, as an earlier run has found them.
+    fn numbers(&self, _asked: &Question) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Numbers that answer such a question; a break ends the run.
+    fn numbered(&self, _asked: &Question, _numbers: &[f64]) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// What an earlier run's audit has spent.
+    fn allowance(&self) -> Option<Allowance> {
+        None
+    }
+
+    /// What the audit has spent so far; a break ends the run.
+    fn spent(&self, _so_far: Allowance) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 /// Nothing is known, and nobody is told.
@@ -85,20 +116,6 @@ pub trait Keep: Sync {
 pub struct InMemory;
 
 impl Keep for InMemory {}
-
-impl Place {
-    fn of(state: &PeriodicState) -> Self {
-        let PeriodicState { station, spectrum, steps, ref kept, .. } = *state;
-        Self { station, spectrum, steps, rule: kept.rule }
-    }
-
-    /// As the state of an instance.
-    fn state(self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
-        let Self { station, spectrum, steps, rule } = self;
-        let kept = plan.basis_by(instance, rule);
-        Box::new(PeriodicState { station, spectrum, steps, kept, slope: Box::default() })
-    }
-}
 
 impl Portion {
     /// Of a run of some instances.

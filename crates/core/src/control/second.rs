@@ -3,7 +3,8 @@
 use super::Controlled;
 use super::difference::difference;
 use super::other::{Other, Second};
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use super::pieces::Pieces;
+use crate::engine::{EngineError, Finished};
 use crate::observe::Status;
 use crate::plan::{Case, Plan, STEPS_MAX, Station};
 use crate::steady::{self, PeriodicState};
@@ -13,12 +14,12 @@ use std::collections::{BTreeMap, HashMap};
 /// with the next richer basis, both searched for from where it is. What stays above the aim has its steps doubled, as the
 /// first states have. A state that another number of steps or another basis does not have has an infinite estimate.
 ///
-/// Nothing is estimated of instances whose first states have no estimate.
+/// Nothing is estimated of instances whose first states have no estimate. What a run that was stopped has not brought to its
+/// end is called not run.
 pub(super) fn estimated(
     run: &Controlled,
     seconds: BTreeMap<u32, Second>,
-    engine: &dyn Engine,
-    progress: &Progress,
+    pieces: &Pieces,
 ) -> Result<Vec<Other>, EngineError> {
     let (numbers, all): (Vec<u32>, Vec<Second>) = seconds.into_iter().unzip();
     let plan = run.plan.part(&numbers);
@@ -36,14 +37,19 @@ pub(super) fn estimated(
         of_modes: numbers.iter().map(|i| run.left_out[*i as usize]).collect(),
         others: others.collect(),
         places: all.into_iter().map(|second| *second.place).collect(),
+        open: vec![false; numbers.len()],
         plan,
     };
     if known.is_empty() {
         return Ok(sight.others);
     }
-    sight.look(&known, engine, progress)?;
+    sight.look(&known, pieces)?;
     for &n in &known {
         let other = &mut sight.others[n as usize];
+        if sight.open[n as usize] {
+            other.finished.status = Status::NotRun;
+            continue;
+        }
         other.estimate = sight.of_steps[n as usize] + sight.of_modes[n as usize];
         if other.finished.status == Status::Ok && other.estimate > sight.plan.run.accuracy {
             other.finished.status = Status::AccuracyNotMet;
@@ -59,20 +65,22 @@ struct Sight {
     places: Vec<PeriodicState>,
     of_steps: Vec<f64>,
     of_modes: Vec<f64>,
+    /// Whether something of it was left undone.
+    open: Vec<bool>,
 }
 
 impl Sight {
-    fn look(&mut self, known: &[u32], engine: &dyn Engine, progress: &Progress) -> Result<(), EngineError> {
+    fn look(&mut self, known: &[u32], pieces: &Pieces) -> Result<(), EngineError> {
         let (fewest, left) = (self.plan.policy.fewest_steps, self.plan.policy.left_of_steps);
         let halved = |case: &Case| (case.steps / 2).max(fewest.min(case.steps));
         let coarse = self.plan.part(known).with_steps(halved);
-        for (n, found) in self.again(&coarse, known, engine, progress)? {
+        for (n, found) in self.again(&coarse, known, pieces)? {
             self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
         }
         let (poor, _) = self.plan.can_be_richer(known.to_vec());
         let rich = self.plan.part(&poor).with_richer_bases();
         let mut taken = HashMap::new();
-        for (there, (n, found)) in self.again(&rich, &poor, engine, progress)?.into_iter().enumerate() {
+        for (there, (n, found)) in self.again(&rich, &poor, pieces)?.into_iter().enumerate() {
             self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| left * apart);
             if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
                 self.put(n, finished, *place);
@@ -83,15 +91,18 @@ impl Sight {
             let leads = |n: usize| self.of_steps[n] >= self.of_modes[n];
             let doubtful = |n: &&u32| {
                 let n = **n as usize;
-                self.estimate(n) > self.aim() && leads(n) && self.plan.steps(n as u32) <= STEPS_MAX / 2
+                !self.open[n]
+                    && self.estimate(n) > self.aim()
+                    && leads(n)
+                    && self.plan.steps(n as u32) <= STEPS_MAX / 2
             };
             let rough: Vec<u32> = known.iter().filter(doubtful).copied().collect();
-            if rough.is_empty() || progress.stopped() {
+            if rough.is_empty() {
                 break;
             }
             let finer = self.plan.part(&rough).with_steps(|case| 2 * case.steps);
             let mut taken = HashMap::new();
-            for (there, (n, found)) in self.again(&finer, &rough, engine, progress)?.into_iter().enumerate() {
+            for (there, (n, found)) in self.again(&finer, &rough, pieces)?.into_iter().enumerate() {
                 let Some((apart, finished, place)) = found else { continue };
                 self.of_steps[n] = left * apart;
                 self.put(n, finished, *place);
@@ -117,29 +128,26 @@ impl Sight {
     }
 
     /// The states of these instances as another plan has them, which is of them alone, and how far they are from what is
-    /// known; none where it has no such state.
-    fn again(
-        &self,
-        plan: &Plan,
-        instances: &[u32],
-        engine: &dyn Engine,
-        progress: &Progress,
-    ) -> Result<Vec<Again>, EngineError> {
+    /// known; none where it has no such state, or nobody has looked.
+    fn again(&mut self, plan: &Plan, instances: &[u32], pieces: &Pieces) -> Result<Vec<Again>, EngineError> {
         let place = |(there, n): (usize, &u32)| {
             steady::carried((&self.plan, *n, &self.places[*n as usize]), plan, there as u32)
         };
         let places: Vec<Station> = instances.iter().enumerate().map(place).collect();
-        let mut settled = steady::from_places(plan, &places, engine, progress)?;
-        let again = |(there, n): (usize, &u32)| {
+        let mut all = Vec::with_capacity(instances.len());
+        for (there, (n, found)) in instances.iter().zip(pieces.beginning_at(plan, &places)?).enumerate() {
             let n = *n as usize;
-            let finished = settled.outcome.results[there];
+            let Some((finished, place)) = found else {
+                self.open[n] = true;
+                all.push((n, None));
+                continue;
+            };
             let apart = difference(plan, there as u32, &self.others[n].finished, &finished);
-            let place = settled.found[there].take();
             let another = SAME.max(plan.policy.branches_apart * plan.run.accuracy);
             let same = |place| (apart <= another).then_some((apart, finished, place));
-            (n, place.and_then(same))
-        };
-        Ok(instances.iter().enumerate().map(again).collect())
+            all.push((n, place.and_then(same)));
+        }
+        Ok(all)
     }
 }
 

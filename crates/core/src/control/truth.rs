@@ -30,7 +30,7 @@ pub fn by_reference(plan: &Plan, reference: &Reference, progress: &Progress) -> 
             true => vec![Finished::NOT_RUN; stepped.len()],
             false => {
                 let known = |i: u32| found.get(i as usize)?.as_deref().map(|place| place.station);
-                truths(&plan, true, &stepped, &known, reference, progress)?
+                truths(&plan, true, &stepped, &known, &Judge::of(reference), progress)?
             }
         };
         stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
@@ -109,6 +109,23 @@ fn stations(
     Ok(instances.iter().map(|i| known(*i).or_else(|| end(*i))).collect())
 }
 
+/// The reference engine, and who is told of each instance that it has redone.
+pub(super) struct Judge<'a> {
+    pub reference: &'a Reference,
+    /// Told of an instance of the plan and what has become of it.
+    pub told: &'a (dyn Fn(u32, &Finished) + Sync),
+}
+
+impl<'a> Judge<'a> {
+    /// Nobody is told.
+    pub fn of(reference: &'a Reference) -> Self {
+        Self { reference, told: &|_, _| () }
+    }
+}
+
+/// What is said of an instance next to whose state the reference finds none.
+const LOST: Finished = Finished { measured: Measured::NONE, status: Status::NotSteady };
+
 /// The reference's results of these instances: their periodic states next to where the stepped engine was; where that
 /// has none, a whole run if it is to `wait`, and else the word that it is not steady. Runs from rest are whole ones.
 /// Contact time is measured, whether the plan wants it or not.
@@ -117,30 +134,34 @@ pub(super) fn truths(
     wait: bool,
     instances: &[u32],
     known: Known,
-    reference: &Reference,
+    judge: &Judge,
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
-    let near = near(plan, instances, known, reference, progress)?;
+    let waits = wait || plan.run.start == Start::Rest;
+    let told = |i: u32, found: Option<&Finished>| match found {
+        Some(one) if one.status != Status::NotRun => (judge.told)(i, one),
+        // Who was stopped on the way has not looked everywhere.
+        None if !waits && !progress.stopped() => (judge.told)(i, &LOST),
+        _ => (),
+    };
+    let near = near((plan, instances), known, judge.reference, &told, progress)?;
     let none = || (0..instances.len()).filter(|n| near[*n].is_none());
-    let left: Vec<u32> = match wait || plan.run.start == Start::Rest {
+    let left: Vec<u32> = match waits {
         true => none().map(|n| instances[n]).collect(),
         false => Vec::new(),
     };
-    let lost = match progress.stopped() {
-        true => Finished::NOT_RUN,
-        false => Finished { measured: Measured::NONE, status: Status::NotSteady },
-    };
-    let mut whole = whole(plan, &left, reference, progress)?.into_iter();
+    let lost = if progress.stopped() { Finished::NOT_RUN } else { LOST };
+    let mut whole = whole(plan, &left, judge, progress)?.into_iter();
     Ok(near.into_iter().map(|one| one.or_else(|| whole.next()).unwrap_or(lost)).collect())
 }
 
 /// The reference's periodic states of these instances next to where the stepped engine was; none where it finds none or
 /// the beginning counts.
 fn near(
-    plan: &Plan,
-    instances: &[u32],
+    (plan, instances): (&Plan, &[u32]),
     known: Known,
     reference: &Reference,
+    told: &(dyn Fn(u32, Option<&Finished>) + Sync),
     progress: &Progress,
 ) -> Result<Vec<Option<Finished>>, EngineError> {
     let stations = stations(plan, instances, known, progress)?;
@@ -155,6 +176,7 @@ fn near(
         .filter_map(|(n, station)| Some((n, station.as_ref()?)))
         .map(|(n, station)| {
             let near = solve_near(&part, n, station, reference, progress)?;
+            told(instances[n], near.as_ref());
             progress.done(1);
             Ok((n, near))
         })
@@ -167,18 +189,23 @@ fn near(
 fn whole(
     plan: &Plan,
     instances: &[u32],
-    reference: &Reference,
+    judge: &Judge,
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
-    match instances.is_empty() {
-        true => Ok(Vec::new()),
-        false => {
-            let left = with_contact(plan, instances);
-            progress.task("waiting", 0);
-            progress.foresee(left.instance_steps());
-            Ok(reference.run(&left, progress)?.results)
-        }
+    if instances.is_empty() {
+        return Ok(Vec::new());
     }
+    let left = with_contact(plan, instances);
+    progress.task("waiting", 0);
+    progress.foresee(left.instance_steps());
+    let one = |(n, i): (usize, &u32)| {
+        let finished = judge.reference.alone(&left, n, progress)?;
+        if finished.status != Status::NotRun {
+            (judge.told)(*i, &finished);
+        }
+        Ok(finished)
+    };
+    instances.par_iter().enumerate().map(one).collect()
 }
 
 /// These instances alone, with the contact time measured.
@@ -224,11 +251,11 @@ pub fn beside(
     let search = plan.run.steady == Steady::Search;
     let first: Vec<Option<(Finished, Way)>> = match search {
         true => {
-            let near = near(plan, chosen, &known(&run.found), reference, progress)?;
+            let near = near((plan, chosen), &known(&run.found), reference, &|_, _| (), progress)?;
             near.into_iter().map(|one| one.map(|one| (one, Way::State))).collect()
         }
         false => {
-            let whole = whole(plan, chosen, reference, progress)?;
+            let whole = whole(plan, chosen, &Judge::of(reference), progress)?;
             whole.into_iter().map(|one| Some((one, Way::Run))).collect()
         }
     };
@@ -237,8 +264,8 @@ pub fn beside(
     let left: Vec<u32> = unsettled.map(|(i, _)| *i).collect();
     let second: Vec<Option<Finished>> = match search {
         true if plan.ensemble.curves.is_some() => vec![None; left.len()],
-        true => whole(plan, &left, reference, progress)?.into_iter().map(Some).collect(),
-        false => near(plan, &left, &known(&run.found), reference, progress)?,
+        true => whole(plan, &left, &Judge::of(reference), progress)?.into_iter().map(Some).collect(),
+        false => near((plan, &left), &known(&run.found), reference, &|_, _| (), progress)?,
     };
     let way = if search { Way::Run } else { Way::State };
     let mut second = second.into_iter();

@@ -1,6 +1,8 @@
 //! From a finished run to the plain data of its results file.
 
+mod answers;
 mod audit;
+mod columns;
 mod portion;
 mod search;
 mod waveforms;
@@ -16,10 +18,14 @@ use crate::scene::{Layout, Params, Scene};
 use crate::store::{Attribute, Coordinate, Flags, ForceCurve, Results, Variable};
 use rayon::prelude::*;
 
+pub use answers::{
+    allowance_from_bytes, allowance_to_bytes, from_bytes as answers_from_bytes, numbers_from_bytes,
+    numbers_question, numbers_to_bytes, questions, to_bytes as answers_to_bytes,
+};
 pub use audit::{audit, error_estimate};
 pub use portion::{from_bytes as portion_from_bytes, number as portion_number, to_bytes as portion_to_bytes};
 pub use search::{BRANCHES, JUMPS, jumps, search};
-pub use waveforms::waveforms;
+pub use waveforms::{waveforms, waveforms_kept};
 
 /// The revision of the sources that the program was built from: `git describe`, or `unknown` outside a repository.
 pub const SOURCE_REVISION: &str = env!("AFMSWEEP_REVISION");

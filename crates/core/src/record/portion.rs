@@ -1,5 +1,6 @@
-//! A portion of a run as bytes and back: every number by its bits, column by column, and a column of one number as that.
+//! A portion of a run as bytes and back: every number by its bits, column by column.
 
+use super::columns::{self, Rest};
 use crate::control::{Ended, Place, Portion};
 use crate::engine::Finished;
 use crate::observe::{Measured, Status};
@@ -10,7 +11,7 @@ use rayon::prelude::*;
 /// Modes that a station has room for.
 const MODES: usize = Station::FREE.x.len();
 /// Numbers of a result and its state; of an instance's own, and with what a search from rest found.
-const STATE: usize = (Measured::WIDTH + 1) + (1 + 8 + 2 * MODES);
+pub(super) const STATE: usize = (Measured::WIDTH + 1) + (1 + 8 + 2 * MODES);
 const OWN: usize = STATE + 8 + 3;
 const WIDTH: usize = OWN + STATE;
 
@@ -28,34 +29,7 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     // Without searches from rest their columns are the same for all.
     let rests = instances.iter().any(|one| one.from_rest.is_some());
     let width = if rests { WIDTH } else { OWN };
-    // Most columns are of one number.
-    let (mut differ, mut any) = ([0; WIDTH], [0; WIDTH]);
-    for row in instances.iter().map(|one| row(one, width)) {
-        for column in 0..width {
-            differ[column] |= row[column] ^ first[column];
-            any[column] |= row[column];
-        }
-    }
-    let columns: Vec<usize> = (0..WIDTH).filter(|column| differ[*column] != 0).collect();
-    let mut varying = vec![Vec::with_capacity(instances.len()); columns.len()];
-    for row in instances.iter().map(|one| row(one, width)) {
-        varying.iter_mut().zip(&columns).for_each(|(values, column)| values.push(row[*column]));
-    }
-    let mut varying = varying.into_iter();
-    for column in 0..WIDTH {
-        match differ[column] {
-            0 => {
-                bytes.push(0);
-                bytes.extend(first[column].to_le_bytes());
-            }
-            _ => {
-                let width = (8 - any[column].leading_zeros() / 8) as usize;
-                bytes.push(width as u8);
-                let values = varying.next().unwrap_or_default();
-                values.iter().for_each(|value| bytes.extend(&value.to_le_bytes()[..width]));
-            }
-        }
-    }
+    columns::write(&mut bytes, (first, width), instances.len(), |n| row(&instances[n], width));
     bytes
 }
 
@@ -92,44 +66,13 @@ pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
     let length = rest.whole(4)? as usize;
     let notes = std::str::from_utf8(rest.take(length)?).ok()?;
     let notes = lines(notes.split('\n'));
-    let columns: Vec<Vec<u64>> = (0..WIDTH).map(|_| column(&mut rest, count)).collect::<Option<_>>()?;
+    let columns = columns::read(&mut rest, WIDTH, count)?;
     if !rest.0.is_empty() {
         return None;
     }
     let one = |i: usize| ended(&mut columns.iter().map(|column| column[i]));
     let instances = (0..count).into_par_iter().map(one).collect::<Option<_>>()?;
     Some(Portion { whole, searched, curves, from_rest, instances, notes })
-}
-
-fn column(rest: &mut Rest, count: usize) -> Option<Vec<u64>> {
-    match rest.whole(1)? as usize {
-        0 => Some(vec![rest.whole(8)?; count]),
-        width @ 1..=8 => {
-            let bytes = rest.take(width.checked_mul(count)?)?;
-            Some(bytes.chunks_exact(width).map(little).collect())
-        }
-        _ => None,
-    }
-}
-
-/// Bytes that are still to be read.
-struct Rest<'a>(&'a [u8]);
-
-impl<'a> Rest<'a> {
-    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
-    }
-
-    /// A whole number of so many bytes.
-    fn whole(&mut self, width: usize) -> Option<u64> {
-        self.take(width).map(little)
-    }
-}
-
-fn little(bytes: &[u8]) -> u64 {
-    bytes.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte))
 }
 
 fn rule(one: BasisRule) -> [u64; 3] {
@@ -165,13 +108,13 @@ fn row(one: &Ended, width: usize) -> [u64; WIDTH] {
     row
 }
 
-fn finish(one: &Finished, put: &mut impl FnMut(u64)) {
+pub(super) fn finish(one: &Finished, put: &mut impl FnMut(u64)) {
     one.measured.numbers().into_iter().for_each(|value| put(value.to_bits()));
     put(one.status as u64);
 }
 
 /// Zeros where there is no state.
-fn stand(state: Option<&Place>, put: &mut impl FnMut(u64)) {
+pub(super) fn stand(state: Option<&Place>, put: &mut impl FnMut(u64)) {
     put(u64::from(state.is_some()));
     let none = Place {
         station: Station { finite: false, ..Station::FREE },
@@ -216,7 +159,7 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     })
 }
 
-fn of_finished(numbers: &mut impl Iterator<Item = u64>) -> Option<Finished> {
+pub(super) fn of_finished(numbers: &mut impl Iterator<Item = u64>) -> Option<Finished> {
     let mut all = [f64::NAN; Measured::WIDTH];
     for place in &mut all {
         *place = f64::from_bits(numbers.next()?);
@@ -237,7 +180,7 @@ fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
 }
 
 /// A state, if there is one.
-fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Option<Place>> {
+pub(super) fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Option<Place>> {
     let is_any = numbers.next()? == 1;
     let (touching, finite) = (numbers.next()? == 1, numbers.next()? == 1);
     let multiplier = f64::from_bits(numbers.next()?);

@@ -1,5 +1,6 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
+use crate::control::{InMemory, Keep, Question, What};
 use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
 use crate::plan::{Plan, Station};
@@ -13,7 +14,23 @@ use std::f64::consts::TAU;
 /// drive's phase on. Time counts from the start of the run, or, where that is arbitrary (a start
 /// in steady motion), from the first sample. `found` holds the periodic states that were found, by instance, or
 /// nothing.
+///
+/// # Errors
+/// What the engine says.
 pub fn waveforms(plan: &Plan, found: &States, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
+    waveforms_kept(plan, found, request, &InMemory)
+}
+
+/// [`waveforms`]; what `keep` knows is not computed again, and it is told of each instance's.
+///
+/// # Errors
+/// What the engine says.
+pub fn waveforms_kept(
+    plan: &Plan,
+    found: &States,
+    request: &WaveformRequest,
+    keep: &dyn Keep,
+) -> Result<Waveforms, EngineError> {
     let mut all = Waveforms::default();
     let mut times: Vec<Vec<f64>> = Vec::new();
     let rows: Vec<Rows> = request
@@ -21,9 +38,17 @@ pub fn waveforms(plan: &Plan, found: &States, request: &WaveformRequest) -> Resu
         .par_iter()
         .map(|&instance| {
             let place = found.get(instance);
-            instance_rows(plan, instance, place.as_ref().map(|place| &place.station), request)
+            let from = place.as_ref().map(|place| &place.station);
+            let question = Question::new(What::Waveforms, plan, instance as u32, from);
+            if let Some(known) = keep.numbers(&question).and_then(|numbers| Rows::of(&numbers, request)) {
+                return Ok(known);
+            }
+            let rows = instance_rows(plan, instance, from, request)?;
+            // What went wrong is known to whoever keeps it, and nothing more is to be done here.
+            let _ = keep.numbered(&question, &rows.numbers());
+            Ok(rows)
         })
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<_, EngineError>>()?;
     all.instances = request.instances.iter().map(|&instance| instance as u64).collect();
     for rows in rows {
         times.push(rows.time);
@@ -49,6 +74,36 @@ struct Rows {
     force: Vec<f64>,
 }
 
+/// Samples of a waveform.
+fn samples(request: &WaveformRequest) -> usize {
+    request.samples_per_period as usize * request.periods as usize
+}
+
+impl Rows {
+    /// All of them, one after the other.
+    fn numbers(&self) -> Vec<f64> {
+        [&self.time, &self.tip_travel, &self.actuator_top, &self.indentation, &self.force]
+            .map(|row| &row[..])
+            .concat()
+    }
+
+    /// Back from these; none where they are not as many.
+    fn of(numbers: &[f64], request: &WaveformRequest) -> Option<Self> {
+        let count = samples(request);
+        if numbers.len() != 5 * count {
+            return None;
+        }
+        let row = |n: usize| numbers[n * count..][..count].to_vec();
+        Some(Self {
+            time: row(0),
+            tip_travel: row(1),
+            actuator_top: row(2),
+            indentation: row(3),
+            force: row(4),
+        })
+    }
+}
+
 fn instance_rows(
     plan: &Plan,
     instance: usize,
@@ -64,7 +119,7 @@ fn instance_rows(
     let length = TAU / free.omega;
     let run_start = f64::from(plan.run.periods - request.periods);
     let zero = (-trace.phase / TAU).rem_euclid(1.0);
-    let count = request.samples_per_period as usize * request.periods as usize;
+    let count = samples(request);
     let mut rows = Rows {
         time: Vec::with_capacity(count),
         tip_travel: Vec::with_capacity(count),

@@ -1,7 +1,7 @@
 //! Which instances a sweep has redone by the reference engine, and how long that may take.
 
 use super::Audit;
-use crate::control::{self, Audited, Controlled};
+use crate::control::{self, Allowance, Audited, Controlled, Keep};
 use crate::engine::{EngineError, Progress};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -16,24 +16,46 @@ const ONE: f64 = 0.05;
 pub const CONTACT: f64 = 60.0;
 
 /// As many instances as asked for; else those that are done when its time is over, and at least one that touches the
-/// sample, where the run has one. `stepping` is what the run took, s.
+/// sample, where the run has one. `stepping` is what the run took, s. Of a run that was stopped before, what is known.
 pub(super) fn redo(
     asked: Audit,
     run: &Controlled,
     stepping: f64,
+    keep: &dyn Keep,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
     match asked {
-        Audit::None => return Ok(Vec::new()),
-        Audit::Instances(count) => {
-            return control::audit(run, count as usize, progress);
+        Audit::None => Ok(Vec::new()),
+        _ if progress.stopped() => {
+            let mut known = keep.redone();
+            known.retain(|i| (*i as usize) < run.plan.len());
+            control::audit_of(run, &known, keep, progress)
         }
-        Audit::Auto => {}
+        Audit::Instances(count) => control::audit(run, count as usize, keep, progress),
+        Audit::Auto => by_time(run, stepping, keep, progress),
     }
-    let limit = Duration::from_secs_f64((SHARE * stepping).max(SECONDS));
+}
+
+/// What a run that goes on has redone before counts, as does the time that it took; so it ends about where one that nobody
+/// disturbs does.
+fn by_time(
+    run: &Controlled,
+    stepping: f64,
+    keep: &dyn Keep,
+    progress: &Progress,
+) -> Result<Vec<Audited>, EngineError> {
+    let begun = Allowance { limit: (SHARE * stepping).max(SECONDS), spent: 0.0 };
+    let Allowance { limit, spent } = keep.allowance().unwrap_or(begun);
     let threads = rayon::current_num_threads();
-    let each = (limit.as_secs_f64() / ONE).min(64.0) as usize;
-    let mut done = within(limit, progress, |watched| control::audit(run, threads * each, watched))?;
+    let each = (limit / ONE).min(64.0) as usize;
+    let rest = Duration::from_secs_f64((limit - spent).max(0.0));
+    let tell = |so_far: Duration| {
+        if keep.spent(Allowance { limit, spent: spent + so_far.as_secs_f64() }).is_break() {
+            progress.stop();
+        }
+    };
+    let mut done =
+        within((rest, &tell), progress, |watched| control::audit(run, threads * each, keep, watched))?;
     let contact = |one: &Audited| one.worst.is_some() && one.touches();
     let start = Instant::now();
     let mut left = control::contacts(run);
@@ -44,21 +66,39 @@ pub(super) fn redo(
             break;
         }
         let rest = Duration::from_secs_f64(CONTACT - spent);
-        done.extend(within(rest, progress, |watched| control::audit_of(run, some, watched))?);
+        done.extend(within((rest, &|_| ()), progress, |watched| {
+            control::audit_of(run, some, keep, watched)
+        })?);
     }
     done.sort_unstable_by_key(|one| one.instance);
     Ok(done)
 }
 
-/// Does `work`, which is stopped when its time is over or the run is.
-fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) -> T) -> T {
+/// How often it is written down what was spent.
+const TOLD: Duration = Duration::from_secs(1);
+
+/// Does `work`, which is stopped when its time is over or the run is; `tell` hears now and then, and at the end, how long it
+/// has taken.
+fn within<T>(
+    (limit, tell): (Duration, &(dyn Fn(Duration) + Sync)),
+    progress: &Progress,
+    work: impl FnOnce(&Progress) -> T,
+) -> T {
     let start = Instant::now();
     let (watched, over) = (progress.fork(), AtomicBool::new(false));
-    std::thread::scope(|scope| {
+    if limit.is_zero() {
+        watched.stop();
+    }
+    let done = std::thread::scope(|scope| {
         scope.spawn(|| {
+            let mut told = TOLD;
             while !over.load(Ordering::Relaxed) {
                 if start.elapsed() > limit || progress.stopped() {
                     watched.stop();
+                }
+                if start.elapsed() > told {
+                    tell(start.elapsed());
+                    told += TOLD;
                 }
                 std::thread::sleep(Duration::from_millis(5));
             }
@@ -66,5 +106,9 @@ fn within<T>(limit: Duration, progress: &Progress, work: impl FnOnce(&Progress) 
         let done = work(&watched);
         over.store(true, Ordering::Relaxed);
         done
-    })
+    });
+    if !progress.stopped() {
+        tell(start.elapsed());
+    }
+    done
 }

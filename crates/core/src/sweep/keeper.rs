@@ -1,8 +1,12 @@
 //! The journal of a run: what of its portions is known, and what it writes down.
 
+use super::recalled::Recalled;
 use super::{Error, Prepared};
-use crate::control::{Division, Keep, Portion};
-use crate::record::{portion_from_bytes, portion_number, portion_to_bytes};
+use crate::control::{Allowance, Answer, Division, Keep, Portion, Question};
+use crate::record::{
+    allowance_to_bytes, answers_to_bytes, numbers_to_bytes, portion_from_bytes, portion_number,
+    portion_to_bytes,
+};
 use crate::store::{Journal, Kind, RunFile};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -44,6 +48,7 @@ pub struct Keeper {
     journals: Vec<Journal>,
     /// Of each portion that is known the journal and its record there; the last one counts.
     known: BTreeMap<usize, (usize, usize)>,
+    recalled: Recalled,
     given: Option<Prepared>,
     file: Mutex<Option<RunFile>>,
     failed: Mutex<Option<Error>>,
@@ -78,7 +83,7 @@ impl Keeper {
     /// # Errors
     /// Journals of different runs, or spoilt ones.
     pub fn of_journals(journals: Vec<Journal>, share: Share) -> Result<Self, Error> {
-        let (mut known, mut given) = (BTreeMap::new(), None);
+        let (mut known, mut recalled, mut given) = (BTreeMap::new(), Recalled::default(), None);
         for (n, journal) in journals.iter().enumerate() {
             let (prepared, of) = read_header(journal.header())?;
             if of.of != share.of {
@@ -86,6 +91,10 @@ impl Keeper {
                 return Err(Error::Prepared { what });
             }
             for (r, (kind, bytes)) in journal.records().enumerate() {
+                if !matches!(kind, Kind::Portion | Kind::Unfinished) {
+                    recalled.take((n, r), kind, bytes);
+                    continue;
+                }
                 let Some((number, _)) = portion_number(bytes) else { continue };
                 let whole = |at: &(usize, usize)| {
                     journals[at.0].record(at.1).is_some_and(|(kind, _)| kind == Kind::Portion)
@@ -104,6 +113,7 @@ impl Keeper {
             runs: false,
             journals,
             known,
+            recalled,
             given,
             file: Mutex::new(None),
             failed: Mutex::new(None),
@@ -127,6 +137,11 @@ impl Keeper {
             .values()
             .filter(|at| self.record(**at).is_some_and(|(kind, _)| kind == Kind::Portion))
             .count()
+    }
+
+    /// How many answers are known to what is asked once all portions have ended: second states, audit, waveforms.
+    pub fn known_answers(&self) -> usize {
+        self.recalled.len()
     }
 
     pub(super) fn anyway(&self) -> bool {
@@ -171,6 +186,18 @@ impl Keeper {
         }
     }
 
+    /// Writes a record down, if there is a file for it.
+    fn append(&self, kind: Kind, bytes: &[u8]) -> ControlFlow<()> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        match file.as_mut().map(|file| file.append(kind, bytes)) {
+            Some(Err(error)) => {
+                *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.into());
+                ControlFlow::Break(())
+            }
+            _ => ControlFlow::Continue(()),
+        }
+    }
+
     /// What went wrong with the journal, if something did.
     pub(super) fn failure(&self) -> Option<Error> {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).take()
@@ -208,15 +235,39 @@ impl Keep for Keeper {
             return ControlFlow::Continue(());
         }
         let kind = if portion.whole { Kind::Portion } else { Kind::Unfinished };
-        let bytes = portion_to_bytes(number, &portion);
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        match file.as_mut().map(|file| file.append(kind, &bytes)) {
-            Some(Err(error)) => {
-                *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.into());
-                ControlFlow::Break(())
-            }
-            _ => ControlFlow::Continue(()),
-        }
+        self.append(kind, &portion_to_bytes(number, &portion))
+    }
+
+    fn lasts(&self) -> bool {
+        self.runs
+    }
+
+    fn recalled(&self, asked: &[Question]) -> Vec<Option<Answer>> {
+        self.recalled.answers(&self.journals, asked)
+    }
+
+    fn answered(&self, all: &[(Question, Answer)]) -> ControlFlow<()> {
+        self.append(Kind::Answers, &answers_to_bytes(all))
+    }
+
+    fn redone(&self) -> Vec<u32> {
+        self.recalled.redone()
+    }
+
+    fn numbers(&self, asked: &Question) -> Option<Vec<f64>> {
+        self.recalled.numbers(&self.journals, asked)
+    }
+
+    fn numbered(&self, asked: &Question, numbers: &[f64]) -> ControlFlow<()> {
+        self.append(Kind::Numbers, &numbers_to_bytes(asked, numbers))
+    }
+
+    fn allowance(&self) -> Option<Allowance> {
+        self.recalled.allowance
+    }
+
+    fn spent(&self, so_far: Allowance) -> ControlFlow<()> {
+        self.append(Kind::Allowance, &allowance_to_bytes(so_far))
     }
 }
 

@@ -40,6 +40,8 @@ mod keeper;
 mod observer;
 mod phase;
 mod prepared;
+#[cfg(feature = "hdf5")]
+mod recalled;
 mod swept;
 
 pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUDIT_SHARE};
@@ -52,7 +54,7 @@ pub use phase::Phase;
 pub use prepared::Prepared;
 pub use swept::Swept;
 
-use crate::control::{self, Controlled, Course, InMemory};
+use crate::control::{self, Controlled, Course, InMemory, Keep};
 use crate::engine::{Engine, Progress, on_threads};
 use crate::observe::Status;
 use crate::plan::{Plan, Policy, Precision};
@@ -269,7 +271,7 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run`].
     pub fn run_with(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        self.watched(observer, || self.carried_out(observer, &|run| run.of_all(&InMemory)))
+        self.watched(observer, || self.carried_out(observer, &InMemory, &|run| run.of_all(&InMemory)))
     }
 
     /// Chooses what a run of the scene needs: bases, first steps, precision, size of portions.
@@ -286,7 +288,8 @@ impl Sweep {
     /// As [`Sweep::run`]; choices of another run; what the journal's disk says.
     #[cfg(feature = "hdf5")]
     pub fn run_kept(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<Swept, Error> {
-        self.watched(observer, || self.carried_out(observer, &|run| run.kept(keeper)))
+        let done = self.watched(observer, || self.carried_out(observer, keeper, &|run| run.kept(keeper)));
+        keeper.failure().map_or(done, Err)
     }
 
     /// Runs a share of it, into the journal alone; true if all of it has ended.
@@ -307,7 +310,7 @@ impl Sweep {
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn looked_into(&self, keeper: &Keeper) -> Result<Swept, Error> {
-        self.carried_out(&Silent, &|run| {
+        self.carried_out(&Silent, keeper, &|run| {
             let prepared = run.given(keeper)?;
             self.progress.stop();
             run.by(prepared, keeper)
@@ -352,6 +355,7 @@ impl Sweep {
     fn carried_out(
         &self,
         observer: &dyn Observer,
+        keep: &dyn Keep,
         instances: &dyn Fn(&Begun) -> Result<Controlled, Error>,
     ) -> Result<Swept, Error> {
         let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
@@ -367,18 +371,19 @@ impl Sweep {
             return Err(Error::Stopped(Phase::Stepping));
         }
         let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {
-            control::others(&run, &scene.sweep.shape(), engine.as_ref(), progress).map(Some)
+            let found = control::others(&run, &scene.sweep.shape(), keep, engine.as_ref(), progress);
+            found.map(|found| (!progress.stopped() || !found.states.is_empty()).then_some(found))
         })?;
         let (stepping, taken) = (stepping.elapsed().as_secs_f64(), progress.steps());
         run.notes.extend(engine.dealt());
         let audit = if exact { Audit::None } else { self.options.audit };
         let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
-            audit::redo(audit, &run, stepping, progress)
+            audit::redo(audit, &run, stepping, keep, progress)
         })?;
         control::mark(&mut run.results, &audited, run.plan.run.accuracy);
         let command_line = self.options.command_line.clone();
         let done =
             swept::Done { scene, run, taken, others, audited, exact, estimated, summary, command_line };
-        swept::collect(done, (start, planning, stepping), engine.as_ref(), missing, progress)
+        swept::collect(done, (start, planning, stepping), (engine.as_ref(), keep), missing, progress)
     }
 }

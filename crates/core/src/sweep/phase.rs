@@ -53,7 +53,8 @@ impl Missing {
         Self(missing)
     }
 
-    /// Does a phase that was asked for unless the sweep was stopped before; one that was stopped on the way is missing.
+    /// Does a phase that was asked for; one that was stopped on the way or before, when it only finds what is known of it, is
+    /// missing.
     pub fn phase<T: Default, E>(
         &mut self,
         (phase, wanted): (Phase, bool),
@@ -63,7 +64,7 @@ impl Missing {
         if !wanted {
             return Ok(T::default());
         }
-        let done = if progress.stopped() { T::default() } else { work()? };
+        let done = work()?;
         if progress.stopped() {
             self.0.push(phase);
         }

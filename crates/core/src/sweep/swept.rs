@@ -2,7 +2,7 @@
 
 use super::phase::Missing;
 use super::{Error, Phase};
-use crate::control::{self, Audited, Controlled, Others, Verdict};
+use crate::control::{self, Audited, Controlled, Keep, Others, Verdict};
 use crate::engine::{Engine, Progress};
 use crate::record::{self, Facts};
 use crate::scene::{Scene, Steady};
@@ -54,7 +54,7 @@ pub(super) struct Done<'a> {
 pub(super) fn collect(
     done: Done,
     (start, planning, stepping): (Instant, f64, f64),
-    engine: &dyn Engine,
+    (engine, keep): (&dyn Engine, &dyn Keep),
     mut missing: Missing,
     progress: &Progress,
 ) -> Result<Swept, Error> {
@@ -75,7 +75,9 @@ pub(super) fn collect(
     record::error_estimate(&mut results, estimates, &control::basis(plan, estimated, exact));
     let request = scene.output.waveforms.as_ref();
     results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), progress, || {
-        request.map(|request| record::waveforms(plan, found, request)).transpose()
+        // Of a run that was stopped they would be begun anew.
+        let request = request.filter(|_| !progress.stopped());
+        request.map(|request| record::waveforms_kept(plan, found, request, keep)).transpose()
     })?;
     if plan.run.steady == Steady::Search {
         record::search(&mut results, plan, finished, (found, periods), others.as_ref());

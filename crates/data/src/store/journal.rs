@@ -26,11 +26,19 @@ pub enum Kind {
     Portion = 1,
     /// A portion of a run that was stopped: what is known of its instances.
     Unfinished = 2,
+    /// Answers to questions about single instances, asked once all portions have ended: second states, truths of an audit.
+    Answers = 3,
+    /// The numbers that answer one such question: waveforms.
+    Numbers = 4,
+    /// The time that an audit may take and has taken; the last one counts.
+    Allowance = 5,
 }
 
 impl Kind {
     fn of(code: u8) -> Option<Self> {
-        [Self::Header, Self::Portion, Self::Unfinished].into_iter().find(|kind| *kind as u8 == code)
+        const ALL: [Kind; 6] =
+            [Kind::Header, Kind::Portion, Kind::Unfinished, Kind::Answers, Kind::Numbers, Kind::Allowance];
+        ALL.into_iter().find(|kind| *kind as u8 == code)
     }
 }
 
@@ -177,11 +185,12 @@ mod tests {
 
     fn journal() -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        let records: [(Kind, &[u8]); 4] = [
+        let records: [(Kind, &[u8]); 5] = [
             (Kind::Header, b"scene"),
             (Kind::Portion, b"first"),
             (Kind::Unfinished, b""),
             (Kind::Portion, b"second"),
+            (Kind::Answers, b"third"),
         ];
         for (kind, own) in records {
             bytes.extend(written(kind, own).expect("it is short"));
@@ -199,7 +208,8 @@ mod tests {
         assert_eq!((read.header(), read.torn(), read.spoilt), ("scene", 0, 0));
         let own = |kind, text: &str| (kind, text.as_bytes().to_vec());
         let all = [own(Kind::Portion, "first"), own(Kind::Unfinished, ""), own(Kind::Portion, "second")];
-        assert_eq!(records(&read), all);
+        assert_eq!(records(&read)[..3], all);
+        assert_eq!(records(&read)[3..], [own(Kind::Answers, "third")]);
     }
 
     /// Wherever it is cut off, the records before stay, and the rest is told.

@@ -95,10 +95,7 @@ impl Engine for Reference {
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
-        if plan.starts.is_some() {
-            return Err(EngineError::Starts);
-        }
-        let one = |index| Ok(self.instance(plan, index, progress)?.0);
+        let one = |index| self.alone(plan, index, progress);
         let results = (0..plan.len()).into_par_iter().map(one).collect::<Result<_, EngineError>>()?;
         Ok(Outcome { results, ..Outcome::of(plan) })
     }
@@ -113,6 +110,17 @@ pub fn solve(plan: &Plan, instance: usize, options: &Reference) -> Result<(Finis
 }
 
 impl Reference {
+    /// What [`Engine::run`] makes of one instance of a plan.
+    ///
+    /// # Errors
+    /// As [`solve`], and a plan that begins at states.
+    pub fn alone(&self, plan: &Plan, instance: usize, progress: &Progress) -> Result<Finished, EngineError> {
+        match plan.starts {
+            Some(_) => Err(EngineError::Starts),
+            None => Ok(self.instance(plan, instance, progress)?.0),
+        }
+    }
+
     fn checked<'a>(&self, plan: &'a Plan, instance: usize) -> Result<(Case, &'a Driven), EngineError> {
         if !(1e-14..=1e-3).contains(&self.tolerance) {
             return Err(EngineError::Tolerance(self.tolerance));
