@@ -6,7 +6,7 @@ use super::{Voice, signals};
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, Journal};
 use afmsweep::sweep::{Keeper, Prepared, Share, command_of, read_header};
-use afmsweep::{Audit, Error, Sweep};
+use afmsweep::{Audit, Error, Results, Sweep, Swept};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -83,9 +83,15 @@ pub fn main(args: &MergeArgs, voice: Voice) -> anyhow::Result<()> {
     if let Some(phase) = swept.missing.first() {
         return Err(Stopped::before(*phase).into());
     }
-    signals::held(|| writer.write(&swept.results).and_then(|()| writer.finish()))?;
+    // What the results were made of is as large as they are.
+    let results = only_results(swept);
+    signals::held(|| writer.write(&results).and_then(|()| writer.finish()))?;
     voice.say(format_args!("wrote {} of {} shares", args.output.display(), share.of));
     Ok(())
+}
+
+fn only_results(swept: Swept) -> Results {
+    swept.results
 }
 
 /// Refuses files that are not of one run, or of one share.

@@ -10,10 +10,11 @@ use super::signals;
 use super::stopped::Stopped;
 use super::table::TableArgs;
 use super::{Voice, planning, print_json};
+use afmsweep::control::Verdict;
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, Earlier, Journal, RunFile};
+use afmsweep::store::{self, Earlier, Journal, Results, RunFile};
 use afmsweep::sweep::{Keeper, Share};
-use afmsweep::{Audit, Error, Scene, Sweep};
+use afmsweep::{Audit, Error, Scene, Sweep, Swept};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -252,23 +253,39 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         return Err(Stopped::with(&swept.missing, &swept.run.results, &partial).into());
     }
     let file = keeper.into_file().context("the run has no file")?;
+    told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice);
+    let mut object = args.json.then(|| json::object(&swept, &output));
+    let Written { results, verdict, planning, stepping, rate } = Written::of(swept);
     let writing = Instant::now();
-    signals::held(|| file.finish(&swept.results))
+    signals::held(|| file.finish(&results))
         .with_context(|| format!("the run is whole, and its journal stays {}", partial.display()))?;
     let writing = writing.elapsed().as_secs_f64();
-    told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice);
     let wall = start.elapsed().as_secs_f64();
     voice.say(format_args!(
-        "wrote {} in {wall:.2} s (planning {:.2} s, stepping {:.2} s, writing {writing:.2} s; {:.2e} instance-steps/s)",
+        "wrote {} in {wall:.2} s (planning {planning:.2} s, stepping {stepping:.2} s, writing {writing:.2} s; {rate:.2e} instance-steps/s)",
         output.display(),
-        swept.planning,
-        swept.stepping,
-        swept.rate
     ));
-    if args.json {
-        print_json(&json::object(&swept, &output, wall))?;
+    if let Some(object) = &mut object {
+        object["wall_time_s"] = wall.into();
+        print_json(object)?;
     }
-    audit::strict(args.strict, &swept.verdict, &output)
+    audit::strict(args.strict, &verdict, &output)
+}
+
+/// What is needed of a run to write it: the rest, which may be large, has gone.
+struct Written {
+    results: Results,
+    verdict: Verdict,
+    planning: f64,
+    stepping: f64,
+    rate: f64,
+}
+
+impl Written {
+    fn of(swept: Swept) -> Self {
+        let Swept { results, verdict, planning, stepping, rate, .. } = swept;
+        Self { results, verdict, planning, stepping, rate }
+    }
 }
 
 /// The end of a share: its journal becomes its file.

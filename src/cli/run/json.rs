@@ -7,8 +7,8 @@ use std::path::Path;
 /// The version of the object: raised where a key changes its meaning or goes.
 pub(super) const VERSION: u32 = 1;
 
-/// What became of a whole run that took `wall` seconds.
-pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
+/// What became of a whole run. Its wall time is still to be said.
+pub(super) fn object(swept: &Swept, output: &Path) -> Value {
     let results = &swept.results;
     let count = |status: Status| results.status.iter().filter(|code| **code == status as u8).count();
     let status: Map<String, Value> =
@@ -29,7 +29,7 @@ pub(super) fn object(swept: &Swept, output: &Path, wall: f64) -> Value {
         "notes": swept.run.notes,
         "precision": swept.run.arithmetic.name(),
         "device": results.text("device"),
-        "wall_time_s": wall,
+        "wall_time_s": null,
         "stepping_time_s": swept.stepping,
         "instance_steps_taken": swept.steps_taken,
         "instance_steps_per_second": swept.rate,

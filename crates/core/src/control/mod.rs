@@ -61,6 +61,8 @@ use crate::steady::{self, Settled, States};
 pub struct Controlled {
     /// The plan that was carried out: modes and steps as the estimates asked for them.
     pub plan: Plan,
+    /// Of the numbers that are measured in any case only those that observables asked for are made of, amplitude, phase,
+    /// forces and contact.
     pub results: Columns,
     /// What a user should know of how it went: one line each.
     pub notes: Vec<String>,
@@ -134,7 +136,7 @@ impl Arithmetic {
 /// What the engine says.
 pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
     match choose(planned, Course::Controlled, engine, progress)? {
-        Some(choices) => carry_out(planned, &choices, &InMemory, engine, progress),
+        Some(choices) => carry_out(planned.clone(), &choices, &InMemory, engine, progress),
         None => Ok(Controlled::not_begun(planned.clone(), &Choices::stopped(planned, engine))),
     }
 }
@@ -145,18 +147,19 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
 /// # Errors
 /// What the engine says.
 pub fn carry_out(
-    planned: &Plan,
+    planned: Plan,
     choices: &Choices,
     keep: &dyn Keep,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Controlled, EngineError> {
+    let is_stepped = planned.cases().any(|case| case.steps > 0);
     let mut all = portions::run(planned, choices, keep, engine, progress)?;
     all.notes.splice(0..0, choices.notes.iter().cloned());
-    let stepped = planned.stepped();
-    if choices.course != Course::Controlled || keep.partly() || stepped.is_empty() {
+    if choices.course != Course::Controlled || keep.partly() || !is_stepped {
         return Ok(all);
     }
+    let stepped = all.plan.stepped();
     let chosen = &choices.precision;
     if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {
         precision::add_rounding(&mut all, &stepped, engine, progress)?;

@@ -19,7 +19,6 @@ struct Work<'a> {
     choices: &'a Choices,
     /// By instance of the plan; see [`First`].
     poorer: Option<Vec<BasisRule>>,
-    left_out: Vec<f64>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
     division: &'a Division,
@@ -28,10 +27,10 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// A portion, with its searches from rest where second states are asked for.
-    fn run(&self, number: usize, part: Plan) -> Result<Part, EngineError> {
+    /// A portion of the whole that is not begun, with its searches from rest where second states are asked for.
+    fn run(&self, number: usize, whole: &Controlled) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
-        let mut ran = self.first_states(number, part)?;
+        let mut ran = self.first_states(number, whole)?;
         if ran.plan.run.both_branches && !progress.stopped() {
             let mut notes = Vec::new();
             let statuses: Vec<_> = ran.outcome.results.iter().map(|one| one.status).collect();
@@ -41,17 +40,18 @@ impl Work<'_> {
         Ok(ran)
     }
 
-    /// Takes a portion, by its number and with its plan, to its end.
-    fn first_states(&self, number: usize, part: Plan) -> Result<Part, EngineError> {
+    /// Takes a portion, by its number, to its end.
+    fn first_states(&self, number: usize, whole: &Controlled) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let portion = self.division.portion(number);
+        let part = whole.plan.part(portion);
         match self.choices.course {
             Course::Reference => by_reference(&part, &Reference::default(), progress),
             Course::Once => once(part, &self.choices.precision.reason, engine, progress),
             Course::Controlled if !self.stepped => free(part, self.choices, engine, progress),
             Course::Controlled => {
                 let stepped = part.stepped();
-                let left_out = portion.iter().map(|i| self.left_out[*i as usize]).collect();
+                let left_out = portion.iter().map(|i| whole.left_out[*i as usize]).collect();
                 let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
                 let poorer = self.poorer.as_ref().map(of);
                 if let Some(blocks) = &self.division.blocks {
@@ -96,7 +96,7 @@ fn free(
 /// Takes all instances of the scene's plan to their ends by what was chosen, in portions, some of them at once. Whoever stops
 /// a run keeps the portions that are done. What `keep` does not want stays not run.
 pub(super) fn run(
-    planned: &Plan,
+    planned: Plan,
     choices: &Choices,
     keep: &dyn Keep,
     engine: &dyn Engine,
@@ -104,18 +104,20 @@ pub(super) fn run(
 ) -> Result<Controlled, EngineError> {
     let (stepped, count) = (planned.stepped(), planned.len());
     let modes::Choice { mut plan, poorer, left_out } = match choices.course {
-        Course::Controlled => modes::chosen(planned, &stepped, choices.bases.as_ref()),
+        Course::Controlled => modes::chosen(&planned, &stepped, choices.bases.as_ref()),
         _ => modes::Choice { plan: planned.clone(), poorer: None, left_out: vec![f64::NAN; count] },
     };
     (plan.precision, plan.precision_open) = (choices.precision.precision, false);
-    let division = Division::of(planned, choices, keep.shares());
+    let division = Division::of(&planned, choices, keep.shares());
+    // There may be very many instances.
+    drop(planned);
     let mut whole = Controlled::not_begun(plan, choices);
-    whole.left_out.clone_from(&left_out);
+    whole.left_out = left_out;
     if division.blocks.is_some() {
         whole.neighbour_started = vec![false; count];
     }
     let stepped = !stepped.is_empty();
-    let work = Work { choices, poorer, left_out, stepped, division: &division, engine, progress };
+    let work = Work { choices, poorer, stepped, division: &division, engine, progress };
     let wanted = whole.take_known(&division, choices, keep);
     let all: u64 = wanted.iter().map(|number| division.portion(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
@@ -123,9 +125,9 @@ pub(super) fn run(
         progress.stage(&["estimate", "run", "refinement"]);
     }
     let ended = AtomicBool::new(false);
-    let one = |plan: &Plan, number: usize| {
+    let one = |whole: &Controlled, number: usize| {
         let portion = division.portion(number);
-        let ran = work.run(number, plan.part(portion))?;
+        let ran = work.run(number, whole)?;
         if let Some(held) = &held {
             held.done(portion.len() as u64);
         }
@@ -140,8 +142,8 @@ pub(super) fn run(
             break;
         }
         let done: Vec<_> = match some {
-            [number] => vec![one(&whole.plan, *number)],
-            _ => some.par_iter().map(|number| one(&whole.plan, *number)).collect(),
+            [number] => vec![one(&whole, *number)],
+            _ => some.par_iter().map(|number| one(&whole, *number)).collect(),
         };
         for (number, part) in some.iter().zip(done) {
             whole.take(division.portion(*number), part?);
@@ -155,7 +157,7 @@ impl Controlled {
     pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
         let count = plan.len();
         Self {
-            results: Columns::not_run(count),
+            results: Columns::of_observables(count, &plan.observables),
             notes: Vec::new(),
             estimates: vec![f64::NAN; count],
             left_out: vec![f64::NAN; count],
@@ -203,7 +205,7 @@ impl Controlled {
             self.found.put(*place as usize, found.as_deref());
         }
         if !part.from_rest.is_empty() {
-            self.from_rest.take(count, portion, &part.from_rest);
+            self.from_rest.take(&self.plan, portion, &part.from_rest);
         }
         if !part.jumps.is_empty() && self.jumps.is_empty() {
             self.jumps = vec![false; count];
@@ -267,7 +269,7 @@ mod tests {
         let chosen = chosen.expect("nobody stops it");
         let run = |portion, engine: &dyn Engine| {
             let choices = Choices { portion, ..chosen.clone() };
-            super::run(plan, &choices, &InMemory, engine, &progress).expect("it runs")
+            super::run(plan.clone(), &choices, &InMemory, engine, &progress).expect("it runs")
         };
         (run(usize::MAX, &engine), run(20, &Small(engine)))
     }

@@ -2,6 +2,7 @@
 
 use super::other::Second;
 use crate::engine::Columns;
+use crate::plan::Plan;
 use crate::steady::States;
 
 /// States beside the first ones, by instance.
@@ -12,12 +13,13 @@ pub(super) struct Seconds {
 }
 
 impl Seconds {
-    /// Takes in what was found of a portion of so many instances.
-    pub fn take(&mut self, count: usize, portion: &[u32], all: &[Option<Second>]) {
+    /// Takes in what was found of a portion of the plan.
+    pub fn take(&mut self, plan: &Plan, portion: &[u32], all: &[Option<Second>]) {
+        let count = plan.len();
         if self.states.is_empty() {
             self.states = States::none_of(count);
         }
-        let results = self.results.get_or_insert_with(|| Columns::not_run(count));
+        let results = self.results.get_or_insert_with(|| Columns::of_observables(count, &plan.observables));
         for (place, second) in portion.iter().zip(all) {
             let Some(Second { finished, place: state }) = second else { continue };
             results.set(*place as usize, finished);

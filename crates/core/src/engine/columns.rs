@@ -1,13 +1,15 @@
 //! Results of very many instances, column by column: a number that all have in common takes no place.
 
 use super::Finished;
-use crate::observe::{Measured, Status};
+use crate::observe::{Measured, Observable, Status};
 
 /// What became of instances, by their numbers. See [`Finished`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
     statuses: Vec<Status>,
     columns: [Column; Measured::WIDTH],
+    /// Which numbers are held; the others are NaN whatever is set.
+    held: [bool; Measured::WIDTH],
 }
 
 /// A number of each instance, by its bits.
@@ -21,7 +23,13 @@ impl Columns {
     /// So many instances that were not run.
     pub fn not_run(count: usize) -> Self {
         let none = Finished::NOT_RUN.measured.numbers().map(f64::to_bits);
-        Self { statuses: vec![Status::NotRun; count], columns: none.map(Column::All) }
+        let held = [true; Measured::WIDTH];
+        Self { statuses: vec![Status::NotRun; count], columns: none.map(Column::All), held }
+    }
+
+    /// The same; of what is measured whether it was asked for or not, only what these observables are made of is held.
+    pub fn of_observables(count: usize, asked: &[Observable]) -> Self {
+        Self { held: held(asked), ..Self::not_run(count) }
     }
 
     /// Number of instances.
@@ -49,7 +57,8 @@ impl Columns {
     /// Says what became of an instance.
     pub fn set(&mut self, instance: usize, finished: &Finished) {
         let count = self.len();
-        for (number, column) in finished.measured.numbers().into_iter().zip(&mut self.columns) {
+        let numbers = finished.measured.numbers().into_iter().zip(self.held);
+        for ((number, _), column) in numbers.zip(&mut self.columns).filter(|((_, held), _)| *held) {
             let bits = number.to_bits();
             match column {
                 Column::All(all) if *all == bits => {}
@@ -78,6 +87,28 @@ impl Columns {
     pub fn iter(&self) -> impl Iterator<Item = Finished> + Clone + '_ {
         (0..self.len()).map(|instance| self.get(instance))
     }
+}
+
+/// The numbers of which observables are made, and those by which branches, contacts and scales of errors are told.
+fn held(asked: &[Observable]) -> [bool; Measured::WIDTH] {
+    let mut held = Measured::of_numbers(&[1.0; Measured::WIDTH]);
+    let mut drop_unless = |of: &[Observable], number: &dyn Fn(&mut Measured) -> &mut f64| {
+        if !of.iter().any(|one| asked.contains(one)) {
+            *number(&mut held) = f64::NAN;
+        }
+    };
+    drop_unless(&[Observable::DeflectionAmplitude, Observable::DeflectionPhase], &|all| {
+        &mut all.deflection_amplitude
+    });
+    drop_unless(&[Observable::DeflectionPhase], &|all| &mut all.deflection_phase);
+    drop_unless(&[Observable::DeflectionMean], &|all| &mut all.deflection_mean);
+    drop_unless(&[Observable::FreePhase], &|all| &mut all.free_phase);
+    drop_unless(&[Observable::FrequencyShift], &|all| &mut all.frequency_shift);
+    drop_unless(&[Observable::Gap], &|all| &mut all.gap);
+    // The loss is a scale of the virial's errors.
+    drop_unless(&[Observable::Dissipation, Observable::Virial], &|all| &mut all.dissipation);
+    drop_unless(&[Observable::Virial], &|all| &mut all.virial);
+    held.numbers().map(|number| !number.is_nan())
 }
 
 impl From<&[Finished]> for Columns {
@@ -111,5 +142,28 @@ mod tests {
         assert_eq!(bits(columns.get(1)), bits(all[0]));
         assert_eq!(columns.statuses(), [Status::AccuracyNotMet, Status::Ok, Status::Sensitive]);
         assert_eq!((columns.len(), bits(Columns::not_run(1).get(0))), (3, bits(Finished::NOT_RUN)));
+    }
+
+    /// Whatever is asked for comes back; what is measured in any case and was not asked for does not.
+    #[test]
+    fn what_was_asked_for_is_held() {
+        let numbers: [f64; Measured::WIDTH] = std::array::from_fn(|n| n as f64);
+        let finished = Finished { measured: Measured::of_numbers(&numbers), status: Status::Ok };
+        for observable in Observable::all() {
+            let mut columns = Columns::of_observables(2, &[observable]);
+            columns.set(1, &finished);
+            let written = |one: Finished| {
+                let mut row = vec![f64::NAN; observable.width()];
+                observable.write(&one.measured, &mut row);
+                row
+            };
+            assert_eq!(written(columns.get(1)), written(finished), "{}", observable.name());
+            let back = columns.get(1).measured;
+            assert_eq!(
+                (back.phase, back.force_mean),
+                (finished.measured.phase, finished.measured.force_mean)
+            );
+            assert_eq!(back.gap.is_nan(), observable != Observable::Gap);
+        }
     }
 }

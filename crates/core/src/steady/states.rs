@@ -23,14 +23,39 @@ pub struct States {
 #[derive(Clone, Copy, Debug)]
 struct Kept {
     spectrum: Spectrum,
-    /// Where its numbers begin.
-    from: usize,
+    numbers: Numbers,
     steps: u32,
     basis: u32,
-    modes: u8,
-    touching: bool,
-    finite: bool,
 }
+
+/// Where a state's numbers begin, how many modes it has, whether it touches and whether it is finite, in a single word.
+#[derive(Clone, Copy, Debug)]
+struct Numbers(u64);
+
+impl Numbers {
+    fn new(from: usize, modes: usize, touching: bool, finite: bool) -> Self {
+        Self((from as u64) << 8 | (modes as u64) << 2 | u64::from(touching) << 1 | u64::from(finite))
+    }
+
+    fn from(self) -> usize {
+        (self.0 >> 8) as usize
+    }
+
+    fn modes(self) -> usize {
+        (self.0 >> 2 & 0x3f) as usize
+    }
+
+    fn touching(self) -> bool {
+        self.0 & 2 != 0
+    }
+
+    fn finite(self) -> bool {
+        self.0 & 1 != 0
+    }
+}
+
+// So many modes have room in a word beside the place.
+const _: () = assert!(MODES_MAX < 64);
 
 impl States {
     /// Of so many instances, none of which was found yet.
@@ -64,9 +89,9 @@ impl States {
 
     /// The state of an instance.
     pub fn get(&self, instance: usize) -> Option<PeriodicState> {
-        let Kept { spectrum, from, steps, basis, modes, touching, finite } = *self.kept(instance)?;
-        let modes = usize::from(modes);
-        let mut station = Station { touching, finite, ..Station::FREE };
+        let Kept { spectrum, numbers, steps, basis } = *self.kept(instance)?;
+        let (from, modes) = (numbers.from(), numbers.modes());
+        let mut station = Station { touching: numbers.touching(), finite: numbers.finite(), ..Station::FREE };
         station.x[..modes].copy_from_slice(&self.numbers[from..][..modes]);
         station.u[..modes].copy_from_slice(&self.numbers[from + modes..][..modes]);
         let kept = Arc::clone(&self.bases[basis as usize]);
@@ -93,12 +118,9 @@ impl States {
         let modes = (0..MODES_MAX).rev().find(is_any).map_or(0, |last| last + 1);
         self.kept.push(Kept {
             spectrum: *spectrum,
-            from: self.numbers.len(),
+            numbers: Numbers::new(self.numbers.len(), modes, *touching, *finite),
             steps: *steps,
             basis,
-            modes: modes as u8,
-            touching: *touching,
-            finite: *finite,
         });
         self.of[instance] = self.kept.len() as u32;
         self.numbers.extend(x[..modes].iter().chain(&u[..modes]));
@@ -107,5 +129,21 @@ impl States {
     /// All of them, each with all that it may have.
     pub fn to_vec(&self) -> Vec<Option<Box<PeriodicState>>> {
         (0..self.of.len()).map(|instance| self.get(instance).map(Box::new)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_holds_what_is_put_in() {
+        for (from, modes) in [(0, 0), (1, MODES_MAX), (1 << 50, 7)] {
+            for (touching, finite) in [(true, false), (false, true), (true, true)] {
+                let word = Numbers::new(from, modes, touching, finite);
+                assert_eq!((word.from(), word.modes()), (from, modes));
+                assert_eq!((word.touching(), word.finite()), (touching, finite));
+            }
+        }
     }
 }

@@ -32,13 +32,17 @@ impl Begun<'_> {
     }
 
     /// The instances, by choices that were made before or that are made now.
-    pub fn of_all(&self, keep: &dyn Keep) -> Result<Controlled, Error> {
-        match &self.sweep.prepared {
+    pub fn of_all(&mut self, keep: &dyn Keep) -> Result<Controlled, Error> {
+        let sweep = self.sweep;
+        match &sweep.prepared {
             Some(prepared) => {
                 self.check(prepared, false)?;
                 self.by(prepared, keep)
             }
-            None => self.by(&self.chosen()?, keep),
+            None => {
+                let chosen = self.chosen()?;
+                self.by(&chosen, keep)
+            }
         }
     }
 
@@ -46,9 +50,12 @@ impl Begun<'_> {
         prepared.check(&self.sweep.scene, &self.sweep.options, &self.engine.kind(), anyway)
     }
 
-    pub fn by(&self, prepared: &Prepared, keep: &dyn Keep) -> Result<Controlled, Error> {
+    /// By these choices. The plan goes into what becomes of it: nothing is left of it here.
+    pub fn by(&mut self, prepared: &Prepared, keep: &dyn Keep) -> Result<Controlled, Error> {
+        let nothing = self.plan.part(&[]);
+        let plan = std::mem::replace(&mut self.plan, nothing);
         let (engine, progress) = (self.engine.as_ref(), &*self.sweep.progress);
-        Ok(control::carry_out(&self.plan, &prepared.choices, keep, engine, progress)?)
+        Ok(control::carry_out(plan, &prepared.choices, keep, engine, progress)?)
     }
 
     /// The choices in a journal, which the run's own are to be.
@@ -60,9 +67,9 @@ impl Begun<'_> {
 
     /// The instances, by way of a journal.
     #[cfg(feature = "hdf5")]
-    pub fn kept(&self, keeper: &Keeper) -> Result<Controlled, Error> {
-        let chosen;
-        let prepared = match (keeper.prepared(), &self.sweep.prepared) {
+    pub fn kept(&mut self, keeper: &Keeper) -> Result<Controlled, Error> {
+        let (chosen, sweep) = (&mut None, self.sweep);
+        let prepared = match (keeper.prepared(), &sweep.prepared) {
             (Some(ours), Some(told)) if !ours.is_of_one_run_with(told) => {
                 let what = "the journal is of a run with other choices than those given".into();
                 return Err(Error::Prepared { what });
@@ -71,10 +78,7 @@ impl Begun<'_> {
                 self.check(given, keeper.anyway())?;
                 given
             }
-            (None, None) => {
-                chosen = self.chosen()?;
-                &chosen
-            }
+            (None, None) => chosen.insert(self.chosen()?),
         };
         keeper.begin(prepared, &self.sweep.options.command_line)?;
         let missing = keeper.missing_shares(&Division::of(&self.plan, &prepared.choices, keeper.shares()));

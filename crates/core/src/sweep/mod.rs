@@ -356,14 +356,14 @@ impl Sweep {
         &self,
         observer: &dyn Observer,
         keep: &dyn Keep,
-        instances: &dyn Fn(&Begun) -> Result<Controlled, Error>,
+        instances: &dyn Fn(&mut Begun) -> Result<Controlled, Error>,
     ) -> Result<Swept, Error> {
         let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
-        let begun = self.begun(observer)?;
+        let mut begun = self.begun(observer)?;
         let planning = start.elapsed().as_secs_f64();
         let summary = begun.plan.summary(None).json().to_string();
         let stepping = Instant::now();
-        let mut run = instances(&begun)?;
+        let mut run = instances(&mut begun)?;
         let Begun { course, engine, .. } = begun;
         let (exact, estimated) = (course == Course::Reference, course == Course::Controlled);
         let mut missing = Missing::of(&run, progress);
