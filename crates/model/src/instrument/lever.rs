@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::beam::UnitBeam;
 use super::error::InstrumentError;
-use super::secular::{Line, Pair, orthonormality, pairs};
+use super::secular::{Line, Pair, dot, orthonormality, pairs};
 use super::unit_modes::{Quality, change, in_rows};
 use super::{check_not_negative, check_positive, check_quality};
 use crate::scene::{InstrumentParams, Lever, LeverMode, QualityFactor, TipMass, TipParams};
@@ -135,7 +135,10 @@ impl LeverPart {
     /// The lever's part of 1/Q of a mode whose unit-stiffness shape has `y` on the lever: its strain energy in each mode of
     /// the lever alone times that mode's 1/Q.
     pub fn weighted_inverse_q(&self, y: &[f64]) -> f64 {
-        y.iter().enumerate().map(|(j, y)| self.inverse_q(j) * y * y).sum()
+        match self.inverse_q[..] {
+            [all] => all * dot(y, y),
+            _ => y.iter().enumerate().map(|(j, y)| self.inverse_q(j) * y * y).sum(),
+        }
     }
 
     /// The part of a shape's strain energy that is in the two highest degrees of each element; none of a list of modes.
@@ -277,8 +280,7 @@ impl Loaded {
     /// The tip's mass is one more square of the tip's speed in the kinetic energy.
     fn carry(&mut self, heaviness: f64) {
         let with = pairs(Line::rank_one(heaviness), &self.mu, &self.tip);
-        let along =
-            |row: &[f64], pair: &Pair| -> f64 { row.iter().zip(&pair.rest).map(|(a, b)| a * b).sum() };
+        let along = |row: &[f64], pair: &Pair| dot(row, &pair.rest);
         let shapes = DMatrix::from_fn(self.mu.len(), with.len(), |k, one| with[one].rest[k]);
         let tip: Vec<f64> = with.iter().map(|pair| along(&self.tip, pair)).collect();
         self.base =

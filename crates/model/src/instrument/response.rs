@@ -10,6 +10,8 @@ use super::{Instrument, Mode};
 const ON_RESONANCE: f64 = 1e-12;
 /// How far from the lever's first mode a peak is looked for, as a factor of its frequency.
 const REACH: f64 = 16.0;
+/// How far it is looked for first.
+const NEAR: f64 = 1.25;
 /// Points of the coarse scan, which finds peaks that belong to no single mode.
 const SCAN: usize = 256;
 
@@ -107,7 +109,15 @@ impl Instrument {
 
     /// The finite peak nearest to `target`. What lies farther from it than a peak that is found is not looked at.
     fn nearest_peak(&self, target: f64, poles: &[f64]) -> Option<f64> {
-        let points = self.scan_points(target);
+        let near = self.nearest_within(NEAR, target, poles);
+        // What may be nearer lies within as well.
+        near.filter(|peak| (peak - target).abs() < target * (1.0 - 1.0 / NEAR))
+            .or_else(|| self.nearest_within(REACH, target, poles))
+    }
+
+    /// The same, a factor of `reach` around it.
+    fn nearest_within(&self, reach: f64, target: f64, poles: &[f64]) -> Option<f64> {
+        let points = self.scan_points(reach, target);
         let climbs: Vec<OnceCell<f64>> = vec![OnceCell::new(); points.len()];
         let climb = |i: usize| *climbs[i].get_or_init(|| self.climb(points[i]).0);
         let off = |omega: f64| (omega - target).abs();
@@ -145,11 +155,14 @@ impl Instrument {
         }
     }
 
-    /// Where to look: a coarse scan, and around each mode points spaced by its own width.
-    fn scan_points(&self, target: f64) -> Vec<f64> {
-        let (low, high) = (target / REACH, target * REACH);
-        let ratio = (high / low).powf(1.0 / SCAN as f64);
-        let mut points: Vec<f64> = (0..=SCAN).map(|i| low * ratio.powi(i as i32)).collect();
+    /// Where to look, a factor of `reach` around the target: a coarse scan, and around each mode points spaced by its own
+    /// width.
+    fn scan_points(&self, reach: f64, target: f64) -> Vec<f64> {
+        let (low, high) = (target / reach, target * reach);
+        let ratio = (REACH * REACH).powf(1.0 / SCAN as f64);
+        // Steps from the target on either side.
+        let steps = (reach.ln() / ratio.ln()).round() as i32;
+        let mut points: Vec<f64> = (-steps..=steps).map(|i| target * ratio.powi(i)).collect();
         for mode in self.modes.iter().filter(|m| m.omega > low && m.omega < high) {
             // An undamped mode is bracketed a rounding or two away.
             let width = (0.5 * mode.inverse_q()).max(1e-12);

@@ -248,9 +248,9 @@ impl Sum {
 
     /// The eigenpair of a root.
     fn pair(&self, root: Root, d: &[f64], a: &[f64]) -> Pair {
-        let apart: Vec<f64> = d.iter().map(|d| (root.pole - d) + root.off).collect();
-        let quotient = |(a, apart): (&f64, &f64)| if a * a == 0.0 { 0.0 } else { a / apart };
-        let mut rest: Vec<f64> = a.iter().zip(&apart).map(quotient).collect();
+        let quotient =
+            |(a, d): (&f64, &f64)| if a * a == 0.0 { 0.0 } else { a / ((root.pole - d) + root.off) };
+        let mut rest: Vec<f64> = a.iter().zip(d).map(quotient).collect();
         let norm = dot(&rest, &rest) + self.line.slope;
         let scale = 1.0 / norm.sqrt();
         rest.iter_mut().for_each(|y| *y *= scale);
