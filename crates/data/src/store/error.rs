@@ -50,7 +50,7 @@ pub enum StoreError {
         path.display(), partial.display()
     )]
     Busy { path: PathBuf, partial: PathBuf },
-    #[error("{}: no such file", path.display())]
+    #[error("{}: no such file; `afmsweep run SCENE -o FILE` makes one", path.display())]
     Missing { path: PathBuf },
     #[error(
         "{}: no such file, but the unfinished {} is there: the run is still going or was broken off; `afmsweep run SCENE --resume` goes on with it",

@@ -43,6 +43,14 @@ fn preset_fits(draft: &Draft) -> Checked<()> {
     let chosen = chosen_model(draft);
     let lever = || draft.first_of(&CALIBRATION).or_else(|| draft.first_under(MODES));
     let place = chosen.or_else(lever).map_or(0..0, |said| said.key.clone());
+    if draft.first_under("drive").is_none() {
+        return Err(Fault::at(place, "nothing drives this lever: the scene has no [drive]")
+            .label("it stands on a rigid base")
+            .expected("[drive] with a frequency and a strength")
+            .help(format!(
+                "add [drive] with on = \"tip\", frequency = \"resonance\" and free_amplitude = \"20 nm\", say, or {NAME_ROD}"
+            )));
+    }
     Err(Fault::at(place, "the rigid base has no motion")
         .label(match chosen {
             Some(_) => "there is no rod for the preset's voltage to drive",
