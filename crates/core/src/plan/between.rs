@@ -1,6 +1,7 @@
 //! Points between the points of a curve.
 
 use super::{Drive, Driven, Ensemble, Instance, InstanceId, Plan, Resolution};
+use crate::contact::Compact;
 use crate::scene::DriveLevel;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -32,7 +33,7 @@ impl Plan {
             let (from, to) = (self.case(first), self.case(second));
             let gap = from.gap * (1.0 - share) + to.gap * share;
             instances.push(Instance { drive, contact: contacts.len() as u32, gap });
-            contacts.push(to.contact);
+            contacts.push(Compact::from(&to.contact));
             resolution.push(Resolution { gap, drive, steps: to.steps });
         }
         let ensemble = Ensemble {

@@ -44,7 +44,7 @@ impl Plan {
             drive: *drive,
             steps: steps_of(
                 &scene.run,
-                (&ensemble.contacts[one.contact as usize], one.gap),
+                (&ensemble.contacts[one.contact as usize].contact(), one.gap),
                 &drives[*drive as usize],
             ),
         };
@@ -78,8 +78,8 @@ impl Plan {
 /// Gives instances whose contacts are too fast for the modes with the largest shares a basis that is made for them.
 fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>, basis_of: &mut [u32]) {
     let rung = |one: &Instance| {
-        let contact = &ensemble.contacts[one.contact as usize];
-        (one.drive, drives[one.drive as usize].rung(contact, one.gap))
+        let contact = ensemble.contacts[one.contact as usize].contact();
+        (one.drive, drives[one.drive as usize].rung(&contact, one.gap))
     };
     let rungs: Vec<(u32, u32)> = ensemble.instances.par_iter().map(rung).collect();
     let mut distinct = rungs.clone();

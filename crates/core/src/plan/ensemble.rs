@@ -1,6 +1,6 @@
 //! The instances of a scene: what they are, not how they run.
 
-use crate::contact::Contact;
+use crate::contact::{Compact, Contact};
 use crate::instrument::{FreeMotion, Instrument};
 use crate::scene::{Branch, Held};
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ pub struct Ensemble {
     /// Distinct instruments under their drive.
     pub drives: Vec<Arc<Drive>>,
     /// Distinct contacts, or nearly so.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<Compact>,
     /// In the scene's order.
     pub instances: Vec<Instance>,
     /// Of each instance what it is held at by moving its sample; empty where gaps are given.
@@ -113,8 +113,8 @@ impl Drive {
 
 impl Ensemble {
     /// The contact of an instance.
-    pub fn contact(&self, id: InstanceId) -> &Contact {
-        &self.contacts[self[id].contact as usize]
+    pub fn contact(&self, id: InstanceId) -> Contact {
+        self.contacts[self[id].contact as usize].contact()
     }
 }
 

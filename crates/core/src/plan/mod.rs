@@ -170,7 +170,7 @@ impl Plan {
 
     /// Everything about one instance.
     pub fn case(&self, instance: u32) -> Case {
-        let contact = *self.contact(instance);
+        let contact = self.contact(instance);
         let Resolution { gap, drive, steps } = self.resolution[instance as usize];
         let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
         Case { drive, contact, gap, steps, least_change }
@@ -182,7 +182,7 @@ impl Plan {
     }
 
     /// An instance's contact.
-    pub fn contact(&self, instance: u32) -> &Contact {
+    pub fn contact(&self, instance: u32) -> Contact {
         self.ensemble.contact(self.id(instance))
     }
 

@@ -259,7 +259,7 @@ pub fn warning_lines(scene: &Scene, plan: &Plan, finished: &Columns, results: &R
             let count = flags.data.iter().filter(|bits| **bits & mask != 0).count();
             let first = flags.data.iter().position(|bits| bits & mask != 0)?;
             let params: Params = scene.instance(first);
-            let contact: &Contact = plan.contact(first as u32);
+            let contact: Contact = plan.contact(first as u32);
             let depth = depth(plan, first, finished.get(first).measured.indentation_max);
             let words = contact
                 .warnings(&params, depth)
@@ -291,10 +291,10 @@ fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
     let mut curves = Vec::new();
     for &instance in request.instances.iter().take(8) {
         let contact = plan.contact(instance as u32);
-        if !contact.law.acts() || seen.contains(contact) {
+        if !contact.law.acts() || seen.contains(&contact) {
             continue;
         }
-        seen.push(*contact);
+        seen.push(contact);
         for curve in contact.curves().curves {
             let values = |list: Vec<Option<f64>>| list.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
             curves.push(ForceCurve {

@@ -195,7 +195,11 @@ impl Layout {
     /// Variable `instance`.
     fn instances(&mut self, dims: &[usize], numbers: &[u64]) -> hdf5::Result<()> {
         let numbers: Vec<i64> = numbers.iter().map(|&n| i64::try_from(n).unwrap_or(i64::MAX)).collect();
-        let dataset = self.variable("instance", dims, &numbers)?;
+        self.numbered(dims, &numbers)
+    }
+
+    fn numbered(&mut self, dims: &[usize], numbers: &[i64]) -> hdf5::Result<()> {
+        let dataset = self.variable("instance", dims, numbers)?;
         labels::text(&dataset, "long_name", INSTANCE)
     }
 
@@ -303,9 +307,8 @@ impl Layout {
                 dims.push(dim);
                 from_scene(&self.group.dataset(&axis.name)?, axis)?;
             }
-            let columns: Vec<Coordinate> =
-                results.axes.iter().flat_map(|axis| axis.columns.iter().cloned()).collect();
-            return Ok((dims, (!columns.is_empty()).then(|| names(&columns))));
+            let columns: Vec<&Coordinate> = results.axes.iter().flat_map(|axis| &axis.columns).collect();
+            return Ok((dims, (!columns.is_empty()).then(|| names(columns))));
         }
         let numbers: Vec<i64> = (0..results.status.len() as i64).collect();
         dims.push(self.coordinate("instance", "", INSTANCE, &numbers)?);
@@ -327,8 +330,8 @@ fn texts(words: &[String]) -> hdf5::Result<Vec<VarLenUnicode>> {
 }
 
 /// The names of these, as attributes have them.
-fn names(all: &[Coordinate]) -> String {
-    let names: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+fn names<'a>(all: impl IntoIterator<Item = &'a Coordinate>) -> String {
+    let names: Vec<&str> = all.into_iter().map(|one| one.name.as_str()).collect();
     names.join(" ")
 }
 
@@ -350,7 +353,7 @@ fn root(file: &File, results: &Results) -> hdf5::Result<()> {
     let mut layout = Layout { file: file.clone(), group, scales: Vec::new() };
     let (dims, coordinates) = layout.axes(results)?;
     if !results.list {
-        layout.instances(&dims, &(0..results.status.len() as u64).collect::<Vec<_>>())?;
+        layout.numbered(&dims, &(0..results.status.len() as i64).collect::<Vec<_>>())?;
     }
     let beside = Beside { coordinates: coordinates.as_deref(), ancillary: quality(&results.variables) };
     layout.variables(&results.variables, &dims, beside)?;

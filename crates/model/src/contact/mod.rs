@@ -111,6 +111,34 @@ pub struct Contact {
     model: Model,
 }
 
+/// A contact without the constants of its law, which follow: half as large, for those who hold very many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compact {
+    law: Law,
+    choice: LawChoice,
+    modulus: f64,
+    radius: f64,
+    work: f64,
+    decay_length: f64,
+    tabor: f64,
+}
+
+impl Compact {
+    /// The contact, to the bit.
+    pub fn contact(self) -> Contact {
+        let Self { law, choice, modulus, radius, work, decay_length, tabor } = self;
+        let model = Model::new(law, &Material { modulus, radius, work, decay_length });
+        Contact { law, choice, modulus, radius, work, decay_length, tabor, model }
+    }
+}
+
+impl From<&Contact> for Compact {
+    fn from(of: &Contact) -> Self {
+        let Contact { law, choice, modulus, radius, work, decay_length, tabor, model: _ } = *of;
+        Self { law, choice, modulus, radius, work, decay_length, tabor }
+    }
+}
+
 impl Contact {
     /// Decides the law and works out its constants.
     ///
@@ -138,8 +166,7 @@ impl Contact {
             None if work == 0.0 || negligible => Law::Hertz,
             None => tabor::fitting_law(tabor),
         };
-        let model = Model::new(law, &Material { modulus, radius, work, decay_length });
-        Self { law, choice, modulus, radius, work, decay_length, tabor, model }
+        Compact { law, choice, modulus, radius, work, decay_length, tabor }.contact()
     }
 
     /// The law with its constants.

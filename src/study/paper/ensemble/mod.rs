@@ -119,7 +119,8 @@ fn letting_go(numbers: &mut Numbers, ran: &Ran) {
     let (mut held, mut agreed, mut taps, mut close, mut worst) = (0, 0, 0, 0, 0.0f64);
     let mut errors = Vec::new();
     for (instance, one) in all.iter().enumerate() {
-        let Some(jkr) = ran.plan.contact(instance as u32).jkr() else { continue };
+        let contact = ran.plan.contact(instance as u32);
+        let Some(jkr) = contact.jkr() else { continue };
         let never = one.measured.contacts == 0.0;
         held += usize::from(never);
         agreed += usize::from(never == (-jkr.release() > reach(ran, instance)));
