@@ -83,8 +83,9 @@ pub fn main(args: &MergeArgs, voice: Voice) -> anyhow::Result<()> {
     if let Some(phase) = swept.missing.first() {
         return Err(Stopped::before(*phase).into());
     }
-    // What the results were made of is as large as they are.
+    // What the results were made of is larger than they are.
     let results = only_results(swept);
+    drop(keeper);
     signals::held(|| writer.write(&results).and_then(|()| writer.finish()))?;
     voice.say(format_args!("wrote {} of {} shares", args.output.display(), share.of));
     Ok(())

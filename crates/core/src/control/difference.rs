@@ -20,7 +20,7 @@ pub(super) fn differences(plan: &Plan, instances: &[u32], other: &[Finished], al
 /// What is left of the difference between two bases in the richer one's error, for the contacts of this instance.
 pub(super) fn left_of_bases(plan: &Plan, i: u32) -> f64 {
     let policy = &plan.policy;
-    let jumps = plan.contact(i).law.has_memory();
+    let jumps = plan.law(i).has_memory();
     let corners = jumps || plan.run.accuracy < policy.corners_below;
     match (corners, is_fast(plan, i)) {
         (true, true) => policy.left_of_fast_corners,

@@ -37,7 +37,7 @@ pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
 }
 
 pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
-    plan.contact(instance).law
+    plan.law(instance)
 }
 
 /// By law, then stiffness.

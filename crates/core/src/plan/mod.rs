@@ -31,7 +31,7 @@ pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
 pub use variants::Fineness;
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Law};
 use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
@@ -184,6 +184,11 @@ impl Plan {
     /// An instance's contact.
     pub fn contact(&self, instance: u32) -> Contact {
         self.ensemble.contact(self.id(instance))
+    }
+
+    /// The law of an instance's contact, for those who ask for nothing else.
+    pub fn law(&self, instance: u32) -> Law {
+        self.ensemble.contacts[self.ensemble[self.id(instance)].contact as usize].law()
     }
 
     /// What an instance is held at, where its gap is not given.

@@ -165,7 +165,7 @@ where
     /// Takes in where a period has led to. Where that is no end, it stands at the next place to try.
     fn arrived(&mut self, plan: &Plan, end: Option<&Station>, finished: &Finished) -> Next {
         let same_contact =
-            |end: &&Station| !plan.contact(self.instance).law.has_memory() || end.touching == self.touching;
+            |end: &&Station| !plan.law(self.instance).has_memory() || end.touching == self.touching;
         let Some(end) = end.filter(|end| end.finite).filter(same_contact) else { return Next::Lost };
         let change = vector::<D>(end) - &self.at;
         if let Some((stride, before)) = self.last.take() {

@@ -30,7 +30,7 @@ pub(super) fn period(
 /// state, and in the same contact.
 pub(super) fn bears_out(plan: &Plan, instance: u32, state: &PeriodicState, end: Option<&Station>) -> bool {
     let Some(end) = end.filter(|end| end.finite) else { return false };
-    let same_contact = !plan.contact(instance).law.has_memory() || end.touching == state.station.touching;
+    let same_contact = !plan.law(instance).has_memory() || end.touching == state.station.touching;
     let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
     let moved = squares(&end.x, &state.station.x) + squares(&end.u, &state.station.u);
     let change = moved.sqrt() / state.spectrum.least_change;

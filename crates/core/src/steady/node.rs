@@ -45,7 +45,7 @@ impl Node {
             touching: state.station.touching,
             drawn: finished.measured.force_mean < 0.0,
             contacts: finished.measured.contacts.round(),
-            law: plan.contact(instance).law,
+            law: plan.law(instance),
             steps: state.steps,
             kept: Arc::clone(&state.kept),
             drive: Arc::clone(&plan.driven(instance).drive),
@@ -240,7 +240,7 @@ impl Hint<'_> {
         let counts = |one: &Neighbour| !self.scattered || one.nearest != 0.0;
         let sound =
             |one: &Neighbour| one.node.moves_as(first) && (!counts(one) || one.node.multiplier < stable);
-        if !self.neighbours.iter().all(sound) || first.law != plan.contact(instance).law {
+        if !self.neighbours.iter().all(sound) || first.law != plan.law(instance) {
             return None;
         }
         let mut guess = Guess {

@@ -124,6 +124,11 @@ pub struct Compact {
 }
 
 impl Compact {
+    /// Its law, for those who ask for nothing else.
+    pub fn law(&self) -> Law {
+        self.law
+    }
+
     /// The contact, to the bit.
     pub fn contact(self) -> Contact {
         let Self { law, choice, modulus, radius, work, decay_length, tabor } = self;
