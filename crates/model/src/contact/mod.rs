@@ -125,11 +125,13 @@ pub struct Compact {
 
 impl Compact {
     /// Its law, for those who ask for nothing else.
+    #[inline]
     pub fn law(&self) -> Law {
         self.law
     }
 
     /// The contact, to the bit.
+    #[inline]
     pub fn contact(self) -> Contact {
         let Self { law, choice, modulus, radius, work, decay_length, tabor } = self;
         let model = Model::new(law, &Material { modulus, radius, work, decay_length });
