@@ -278,12 +278,12 @@ mod tests {
     fn case(number: usize) -> (Vec<f64>, Vec<f64>) {
         let count = 1 + number % 40;
         let mut d: Vec<f64> = (0..count).map(|k| 1e-4f64.powf(share(number, k))).collect();
-        if number % 3 == 0 && count > 4 {
+        if number.is_multiple_of(3) && count > 4 {
             (d[1], d[3], d[4]) = (d[0], d[2], d[2]);
         }
-        let size = if number % 2 == 0 { 0.3 } else { 1e-6 };
+        let size = if number.is_multiple_of(2) { 0.3 } else { 1e-6 };
         let row = |k: usize| {
-            if number % 5 == 0 && k % 4 == 1 { 0.0 } else { size * (share(number, 100 + k) - 0.5) }
+            if number.is_multiple_of(5) && k % 4 == 1 { 0.0 } else { size * (share(number, 100 + k) - 0.5) }
         };
         (d, (0..count).map(row).collect())
     }

@@ -136,8 +136,11 @@ fn unit_stiffness(
     Some((mass, rows))
 }
 
-/// Parts by their elements and degree, each made once.
-pub(crate) struct Known<T>(LazyLock<RwLock<HashMap<(usize, usize), Arc<T>>>>);
+/// Number of elements and degree.
+type OnMesh = (usize, usize);
+
+/// Parts by their mesh, each made once.
+pub(crate) struct Known<T>(LazyLock<RwLock<HashMap<OnMesh, Arc<T>>>>);
 
 impl<T> Known<T> {
     pub const fn new() -> Self {
