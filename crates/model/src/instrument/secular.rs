@@ -59,7 +59,8 @@ pub(super) fn pairs(line: Line, d: &[f64], a: &[f64]) -> Vec<Pair> {
     let mut from = 0;
     while from < order.len() {
         let pole = d[order[from]];
-        let same = order[from..].iter().take_while(|&&k| d[k] - pole <= SAME * d[k].abs()).count();
+        // At least itself, whatever number it is.
+        let same = order[from..].iter().take_while(|&&k| d[k] - pole <= SAME * d[k].abs()).count().max(1);
         let group = &order[from..from + same];
         group.iter().for_each(|&k| snapped[k] = pole);
         let weight: f64 = group.iter().map(|&k| a[k] * a[k]).sum();
