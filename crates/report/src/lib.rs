@@ -37,7 +37,7 @@ pub use heatmap::{Heatmap, Panel};
 pub use quantity::shown;
 pub use view::Wish;
 
-use afmsweep_data::{observe, reconstruct, stats, store, units};
+use afmsweep_data::{observe, reconstruct, stats, store, suggest, units};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};

@@ -4,6 +4,7 @@ use super::ReportError;
 use super::labels::label;
 use super::labels::shown;
 use crate::store::{Coordinate, Results};
+use crate::suggest;
 use crate::units::{self, Dimension};
 
 /// An axis with at most so many values becomes curves, one for each.
@@ -146,17 +147,24 @@ fn most_curves(results: &Results, axis: &Coordinate) -> usize {
 
 /// The number of the axis of this path or name.
 fn find(results: &Results, option: &'static str, name: &str) -> Result<usize, ReportError> {
+    let axes = &results.axes;
     let named = |axis: &Coordinate| axis.scene_path == name || axis.name == name;
-    let names: Vec<&str> = results
-        .axes
-        .iter()
-        .map(|axis| if axis.scene_path.is_empty() { axis.name.as_str() } else { axis.scene_path.as_str() })
-        .collect();
-    let expected = match names.as_slice() {
-        [] => "nothing: the scene has no sweep".to_owned(),
-        names => format!("one of {}", names.join(", ")),
+    // `gap` is as good as `approach.gap` where one axis alone is called so.
+    let ends = |axis: &Coordinate| axis.scene_path.rsplit('.').next() == Some(name);
+    let alone = || axes.iter().position(ends).filter(|_| axes.iter().filter(|axis| ends(axis)).count() == 1);
+    let path = |axis: &'_ Coordinate| {
+        if axis.scene_path.is_empty() { axis.name.clone() } else { axis.scene_path.clone() }
     };
-    results.axes.iter().position(named).ok_or_else(|| ReportError::wish(option, name, &expected))
+    axes.iter().position(named).or_else(alone).ok_or_else(|| {
+        let names: Vec<String> = axes.iter().map(path).collect();
+        let near = suggest::nearest(name, names.iter().map(String::as_str));
+        let meant = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        let expected = match names.as_slice() {
+            [] => "nothing: the scene has no sweep".to_owned(),
+            names => format!("one of {}{meant}", names.join(", ")),
+        };
+        ReportError::wish(option, name, &expected)
+    })
 }
 
 /// The number of the value of an axis that is nearest to this one.
@@ -234,10 +242,13 @@ mod tests {
         };
         let one = view(&[20, 19, 9], &wish("path.a.0", "a_1", &[("path.a.2", "3 nm")]));
         assert_eq!((one.x, one.y, one.fixed), (0, Some(1), vec![(2, 2)]));
+        // The last part of a path is enough where one axis alone has it.
+        assert_eq!(view(&[20, 19, 9], &wish("1", "0", &[])).x, 1);
         let curves = view(&[4, 32, 32], &wish("a_1", "", &[]));
         assert_eq!((curves.x, curves.y, curves.curves, curves.panels), (1, None, Some(0), vec![2]));
         for (lengths, wish, words) in [
             (&[4, 5], wish("gap", "", &[]), "--x gap: expected one of path.a.0, path.a.1"),
+            (&[4, 5], wish("pat.a.1", "", &[]), "path.a.1; did you mean path.a.1?"),
             (&[4, 5], wish("", "", &[("a_0", "30 nm")]), "a value from 1 nm to 4 nm"),
             (&[4, 5], wish("", "", &[("a_0", "3")]), "a value with its unit"),
             (&[4, 5], wish("a_0", "", &[("a_0", "3 nm")]), "not drawn along"),
