@@ -27,7 +27,7 @@ const NARROW: [(&str, &[&str]); 3] = [
     // The file's format does not depend on how results came about. The kernel has the names and codes of laws.
     ("store", &["kernel", "observe"]),
     // Pictures come from the results file alone.
-    ("report", &["design", "observe", "reconstruct", "stats", "store", "units"]),
+    ("report", &["design", "observe", "reconstruct", "stats", "store", "suggest", "units"]),
     // Statistics as well.
     ("stats", &["design", "observe", "store"]),
 ];

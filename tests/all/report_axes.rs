@@ -213,8 +213,9 @@ fn the_command_draws_over_the_axes_asked_for() {
     );
     for (arguments, words) in [
         (
-            ["--x", "gap"],
-            "--x gap: expected one of approach.gap, scene.sample_youngs_modulus, scene.tip_radius",
+            ["--x", "aproach.gap"],
+            "--x aproach.gap: expected one of approach.gap, scene.sample_youngs_modulus, scene.tip_radius; did you mean \
+             approach.gap?",
         ),
         (["--at", "approach.gap=3 s"], "a value with its unit"),
         (["--at", "approach.gap=90nm"], "a value from 500 pm to 8.5 nm"),
@@ -222,5 +223,6 @@ fn the_command_draws_over_the_axes_asked_for() {
         let (code, _, err) = run(&arguments);
         assert!(code == Some(1) && err.contains(words), "{err}");
     }
+    assert_eq!(run(&["--x", "gap", "-q"]).0, Some(0));
     assert_eq!(run(&["--at", "approach.gap"]).0, Some(2));
 }
