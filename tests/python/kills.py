@@ -2,8 +2,8 @@
 
 kills.py PROGRAM [--kills 100] [--terms 30] [--seed 1]
 
-Truth is the run of the same scene that nobody disturbs: the file that is gone on to has its variables, to the bit. Half of
-the signals to runs whose time goes into second branches and audit have to meet them there. As root it also fills a small disk and makes it larger again.
+Truth is the run of the same scene that nobody disturbs: the file that is gone on to has its variables, to the bit. A quarter
+of the signals to runs whose time goes into second branches and audit have to meet them there. As root it also fills a small disk and makes it larger again.
 """
 
 import argparse
@@ -127,7 +127,8 @@ def strikes(program, name, number, count, draw):
         if pathlib.Path("a.h5.partial").exists():
             wrong.append("a journal is left")
             pathlib.Path("a.h5.partial").unlink()
-    if "--audit" in options and 2 * beyond < met:
+    # A draw of few signals may miss them by chance.
+    if "--audit" in options and beyond < max(1, met // 4):
         wrong.append(f"only {beyond} of {met} signals met second branches, audit or waveforms")
     print(f"{name:10} {signal.Signals(number).name}: {met} in {runs} runs of {lasts:.2f} s, {beyond} of them beyond the portions, "
           f"{len(wrong)} wrong", flush=True)
