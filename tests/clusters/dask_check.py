@@ -35,6 +35,14 @@ def run_share(program, scene, number, shards):
     return f"results/{stem}.{number}-of-{shards}.h5"
 
 
+def merged(program, files, told):
+    """Puts the shares together and says so; what differs from the whole, or 0."""
+    subprocess.run([program, "merge", *files, "-q", "--no-audit", "-o", "merged.h5"], check=True)
+    print(told)
+    wrong = differing("whole.h5", "merged.h5")
+    return f"the merged file differs: {wrong}" if wrong else 0
+
+
 def main():
     program = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as name:
@@ -49,10 +57,7 @@ def main():
             pids = client.run(os.getpid)
             threading.Timer(1.0, os.kill, (next(iter(pids.values())), 9)).start()
             files = client.gather(shares)
-        subprocess.run([program, "merge", *files, "-q", "--no-audit", "-o", "merged.h5"], check=True)
-        print(f"{SHARDS} shares, a worker killed: {time.monotonic() - began:.1f} s")
-        wrong = differing("whole.h5", "merged.h5")
-        return f"the merged file differs: {wrong}" if wrong else 0
+        return merged(program, files, f"{SHARDS} shares, a worker killed: {time.monotonic() - began:.1f} s")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ impl UnitBeam {
     /// Of `elements` equal elements of degree `order` (at least 3); each is solved for once.
     ///
     /// # Errors
-    /// A mesh whose modes are not met to rounding.
+    /// A stiffness that cannot be factored.
     pub fn on(elements: usize, order: usize) -> Result<Arc<Self>, InstrumentError> {
         static KNOWN: Known<UnitBeam> = Known::new();
         KNOWN.on(elements, order, || {
