@@ -83,6 +83,7 @@ const CASES: &[(&str, Expect)] = &[
     ("radius_10_um_jkr", Within(taps)),
     ("radius_1_nm", Within(taps)),
     ("rod_damped", Within(taps)),
+    ("rod_met", Within(taps)),
     ("rod_resonance", Within(taps)),
     // The rod's undamped modes ring on for ever.
     ("rod_undamped", Says(Status::NotSteady)),

@@ -108,7 +108,8 @@ fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>, basis
 /// The modes with the largest shares that `accuracy` asks for.
 pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> ReducedBasis {
     let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
-    ReducedBasis::choose(&driven.instrument, driven.free.omega, accuracy, run.modes, most)
+    let wanted = (accuracy, run.accuracy);
+    ReducedBasis::choose(&driven.instrument, driven.free.omega, wanted, run.modes, most)
 }
 
 /// Most steps per period that a mode kept may need.
@@ -309,7 +310,8 @@ impl Swing {
         };
         let most = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
         let omega = TAU * frequency;
-        let kept = ReducedBasis::choose(instrument, omega, scene.run.accuracy, scene.run.modes, most);
+        let wanted = (scene.run.accuracy, scene.run.accuracy);
+        let kept = ReducedBasis::choose(instrument, omega, wanted, scene.run.modes, most);
         Ok(Self { instrument: Arc::clone(instrument), frequency, kept: Arc::new(kept) })
     }
 

@@ -13,6 +13,7 @@
 //! reduction of what the tip feels of it (`compliance.rs`).
 
 use super::compliance::{compliance, reduced};
+use super::met::met;
 use super::oscillator::KeptMode;
 use super::ringing::{FASTER, Levers, REDUCED, RINGS_LONG, left, ringing};
 use crate::instrument::{Instrument, Mode};
@@ -27,6 +28,10 @@ pub enum BasisRule {
     /// So many oscillators for what happens to the tip at rates up to this one, rad/s.
     Contact { rate: f64, count: usize },
 }
+
+/// The accuracy, relative to the one asked for, whose modes are the most that are tried before oscillators are chosen
+/// by the contact's rate.
+pub(crate) const RICHEST: f64 = 0.1;
 
 /// Numbers of oscillators that are chosen by the rate of a contact.
 pub(super) const COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
@@ -96,14 +101,39 @@ pub(super) const ANGLE_MAX: f64 = 1.2;
 impl ReducedBasis {
     /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
     /// is left out is below three times `accuracy`, the rest as a residual oscillator where it is
-    /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period.
+    /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period; and those that a
+    /// harmonic of the drive meets so that the accuracy `asked` of the run needs them.
     /// `count` overrides: exactly so many modes, nothing for the rest.
     pub fn choose(
         instrument: &Instrument,
         omega: f64,
-        accuracy: f64,
+        (accuracy, asked): (f64, f64),
         count: Option<usize>,
         steps_max: f64,
+    ) -> Self {
+        let fastest = omega * steps_max * ANGLE_MAX / std::f64::consts::TAU;
+        let mut kept = Self::by_share(instrument, accuracy, count, (fastest, steps_max));
+        if let Some(count) = count {
+            kept.reason = format!("{count} modes, as the scene says");
+            return kept;
+        }
+        let richest = Self::by_share(instrument, RICHEST * asked, None, (fastest, steps_max));
+        let known = |k: &usize| richest.modes.iter().any(|mode| mode.index == Some(*k));
+        let slow = |k: &usize| instrument.modes[*k].omega <= fastest;
+        let met: Vec<usize> =
+            met(&instrument.modes, omega, asked).into_iter().filter(|k| !known(k) && slow(k)).collect();
+        kept.add_residual(instrument, &met, accuracy, fastest);
+        kept.add_met(instrument, &met);
+        kept
+    }
+
+    /// Modes in order of their share until what is left out is below three times `accuracy`, or `count` of them; none but
+    /// the first faster than `fastest` (rad/s), which `steps_max` steps a period can step.
+    fn by_share(
+        instrument: &Instrument,
+        accuracy: f64,
+        count: Option<usize>,
+        (fastest, steps_max): (f64, f64),
     ) -> Self {
         let share = |k: usize| {
             let mode = &instrument.modes[k];
@@ -112,7 +142,6 @@ impl ReducedBasis {
         let flexibility: f64 = (0..instrument.modes.len()).map(share).sum();
         let mut order: Vec<usize> = (0..instrument.modes.len()).collect();
         order.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()).then(a.cmp(b)));
-        let fastest = omega * steps_max * ANGLE_MAX / std::f64::consts::TAU;
 
         let mut modes = Vec::new();
         let mut left = 1.0;
@@ -133,24 +162,11 @@ impl ReducedBasis {
                 );
                 break;
             }
-            let mode = &instrument.modes[k];
             left -= share(k) / flexibility;
-            modes.push(KeptMode {
-                index: Some(k),
-                omega: mode.omega,
-                damping: 0.5 / mode.quality_factor,
-                inverse_mass: mode.inverse_mass(),
-                top: mode.top / mode.tip,
-            });
+            modes.push(KeptMode::of(instrument, k));
         }
         let rule = BasisRule::Shares { accuracy };
-        let mut kept = Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason };
-        if let Some(count) = count {
-            kept.reason = format!("{count} modes, as the scene says");
-        } else {
-            kept.add_residual(instrument, accuracy, fastest);
-        }
-        kept
+        Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason }
     }
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly
@@ -174,16 +190,7 @@ impl ReducedBasis {
         };
         let mut modes: Vec<KeptMode> = exact
             .iter()
-            .map(|&k| {
-                let mode = &instrument.modes[k];
-                KeptMode {
-                    index: Some(k),
-                    omega: mode.omega,
-                    damping: 0.5 / mode.quality_factor,
-                    inverse_mass: mode.inverse_mass(),
-                    top: mode.top / mode.tip,
-                }
-            })
+            .map(|&k| KeptMode::of(instrument, k))
             .collect();
         if !all {
             let rest: Vec<&Mode> =
@@ -250,12 +257,12 @@ impl ReducedBasis {
     /// The residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the
     /// one among them with the largest share, which is the one that rings. Slower modes that are not kept
     /// (the rod's, each a share of 1e-4 or less) are no spring at the frequencies of a contact and stay out.
-    fn add_residual(&mut self, instrument: &Instrument, accuracy: f64, fastest: f64) {
+    fn add_residual(&mut self, instrument: &Instrument, met: &[usize], accuracy: f64, fastest: f64) {
         let kept = self.fastest();
         let (mut spring, mut loss, mut top) = (0.0, 0.0, 0.0);
         let (mut largest, mut omega) = (0.0, f64::NAN);
-        for mode in &instrument.modes {
-            if mode.omega > kept {
+        for (k, mode) in instrument.modes.iter().enumerate() {
+            if mode.omega > kept && !met.contains(&k) {
                 let flexibility = mode.inverse_mass() / mode.omega.powi(2);
                 spring += flexibility;
                 if flexibility > largest {
@@ -290,6 +297,19 @@ impl ReducedBasis {
                 inverse_mass: omega * omega * spring,
                 top: top / spring,
             });
+        }
+    }
+
+    /// Keeps those of the modes `met` that are not kept for their share.
+    fn add_met(&mut self, instrument: &Instrument, met: &[usize]) {
+        for &k in met.iter().take(MODES_MAX.saturating_sub(self.modes.len())) {
+            let mode = KeptMode::of(instrument, k);
+            self.residual_share -= mode.inverse_mass / mode.omega.powi(2) / self.flexibility;
+            self.note(format!(
+                "the mode at {:.4} kHz too: a harmonic of the drive meets it",
+                mode.omega / std::f64::consts::TAU / 1e3
+            ));
+            self.modes.push(mode);
         }
     }
 

@@ -1,5 +1,7 @@
 //! One oscillator of a reduced basis.
 
+use crate::instrument::Instrument;
+
 /// One oscillator of the reduced instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeptMode {
@@ -13,4 +15,18 @@ pub struct KeptMode {
     pub inverse_mass: f64,
     /// Travel of the rod's top per travel of the tip, in this mode under a tip force.
     pub top: f64,
+}
+
+impl KeptMode {
+    /// The instrument's mode `k` as it is.
+    pub(super) fn of(instrument: &Instrument, k: usize) -> Self {
+        let mode = &instrument.modes[k];
+        Self {
+            index: Some(k),
+            omega: mode.omega,
+            damping: 0.5 / mode.quality_factor,
+            inverse_mass: mode.inverse_mass(),
+            top: mode.top / mode.tip,
+        }
+    }
 }

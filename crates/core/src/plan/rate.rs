@@ -1,15 +1,11 @@
 //! How fast a contact is: the rate at which its stiffness and the lever's compliance balance.
 
 use super::compliance::compliance;
-use super::modes::COUNTS;
+use super::modes::{COUNTS, RICHEST};
 use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::Contact;
 use crate::instrument::Instrument;
 use std::sync::Arc;
-
-/// The accuracy, relative to the one asked for, whose modes are the most that are tried before oscillators are chosen
-/// by the contact's rate.
-pub(crate) const RICHEST: f64 = 0.1;
 
 /// Rounds of the fixed point between the rate of a contact and the depth that it leads to: each leaves a tenth of the
 /// miss, and a rate is needed to a factor of two.
