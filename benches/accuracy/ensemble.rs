@@ -51,8 +51,8 @@ fn truths(wide: &Wide) -> Vec<Option<Finished>> {
     let (plan, start) = (plan(wide), Instant::now());
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
     println!("    {}: run for {:e} in {:.0} s", wide.law, wide.accuracy, start.elapsed().as_secs_f64());
-    let audited =
-        control::audit(&run, wide.count, &InMemory, &Progress::default()).expect("the plan can be run");
+    let audited = control::audit(&run, wide.count, &InMemory::default(), &Progress::default())
+        .expect("the plan can be run");
     println!("    {}: truths in {:.0} s", wide.law, start.elapsed().as_secs_f64());
     let mut truths = vec![None; wide.count];
     for one in audited.into_iter().filter(|one| one.truth.status == Status::Ok) {
@@ -176,7 +176,8 @@ fn carried_out(wide: &Wide) -> (Controlled, f64) {
 /// reference's own run as the scene says.
 fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
     let (count, start) = (run.plan.len(), Instant::now());
-    let audited = control::audit(run, count, &InMemory, &Progress::default()).expect("the plan can be run");
+    let audited =
+        control::audit(run, count, &InMemory::default(), &Progress::default()).expect("the plan can be run");
     let mut truths = vec![None; count];
     let mut without = Vec::new();
     for one in audited {
@@ -205,8 +206,8 @@ fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
     let status = |i: &u32| run.results.get(*i as usize).status;
     let all = (0..run.plan.len() as u32).filter(|i| status(i) == Status::NotSteady);
     let first: Vec<u32> = all.take(count).collect();
-    let audited =
-        control::audit_of(run, &first, &InMemory, &Progress::default()).expect("the plan can be run");
+    let audited = control::audit_of(run, &first, &InMemory::default(), &Progress::default())
+        .expect("the plan can be run");
     let with: Vec<&Audited> = audited.iter().filter(|one| one.truth.status == Status::Ok).collect();
     for one in &with {
         let i = one.instance as usize;

@@ -130,7 +130,7 @@ fn resized(scene: &Scene, size: usize) -> Result<Scene, BenchError> {
         let share = if list { size as f64 / instances as f64 } else { factor.powf(1.0 / left as f64) };
         let before = axis.values.len();
         let count = ((before as f64 * share).round() as usize).max(2);
-        axis.values = spread(&axis.values, count, axis.log);
+        axis.values = spread(&axis.values, count, axis.log).into();
         factor /= count as f64 / before as f64;
         left -= 1;
     }

@@ -1,7 +1,7 @@
 //! What is said of errors and audits.
 
 use super::{Voice, instances, values};
-use afmsweep::control::{Controlled, Verdict};
+use afmsweep::control::{Ran, Verdict};
 use afmsweep::sweep::{AUDIT_CONTACT, AUDIT_SECONDS};
 use afmsweep::{Scene, Status};
 use std::path::Path;
@@ -15,16 +15,22 @@ pub const MISSED: u8 = 3;
 pub struct Missed(String);
 
 /// What is known of the errors.
-pub fn accuracy(scene: &Scene, run: &Controlled, verdict: &Verdict, told_not_to: bool, voice: Voice) {
-    let Controlled { plan, results, estimates, .. } = run;
-    let ok = |i: &usize| results.statuses()[*i] == Status::Ok && estimates[*i].is_finite();
-    let mut known: Vec<f64> = (0..estimates.len()).filter(ok).map(|i| estimates[i]).collect();
-    known.sort_by(f64::total_cmp);
+///
+/// # Errors
+/// What is kept of the run cannot be read.
+pub fn accuracy(
+    scene: &Scene,
+    run: &Ran,
+    verdict: &Verdict,
+    told_not_to: bool,
+    voice: Voice,
+) -> anyhow::Result<()> {
+    let known = run.estimates_of_ok()?;
     if let (Some(middle), Some(last)) = (known.get(known.len() / 2), known.last()) {
         voice.say(format_args!(
             "estimated error: median {middle:.1e}, largest {last:.1e} of {}; asked for {:e}",
             instances(known.len()),
-            plan.run.accuracy
+            run.plan.run.accuracy
         ));
     }
     match (verdict.audited, told_not_to) {
@@ -38,18 +44,17 @@ pub fn accuracy(scene: &Scene, run: &Controlled, verdict: &Verdict, told_not_to:
             instances(verdict.unknown)
         ));
     }
+    Ok(())
 }
 
 /// Why no instance was redone.
-fn nothing_redone(run: &Controlled) -> String {
-    let steps = |n: &usize| run.plan.steps(*n as u32) > 0;
-    let ok = |n: &usize| run.results.statuses()[*n] == Status::Ok;
-    let stepped: Vec<usize> = (0..run.plan.len()).filter(steps).collect();
-    if stepped.is_empty() {
+fn nothing_redone(run: &Ran) -> String {
+    let mut stepped = run.marks().iter().filter(|mark| mark.stepped()).peekable();
+    if stepped.peek().is_none() {
         return "nothing to redo: no instance feels the sample, and the free motion is known in closed form"
             .into();
     }
-    if !stepped.iter().any(ok) {
+    if !stepped.any(|mark| mark.status() == Status::Ok) {
         return "nothing to redo: no instance that feels the sample is called ok".into();
     }
     format!(

@@ -141,7 +141,7 @@ fn parameters(study: &Study) -> Vec<Column<'_>> {
     study
         .parameters
         .iter()
-        .map(|one| Column { name: &one.name, units: &one.units, values: one.values.clone() })
+        .map(|one| Column { name: &one.name, units: &one.units, values: one.values.to_vec() })
         .collect()
 }
 

@@ -16,13 +16,14 @@ pub fn main(file: &Path, output: &Path, overwrite: bool, voice: Voice) -> anyhow
     // Nothing is run: any engine will do.
     let sweep = Sweep::new(prepared.scene().with_context(named)?).told_as(&prepared).backend(Backend::Cpu);
     let keeper = Keeper::of_journals(vec![journal], share).with_context(named)?;
-    let swept = match sweep.looked_into(&keeper) {
+    let swept = match sweep.look_into(&keeper) {
         Err(Error::Stopped(_)) => anyhow::bail!("{} has no portion that has ended yet", file.display()),
         other => other?,
     };
-    let statuses = &swept.results.status;
-    let done = statuses.iter().filter(|code| **code != Status::NotRun as u8).count();
-    swept.results.write(output, overwrite)?;
-    voice.say(format_args!("wrote {}: {done} of {} are done", output.display(), instances(statuses.len())));
+    let (all, done) = (swept.run.len(), swept.run.len() - swept.run.count(Status::NotRun));
+    let mut writer = store::Writer::create(output, prepared.scene_text(), overwrite)?;
+    writer.write_image(&swept.laid_out(output)?)?;
+    writer.finish()?;
+    voice.say(format_args!("wrote {}: {done} of {} are done", output.display(), instances(all)));
     Ok(())
 }

@@ -4,15 +4,18 @@ use super::run::lost;
 use super::stopped::Stopped;
 use super::{Voice, signals};
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, Journal};
-use afmsweep::sweep::{Keeper, Prepared, Share, command_of, read_header};
-use afmsweep::{Audit, Error, Results, Sweep, Swept};
+use afmsweep::store::{self, Earlier, Journal, RunFile};
+use afmsweep::sweep::{Keeper, Prepared, Share, command_of, is_of_merge, read_header};
+use afmsweep::{Audit, Error, Sweep};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 #[derive(clap::Args)]
-#[command(after_help = "Example: afmsweep merge results/lever.*-of-8.h5 -o results/lever.h5")]
+#[command(
+    after_help = "Example: afmsweep merge results/lever.*-of-8.h5 -o results/lever.h5\n\nWhat is asked of all shares together (second states, the audit, waveforms) is written down in FILE.partial as it is found: a \
+merge that was interrupted goes on with it when it is started again"
+)]
 pub struct MergeArgs {
     /// Files of all shares of a run
     #[arg(required = true)]
@@ -35,6 +38,18 @@ pub struct MergeArgs {
     /// Merge here what was run on another kind of engine
     #[arg(long)]
     anyway: bool,
+}
+
+impl MergeArgs {
+    /// What an earlier merge has found is gone on with.
+    fn earlier(&self) -> Earlier {
+        let journal = || store::open_journal(&store::partial_path(&self.output));
+        match self.overwrite {
+            true => Earlier::Replaced,
+            false if journal().is_ok_and(|journal| is_of_merge(journal.header())) => Earlier::GoneOnWith,
+            false => Earlier::Kept,
+        }
+    }
 }
 
 /// The file of a share.
@@ -73,26 +88,30 @@ pub fn main(args: &MergeArgs, voice: Voice) -> anyhow::Result<()> {
         .watched_by(&progress)
         .command_line(super::run::command_line());
     let journals = parts.into_iter().map(|part| part.journal).collect();
-    let keeper = Keeper::of_journals(journals, share)?.on_any_engine(args.anyway);
-    let mut writer = store::Writer::create(&args.output, prepared.scene_text(), args.overwrite)?;
-    let swept = match sweep.run_kept(&keeper, &afmsweep::sweep::Silent) {
+    let file = RunFile::create(&args.output, prepared.scene_text(), args.earlier())?;
+    let partial = file.0.partial().to_path_buf();
+    let keeper = Keeper::of_merge(journals, share, file)?.on_any_engine(args.anyway);
+    if keeper.known_later() > 0 {
+        voice.say(format_args!(
+            "goes on with {} of what an earlier merge has found: {}",
+            keeper.known_later(),
+            partial.display()
+        ));
+    }
+    let swept = match sweep.run_into(&keeper, &afmsweep::sweep::Silent) {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
         Err(Error::Missing { shares }) => bail!("{}", again.words(&shares)),
         other => other?,
     };
     if let Some(phase) = swept.missing.first() {
-        return Err(Stopped::before(*phase).into());
+        return Err(Stopped::merge(*phase, &partial).into());
     }
-    // What the results were made of is larger than they are.
-    let results = only_results(swept);
-    drop(keeper);
-    signals::held(|| writer.write(&results).and_then(|()| writer.finish()))?;
+    let image = swept.laid_out(&partial)?;
+    drop(swept);
+    let file = keeper.into_file().context("the merge has no file")?;
+    signals::held(|| file.finish_image(&image))?;
     voice.say(format_args!("wrote {} of {} shares", args.output.display(), share.of));
     Ok(())
-}
-
-fn only_results(swept: Swept) -> Results {
-    swept.results
 }
 
 /// Refuses files that are not of one run, or of one share.

@@ -10,11 +10,10 @@ use super::signals;
 use super::stopped::Stopped;
 use super::table::TableArgs;
 use super::{Voice, planning, print_json};
-use afmsweep::control::Verdict;
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, Earlier, Journal, Results, RunFile};
+use afmsweep::store::{self, Earlier, Journal, RunFile};
 use afmsweep::sweep::{Keeper, Share};
-use afmsweep::{Audit, Error, Scene, Sweep, Swept};
+use afmsweep::{Audit, Error, Scene, Sweep};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -243,22 +242,24 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         drop(told);
         return share(whole, keeper, &output, start, voice);
     }
-    let swept = sweep.run_kept(&keeper, &told);
+    let swept = sweep.run_into(&keeper, &told);
     drop(told);
     let swept = match swept {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
         other => other?,
     };
     if !swept.missing.is_empty() {
-        return Err(Stopped::with(&swept.missing, &swept.run.results, &partial).into());
+        return Err(Stopped::with(&swept.missing, &swept.run, &partial).into());
     }
+    told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice)?;
+    let mut object = args.json.then(|| json::object(&swept, &output)).transpose()?;
+    let (verdict, planning, stepping, rate) = (swept.verdict, swept.planning, swept.stepping, swept.rate);
+    let (writing, stays) =
+        (Instant::now(), || format!("the run is whole, and its journal stays {}", partial.display()));
+    let image = swept.laid_out(&partial).with_context(stays)?;
+    drop(swept);
     let file = keeper.into_file().context("the run has no file")?;
-    told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice);
-    let mut object = args.json.then(|| json::object(&swept, &output));
-    let Written { results, verdict, planning, stepping, rate } = Written::of(swept);
-    let writing = Instant::now();
-    signals::held(|| file.finish(&results))
-        .with_context(|| format!("the run is whole, and its journal stays {}", partial.display()))?;
+    signals::held(|| file.finish_image(&image)).with_context(stays)?;
     let writing = writing.elapsed().as_secs_f64();
     let wall = start.elapsed().as_secs_f64();
     voice.say(format_args!(
@@ -270,22 +271,6 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         print_json(object)?;
     }
     audit::strict(args.strict, &verdict, &output)
-}
-
-/// What is needed of a run to write it: the rest, which may be large, has gone.
-struct Written {
-    results: Results,
-    verdict: Verdict,
-    planning: f64,
-    stepping: f64,
-    rate: f64,
-}
-
-impl Written {
-    fn of(swept: Swept) -> Self {
-        let Swept { results, verdict, planning, stepping, rate, .. } = swept;
-        Self { results, verdict, planning, stepping, rate }
-    }
 }
 
 /// The end of a share: its journal becomes its file.

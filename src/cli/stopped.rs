@@ -2,7 +2,7 @@
 
 use super::signals::{self, Signal};
 use afmsweep::Status;
-use afmsweep::engine::Columns;
+use afmsweep::control::Ran;
 use afmsweep::sweep::{Phase, Share};
 use std::path::Path;
 
@@ -38,11 +38,21 @@ impl Stopped {
         })
     }
 
+    /// Of a merge, with its journal at `partial`.
+    pub fn merge(phase: Phase, partial: &Path) -> Self {
+        Self::new(|word| {
+            format!(
+                "{word} in the {}: what is found so far is in {}; merge again to go on with it",
+                phase.word(),
+                partial.display()
+            )
+        })
+    }
+
     /// With a partial file at `partial`.
-    pub fn with(missing: &[Phase], results: &Columns, partial: &Path) -> Self {
-        let done = results.statuses().iter().filter(|one| **one != Status::NotRun).count();
-        let begun =
-            results.iter().filter(|one| one.status == Status::NotRun && one.measured.is_any()).count();
+    pub fn with(missing: &[Phase], run: &Ran, partial: &Path) -> Self {
+        let done = run.len() - run.count(Status::NotRun);
+        let begun = run.marks().iter().filter(|one| one.status() == Status::NotRun && one.measured()).count();
         let words: Vec<&str> = missing.iter().map(|phase| phase.word()).collect();
         let begun = match begun {
             0 => String::new(),
@@ -52,7 +62,7 @@ impl Stopped {
             format!(
                 "{word} in the {}: {done} of {} instances{begun} are in {}; missing: {}; run the scene again with --resume for a whole file",
                 words.first().copied().unwrap_or("writing"),
-                results.len(),
+                run.len(),
                 partial.display(),
                 words.join(", ")
             )

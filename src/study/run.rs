@@ -59,7 +59,7 @@ impl Ran {
             command_line: "afmsweep study paper".into(),
             arithmetic: Arithmetic::of(&self.plan, "nothing is estimated"),
         };
-        let mut results = record::results(&self.scene, &self.plan, &self.outcome.results[..].into(), &facts);
+        let mut results = record::results(&self.scene, &self.plan, &self.outcome.results[..].into(), &facts)?;
         if let Some(request) = &self.scene.output.waveforms {
             results.waveforms = Some(record::waveforms(&self.plan, &States::default(), request)?);
         }

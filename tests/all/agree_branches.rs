@@ -66,7 +66,8 @@ fn run(scene: &Scene, threads: usize) -> (Controlled, Others) {
     let (engine, progress) = (Cpu::default(), Progress::default());
     let both = || {
         let run = control::run(&plan, &engine, &progress).unwrap();
-        let others = control::others(&run, &scene.sweep.shape(), &InMemory, &engine, &progress).unwrap();
+        let others =
+            control::others(&run, &scene.sweep.shape(), &InMemory::default(), &engine, &progress).unwrap();
         (run, others)
     };
     on_threads(Some(threads), both).unwrap()

@@ -21,7 +21,7 @@ fn work_scales_are_those_of_the_energy_books() {
     let mut coupled = Scene::load(Path::new(quickstart)).unwrap();
     coupled.output.observables = Observable::all().collect();
     for axis in &mut coupled.sweep.axes {
-        axis.values = vec![axis.values[axis.values.len() / 2]];
+        axis.values = vec![axis.values[axis.values.len() / 2]].into();
     }
     for scene in [tapping(LawChoice::Hertz), tapping(LawChoice::Dmt), tapping(LawChoice::Jkr), coupled] {
         let plan = checks::plan(&scene, None);

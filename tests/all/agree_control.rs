@@ -81,7 +81,7 @@ fn gaps_swept_alone_each_have_the_modes_they_need() {
     let plan = checks::plan(&scene, None);
     let run = controlled(&plan);
     assert!(run.results.iter().all(|one| one.status == Status::Ok));
-    let audited = control::audit(&run, plan.len(), &InMemory, &Progress::default());
+    let audited = control::audit(&run, plan.len(), &InMemory::default(), &Progress::default());
     let errors: Vec<f64> = audited.expect("it runs").iter().filter_map(|one| one.worst).collect();
     println!("largest error {:.1e}", errors.iter().copied().fold(0.0, f64::max));
     assert_eq!(errors.len(), plan.len());
@@ -149,7 +149,7 @@ fn an_instance_alone_equals_itself_among_others() {
 fn the_audit_is_the_references_word() {
     let plan = checks::plan(&sweep(LawChoice::Dmt, 1e-3), None);
     let run = controlled(&plan);
-    let audited = control::audit(&run, 4, &InMemory, &Progress::default()).unwrap();
+    let audited = control::audit(&run, 4, &InMemory::default(), &Progress::default()).unwrap();
     assert_eq!(audited.len(), 1);
     let truth = Reference::default().run(&plan, &Progress::default()).unwrap().results[0];
     let (a, b) = (audited[0].truth.measured.harmonics[0], truth.measured.harmonics[0]);
@@ -160,6 +160,6 @@ fn the_audit_is_the_references_word() {
     let mut first = run.results.get(0);
     first.measured.force_max *= 1.01;
     wrong.results.set(0, &first);
-    let audited = control::audit(&wrong, 4, &InMemory, &Progress::default()).unwrap();
+    let audited = control::audit(&wrong, 4, &InMemory::default(), &Progress::default()).unwrap();
     assert!((audited[0].worst.unwrap() - 0.01).abs() < 1e-3);
 }

@@ -130,7 +130,7 @@ fn threads_and_order_change_no_bit() {
     let two = run(&scene, false, 2);
     assert!((0..count).all(|i| bits(&two, i) == all[i]), "two threads");
     let mut turned = scene.clone();
-    turned.sweep.axes.iter_mut().for_each(|axis| axis.values.reverse());
+    turned.sweep.axes.iter_mut().for_each(|axis| std::sync::Arc::make_mut(&mut axis.values).reverse());
     let back = run(&turned, false, 2);
     // All axes reversed: the instances come in reverse order.
     let other: Vec<usize> = (0..count).filter(|i| bits(&back, count - 1 - i) != all[*i]).collect();

@@ -60,7 +60,7 @@ fn single_where_its_rounding_is_small() {
         differ += usize::from(apart > 0.0);
     }
     assert!(differ >= single, "{differ} of {single} are rounded");
-    let audited = control::audit(&ours, 40, &InMemory, &Progress::default()).unwrap();
+    let audited = control::audit(&ours, 40, &InMemory::default(), &Progress::default()).unwrap();
     assert_eq!(audited.len(), 40);
     for one in audited {
         assert!(one.worst.is_some_and(|error| error < 1e-3), "instance {}: {:?}", one.instance, one.worst);

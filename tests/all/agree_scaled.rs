@@ -85,7 +85,7 @@ fn rows_that_share_a_lever_share_its_instrument() {
     for i in 0..plan.len() as u32 {
         let own = scene.instance(i as usize).instrument.cantilever;
         let Lever::Calibrated { stiffness, .. } = own.lever else { panic!() };
-        let first = plan.ensemble.drives[plan.ensemble.instances[i as usize].drive as usize].free.first_mode;
+        let first = plan.ensemble.drive(plan.id(i)).free.first_mode;
         assert!((first.1 / stiffness - 1.0).abs() < 1e-9, "{i}: {first:?}, not {stiffness}");
     }
 }

@@ -169,7 +169,7 @@ fn both_branches_are_those_that_two_starts_end_on() {
     let plan = checks::plan(&scene, None);
     let (engine, progress) = (Cpu::default(), Progress::default());
     let run = control::run(&plan, &engine, &progress).unwrap();
-    let others = control::others(&run, &[], &InMemory, &engine, &progress).unwrap().states;
+    let others = control::others(&run, &[], &InMemory::default(), &engine, &progress).unwrap().states;
     assert_eq!(others.len(), 1);
     let wait = |name: &str| {
         let plan = checks::plan(&load(name), None);

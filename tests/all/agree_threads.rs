@@ -122,7 +122,7 @@ fn order_changes_no_bit() {
     every_kind(|scene, precision, name| {
         let mut turned = scene.clone();
         for axis in &mut turned.sweep.axes {
-            axis.values.reverse();
+            std::sync::Arc::make_mut(&mut axis.values).reverse();
         }
         // All axes reversed: the instances come in reverse order.
         let there: Vec<_> = run(&checks::plan_in(scene, None, precision), 2).iter().map(bits).collect();

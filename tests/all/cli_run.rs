@@ -241,7 +241,7 @@ fn lists_and_single_cases_have_their_shapes() {
     agrees(&results, &list, Precision::F64, None);
     assert!(results.list);
     assert_eq!(results.shape(), [3]);
-    assert_eq!(results.axes[0].values, [1e9, 2e9, 1e9]);
+    assert_eq!(*results.axes[0].values, [1e9, 2e9, 1e9]);
     assert_eq!(results.axes[1].name, "approach_gap");
     for one in &results.variables {
         let rows: Vec<&[f64]> = one.data.chunks(one.data.len() / 3).collect();

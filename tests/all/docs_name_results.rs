@@ -45,7 +45,7 @@ fn mixed_and_stopped(swept: &Swept) -> Results {
     };
     let path = Path::new("all.toml");
     let scene = Scene::parse(path, swept.results.text("scene").unwrap()).unwrap();
-    let mut results = record::results(&scene, &run.plan, &run.results, &facts);
+    let mut results = record::results(&scene, &run.plan, &run.results, &facts).unwrap();
     results.attributes.extend(record::complete(&["audit"]));
     results
 }

@@ -111,7 +111,7 @@ fn files_call_the_places_by_their_names() {
     assert_eq!((material.name.as_str(), material.words.join("|").as_str()), ("material", "soft one|hard"));
     let columns: Vec<&str> = material.columns.iter().map(|one| one.name.as_str()).collect();
     assert_eq!(columns, ["sample_youngs_modulus", "sample_surface_energy", "drive_frequency"]);
-    assert_eq!(material.columns[1].values, [0.02, 0.06]);
+    assert_eq!(*material.columns[1].values, [0.02, 0.06]);
     assert_eq!(material.columns[1].scene_path, "sample.surface_energy");
     assert!(results.variables.iter().all(|one| !columns.contains(&one.name.as_str())));
     desk.works(&["report", "things.h5", "-o", "page", "--x", "material", "--at", "contact.law=dmt"]);

@@ -3,11 +3,10 @@
 //! FUZZ_SECONDS is set, others for so long in each test. What was found wrong once stands in `tests/scenes/bad` or here.
 
 use afmsweep::Status;
-use afmsweep::control::{Ended, Place, Portion};
+use afmsweep::control::{Ended, Place, Portion, portion_from_bytes, portion_number, portion_to_bytes};
 use afmsweep::engine::Finished;
 use afmsweep::periodic::Spectrum;
 use afmsweep::plan::{BasisRule, Fineness, Precision, Station};
-use afmsweep::record::{portion_from_bytes, portion_number, portion_to_bytes};
 use afmsweep::scene::Scene;
 use afmsweep::store::{Earlier, Journal, Kind, RunFile};
 use afmsweep::units::{self, Dimension, parse};
@@ -283,7 +282,7 @@ fn journal(records: &[(Kind, Vec<u8>)]) -> Vec<u8> {
     let path = folder.path().join("a.h5");
     let (mut file, _) = RunFile::create(&path, "scene", Earlier::Kept).expect("the place is free");
     file.begin("the header").expect("there is room");
-    records.iter().for_each(|(kind, bytes)| file.append(*kind, bytes).expect("there is room"));
+    records.iter().for_each(|(kind, bytes)| _ = file.append(*kind, bytes).expect("there is room"));
     std::fs::read(file.partial()).expect("it is there")
 }
 
@@ -304,9 +303,9 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
         match read {
             Ok(read) => {
                 prop_assert_eq!(read.header(), "the header");
-                prop_assert!(read.torn() <= harmed.len());
+                prop_assert!(read.torn() <= harmed.len() as u64);
                 for (kind, own) in read.records() {
-                    let written = whole.iter().any(|(one, bytes)| *one == kind && bytes == own);
+                    let written = whole.iter().any(|(one, bytes)| *one == kind && *bytes == own);
                     prop_assert!(written, "{kind:?} {own:?} was never written");
                 }
             }

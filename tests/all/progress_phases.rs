@@ -39,8 +39,8 @@ fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
             seen
         });
         let run = control::run(&plan, &engine, &progress).unwrap();
-        control::others(&run, &[plan.len()], &InMemory, &engine, &progress).unwrap();
-        control::audit(&run, 2, &InMemory, &progress).unwrap();
+        control::others(&run, &[plan.len()], &InMemory::default(), &engine, &progress).unwrap();
+        control::audit(&run, 2, &InMemory::default(), &progress).unwrap();
         over.store(true, Ordering::Relaxed);
         seen = watcher.join().unwrap();
     });

@@ -148,3 +148,50 @@ fn a_look_into_the_journal_shows_what_is_found() {
     assert!(!known.is_empty());
     assert!(known.iter().all(|one| one.finished.status == afmsweep::Status::NotRun), "{known:?}");
 }
+
+/// Wherever a merge is cut short in what it asks of all shares together, the next one goes on: nothing that is known is done
+/// again, and the file is that of one run. Truth: the run that was not divided.
+#[test]
+fn a_merge_goes_on_from_any_record_to_the_same_file() {
+    let desk = Desk::new();
+    desk.write("scene.toml", TAPPING);
+    let audit = ["--audit", "4", "--backend", "cpu"];
+    desk.works(&[&["run", "scene.toml", "-q", "-o", "whole.h5"], &audit[..]].concat());
+    for share in ["1/2", "2/2"] {
+        desk.works(&["run", "scene.toml", "-q", "--backend", "cpu", "--shard", share]);
+    }
+    let files = ["results/scene.1-of-2.h5", "results/scene.2-of-2.h5"];
+    let (path, partial) = (desk.path("merged.h5"), desk.path("merged.h5.partial"));
+    // As the program merges, but for the file at its end.
+    let merge = || {
+        let journals: Vec<Journal> =
+            files.iter().map(|file| afmsweep::store::open_journal(&desk.path(file)).unwrap()).collect();
+        let prepared = afmsweep::sweep::read_header(journals[0].header()).unwrap().0;
+        let sweep = Sweep::new(prepared.scene().unwrap()).told_as(&prepared).audit(Audit::Instances(4));
+        let file = RunFile::create(&path, prepared.scene_text(), Earlier::GoneOnWith).unwrap();
+        let keeper = Keeper::of_merge(journals, Share { number: 1, of: 2 }, file).unwrap();
+        let swept = sweep.run_kept(&keeper, &Silent).unwrap();
+        assert!(swept.missing.is_empty());
+        (swept.steps_taken, swept.verdict.audited)
+    };
+    let (steps, audited) = merge();
+    let bytes = std::fs::read(&partial).unwrap();
+    assert!(steps > 0 && audited == 4);
+    assert!(kinds(&partial).contains(&Kind::Answers) && kinds(&partial).contains(&Kind::Numbers));
+    assert_eq!(merge(), (0, 4), "nothing is stepped again");
+    assert_eq!(std::fs::read(&partial).unwrap(), bytes, "nothing new is asked");
+    let words = ["merge", files[0], files[1], "-o", "merged.h5", "--audit", "4"];
+    let ends = ends(&bytes);
+    for (n, end) in ends.iter().enumerate().step_by(3).chain([(ends.len() - 1, &bytes.len())]) {
+        std::fs::write(&partial, &bytes[..*end]).unwrap();
+        let said = desk.works(&words);
+        assert_eq!(said.err.contains("goes on with"), n > 0, "{n}: {}", said.err);
+        assert_alike(&desk.path("whole.h5"), &path, &format!("cut after record {n}"));
+        assert!(!partial.exists());
+        std::fs::remove_file(&path).unwrap();
+    }
+    // A run does not go on with it.
+    std::fs::write(&partial, &bytes).unwrap();
+    desk.refuses(&["run", "scene.toml", "-o", "merged.h5", "--resume"], &["journal of a merge"]);
+    assert_eq!(std::fs::read(&partial).unwrap(), bytes);
+}

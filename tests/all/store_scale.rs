@@ -20,7 +20,7 @@ fn results(scene: &Scene) -> Results {
         command_line: String::new(),
         arithmetic: afmsweep::control::Arithmetic::of(&plan, "none ran"),
     };
-    record::results(scene, &plan, &Columns::not_run(plan.len()), &facts)
+    record::results(scene, &plan, &Columns::not_run(plan.len()), &facts).expect("it lies in memory")
 }
 
 /// Characters of all its texts.

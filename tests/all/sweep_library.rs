@@ -60,7 +60,7 @@ fn observables_have_their_axes_and_are_what_the_programs_file_holds() {
     assert_eq!((amplitude.shape.as_slice(), amplitude.units), ([2, 3].as_slice(), "m"));
     let axes: Vec<&str> = amplitude.axes.iter().map(|axis| axis.name.as_str()).collect();
     assert_eq!(axes, ["sample_youngs_modulus", "approach_gap"]);
-    assert_eq!(amplitude.axes[1].values, [12e-9, 15e-9, 30e-9]);
+    assert_eq!(*amplitude.axes[1].values, [12e-9, 15e-9, 30e-9]);
     assert!(amplitude.values[0] < amplitude.values[1] && amplitude.values[1] < amplitude.values[2]);
     assert_eq!(swept.results.observable("harmonic_amplitude").unwrap().shape, [2, 3, 10]);
     assert!(swept.results.observable("virial").is_none());

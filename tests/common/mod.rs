@@ -21,7 +21,7 @@ pub fn coordinate(name: &str, units: &str, values: Vec<f64>) -> Coordinate {
         scene_path: format!("scene.{name}"),
         words: Vec::new(),
         columns: Vec::new(),
-        values,
+        values: values.into(),
     }
 }
 

@@ -3,6 +3,7 @@
 use afmsweep::design::{Described, Design, Distribution, Kind, Parameter, Settings};
 use afmsweep::stats::Study;
 use afmsweep::store::{Attribute, Coordinate, Results, Variable};
+use std::sync::Arc;
 
 /// A design of so many base samples over the same distribution of each parameter.
 pub fn settings(kind: Kind, samples: usize, parameters: usize) -> Settings {
@@ -39,7 +40,7 @@ pub fn results(
         units: one.units.clone(),
         long_name: one.name.clone(),
         scene_path: one.path.clone(),
-        values: rows.iter().map(|row| row[n]).collect(),
+        values: Arc::new(rows.iter().map(|row| row[n]).collect()),
         ..Coordinate::default()
     };
     let samples = Coordinate {
@@ -47,7 +48,7 @@ pub fn results(
         units: "1".into(),
         long_name: "sample".into(),
         scene_path: "samples".into(),
-        values: (0..rows.len()).map(|row| row as f64).collect(),
+        values: Arc::new((0..rows.len()).map(|row| row as f64).collect()),
         columns: design.parameters.iter().enumerate().map(column).collect(),
         ..Coordinate::default()
     };

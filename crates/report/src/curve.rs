@@ -331,7 +331,7 @@ fn cloud(
     let mut told = Vec::new();
     let mut dots = Dots::new(frame.width, frame.height);
     let every = series.values.len().div_ceil(MOST_TOLD).max(1);
-    for (number, (&value, &x)) in series.values.iter().zip(&parameter.values).enumerate() {
+    for (number, (&value, &x)) in series.values.iter().zip(parameter.values.iter()).enumerate() {
         let (value, state) = drawn(value);
         let at = frame.at(x, value);
         if !at.0.is_finite() {

@@ -11,6 +11,7 @@ use super::labels::{capital, shown};
 use super::picture::{Kind, Picture, second_states, states};
 use super::view::{View, Wish};
 use crate::store::{Coordinate, Results, Variable};
+use std::sync::Arc;
 
 /// Harmonics shown at most: curves or maps side by side, and rows of slices.
 const MOST_HARMONICS: usize = 6;
@@ -82,7 +83,7 @@ fn numbers(name: &str, long_name: &str, numbers: std::ops::Range<usize>) -> Coor
         name: name.into(),
         units: "1".into(),
         long_name: long_name.into(),
-        values: numbers.map(|number| number as f64).collect(),
+        values: Arc::new(numbers.map(|number| number as f64).collect()),
         ..Coordinate::default()
     }
 }

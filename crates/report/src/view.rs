@@ -195,13 +195,14 @@ fn nearest(axis: &Coordinate, name: &str, value: &str) -> Result<usize, ReportEr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     fn grid(lengths: &[usize]) -> Results {
         let axis = |(i, n): (usize, &usize)| Coordinate {
             name: format!("a_{i}"),
             units: "m".into(),
             scene_path: format!("path.a.{i}"),
-            values: (1..=*n).map(|k| k as f64 * 1e-9).collect(),
+            values: Arc::new((1..=*n).map(|k| k as f64 * 1e-9).collect()),
             ..Coordinate::default()
         };
         let axes: Vec<Coordinate> = lengths.iter().enumerate().map(axis).collect();

@@ -3,12 +3,14 @@
 use crate::cli::backend::say_choice;
 use crate::cli::progress::Shown;
 use crate::cli::{Voice, audit, instances};
-use afmsweep::control::Controlled;
+use afmsweep::control::Ran;
 use afmsweep::engine::{Engine, Progress};
 use afmsweep::plan::Plan;
 use afmsweep::scene::Steady;
-use afmsweep::sweep::Choice;
-use afmsweep::{Observer, Scene, Status, Swept};
+use afmsweep::store::{Numbers, States};
+use afmsweep::sweep::{Choice, Kept};
+use afmsweep::{Observer, Scene, Status};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -55,24 +57,31 @@ impl Observer for Told<'_> {
 }
 
 /// What became of a whole run. `unaudited`: nobody wonders why no instance was redone.
-pub(super) fn end(scene: &Scene, swept: &Swept, unaudited: bool, voice: Voice) {
+///
+/// # Errors
+/// What is kept of the run cannot be read.
+pub(super) fn end(scene: &Scene, swept: &Kept, unaudited: bool, voice: Voice) -> anyhow::Result<()> {
     for note in &swept.run.notes {
         voice.say(format_args!("note: {note}"));
     }
     if swept.run.plan.run.steady == Steady::Search {
-        searched(swept, voice);
+        searched(swept, voice)?;
     }
     close(swept, voice);
     precision(&swept.run, voice);
-    audit::accuracy(scene, &swept.run, &swept.verdict, unaudited, voice);
+    audit::accuracy(scene, &swept.run, &swept.verdict, unaudited, voice)
 }
 
 /// What a search found.
-fn searched(swept: &Swept, voice: Voice) {
-    let Swept { run, others, .. } = swept;
-    let stepped = run.plan.cases().filter(|case| case.steps > 0).count();
-    let spent = run.periods.iter().enumerate().filter(|(i, _)| run.found.has(*i));
-    let mut spent: Vec<u32> = spent.map(|(_, count)| *count).collect();
+fn searched(swept: &Kept, voice: Voice) -> anyhow::Result<()> {
+    let Kept { run, others, .. } = swept;
+    let stepped = run.marks().iter().filter(|mark| mark.stepped()).count();
+    let mut spent: Vec<u32> = Vec::new();
+    run.each(&mut |piece| {
+        let found = piece.instances.iter().enumerate().filter(|(_, i)| run.marks()[**i as usize].found());
+        spent.extend(found.map(|(n, _)| piece.periods(n)));
+        ControlFlow::Continue(())
+    })?;
     spent.sort_unstable();
     let middle = spent
         .get(spent.len() / 2)
@@ -90,7 +99,7 @@ fn searched(swept: &Swept, voice: Voice) {
             100.0 * started
         ));
     }
-    branches(swept, voice);
+    branches(swept, voice)?;
     if let Some(others) = others {
         let ways = match others.grid {
             true => format!(
@@ -103,12 +112,15 @@ fn searched(swept: &Swept, voice: Voice) {
         voice
             .say(format_args!("branches: {count} with a second periodic state (group other_branch): {ways}"));
     }
+    Ok(())
 }
 
 /// Where the states found are on different branches, how many are on each: they lie side by side in one picture then.
-fn branches(swept: &Swept, voice: Voice) {
-    let Some(flags) = swept.results.flags.iter().find(|one| one.name == "branch") else { return };
-    let count = |code| flags.data.iter().filter(|one| **one == code).count();
+fn branches(swept: &Kept, voice: Voice) -> anyhow::Result<()> {
+    let Some((place, flags)) = swept.frame.flag_named("branch") else { return Ok(()) };
+    let numbers = swept.numbers();
+    let data = numbers.flags(States::First, place)?;
+    let count = |code| data.iter().filter(|one| **one == code).count();
     let counts = (1u8..=u8::MAX).zip(flags.meanings.iter().skip(1)).map(|(code, word)| (count(code), word));
     let told: Vec<String> =
         counts.filter(|one| one.0 > 0).map(|(count, word)| format!("{count} {word}")).collect();
@@ -118,28 +130,27 @@ fn branches(swept: &Swept, voice: Voice) {
             told.join(" and ")
         ));
     }
+    Ok(())
 }
 
 /// In which precision it ran, and why.
-fn precision(run: &Controlled, voice: Voice) {
-    let (plan, arithmetic) = (&run.plan, &run.arithmetic);
-    let other = arithmetic.of.iter().filter(|one| **one != plan.precision).count();
+fn precision(run: &Ran, voice: Voice) {
+    let other = run.in_other_precision();
     let rest = match other {
         0 => String::new(),
         _ => format!("; {} went on in f64, which it did not bring to the accuracy", instances(other)),
     };
-    voice.say(format_args!("precision: {}: {}{rest}", plan.precision.name(), arithmetic.reason));
+    voice.say(format_args!("precision: {}: {}{rest}", run.plan.precision.name(), run.reason));
 }
 
 /// What a user should know of the run: doubtful instances and doubtful contacts.
-fn close(swept: &Swept, voice: Voice) {
-    let statuses = swept.run.results.statuses();
+fn close(swept: &Kept, voice: Voice) {
     for status in Status::ALL {
-        let count = statuses.iter().filter(|one| **one == status).count();
+        let count = swept.run.count(status);
         if count > 0 && status != Status::Ok {
             voice.say(format_args!(
                 "{count} of {} marked {}: {}",
-                instances(statuses.len()),
+                instances(swept.run.len()),
                 status.meaning().replace('_', " "),
                 status.reason()
             ));

@@ -10,6 +10,7 @@ use crate::scene::{ActuatorModel, Params};
 use crate::store::Coordinate;
 use nalgebra::Complex;
 use std::path::Path;
+use std::sync::Arc;
 
 const MODELS: [(&str, &str, ActuatorModel); 3] = [
     ("coupled", "coupled", ActuatorModel::Coupled),
@@ -88,7 +89,7 @@ impl Map {
         Self {
             masses: masses.collect(),
             lever: lever_mass(&ran.scene.base.instrument),
-            frequencies: frequencies.clone(),
+            frequencies: frequencies.to_vec(),
             tips: ran.plan.instances().map(|i| ran.plan.driven(i).free.tip).collect(),
         }
     }
@@ -174,7 +175,7 @@ impl Apart {
             scene_path: String::new(),
             words: Vec::new(),
             columns: Vec::new(),
-            values: middles.collect(),
+            values: Arc::new(middles.collect()),
         };
         let y = Coordinate {
             name: "rod_mass".into(),
@@ -183,7 +184,7 @@ impl Apart {
             scene_path: String::new(),
             words: Vec::new(),
             columns: Vec::new(),
-            values: map.masses.iter().map(|mass| mass / map.lever).collect(),
+            values: Arc::new(map.masses.iter().map(|mass| mass / map.lever).collect()),
         };
         let cell = |mass: usize, i: usize| {
             let block = &self.row(mass)[i * BLOCK..][..BLOCK];

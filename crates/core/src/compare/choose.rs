@@ -9,47 +9,77 @@ use crate::plan::Plan;
 pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
     let stepped = plan.stepped();
     let among = if stepped.is_empty() { plan.instances().collect() } else { stepped };
-    let mut chosen = ranked(plan, among, count, seed);
+    let mut chosen = ranked(plan, &among, count, seed);
     chosen.sort_unstable();
     chosen
 }
 
 /// The same of the instances `among`, those at random and the extreme ones by turns: what is left undone at the end is of
 /// both.
-pub fn ranked(plan: &Plan, among: Vec<u32>, count: usize, seed: u64) -> Vec<u32> {
-    if among.len() <= count {
-        return among;
+pub fn ranked(plan: &Plan, among: &[u32], count: usize, seed: u64) -> Vec<u32> {
+    let mut ranking = Ranking::default();
+    if among.len() > count {
+        among.iter().for_each(|i| ranking.offer(*i, plan, *i));
     }
-    let keys: [fn(&Plan, u32) -> f64; 4] = [
-        |plan, i| plan.expected_depth(i),
-        |plan, i| plan.contact(i).modulus,
-        |plan, i| plan.contact(i).work * plan.contact(i).radius,
-        |plan, i| plan.case(i).gap,
-    ];
-    let mut chosen: Vec<u32> = Vec::new();
-    for key in keys {
-        let value = |i: &&u32| key(plan, **i);
-        let by = |a: &&u32, b: &&u32| value(a).total_cmp(&value(b));
-        for extreme in [among.iter().min_by(by), among.iter().max_by(by)].into_iter().flatten() {
+    ranking.chosen((among.len(), &|place| among[place]), count, seed)
+}
+
+/// What instances are told apart by.
+const KEYS: [fn(&Plan, u32) -> f64; 4] = [
+    |plan, i| plan.expected_depth(i),
+    |plan, i| plan.contact(i).modulus,
+    |plan, i| plan.contact(i).work * plan.contact(i).radius,
+    |plan, i| plan.case(i).gap,
+];
+
+/// The most extreme instances of those that were offered, in any order.
+#[derive(Clone, Debug, Default)]
+pub struct Ranking {
+    /// By each key the least one, and the greatest: of equal ones the first and the last.
+    extremes: [Option<[(f64, u32); 2]>; KEYS.len()],
+}
+
+impl Ranking {
+    /// Looks at an instance, which is number `n` of the plan.
+    pub fn offer(&mut self, instance: u32, plan: &Plan, n: u32) {
+        for (extremes, key) in self.extremes.iter_mut().zip(KEYS) {
+            let one = (key(plan, n), instance);
+            let before = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).is_lt();
+            let [least, greatest] = extremes.get_or_insert([one; 2]);
+            if before(&one, least) {
+                *least = one;
+            }
+            if before(greatest, &one) {
+                *greatest = one;
+            }
+        }
+    }
+
+    /// `count` instances of so many, which `at` numbers in their order; all where there are no more.
+    pub fn chosen(&self, (all, at): (usize, &dyn Fn(usize) -> u32), count: usize, seed: u64) -> Vec<u32> {
+        if all <= count {
+            return (0..all).map(at).collect();
+        }
+        let mut chosen: Vec<u32> = Vec::new();
+        for (_, extreme) in self.extremes.iter().flatten().flatten() {
             if chosen.len() < count.div_ceil(2) && !chosen.contains(extreme) {
                 chosen.push(*extreme);
             }
         }
-    }
-    let extreme = chosen.len();
-    let mut state = seed;
-    while chosen.len() < count {
-        // SplitMix64 (Steele, Lea & Flood 2014): enough to pick by.
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = state;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let place = (mixed ^ (mixed >> 31)) % among.len() as u64;
-        let one = among[place as usize];
-        if !chosen.contains(&one) {
-            chosen.push(one);
+        let extreme = chosen.len();
+        let mut state = seed;
+        while chosen.len() < count {
+            // SplitMix64 (Steele, Lea & Flood 2014): enough to pick by.
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut mixed = state;
+            mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            let one = at(((mixed ^ (mixed >> 31)) % all as u64) as usize);
+            if !chosen.contains(&one) {
+                chosen.push(one);
+            }
         }
+        let (extreme, random) = chosen.split_at(extreme);
+        (0..count).flat_map(|n| [random.get(n), extreme.get(n)]).flatten().copied().collect()
     }
-    let (extreme, random) = chosen.split_at(extreme);
-    (0..count).flat_map(|n| [random.get(n), extreme.get(n)]).flatten().copied().collect()
 }

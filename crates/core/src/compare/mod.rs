@@ -3,7 +3,7 @@
 mod choose;
 mod scales;
 
-pub use choose::{choose, ranked};
+pub use choose::{Ranking, choose, ranked};
 pub use scales::Scales;
 
 use crate::observe::{Measured, Observable, Scale};

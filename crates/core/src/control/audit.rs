@@ -2,11 +2,13 @@
 
 use super::asked::{Answer, Question, What};
 use super::portion::Keep;
+use super::ran::Ran;
 use super::{Controlled, truth};
-use crate::compare::{Scales, error, ranked, worst};
+use crate::compare::{Ranking, Scales, error, ranked, worst};
 use crate::engine::{Columns, EngineError, Finished, Progress, Reference, TOLERANCE};
 use crate::observe::Status;
 use crate::plan::Plan;
+use std::ops::ControlFlow;
 
 /// Tolerance of the reference's steps in units of the accuracy asked for.
 const FINER: f64 = 1e-5;
@@ -62,30 +64,112 @@ pub fn audit(
     keep: &dyn Keep,
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
-    let chosen = ranked(&run.plan, counted(&run.plan, &run.results), count, 1);
+    let chosen = ranked(&run.plan, &counted(&run.plan, &run.results), count, 1);
     audit_of(run, &chosen, keep, progress)
 }
 
 /// The instances that an audit may choose from.
-pub fn counted(plan: &Plan, results: &Columns) -> Vec<u32> {
+fn counted(plan: &Plan, results: &Columns) -> Vec<u32> {
     let counts = |i: &u32| plan.steps(*i) > 0 && results.statuses()[*i as usize] == Status::Ok;
     plan.instances().filter(counts).collect()
 }
 
-/// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
-pub fn contacts(Controlled { plan, results, .. }: &Controlled) -> Vec<u32> {
-    let touches = |i: &u32| {
-        let measured = results.get(*i as usize).measured;
-        match () {
-            () if plan.wants.contact => measured.contact_time > 0.0,
-            () if plan.wants.extremes => !measured.indentation_max.is_nan(),
-            () => plan.expected_depth(*i) > 0.0,
+/// The instances that [`audit`] would redo, where not all that is known of the run lies in memory.
+///
+/// # Errors
+/// What is kept of a portion cannot be read.
+pub fn chosen(run: &Ran, count: usize) -> Result<Vec<u32>, EngineError> {
+    let (mut ranking, places) = (Ranking::default(), Places::of(run));
+    if places.count > count {
+        run.each(&mut |piece| {
+            let plan = piece.plan();
+            for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| counts(run, **i)) {
+                ranking.offer(*i, &plan, n);
+            }
+            ControlFlow::Continue(())
+        })?;
+    }
+    Ok(ranking.chosen((places.count, &|place| places.at(run, place)), count, 1))
+}
+
+/// Whether an audit may choose an instance.
+fn counts(run: &Ran, i: u32) -> bool {
+    let mark = run.marks()[i as usize];
+    mark.stepped() && mark.status() == Status::Ok
+}
+
+/// Where the instances are that an audit may choose from, of very many.
+struct Places {
+    /// How many there are before each stretch of instances.
+    before: Vec<usize>,
+    count: usize,
+}
+
+/// Instances of a stretch.
+const STRETCH: usize = 4096;
+
+impl Places {
+    fn of(run: &Ran) -> Self {
+        let (mut before, mut count) = (Vec::new(), 0);
+        for i in 0..run.len() {
+            if i.is_multiple_of(STRETCH) {
+                before.push(count);
+            }
+            count += usize::from(counts(run, i as u32));
         }
-    };
-    let mut all = counted(plan, results);
-    all.retain(touches);
-    all.sort_by_key(|i| plan.steps(*i));
-    all
+        Self { before, count }
+    }
+
+    /// The one of this number among them.
+    fn at(&self, run: &Ran, place: usize) -> u32 {
+        let stretch = self.before.partition_point(|before| *before <= place) - 1;
+        let from = (stretch * STRETCH) as u32;
+        let mut all = (from..run.len() as u32).filter(|i| counts(run, *i));
+        all.nth(place - self.before[stretch]).unwrap_or(from)
+    }
+}
+
+/// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
+///
+/// # Errors
+/// What is kept of a portion cannot be read.
+pub fn contacts(run: &Ran) -> Result<Vec<u32>, EngineError> {
+    let (wants, mut all) = (run.plan.wants, Vec::new());
+    run.each(&mut |piece| {
+        let plan = piece.plan();
+        for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| counts(run, **i)) {
+            let measured = piece.measured(n as usize);
+            let touches = match () {
+                () if wants.contact => measured.contact_time > 0.0,
+                () if wants.extremes => !measured.indentation_max.is_nan(),
+                () => plan.expected_depth(n) > 0.0,
+            };
+            if touches {
+                all.push((plan.steps(n), *i));
+            }
+        }
+        ControlFlow::Continue(())
+    })?;
+    all.sort_unstable();
+    Ok(all.into_iter().map(|(_, i)| i).collect())
+}
+
+/// [`audit_of`] instances of a run of which not all lies in memory.
+///
+/// # Errors
+/// What the reference engine says; what is kept of a portion cannot be read.
+pub fn audit_of_run(
+    run: &Ran,
+    chosen: &[u32],
+    keep: &dyn Keep,
+    progress: &Progress,
+) -> Result<Vec<Audited>, EngineError> {
+    let few = run.some(chosen)?;
+    let all: Vec<u32> = few.plan.instances().collect();
+    let mut done = audit_of(&few, &all, keep, progress)?;
+    done.iter_mut().for_each(|one| one.instance = chosen[one.instance as usize]);
+    done.sort_unstable_by_key(|one| one.instance);
+    Ok(done)
 }
 
 /// [`audit`] of these instances.
@@ -161,14 +245,4 @@ fn truths_of(
     }
     let mut truths = truths.into_iter();
     Ok(recalled.into_iter().filter_map(|known| known.or_else(|| truths.next())).collect())
-}
-
-/// Takes the status ok from the instances that an audit found above the accuracy asked for.
-pub fn mark(results: &mut Columns, audited: &[Audited], accuracy: f64) {
-    for one in audited.iter().filter(|one| one.above(accuracy)) {
-        let place = one.instance as usize;
-        if results.statuses()[place] == Status::Ok {
-            results.set_status(place, Status::AccuracyNotMet);
-        }
-    }
 }

@@ -55,7 +55,8 @@ pub(super) fn portion(plan: &Plan, engine: &dyn Engine) -> usize {
         Steady::Wait => plan.run.periods,
     };
     let of_all = plan.instance_steps() as f64 / f64::from(plan.run.periods.max(1)) * f64::from(periods);
-    let each = of_all / plan.stepped().len().max(1) as f64;
+    let stepped = plan.instances().filter(|i| plan.steps(*i) > 0).count();
+    let each = of_all / stepped.max(1) as f64;
     let size = most as f64 * (MANY_STEPS / each.max(1.0)).min(1.0);
     (size as usize).max(FEWEST.min(most))
 }

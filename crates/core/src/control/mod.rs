@@ -7,13 +7,16 @@ mod audit;
 mod blend;
 mod block;
 mod branches;
+mod bytes;
 mod choices;
 mod coarse;
 mod decide;
 mod difference;
 mod division;
 mod first;
+mod in_memory;
 mod levels;
+mod mark;
 mod modes;
 mod neighbours;
 mod order;
@@ -25,6 +28,7 @@ mod portion;
 mod portions;
 mod precision;
 mod prescribed;
+mod ran;
 mod refine;
 mod sample;
 mod scattered;
@@ -39,14 +43,21 @@ mod unfinished;
 mod verdict;
 
 pub use asked::{Allowance, Answer, Question, What};
-pub use audit::{Audited, audit, audit_of, contacts, mark};
+pub use audit::{Audited, audit, audit_of, audit_of_run, chosen, contacts};
 pub use branches::others;
+pub use bytes::{
+    allowance_from_bytes, allowance_to_bytes, answers_from_bytes, answers_to_bytes, numbers_from_bytes,
+    numbers_question, numbers_to_bytes, portion_from_bytes, portion_number, portion_to_bytes, questions,
+};
 pub use choices::{Choices, Course, choose};
 pub use division::Division;
+pub use in_memory::InMemory;
+pub use mark::Mark;
 pub use other::{Other, Others};
 pub use part::Part;
 pub use place::Place;
-pub use portion::{Ended, InMemory, Keep, Portion};
+pub use portion::{Ended, Keep, Portion};
+pub use ran::{Piece, Ran};
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
 
@@ -56,7 +67,7 @@ use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 use crate::steady::{self, Settled, States};
 
-/// A run of all instances to the accuracy asked for. There may be very many: no number is held that need not be.
+/// A run of all instances to the accuracy asked for, or of some of them, in memory.
 #[derive(Clone, Debug)]
 pub struct Controlled {
     /// The plan that was carried out: modes and steps as the estimates asked for them.
@@ -94,6 +105,24 @@ pub struct Arithmetic {
 }
 
 impl Controlled {
+    /// Before anything.
+    fn not_begun(plan: Plan, choices: &Choices) -> Self {
+        let count = plan.len();
+        Self {
+            results: Columns::of_observables(count, &plan.observables),
+            notes: Vec::new(),
+            estimates: vec![f64::NAN; count],
+            left_out: vec![f64::NAN; count],
+            found: States::default(),
+            periods: vec![0; count],
+            jumps: Vec::new(),
+            neighbour_started: Vec::new(),
+            arithmetic: choices.precision.arithmetic(count),
+            from_rest: seconds::Seconds::default(),
+            plan,
+        }
+    }
+
     /// The share of the instances whose results began at their neighbours' states.
     pub fn neighbour_started(&self) -> f64 {
         let count = self.neighbour_started.iter().filter(|one| **one).count();
@@ -135,8 +164,9 @@ impl Arithmetic {
 /// # Errors
 /// What the engine says.
 pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Controlled, EngineError> {
+    let keep = InMemory::default();
     match choose(planned, Course::Controlled, engine, progress)? {
-        Some(choices) => carry_out(planned.clone(), &choices, &InMemory, engine, progress),
+        Some(choices) => carry_out(planned.clone(), &choices, &keep, engine, progress)?.gathered(),
         None => Ok(Controlled::not_begun(planned.clone(), &Choices::stopped(planned, engine))),
     }
 }
@@ -146,29 +176,30 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<C
 ///
 /// # Errors
 /// What the engine says.
-pub fn carry_out(
+pub fn carry_out<'k>(
     planned: Plan,
     choices: &Choices,
-    keep: &dyn Keep,
+    keep: &'k dyn Keep,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
-    let is_stepped = planned.cases().any(|case| case.steps > 0);
+) -> Result<Ran<'k>, EngineError> {
+    let is_stepped = planned.instances().any(|i| planned.steps(i) > 0);
     let mut all = portions::run(planned, choices, keep, engine, progress)?;
     all.notes.splice(0..0, choices.notes.iter().cloned());
-    if choices.course != Course::Controlled || keep.partly() || !is_stepped {
-        return Ok(all);
-    }
-    let stepped = all.plan.stepped();
     let chosen = &choices.precision;
-    if chosen.precision == Precision::F32 && !chosen.mixed && !progress.stopped() {
-        precision::add_rounding(&mut all, &stepped, engine, progress)?;
-    }
-    for &i in &stepped {
-        let i = i as usize;
-        let doubtful = all.estimates[i] > all.plan.run.accuracy;
-        if doubtful && all.results.statuses()[i] == Status::Ok {
-            all.results.set_status(i, Status::AccuracyNotMet);
+    let single = chosen.precision == Precision::F32 && !chosen.mixed;
+    if choices.course == Course::Controlled && single && is_stepped && !keep.partly() && !progress.stopped() {
+        let whole = all.gathered()?;
+        let cost = precision::cost_of_rounding(&whole, engine, progress)?;
+        all.notes.extend(cost.notes);
+        if let Some((rounding, added)) = cost.told {
+            (all.rounding, all.added) = (rounding, added);
+            let over = |i: &u32| {
+                let i = *i as usize;
+                whole.plan.steps(i as u32) > 0 && whole.estimates[i] + all.added[i] > whole.plan.run.accuracy
+            };
+            let missed: Vec<u32> = whole.plan.instances().filter(over).collect();
+            missed.into_iter().for_each(|i| all.miss(i));
         }
     }
     Ok(all)

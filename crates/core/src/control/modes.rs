@@ -24,7 +24,7 @@ pub(super) struct Choice {
     pub plan: Plan,
     /// By instance, what the next poorer basis is made by; none where all are in the sample themselves.
     pub poorer: Option<Vec<BasisRule>>,
-    /// What the modes left out cost each instance, by the sample.
+    /// What the modes left out cost each instance, by the sample; empty where it is nothing.
     pub left_out: Vec<f64>,
 }
 
@@ -85,7 +85,7 @@ pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Cho
 fn as_planned(plan: &Plan, some_fast: bool) -> Choice {
     let count = plan.len();
     let poorer = some_fast.then(|| (0..count as u32).map(|i| next_poorer(plan.basis_rule(i))).collect());
-    Choice { plan: plan.clone(), poorer, left_out: vec![0.0; count] }
+    Choice { plan: plan.clone(), poorer, left_out: Vec::new() }
 }
 
 fn next_poorer(basis: BasisRule) -> BasisRule {
@@ -149,8 +149,8 @@ impl<'a> Bases<'a> {
     fn choose(&mut self, members: &[u32], of_law: &OfLaw) {
         let asked = self.plan.run.accuracy;
         let least = RICHEST * asked;
-        for &i in members {
-            let place = &Place::among(&of_law.places, stiffness(self.plan, i));
+        for (i, stiffness) in self.plan.of_each(members, |part, n, i| (i, stiffness(part, n))) {
+            let place = &Place::among(&of_law.places, stiffness);
             let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
             if let Some((n, cost)) = of_law.basis(place) {
                 let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));

@@ -32,7 +32,7 @@ impl Blocks {
     /// None where the plan is not the scene's own, too small, waited for, or led otherwise: along curves, to set-points.
     pub fn of(plan: &Plan) -> Option<Self> {
         let ensemble = &plan.ensemble;
-        let whole = plan.len() == ensemble.instances.len() && plan.len() >= LEAST;
+        let whole = plan.len() == ensemble.len() && plan.len() >= LEAST;
         let searched = plan.run.steady == Steady::Search && plan.run.start == Start::Steady;
         let led = ensemble.curves.is_some() || plan.has_setpoints() || plan.run.steps_per_period.is_some();
         if !whole || !searched || led {

@@ -1,13 +1,12 @@
 //! What became of some instances of a run, as plain data apart from their plan: what a run writes down to go on from.
 
+use super::Part;
 use super::asked::{Allowance, Answer, Question};
-use super::choices::Choices;
-use super::other::Second;
 use super::place::Place;
-use super::{Arithmetic, Part};
-use crate::engine::{Finished, Outcome};
-use crate::plan::{Fineness, Plan, Precision};
+use crate::engine::Finished;
+use crate::plan::{Fineness, Precision};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// What became of the instances of a portion, in its order.
 #[derive(Clone, Debug)]
@@ -42,7 +41,8 @@ pub struct Ended {
     pub from_rest: Option<Box<(Finished, Place)>>,
 }
 
-/// What is known of a run before it begins, of its portions and of what is asked after them, and who is told of what ends.
+/// What is known of a run before it begins, of its portions and of what is asked after them, who is told of what ends, and
+/// where portions are that have ended.
 pub trait Keep: Sync {
     /// In how many shares the run is done: these decide how it is divided.
     fn shares(&self) -> usize {
@@ -65,10 +65,14 @@ pub trait Keep: Sync {
         None
     }
 
-    /// A portion has ended; a break ends the run.
-    fn ended(&self, _number: usize, _portion: &dyn Fn() -> Portion) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
+    /// A portion has ended, and is to be kept; a break ends the run.
+    fn ended(&self, number: usize, portion: &Portion) -> ControlFlow<()>;
+
+    /// The bytes of a portion that has ended in this run, or that was known before.
+    ///
+    /// # Errors
+    /// In words, why they cannot be had.
+    fn bytes(&self, number: usize) -> Result<Arc<Vec<u8>>, String>;
 
     /// Whether what it is told outlasts the run: then it is told of pieces of the work.
     fn lasts(&self) -> bool {
@@ -111,12 +115,6 @@ pub trait Keep: Sync {
     }
 }
 
-/// Nothing is known, and nobody is told.
-#[derive(Clone, Copy, Debug)]
-pub struct InMemory;
-
-impl Keep for InMemory {}
-
 impl Portion {
     /// Of a run of some instances.
     pub(super) fn of(run: &Part, whole: bool) -> Self {
@@ -150,46 +148,8 @@ impl Portion {
         }
     }
 
-    /// The run that it was, of these instances; none where they are not as many.
-    pub(super) fn part(self, part: Plan, choices: &Choices) -> Option<Part> {
-        let all = &self.instances;
-        if all.len() != part.len() {
-            return None;
-        }
-        let fineness: Vec<Fineness> = all.iter().map(|one| one.fineness).collect();
-        let plan = part.with_fineness(&fineness);
-        let found = match self.searched {
-            true => {
-                plan.instances().zip(all).map(|(i, one)| Some(one.state.as_ref()?.state(&plan, i))).collect()
-            }
-            false => Vec::new(),
-        };
-        let rest = |(i, one): (u32, &Ended)| {
-            let (finished, place) = **one.from_rest.as_ref()?;
-            Some(Second { finished, place: place.state(&plan, i) })
-        };
-        let from_rest = match self.from_rest {
-            true => plan.instances().zip(all).map(rest).collect(),
-            false => Vec::new(),
-        };
-        let jumps = if self.curves { all.iter().map(|one| one.jump).collect() } else { Vec::new() };
-        let of = all.iter().map(|one| one.precision).collect();
-        let results = all.iter().map(|one| one.finished).collect();
-        Some(Part {
-            outcome: Outcome { results, ends: Vec::new(), notes: self.notes },
-            estimates: all.iter().map(|one| one.estimate).collect(),
-            left_out: all.iter().map(|one| one.left_out).collect(),
-            found,
-            periods: all.iter().map(|one| one.periods).collect(),
-            jumps,
-            neighbour_started: match choices.neighbours {
-                true => all.iter().map(|one| one.neighbour_started).collect(),
-                false => Vec::new(),
-            },
-            from_rest,
-            arithmetic: Arithmetic { of, ..choices.precision.arithmetic(0) },
-            solved: Vec::new(),
-            plan,
-        })
+    /// Whether it is whole, or anything was measured of its instances: else there is nothing to keep.
+    pub fn is_any(&self) -> bool {
+        self.whole || self.instances.iter().any(|one| one.finished.measured.is_any())
     }
 }

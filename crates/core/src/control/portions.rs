@@ -5,30 +5,30 @@ use super::choices::{Choices, Course};
 use super::division::Division;
 use super::first::First;
 use super::portion::{Keep, Portion};
-use super::seconds::Seconds;
-use super::{Controlled, Part, branches, by_reference, modes, once, unfinished};
-use crate::engine::{Columns, Engine, EngineError, Progress, Reference};
+use super::ran::Ran;
+use super::{Part, branches, by_reference, modes, once, unfinished};
+use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::plan::{BasisRule, Plan};
-use crate::steady::{self, States};
+use crate::steady;
 use rayon::prelude::*;
-use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How the instances of a portion are taken to their ends.
 struct Work<'a> {
     choices: &'a Choices,
+    /// What the modes left out cost each instance of the plan; see [`modes::Choice`].
+    left_out: Vec<f64>,
     /// By instance of the plan; see [`First`].
     poorer: Option<Vec<BasisRule>>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
-    division: &'a Division,
     engine: &'a dyn Engine,
     progress: &'a Progress,
 }
 
 impl Work<'_> {
     /// A portion of the whole that is not begun, with its searches from rest where second states are asked for.
-    fn run(&self, number: usize, whole: &Controlled) -> Result<Part, EngineError> {
+    fn run(&self, number: usize, whole: &Ran) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let mut ran = self.first_states(number, whole)?;
         if ran.plan.run.both_branches && !progress.stopped() {
@@ -41,9 +41,9 @@ impl Work<'_> {
     }
 
     /// Takes a portion, by its number, to its end.
-    fn first_states(&self, number: usize, whole: &Controlled) -> Result<Part, EngineError> {
+    fn first_states(&self, number: usize, whole: &Ran) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
-        let portion = self.division.portion(number);
+        let portion = whole.portion(number);
         let part = whole.plan.part(portion);
         match self.choices.course {
             Course::Reference => by_reference(&part, &Reference::default(), progress),
@@ -51,10 +51,11 @@ impl Work<'_> {
             Course::Controlled if !self.stepped => free(part, self.choices, engine, progress),
             Course::Controlled => {
                 let stepped = part.stepped();
-                let left_out = portion.iter().map(|i| whole.left_out[*i as usize]).collect();
+                let left_out =
+                    portion.iter().map(|i| self.left_out.get(*i as usize).copied().unwrap_or(0.0)).collect();
                 let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
                 let poorer = self.poorer.as_ref().map(of);
-                if let Some(blocks) = &self.division.blocks {
+                if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);
                     let block = Block { plan: part, poorer, left_out, choices: self.choices };
                     return block::run(block, &order, engine, progress);
@@ -95,47 +96,43 @@ fn free(
 
 /// Takes all instances of the scene's plan to their ends by what was chosen, in portions, some of them at once. Whoever stops
 /// a run keeps the portions that are done. What `keep` does not want stays not run.
-pub(super) fn run(
+pub(super) fn run<'k>(
     planned: Plan,
     choices: &Choices,
-    keep: &dyn Keep,
+    keep: &'k dyn Keep,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Controlled, EngineError> {
-    let (stepped, count) = (planned.stepped(), planned.len());
+) -> Result<Ran<'k>, EngineError> {
+    let stepped = planned.stepped();
     let modes::Choice { mut plan, poorer, left_out } = match choices.course {
         Course::Controlled => modes::chosen(&planned, &stepped, choices.bases.as_ref()),
-        _ => modes::Choice { plan: planned.clone(), poorer: None, left_out: vec![f64::NAN; count] },
+        _ => modes::Choice { plan: planned.clone(), poorer: None, left_out: Vec::new() },
     };
     (plan.precision, plan.precision_open) = (choices.precision.precision, false);
-    let division = Division::of(&planned, choices, keep.shares());
     // There may be very many instances.
+    let is_stepped = !stepped.is_empty();
+    drop(stepped);
+    let division = Division::of(&planned, choices, keep.shares());
     drop(planned);
-    let mut whole = Controlled::not_begun(plan, choices);
-    whole.left_out = left_out;
-    if division.blocks.is_some() {
-        whole.neighbour_started = vec![false; count];
-    }
-    let stepped = !stepped.is_empty();
-    let work = Work { choices, poorer, stepped, division: &division, engine, progress };
-    let wanted = whole.take_known(&division, choices, keep);
-    let all: u64 = wanted.iter().map(|number| division.portion(*number).len() as u64).sum();
+    let mut whole = Ran::not_begun(plan, choices, division, keep);
+    let work = Work { choices, left_out, poorer, stepped: is_stepped, engine, progress };
+    let wanted = take_known(&mut whole, keep);
+    let all: u64 = wanted.iter().map(|number| whole.portion(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
     if held.is_none() {
         progress.stage(&["estimate", "run", "refinement"]);
     }
     let ended = AtomicBool::new(false);
-    let one = |whole: &Controlled, number: usize| {
-        let portion = division.portion(number);
-        let ran = work.run(number, whole)?;
+    let one = |whole: &Ran, number: usize| {
+        let portion = Portion::of(&work.run(number, whole)?, !progress.stopped());
         if let Some(held) = &held {
-            held.done(portion.len() as u64);
+            held.done(portion.instances.len() as u64);
         }
-        if keep.ended(number, &|| Portion::of(&ran, !progress.stopped())).is_break() {
+        if keep.ended(number, &portion).is_break() {
             ended.store(true, Ordering::Relaxed);
             progress.stop();
         }
-        Ok::<_, EngineError>(ran)
+        Ok::<_, EngineError>(portion)
     };
     for some in wanted.chunks(engine.portions().1.max(1)) {
         if progress.stopped() || ended.load(Ordering::Relaxed) {
@@ -145,93 +142,38 @@ pub(super) fn run(
             [number] => vec![one(&whole, *number)],
             _ => some.par_iter().map(|number| one(&whole, *number)).collect(),
         };
-        for (number, part) in some.iter().zip(done) {
-            whole.take(division.portion(*number), part?);
+        for (number, portion) in some.iter().zip(done) {
+            let portion = portion?;
+            if portion.is_any() {
+                whole.take(*number, &portion);
+            }
         }
     }
     Ok(whole)
 }
 
-impl Controlled {
-    /// Before anything.
-    pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
-        let count = plan.len();
-        Self {
-            results: Columns::of_observables(count, &plan.observables),
-            notes: Vec::new(),
-            estimates: vec![f64::NAN; count],
-            left_out: vec![f64::NAN; count],
-            found: States::default(),
-            periods: vec![0; count],
-            jumps: Vec::new(),
-            neighbour_started: Vec::new(),
-            arithmetic: choices.precision.arithmetic(count),
-            from_rest: Seconds::default(),
-            plan,
+/// Takes in what earlier runs have ended; gives the numbers of the portions that are to be run.
+fn take_known(whole: &mut Ran, keep: &dyn Keep) -> Vec<usize> {
+    let mut wanted = Vec::new();
+    for number in 0..whole.division().len() {
+        let runs = keep.wanted(number);
+        // What was cut short is run anew, from what was chosen.
+        let known = keep.known(number, whole.portion(number).len()).filter(|known| known.whole || !runs);
+        if let Some(known) = &known {
+            whole.take(number, known);
+        }
+        if runs && known.is_none() {
+            wanted.push(number);
         }
     }
-
-    /// Takes in what earlier runs have ended; gives the numbers of the portions that are to be run.
-    fn take_known(&mut self, division: &Division, choices: &Choices, keep: &dyn Keep) -> Vec<usize> {
-        let mut wanted = Vec::new();
-        for number in 0..division.len() {
-            let portion = division.portion(number);
-            let known = keep.known(number, portion.len());
-            let runs = keep.wanted(number);
-            // What was cut short is run anew, from what was chosen.
-            let of_use = known.filter(|known| known.whole || !runs);
-            let ended = of_use.and_then(|known| {
-                let whole = known.whole;
-                Some((whole, known.part(self.plan.part(portion), choices)?))
-            });
-            let done = ended.as_ref().is_some_and(|(whole, _)| *whole);
-            if let Some((_, ended)) = ended {
-                self.take(portion, ended);
-            }
-            if !done && runs {
-                wanted.push(number);
-            }
-        }
-        wanted
-    }
-
-    /// Takes in what became of a portion.
-    fn take(&mut self, portion: &[u32], part: Part) {
-        let count = self.plan.len();
-        if !part.found.is_empty() && self.found.is_empty() {
-            self.found = States::none_of(count);
-        }
-        for (place, found) in portion.iter().zip(&part.found) {
-            self.found.put(*place as usize, found.as_deref());
-        }
-        if !part.from_rest.is_empty() {
-            self.from_rest.take(&self.plan, portion, &part.from_rest);
-        }
-        if !part.jumps.is_empty() && self.jumps.is_empty() {
-            self.jumps = vec![false; count];
-        }
-        portion.iter().zip(&part.jumps).for_each(|(place, jump)| self.jumps[*place as usize] = *jump);
-        let begun = portion.iter().zip(&part.neighbour_started);
-        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = *begun);
-        let mut taken = HashMap::new();
-        for (n, place) in portion.iter().enumerate() {
-            let i = *place as usize;
-            self.plan.take_resolution(*place, &part.plan, n as u32, &mut taken);
-            self.left_out[i] = part.left_out[n];
-            self.results.set(i, &part.outcome.results[n]);
-            self.estimates[i] = part.estimates[n];
-            self.periods[i] = part.periods[n];
-            self.arithmetic.of[i] = part.arithmetic.of[n];
-        }
-        self.notes.extend(part.outcome.notes);
-    }
+    wanted
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::control::division::whole_curves;
-    use crate::control::{InMemory, choose};
+    use crate::control::{Controlled, InMemory, choose};
     use crate::engine::{Cpu, Outcome, ReturnMap};
     use crate::plan::Precision;
     use crate::scene::Scene;
@@ -269,7 +211,9 @@ mod tests {
         let chosen = chosen.expect("nobody stops it");
         let run = |portion, engine: &dyn Engine| {
             let choices = Choices { portion, ..chosen.clone() };
-            super::run(plan.clone(), &choices, &InMemory, engine, &progress).expect("it runs")
+            let keep = InMemory::default();
+            let ran = super::run(plan.clone(), &choices, &keep, engine, &progress).expect("it runs");
+            ran.gathered().expect("it lies in memory")
         };
         (run(usize::MAX, &engine), run(20, &Small(engine)))
     }

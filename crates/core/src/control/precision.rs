@@ -99,15 +99,22 @@ pub(super) fn choose(
     Ok(Choice { precision, mixed: precision == Precision::F32, rounding, reason, notes })
 }
 
-/// Adds to the estimates of a run that was told to be in f32 what rounding costs: a sample runs once more in f64, with the
-/// same bases and steps. An instance that is not in it takes the larger difference of its neighbours there.
-pub(super) fn add_rounding(
-    run: &mut Controlled,
-    stepped: &[u32],
+/// What rounding costs a run in f32.
+pub(super) struct Cost {
+    /// The most in a sample, and what it adds to the estimate of each instance; none where it was stopped on the way.
+    pub told: Option<(f64, Vec<f64>)>,
+    /// What a user should know of how it went.
+    pub notes: Vec<String>,
+}
+
+/// What rounding costs a run that was told to be in f32: a sample runs once more in f64, with the same bases and steps. An
+/// instance that is not in it takes the larger difference of its neighbours there.
+pub(super) fn cost_of_rounding(
+    run: &Controlled,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<(), EngineError> {
-    let order = sample::by_stiffness(&run.plan, stepped);
+) -> Result<Cost, EngineError> {
+    let order = sample::by_stiffness(&run.plan, &run.plan.stepped());
     let sample = sample::spread(&run.plan, &order);
     let cpu = Cpu::default();
     let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
@@ -115,9 +122,9 @@ pub(super) fn add_rounding(
     let found = run.found.of(&sample);
     let found: Vec<_> = found.iter().map(Option::as_ref).collect();
     let settled = steady::beside_states(&double, &found, engine, progress)?;
-    run.notes.extend(settled.outcome.notes);
+    let notes = settled.outcome.notes;
     if progress.stopped() {
-        return Ok(());
+        return Ok(Cost { told: None, notes });
     }
     let single = |i: u32| run.results.get(i as usize);
     let moved: Vec<f64> = sample
@@ -125,18 +132,18 @@ pub(super) fn add_rounding(
         .zip(&settled.outcome.results)
         .map(|(i, double)| apart(&run.plan, *i, &single(*i), double))
         .collect();
-    let finite = || moved.iter().copied().filter(|one| one.is_finite());
-    run.arithmetic.rounding = finite().fold(0.0, f64::max);
+    let rounding = moved.iter().copied().filter(|one| one.is_finite()).fold(0.0, f64::max);
+    let mut added = vec![0.0; run.plan.len()];
     let mut next = 0;
     for i in order {
         let here = sample.get(next) == Some(&i);
         let of_law = |n: &usize| sample::law_of(&run.plan, sample[*n]) == sample::law_of(&run.plan, i);
         let near = [next.checked_sub(1), (next < sample.len()).then_some(next)].into_iter().flatten();
         let near = near.filter(of_law).map(|n| moved[n]).filter(|one| one.is_finite());
-        run.estimates[i as usize] += if here { moved[next] } else { near.fold(0.0, f64::max) };
+        added[i as usize] = if here { moved[next] } else { near.fold(0.0, f64::max) };
         next += usize::from(here);
     }
-    Ok(())
+    Ok(Cost { told: Some((rounding, added)), notes })
 }
 
 /// How far rounding moves a result. What f32 does not call steady goes on in f64 and costs time alone.

@@ -42,13 +42,24 @@ pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
 
 /// By law, then stiffness.
 pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
-    let mut keyed: Vec<(u8, f64, u32)> =
-        stepped.par_iter().map(|&i| (law_of(plan, i).code(), stiffness(plan, i), i)).collect();
-    keyed.par_sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    keyed.into_iter().map(|(.., i)| i).collect()
+    // Law, stiffness and number in one number that is ordered as they are.
+    let key = |part: &Plan, n: u32, i: u32| -> u128 {
+        let bits = stiffness(part, n).to_bits();
+        let ordered = if bits >> 63 == 1 { !bits } else { bits | 1 << 63 };
+        u128::from(law_of(part, n).code()) << 96 | u128::from(ordered) << 32 | u128::from(i)
+    };
+    let mut keyed = plan.of_each(stepped, key);
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|key| key as u32).collect()
 }
 
 /// The instances of each law, which stand together.
 pub(super) fn laws<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = (Law, &'a [u32])> {
-    order.chunk_by(|a, b| law_of(plan, *a) == law_of(plan, *b)).map(|group| (law_of(plan, group[0]), group))
+    let mut rest = order;
+    std::iter::from_fn(move || {
+        let law = law_of(plan, *rest.first()?);
+        let (group, others) = rest.split_at(rest.partition_point(|i| law_of(plan, *i) == law));
+        rest = others;
+        Some((law, group))
+    })
 }

@@ -1,9 +1,9 @@
 //! What searches from the lever at rest have found in a whole run.
 
 use super::other::Second;
-use crate::engine::Columns;
+use crate::engine::{Columns, Finished};
 use crate::plan::Plan;
-use crate::steady::States;
+use crate::steady::{PeriodicState, States};
 
 /// States beside the first ones, by instance.
 #[derive(Clone, Debug, Default)]
@@ -13,17 +13,17 @@ pub(super) struct Seconds {
 }
 
 impl Seconds {
-    /// Takes in what was found of a portion of the plan.
-    pub fn take(&mut self, plan: &Plan, portion: &[u32], all: &[Option<Second>]) {
-        let count = plan.len();
-        if self.states.is_empty() {
-            self.states = States::none_of(count);
-        }
-        let results = self.results.get_or_insert_with(|| Columns::of_observables(count, &plan.observables));
-        for (place, second) in portion.iter().zip(all) {
-            let Some(Second { finished, place: state }) = second else { continue };
-            results.set(*place as usize, finished);
-            self.states.put(*place as usize, Some(state));
+    /// Of the plan's instances, of which nothing was found yet.
+    pub fn none_of(plan: &Plan) -> Self {
+        let results = Some(Columns::of_observables(plan.len(), &plan.observables));
+        Self { results, states: States::none_of(plan.len()) }
+    }
+
+    /// Takes in what was found of an instance.
+    pub fn put(&mut self, instance: usize, finished: &Finished, state: &PeriodicState) {
+        if let Some(results) = &mut self.results {
+            results.set(instance, finished);
+            self.states.put(instance, Some(state));
         }
     }
 

@@ -1,8 +1,12 @@
 //! What is known of a run's errors, all told.
 
-use super::{Audited, Controlled};
+use super::Audited;
+use super::mark::Mark;
+use super::ran::Ran;
+use crate::engine::EngineError;
 use crate::observe::{Observable, Status};
 use crate::plan::Plan;
+use std::collections::HashSet;
 
 /// Whether what a run calls ok meets the accuracy asked for, as far as estimates and audits tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,36 +41,39 @@ pub struct Worst {
 impl Verdict {
     /// Of a run and its audits, once these are marked. `exact`: by the reference engine, whose results stand without
     /// either.
-    pub fn of(run: &Controlled, audited: &[Audited], exact: bool) -> Self {
-        let (plan, results) = (&run.plan, &run.results);
-        let accuracy = plan.run.accuracy;
-        let with = |status| results.statuses().iter().filter(|one| **one == status).count();
+    ///
+    /// # Errors
+    /// What is kept of a portion cannot be read.
+    pub fn of(run: &Ran, audited: &[Audited], exact: bool) -> Result<Self, EngineError> {
+        let accuracy = run.plan.run.accuracy;
         let compared = || audited.iter().filter(|one| one.worst.is_some());
-        let told = |n: usize| {
-            let redone = || compared().any(|one| one.instance as usize == n);
-            exact || plan.steps(n as u32) == 0 || !run.estimates[n].is_nan() || redone()
-        };
-        let unknown = (0..results.len()).filter(|n| results.statuses()[*n] == Status::Ok && !told(*n));
+        let redone: HashSet<u32> = compared().map(|one| one.instance).collect();
+        let told = |i: u32, mark: &Mark| exact || !mark.stepped() || mark.estimated() || redone.contains(&i);
+        let unknown =
+            (0..).zip(run.marks()).filter(|(i, mark)| mark.status() == Status::Ok && !told(*i, mark));
         let largest =
             compared().max_by(|a, b| a.worst.partial_cmp(&b.worst).unwrap_or(std::cmp::Ordering::Equal));
-        Self {
+        let worst = |one: &Audited| {
+            Ok::<_, EngineError>(Worst {
+                instance: one.instance,
+                error: one.worst.unwrap_or(f64::NAN),
+                observable: one.worst_place().and_then(|place| run.plan.observables.get(place).copied()),
+                estimate: run.some(&[one.instance])?.estimates[0],
+            })
+        };
+        Ok(Self {
             accuracy,
-            instances: results.len(),
-            ok: with(Status::Ok),
+            instances: run.len(),
+            ok: run.count(Status::Ok),
             unknown: unknown.count(),
-            not_met: with(Status::AccuracyNotMet),
+            not_met: run.count(Status::AccuracyNotMet),
             audited: audited.len(),
             compared: compared().count(),
             touching: compared().filter(|one| one.touches()).count(),
             above: compared().filter(|one| one.above(accuracy)).count(),
             blind: compared().filter(|one| one.blind > accuracy).count(),
-            worst: largest.map(|one| Worst {
-                instance: one.instance,
-                error: one.worst.unwrap_or(f64::NAN),
-                observable: one.worst_place().and_then(|place| plan.observables.get(place).copied()),
-                estimate: run.estimates[one.instance as usize],
-            }),
-        }
+            worst: largest.map(worst).transpose()?,
+        })
     }
 
     /// Whether nothing that is known speaks against the results called ok, and something is known of each.

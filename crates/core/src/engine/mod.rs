@@ -112,6 +112,9 @@ pub enum EngineError {
     Starts,
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
+    /// What was written down of a portion.
+    #[error("what was written down of the run cannot be read again: {why}")]
+    Unread { why: String },
 }
 
 /// What a run yields, by instance.

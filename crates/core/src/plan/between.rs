@@ -1,6 +1,8 @@
 //! Points between the points of a curve.
 
-use super::{Drive, Driven, Ensemble, Instance, InstanceId, Plan, Resolution};
+use super::ensemble::{Contacts, Gaps};
+use super::resolution::{Ids, Resolution, Resolutions};
+use super::{Drive, Driven, Ensemble, Plan};
 use crate::contact::Compact;
 use crate::scene::DriveLevel;
 use std::collections::HashMap;
@@ -18,7 +20,7 @@ impl Plan {
             drives.push(driven);
             drives.len() as u32 - 1
         };
-        let mut instances = Vec::with_capacity(pairs.len());
+        let mut gaps = Vec::with_capacity(pairs.len());
         let mut contacts = Vec::with_capacity(pairs.len());
         let mut resolution = Vec::with_capacity(pairs.len());
         for &(first, second, share) in pairs {
@@ -32,22 +34,25 @@ impl Plan {
             };
             let (from, to) = (self.case(first), self.case(second));
             let gap = from.gap * (1.0 - share) + to.gap * share;
-            instances.push(Instance { drive, contact: contacts.len() as u32, gap });
+            gaps.push(gap);
             contacts.push(Compact::from(&to.contact));
             resolution.push(Resolution { gap, drive, steps: to.steps });
         }
         let ensemble = Ensemble {
             drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
-            contacts,
-            instances,
+            drive_of: resolution.iter().map(|one: &Resolution| one.drive).collect(),
+            contacts: Contacts::Shared { of: (0..pairs.len() as u32).collect(), all: contacts },
+            gaps: Gaps::Each(gaps),
+            columns: 0,
             setpoints: Vec::new(),
             curves: None,
             grid: None,
         };
         Self {
-            ids: (0..pairs.len() as u32).map(InstanceId).collect(),
+            ids: Ids::All(pairs.len() as u32),
             ensemble: Arc::new(ensemble),
-            resolution,
+            resolution: Resolutions::of(resolution),
+            contacts: None,
             drives,
             ..self.part(&[])
         }

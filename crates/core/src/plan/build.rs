@@ -1,18 +1,21 @@
 //! From a scene to its plan.
 
-use super::contacts::Contacts;
+use super::coded::{Coded, Codes};
+use super::contacts::Shared;
+use super::ensemble::Gaps;
+use super::resolution::{Ids, Resolutions};
 use super::{
-    Curves, Drive, Driven, Ensemble, Grid, GridAxis, Instance, InstanceId, Plan, Policy, Precision,
-    ReducedBasis, Resolution, SetPoint, steps,
+    Curves, Drive, Driven, Ensemble, Grid, GridAxis, InstanceId, Plan, Policy, Precision, ReducedBasis,
+    SetPoint, steps,
 };
 use crate::contact::Contact;
 use crate::instrument::{Instrument, InstrumentError, Pattern};
 use crate::observe::{Wants, wants};
 use crate::scene::{
-    ApproachParams, Axis, DriveFrequency, Held, Layout, Params, Run, Scene, Start, Steady, SweptAxes,
+    ApproachParams, Axis, Cases, DriveFrequency, Held, Layout, Params, Run, Scene, Start, Steady, SweptAxes,
 };
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use thiserror::Error;
@@ -33,27 +36,26 @@ impl Plan {
     /// Plans every instance. Each distinct instrument is reduced once.
     pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
         let (mut drives, drive_of) = driven(scene)?;
-        let ensemble = Arc::new(ensemble(scene, &drives, &drive_of));
-        let mut basis_of = drive_of;
+        let ensemble = Arc::new(ensemble(scene, &drives, drive_of));
         // Prescribed steps are for the modes that they can step.
-        if scene.run.modes.is_none() && scene.run.steps_per_period.is_none() {
-            fast_contacts(&ensemble, &scene.run, &mut drives, &mut basis_of);
-        }
-        let resolution = |(one, drive): (&Instance, &u32)| Resolution {
-            gap: one.gap,
-            drive: *drive,
-            steps: steps_of(
-                &scene.run,
-                (&ensemble.contacts[one.contact as usize].contact(), one.gap),
-                &drives[*drive as usize],
-            ),
+        let made = match scene.run.modes.is_none() && scene.run.steps_per_period.is_none() {
+            true => fast_contacts(&ensemble, &scene.run, &mut drives),
+            false => HashMap::new(),
         };
-        let resolution = ensemble.instances.par_iter().zip(&basis_of).map(resolution).collect();
+        let mut resolution = Coded::new();
+        in_stretches(&ensemble, |id, contact| {
+            let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
+            let rung = (!made.is_empty()).then(|| drives[own as usize].rung(contact, gap));
+            let drive = rung.and_then(|rung| made.get(&(own, rung)).copied()).unwrap_or(own);
+            (drive, steps_of(&scene.run, (contact, gap), &drives[drive as usize]))
+        })
+        .for_each(|some| some.into_iter().for_each(|one| resolution.push(one)));
         let asked = wants(&scene.output.observables);
         let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
         Ok(Self {
-            ids: (0..ensemble.instances.len() as u32).map(InstanceId).collect(),
-            resolution,
+            ids: Ids::All(ensemble.len() as u32),
+            resolution: Resolutions::coded(resolution),
+            contacts: None,
             ensemble,
             drives,
             observables: scene.output.observables.clone(),
@@ -75,16 +77,35 @@ impl Plan {
     }
 }
 
-/// Gives instances whose contacts are too fast for the modes with the largest shares a basis that is made for them.
-fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>, basis_of: &mut [u32]) {
-    let rung = |one: &Instance| {
-        let contact = ensemble.contacts[one.contact as usize].contact();
-        (one.drive, drives[one.drive as usize].rung(&contact, one.gap))
+/// Something of each instance and its contact, of many of them at a time.
+fn in_stretches<'a, T: Send>(
+    ensemble: &'a Ensemble,
+    of: impl Fn(InstanceId, &Contact) -> T + Sync + 'a,
+) -> impl Iterator<Item = Vec<T>> + 'a {
+    (0..ensemble.len()).step_by(AT_ONCE).map(move |from| {
+        let to = ensemble.len().min(from + AT_ONCE);
+        let pieces: Vec<Vec<T>> = (from..to)
+            .into_par_iter()
+            .step_by(TOGETHER)
+            .map(|from| {
+                let ids = (from..to.min(from + TOGETHER)).map(|i| InstanceId(i as u32));
+                let contacts = ensemble.contacts_of(ids.clone());
+                ids.zip(contacts).map(|(id, contact)| of(id, &contact.contact())).collect()
+            })
+            .collect();
+        pieces.into_iter().flatten().collect()
+    })
+}
+
+/// Bases for instances whose contacts are too fast for the modes with the largest shares: they are added to the drives; by drive
+/// and rung, which.
+fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> HashMap<(u32, u32), u32> {
+    let rung = |id: InstanceId, contact: &Contact| {
+        let drive = ensemble.drive_of.get(id.0 as usize);
+        (drive, drives[drive as usize].rung(contact, ensemble.gap(id)))
     };
-    let rungs: Vec<(u32, u32)> = ensemble.instances.par_iter().map(rung).collect();
-    let mut distinct = rungs.clone();
-    distinct.par_sort_unstable();
-    distinct.dedup();
+    let distinct: BTreeSet<(u32, u32)> = in_stretches(ensemble, rung).flatten().collect();
+    let distinct: Vec<(u32, u32)> = distinct.into_iter().collect();
     let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
         .map(|(drive, rung)| {
@@ -99,10 +120,7 @@ fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>, basis
             drives.push(Driven { kept, ..drives[key.0 as usize].clone() });
         }
     }
-    if !made.is_empty() {
-        let own = |(drive, key): (&mut u32, &(u32, u32))| *drive = made.get(key).copied().unwrap_or(*drive);
-        basis_of.iter_mut().zip(&rungs).for_each(own);
-    }
+    made
 }
 
 /// The modes with the largest shares that `accuracy` asks for.
@@ -137,7 +155,7 @@ struct Distinct {
     /// Of each number, the first instance that has it.
     first: Vec<usize>,
     /// Of each of the instances looked at, its number.
-    of: Vec<u32>,
+    of: Codes,
 }
 
 impl Distinct {
@@ -166,7 +184,7 @@ impl Distinct {
         };
         let of = match axes.is_empty() {
             // The same for all, as in the largest sweeps: nothing to look up for each instance.
-            true => vec![0; instances.count()],
+            true => Codes::zeros(instances.count()),
             false => instances.map(number).collect(),
         };
         if axes.is_empty() {
@@ -177,7 +195,7 @@ impl Distinct {
 }
 
 /// The distinct drives with the modes that have the largest shares, and which one each instance has.
-fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
+fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     let drives = Distinct::by(moves_instrument, scene, 0..scene.len());
     // Levers and rods without the drive: fewer still.
     let body = |path: &str| moves_instrument(path) && !moves_drive(path);
@@ -200,8 +218,9 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     };
     let instruments: Vec<Arc<Instrument>> =
         bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;
-    let frequency = |(&instance, &body): (&usize, &u32)| (body, scene.instance(instance).drive.frequency);
-    let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().zip(&bodies.of).map(frequency).collect();
+    let frequency =
+        |(n, &instance): (usize, &usize)| (bodies.of.get(n), scene.instance(instance).drive.frequency);
+    let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().enumerate().map(frequency).collect();
     // Drives that differ in level alone are one swing, larger or smaller.
     let mut numbers: HashMap<(u32, Option<u64>), u32> = HashMap::new();
     let mut distinct: Vec<usize> = Vec::new();
@@ -228,14 +247,16 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Vec<u32>), PlanError> {
     Ok((all, drives.of))
 }
 
-/// Instances that are looked at together: what is held of each is more than what is kept.
+/// Instances that are looked at together, of them those by one thread: what is held of each is more than what is kept.
 const AT_ONCE: usize = 1 << 16;
+const TOGETHER: usize = 1 << 10;
 
 /// The scene's instances.
-fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
-    let instance = |(index, drive): (usize, &u32)| {
-        let params = scene.instance(index);
-        let driven = &drives[*drive as usize];
+fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
+    let cases = Cases::of(scene);
+    let instance = |params: &mut Params, index: usize| {
+        cases.put(params, index);
+        let driven = &drives[drive_of.get(index) as usize];
         let ApproachParams { gap, held, branch } = params.approach;
         let free = driven.free_amplitude();
         let gap = match held {
@@ -244,29 +265,67 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: &[u32]) -> Ensemble {
             // A light tap, but for the lever's bending.
             Some(Held::Force(force)) => free - force * driven.kept.flexibility,
         };
-        (Contact::new(&params), gap, held.map(|held| SetPoint { held, branch }))
+        (Contact::new(params), gap, held.map(|held| SetPoint { held, branch }))
     };
-    let mut contacts = Contacts::default();
-    let (mut instances, mut setpoints) = (Vec::with_capacity(drive_of.len()), Vec::new());
+    let (mut contacts, mut gaps, mut setpoints) = (Shared::new(), Met::new(), Vec::new());
     for from in (0..drive_of.len()).step_by(AT_ONCE) {
-        let some = &drive_of[from..drive_of.len().min(from + AT_ONCE)];
+        let some = from..drive_of.len().min(from + AT_ONCE);
         let some: Vec<_> =
-            some.par_iter().enumerate().map(|(n, drive)| instance((from + n, drive))).collect();
-        for (drive, (contact, gap, setpoint)) in drive_of[from..].iter().zip(some) {
-            instances.push(Instance { drive: *drive, contact: contacts.number(contact), gap });
+            some.into_par_iter().map_init(|| cases.base(), |params, index| instance(params, index)).collect();
+        for (contact, gap, setpoint) in some {
+            contacts.push(contact);
+            gaps.push(gap);
             setpoints.extend(setpoint);
         }
     }
     Ensemble {
         drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
-        contacts: contacts.all,
-        instances,
+        gaps: gaps.end(cases.column(GAP).filter(|_| setpoints.is_empty())),
+        columns: cases.columns(),
+        contacts: contacts.end(cases),
+        drive_of,
         setpoints,
         curves: scene.sweep.curve.and_then(|curve| {
             let points = scene.sweep.axes.last()?.values.len() as u32;
             Some(Curves { points, ways: 1 + u32::from(curve.both) })
         }),
         grid: grid(&scene.sweep),
+    }
+}
+
+/// The quantity that the gap is.
+const GAP: &str = "approach.gap";
+
+/// The gaps of instances as they are met.
+enum Met {
+    Few(Coded<u64>),
+    Many(Vec<f64>),
+}
+
+impl Met {
+    fn new() -> Self {
+        Self::Few(Coded::new())
+    }
+
+    fn push(&mut self, gap: f64) {
+        match self {
+            Self::Few(all) => {
+                all.push(gap.to_bits());
+                if all.values() > AT_ONCE {
+                    *self = Self::Many((0..all.len()).map(|at| f64::from_bits(all.get(at))).collect());
+                }
+            }
+            Self::Many(all) => all.push(gap),
+        }
+    }
+
+    /// Those of all instances; where they are a column of the scene, that holds them.
+    fn end(self, given: Option<&Arc<Vec<f64>>>) -> Gaps {
+        match (self, given) {
+            (Self::Few(all), _) => Gaps::Coded(all),
+            (Self::Many(all), Some(given)) if all.len() == given.len() => Gaps::Given(Arc::clone(given)),
+            (Self::Many(all), _) => Gaps::Each(all),
+        }
     }
 }
 

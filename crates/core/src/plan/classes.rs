@@ -3,6 +3,7 @@
 use super::Plan;
 use crate::contact::Law;
 use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
 
 /// Instances of a plan that run in lockstep.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,60 +15,113 @@ pub struct Class {
     pub instances: Vec<u32>,
 }
 
+/// What the instances of a class have in common: steps, law and number of modes.
+pub(super) type Shape = (u32, Law, usize);
+
 impl Plan {
     /// The plan's instances by shape: law, number of modes, number of steps; within a class by drive, then gap, then
     /// stiffness.
     pub fn classes(&self) -> Vec<Class> {
-        let mut all: Vec<Placed> = self.instances().map(|index| Placed::new(index, self)).collect();
-        // In place: a stable sort would hold them twice.
-        all.par_sort_unstable_by(|a, b| {
-            let order = a.shape().cmp(&b.shape()).then(a.drive.cmp(&b.drive));
-            let order = order.then(a.gap.total_cmp(&b.gap)).then(a.stiffness.total_cmp(&b.stiffness));
-            order.then(a.index.cmp(&b.index))
-        });
-        all.chunk_by(|a, b| a.shape() == b.shape())
-            .map(|class| {
-                let (steps, law, modes) = class[0].shape();
-                Class { law, modes, steps, instances: class.iter().map(|one| one.index).collect() }
-            })
-            .collect()
+        let (shapes, order) = self.ordered();
+        let shape = |key: &Key| shapes[key.shape()].0;
+        let all = order.chunk_by(|a, b| shape(a) == shape(b));
+        all.map(|class| {
+            let (steps, law, modes) = shape(&class[0]);
+            Class { law, modes, steps, instances: class.iter().map(|key| key.instance()).collect() }
+        })
+        .collect()
     }
 
     /// All instances in the order of their classes: neighbours are alike.
     pub fn by_class(&self) -> Vec<u32> {
-        self.classes().into_iter().flat_map(|class| class.instances).collect()
+        self.ordered().1.iter().map(|key| key.instance()).collect()
+    }
+
+    /// How many instances there are of each shape.
+    pub(super) fn shapes(&self) -> BTreeMap<Shape, usize> {
+        let mut counts = BTreeMap::new();
+        self.each_shape(&mut |_, (shape, _)| *counts.entry(shape).or_default() += 1);
+        counts
+    }
+
+    /// Tells of each instance its shape and drive.
+    fn each_shape(&self, tell: &mut dyn FnMut(u32, (Shape, u32))) {
+        let mut of = |from: u32, part: &Self| {
+            for i in part.instances() {
+                let modes = part.driven(i).kept.modes.len();
+                let shape = (part.steps(i), part.law(i), modes);
+                tell(from + i, (shape, self.resolution.drive((from + i) as usize)));
+            }
+        };
+        match self.at_hand() {
+            true => of(0, self),
+            false => self.stretches().for_each(|(from, part)| of(from, &part)),
+        }
+    }
+
+    /// The instances in their order, and the shapes and drives that they have by number.
+    fn ordered(&self) -> (Vec<(Shape, u32)>, Vec<Key>) {
+        let (mut numbers, mut shapes) = (HashMap::new(), Vec::new());
+        let mut order: Vec<Key> = Vec::with_capacity(self.len());
+        self.each_shape(&mut |i, one| {
+            let number = *numbers.entry(one).or_insert_with(|| {
+                shapes.push(one);
+                shapes.len() as u32 - 1
+            });
+            order.push(Key::new(number, self.resolution(i).gap, i));
+        });
+        // By their own order.
+        let mut ranks: Vec<u32> = (0..shapes.len() as u32).collect();
+        ranks.sort_unstable_by_key(|number| shapes[*number as usize]);
+        let mut rank_of = vec![0; shapes.len()];
+        ranks.iter().enumerate().for_each(|(rank, number)| rank_of[*number as usize] = rank as u32);
+        order.par_iter_mut().for_each(|key| key.rename(rank_of[key.shape()]));
+        shapes.sort_unstable();
+        // In place: a stable sort would hold them twice.
+        order.par_sort_unstable();
+        order.par_chunk_by_mut(|a, b| a.same_place(b)).filter(|same| same.len() > 1).for_each(|same| {
+            let mut all: Vec<(f64, Key)> =
+                same.iter().map(|key| (self.stiffness(key.instance()), *key)).collect();
+            all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            same.iter_mut().zip(all).for_each(|(place, (_, key))| *place = key);
+        });
+        (shapes, order)
+    }
+
+    fn stiffness(&self, instance: u32) -> f64 {
+        self.contact(instance).law().elastic_force(NANOMETRE)
     }
 }
 
 /// At this depth (m) contacts are ordered by their stiffness.
 const NANOMETRE: f64 = 1e-9;
 
-/// What decides an instance's place in the classes.
-struct Placed {
-    index: u32,
-    steps: u32,
-    law: Law,
-    modes: usize,
-    drive: u32,
-    gap: f64,
-    stiffness: f64,
-}
+/// An instance's shape and drive, by number, its gap, and its own number, in one number by which they are ordered.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key(u128);
 
-impl Placed {
-    fn new(index: u32, plan: &Plan) -> Self {
-        let case = plan.case(index);
-        Self {
-            index,
-            steps: case.steps,
-            law: case.contact.law,
-            modes: plan.driven(index).kept.modes.len(),
-            drive: case.drive,
-            gap: case.gap,
-            stiffness: case.contact.law().elastic_force(NANOMETRE),
-        }
+impl Key {
+    fn new(shape: u32, gap: f64, instance: u32) -> Self {
+        // Ordered as the numbers are.
+        let bits = gap.to_bits();
+        let ordered = if bits >> 63 == 1 { !bits } else { bits | 1 << 63 };
+        Self(u128::from(shape) << 96 | u128::from(ordered) << 32 | u128::from(instance))
     }
 
-    fn shape(&self) -> (u32, Law, usize) {
-        (self.steps, self.law, self.modes)
+    fn shape(&self) -> usize {
+        (self.0 >> 96) as usize
+    }
+
+    fn rename(&mut self, shape: u32) {
+        self.0 = self.0 << 32 >> 32 | u128::from(shape) << 96;
+    }
+
+    fn instance(&self) -> u32 {
+        self.0 as u32
+    }
+
+    /// Whether two have one shape, drive and gap.
+    fn same_place(&self, other: &Self) -> bool {
+        self.0 >> 32 == other.0 >> 32
     }
 }

@@ -1,36 +1,56 @@
 //! Contacts that many instances share, each held once.
 
+use super::coded::Codes;
+use super::ensemble::Contacts;
 use crate::contact::{Compact, Contact};
+use crate::scene::Cases;
 use std::collections::HashMap;
 
-/// Contacts that are looked for again, at most: where all are different, nothing is gained by it.
+/// Contacts that are held at most: of more, each is made of the scene's case when it is asked for.
 const MOST: usize = 1 << 16;
 
 /// The contacts of an ensemble while it is built.
-#[derive(Default)]
-pub(super) struct Contacts {
-    pub all: Vec<Compact>,
-    /// Numbers of the latest by what they are made of.
-    known: HashMap<[u64; 5], u32>,
+pub(super) struct Shared {
+    all: Vec<Compact>,
+    /// Their numbers by what they are made of.
+    known: HashMap<[u64; 5], Vec<u32>>,
+    /// Of each instance so far; none where too many differ.
+    of: Option<Codes>,
 }
 
-impl Contacts {
-    /// The number of a contact.
-    pub fn number(&mut self, contact: Contact) -> u32 {
+impl Shared {
+    pub fn new() -> Self {
+        Self { all: Vec::new(), known: HashMap::new(), of: Some(Codes::zeros(0)) }
+    }
+
+    /// Adds the contact of one more instance.
+    pub fn push(&mut self, contact: Contact) {
+        if self.of.is_none() {
+            return;
+        }
         let Contact { modulus, radius, work, decay_length, tabor, .. } = contact;
         let contact = Compact::from(&contact);
         let key = [modulus, radius, work, decay_length, tabor].map(f64::to_bits);
-        if let Some(number) = self.known.get(&key)
-            && self.all[*number as usize] == contact
-        {
-            return *number;
+        let same = self.known.entry(key).or_default();
+        let number = match same.iter().find(|number| self.all[**number as usize] == contact) {
+            Some(number) => *number,
+            None => {
+                same.push(self.all.len() as u32);
+                self.all.push(contact);
+                self.all.len() as u32 - 1
+            }
+        };
+        match &mut self.of {
+            Some(of) if self.all.len() <= MOST => of.push(number),
+            of => *of = None,
         }
-        let number = self.all.len() as u32;
-        self.all.push(contact);
-        if self.known.len() >= MOST {
-            self.known.clear();
+    }
+
+    /// Those of all instances of a scene.
+    pub fn end(self, cases: Cases) -> Contacts {
+        match self.of {
+            Some(of) => Contacts::Shared { of, all: self.all },
+            None => Contacts::Made(Box::new(cases)),
         }
-        self.known.insert(key, number);
-        number
     }
 }

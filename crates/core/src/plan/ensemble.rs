@@ -1,10 +1,10 @@
 //! The instances of a scene: what they are, not how they run.
 
-use crate::contact::{Compact, Contact};
+use super::coded::{Coded, Codes};
+use crate::contact::{Compact, Contact, Law};
 use crate::instrument::{FreeMotion, Instrument};
-use crate::scene::{Branch, Held};
+use crate::scene::{Branch, Cases, Held};
 use std::f64::consts::TAU;
-use std::ops::Index;
 use std::sync::Arc;
 
 /// Number of an instance in its ensemble: its place in the scene's order, and in the results file.
@@ -16,10 +16,12 @@ pub struct InstanceId(pub u32);
 pub struct Ensemble {
     /// Distinct instruments under their drive.
     pub drives: Vec<Arc<Drive>>,
-    /// Distinct contacts, or nearly so.
-    pub contacts: Vec<Compact>,
-    /// In the scene's order.
-    pub instances: Vec<Instance>,
+    /// Of each instance, in the scene's order, the number of its drive.
+    pub(super) drive_of: Codes,
+    pub(super) contacts: Contacts,
+    pub(super) gaps: Gaps,
+    /// Quantities of a list, which have a value of their own in each instance.
+    pub columns: usize,
     /// Of each instance what it is held at by moving its sample; empty where gaps are given.
     pub setpoints: Vec<SetPoint>,
     /// Where the instances are points of curves, how these lie in their order.
@@ -80,15 +82,23 @@ pub struct Drive {
     pub free: FreeMotion,
 }
 
-/// One instrument over one sample.
-#[derive(Clone, Copy, Debug)]
-pub struct Instance {
-    /// Index into [`Ensemble::drives`].
-    pub drive: u32,
-    /// Index into [`Ensemble::contacts`].
-    pub contact: u32,
-    /// m: where it is not given, about where a hard sample would stand.
-    pub gap: f64,
+/// The contacts of all instances.
+#[derive(Clone, Debug)]
+pub(super) enum Contacts {
+    /// Those that differ, and of each instance the number of its own.
+    Shared { of: Codes, all: Vec<Compact> },
+    /// Where very many differ: they are made of the scene's cases when they are asked for.
+    Made(Box<Cases>),
+}
+
+/// The gaps of all instances, m: where they are not given, about where a hard sample would stand.
+#[derive(Clone, Debug)]
+pub(super) enum Gaps {
+    /// By their bits: few differ.
+    Coded(Coded<u64>),
+    /// A column of the scene.
+    Given(Arc<Vec<f64>>),
+    Each(Vec<f64>),
 }
 
 /// What an instance is held at by moving its sample.
@@ -112,16 +122,64 @@ impl Drive {
 }
 
 impl Ensemble {
+    /// How many instances it has.
+    pub fn len(&self) -> usize {
+        self.drive_of.len()
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The contact of an instance.
     pub fn contact(&self, id: InstanceId) -> Contact {
-        self.contacts[self[id].contact as usize].contact()
+        match &self.contacts {
+            Contacts::Shared { of, all } => all[of.get(id.0 as usize) as usize].contact(),
+            Contacts::Made(cases) => Contact::new(&cases.instance(id.0 as usize)),
+        }
     }
-}
 
-impl Index<InstanceId> for Ensemble {
-    type Output = Instance;
+    /// The law of an instance's contact.
+    pub fn law(&self, id: InstanceId) -> Law {
+        match &self.contacts {
+            Contacts::Shared { of, all } => all[of.get(id.0 as usize) as usize].law(),
+            Contacts::Made(_) => self.contact(id).law,
+        }
+    }
 
-    fn index(&self, id: InstanceId) -> &Instance {
-        &self.instances[id.0 as usize]
+    /// Whether it holds its contacts.
+    pub(super) fn holds_contacts(&self) -> bool {
+        matches!(self.contacts, Contacts::Shared { .. })
+    }
+
+    /// The contacts of these instances, which takes less time than to ask for each.
+    pub(super) fn contacts_of(&self, ids: impl Iterator<Item = InstanceId>) -> Vec<Compact> {
+        match &self.contacts {
+            Contacts::Shared { of, all } => ids.map(|id| all[of.get(id.0 as usize) as usize]).collect(),
+            Contacts::Made(cases) => {
+                let mut params = cases.base();
+                ids.map(|id| {
+                    cases.put(&mut params, id.0 as usize);
+                    Compact::from(&Contact::new(&params))
+                })
+                .collect()
+            }
+        }
+    }
+
+    /// The gap of an instance, m.
+    pub fn gap(&self, id: InstanceId) -> f64 {
+        let at = id.0 as usize;
+        match &self.gaps {
+            Gaps::Coded(gaps) => f64::from_bits(gaps.get(at)),
+            Gaps::Given(gaps) => gaps[at],
+            Gaps::Each(gaps) => gaps[at],
+        }
+    }
+
+    /// The drive of an instance.
+    pub fn drive(&self, id: InstanceId) -> &Arc<Drive> {
+        &self.drives[self.drive_of.get(id.0 as usize) as usize]
     }
 }

@@ -4,6 +4,7 @@
 mod between;
 mod build;
 mod classes;
+mod coded;
 mod compliance;
 mod contacts;
 mod ensemble;
@@ -14,6 +15,7 @@ mod policy;
 mod precision;
 mod rate;
 mod refusal;
+mod resolution;
 mod ringing;
 mod steps;
 mod summary;
@@ -22,7 +24,7 @@ mod variants;
 pub use build::PlanError;
 pub use classes::Class;
 pub use compliance::{compliance, reduced};
-pub use ensemble::{Curves, Drive, Ensemble, Grid, GridAxis, Instance, InstanceId, SetPoint};
+pub use ensemble::{Curves, Drive, Ensemble, Grid, GridAxis, InstanceId, SetPoint};
 pub(crate) use modes::RICHEST;
 pub use modes::{BasisRule, ReducedBasis};
 pub use oscillator::KeptMode;
@@ -32,10 +34,11 @@ pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
 pub use variants::Fineness;
 
-use crate::contact::{Contact, Law};
+use crate::contact::{Compact, Contact, Law};
 use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
+use resolution::{Ids, Resolution, Resolutions};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -47,9 +50,11 @@ use std::sync::Arc;
 pub struct Plan {
     pub ensemble: Arc<Ensemble>,
     /// Which instances run.
-    ids: Vec<InstanceId>,
+    ids: Ids,
     /// How finely each of them does.
-    resolution: Vec<Resolution>,
+    resolution: Resolutions,
+    /// Their contacts, where the ensemble does not hold them.
+    contacts: Option<Arc<Vec<Compact>>>,
     /// Drives with the bases that they are stepped by.
     pub drives: Vec<Driven>,
     pub observables: Vec<Observable>,
@@ -66,17 +71,6 @@ pub struct Plan {
     pub waveforms: Option<WaveformRequest>,
     /// Where each instance starts, in place of the scene's start; where they end is then told too.
     pub starts: Option<Arc<Vec<StartState>>>,
-}
-
-/// How finely an instance runs, and how far from its sample.
-#[derive(Clone, Copy, Debug)]
-struct Resolution {
-    /// m: the instance's own, or what a set-point has led to; NaN where no gap holds it.
-    gap: f64,
-    /// Index into [`Plan::drives`].
-    drive: u32,
-    /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
-    steps: u32,
 }
 
 /// Where an instance of a plan starts.
@@ -156,7 +150,7 @@ impl Plan {
 
     /// Whether it has no instance.
     pub fn is_empty(&self) -> bool {
-        self.ids.is_empty()
+        self.ids.len() == 0
     }
 
     /// Its instances' numbers.
@@ -166,13 +160,13 @@ impl Plan {
 
     /// Which instance of the ensemble that is.
     pub fn id(&self, instance: u32) -> InstanceId {
-        self.ids[instance as usize]
+        self.ids.get(instance)
     }
 
     /// Everything about one instance.
     pub fn case(&self, instance: u32) -> Case {
         let contact = self.contact(instance);
-        let Resolution { gap, drive, steps } = self.resolution[instance as usize];
+        let Resolution { gap, drive, steps } = self.resolution(instance);
         let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
         Case { drive, contact, gap, steps, least_change }
     }
@@ -184,12 +178,27 @@ impl Plan {
 
     /// An instance's contact.
     pub fn contact(&self, instance: u32) -> Contact {
-        self.ensemble.contact(self.id(instance))
+        match &self.contacts {
+            Some(contacts) => contacts[instance as usize].contact(),
+            None => self.ensemble.contact(self.id(instance)),
+        }
+    }
+
+    /// Whether its contacts are held, and need not be made when they are asked for.
+    fn at_hand(&self) -> bool {
+        self.contacts.is_some() || self.ensemble.holds_contacts()
+    }
+
+    fn resolution(&self, instance: u32) -> Resolution {
+        self.resolution.get(instance as usize, || self.ensemble.gap(self.id(instance)))
     }
 
     /// The law of an instance's contact, for those who ask for nothing else.
     pub fn law(&self, instance: u32) -> Law {
-        self.ensemble.contacts[self.ensemble[self.id(instance)].contact as usize].law()
+        match &self.contacts {
+            Some(contacts) => contacts[instance as usize].law(),
+            None => self.ensemble.law(self.id(instance)),
+        }
     }
 
     /// What an instance is held at, where its gap is not given.
@@ -204,12 +213,12 @@ impl Plan {
 
     /// Steps per drive period of an instance.
     pub fn steps(&self, instance: u32) -> u32 {
-        self.resolution[instance as usize].steps
+        self.resolution.steps(instance as usize)
     }
 
     /// An instance's instrument, drive and basis.
     pub fn driven(&self, instance: u32) -> &Driven {
-        &self.drives[self.resolution[instance as usize].drive as usize]
+        &self.drives[self.resolution.drive(instance as usize) as usize]
     }
 
     /// Instances that need steps: the others are free of the sample.
@@ -219,7 +228,7 @@ impl Plan {
 
     /// Steps of the whole run, all instances together.
     pub fn instance_steps(&self) -> u64 {
-        let per_period: u64 = self.resolution.iter().map(|one| u64::from(one.steps)).sum();
+        let per_period: u64 = self.instances().map(|instance| u64::from(self.steps(instance))).sum();
         per_period * u64::from(self.run.periods)
     }
 

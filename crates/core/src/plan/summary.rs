@@ -1,7 +1,8 @@
 //! The plan in words and as JSON.
 
+use super::classes::Shape;
 use super::modes::ANGLE_MAX;
-use super::{Class, Driven, Plan, STEPS_MAX};
+use super::{Driven, Plan, STEPS_MAX};
 use crate::scene::Steady;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -17,11 +18,12 @@ pub struct Summary {
 /// Drives told one by one; of more, the first and the last.
 const TOLD: usize = 6;
 
-/// Bytes held for an instance beside its results, where states are waited for and where they are searched for; and how much
-/// more of so many instances at a time: by largest resident sets of 100,000 to 10,000,000 instances on the CPU
-/// (`tests/python/many.py`).
-const HELD: u64 = 280;
-const HELD_FOUND: u64 = 580;
+/// Bytes held for an instance beside its file, where states are waited for, where they are searched for, and where second
+/// ones are too, for which the first ones lie in memory; and how much more of so many instances at a time: by largest resident
+/// sets of 100,000 to 10,000,000 instances on the CPU (`tests/python/many.py`).
+const HELD: u64 = 24;
+const HELD_FOUND: u64 = 48;
+const HELD_SECOND: u64 = 600;
 const HELD_WAITING: u64 = 500;
 const HELD_SEARCHING: u64 = 1_300;
 const AT_A_TIME: usize = 1 << 17;
@@ -37,7 +39,7 @@ const ESTIMATED: &str = "every instance waited for all periods, once";
 impl Plan {
     /// In words and as JSON; `seconds` is the estimated run time, where known.
     pub fn summary(&self, seconds: Option<f64>) -> Summary {
-        let classes = self.classes();
+        let classes: Vec<(Shape, usize)> = self.shapes().into_iter().collect();
         let told: Vec<usize> = (0..self.drives.len()).filter(|index| self.tells(*index)).collect();
         Summary { text: self.text(&classes, &told, seconds), json: self.json(&classes, &told, seconds) }
     }
@@ -47,7 +49,7 @@ impl Plan {
         index < TOLD || index + 1 == self.drives.len()
     }
 
-    fn text(&self, classes: &[Class], told: &[usize], seconds: Option<f64>) -> String {
+    fn text(&self, classes: &[(Shape, usize)], told: &[usize], seconds: Option<f64>) -> String {
         let mut text = format!(
             "{} instance{}, {} driven instrument{}, {} class{}, precision {}{}\n",
             self.len(),
@@ -69,14 +71,14 @@ impl Plan {
             text += &self.drive_text(*index);
         }
         text += "class  law    modes  steps/period  instances\n";
-        for (index, class) in classes.iter().enumerate() {
+        for (index, ((steps, law, modes), count)) in classes.iter().enumerate() {
             text += &format!(
                 "{index:>5}  {:<5}  {:>5}  {:>12}  {:>9}{}\n",
-                class.law.name(),
-                class.modes,
-                class.steps,
-                class.instances.len(),
-                if class.steps == 0 { "  (never reach the sample: no steps)" } else { "" }
+                law.name(),
+                modes,
+                steps,
+                count,
+                if *steps == 0 { "  (never reach the sample: no steps)" } else { "" }
             );
         }
         text += &format!(
@@ -120,7 +122,7 @@ impl Plan {
         text
     }
 
-    fn json(&self, classes: &[Class], told: &[usize], seconds: Option<f64>) -> Value {
+    fn json(&self, classes: &[(Shape, usize)], told: &[usize], seconds: Option<f64>) -> Value {
         json!({
             "instances": self.len(),
             "precision": self.precision.name(),
@@ -204,15 +206,19 @@ impl Plan {
         each * self.len() as u64 + waveforms
     }
 
-    /// Bytes a run holds in memory at most: the program, plans of the scene and of what runs again, measurements of
-    /// all of them, periodic states, and the results with their file.
+    /// Bytes a run by the program holds in memory at most: the program, plans of the scene and of what runs again, a few
+    /// numbers of each instance, a list's columns, and the results file with these. A run by the library holds all its results
+    /// on top.
     pub fn memory_bytes(&self) -> u64 {
         let (held, at_a_time) = match self.run.steady {
             Steady::Wait => (HELD, HELD_WAITING),
+            Steady::Search if self.run.both_branches => (HELD_SECOND, HELD_SEARCHING),
             Steady::Search => (HELD_FOUND, HELD_SEARCHING),
         };
         let portions = at_a_time * self.len().min(AT_A_TIME) as u64;
-        PROGRAM + held * self.len() as u64 + portions + 2 * self.file_bytes()
+        // The number of the sample is one too.
+        let columns = 8 * (self.ensemble.columns as u64 + u64::from(self.ensemble.columns > 0));
+        PROGRAM + (held + 2 * columns) * self.len() as u64 + portions + self.file_bytes()
     }
 
     /// What speaks against the plan though it can be run, one line each: drives that are too slow for the modes they
@@ -245,12 +251,12 @@ impl Plan {
     }
 }
 
-fn class_json(class: &Class) -> Value {
+fn class_json(((steps, law, modes), count): &(Shape, usize)) -> Value {
     json!({
-        "law": class.law.name(),
-        "modes": class.modes,
-        "steps_per_period": class.steps,
-        "instances": class.instances.len(),
+        "law": law.name(),
+        "modes": modes,
+        "steps_per_period": steps,
+        "instances": count,
     })
 }
 

@@ -1,9 +1,11 @@
 //! Other plans of the same ensemble: some instances, other steps, other bases.
 
 use super::build::shares;
-use super::{BasisRule, Case, Driven, Plan, Precision, ReducedBasis, Resolution, StartState, steps};
+use super::resolution::{Ids, Resolution, Resolutions};
+use super::{BasisRule, Case, Driven, InstanceId, Plan, Precision, ReducedBasis, StartState, steps};
 use crate::observe::wants;
 use crate::scene::Run;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -14,7 +16,7 @@ impl Plan {
         let mut place = HashMap::new();
         let mut drives = Vec::new();
         let mut resolution = |i: &u32| {
-            let own = self.resolution[*i as usize];
+            let own = self.resolution(*i);
             let drive = *place.entry(own.drive).or_insert_with(|| {
                 drives.push(self.drives[own.drive as usize].clone());
                 drives.len() as u32 - 1
@@ -22,10 +24,17 @@ impl Plan {
             Resolution { drive, ..own }
         };
         let resolution = instances.iter().map(&mut resolution).collect();
+        let ids: Vec<InstanceId> = instances.iter().map(|i| self.id(*i)).collect();
+        let contacts = match &self.contacts {
+            Some(all) => instances.iter().map(|i| all[*i as usize]).collect(),
+            None if self.at_hand() => Vec::new(),
+            None => self.ensemble.contacts_of(ids.iter().copied()),
+        };
         Self {
             ensemble: Arc::clone(&self.ensemble),
-            ids: instances.iter().map(|i| self.id(*i)).collect(),
-            resolution,
+            ids: Ids::Some(ids),
+            resolution: Resolutions::of(resolution),
+            contacts: (!self.at_hand() || self.contacts.is_some()).then(|| Arc::new(contacts)),
             drives,
             observables: self.observables.clone(),
             wants: self.wants,
@@ -43,7 +52,8 @@ impl Plan {
     #[must_use]
     pub fn with_steps(mut self, steps: impl Fn(&Case) -> u32) -> Self {
         for i in self.stepped() {
-            self.resolution[i as usize].steps = steps(&self.case(i));
+            let steps = steps(&self.case(i));
+            self.each()[i as usize].steps = steps;
         }
         self
     }
@@ -51,14 +61,16 @@ impl Plan {
     /// With that many steps for all instances, those that are free of the sample among them: to measure what a step costs.
     #[must_use]
     pub fn stepping_all(mut self, steps: u32) -> Self {
-        self.resolution.iter_mut().for_each(|own| own.steps = steps);
+        self.each().iter_mut().for_each(|own| own.steps = steps);
         self
     }
 
     /// With the steps of another plan of the same instances.
     #[must_use]
     pub fn with_steps_of(mut self, other: &Self) -> Self {
-        self.resolution.iter_mut().zip(&other.resolution).for_each(|(own, other)| own.steps = other.steps);
+        for (own, there) in self.each().iter_mut().zip(other.instances()) {
+            own.steps = other.steps(there);
+        }
         self
     }
 
@@ -97,8 +109,10 @@ impl Plan {
             }
         }
         if self.run.steps_per_period.is_none() {
-            for own in self.resolution.iter_mut().filter(|own| own.steps > 0) {
-                own.steps = own.steps.max(steps::fewest(&self.drives[own.drive as usize]));
+            for i in self.stepped() {
+                let fewest = steps::fewest(self.driven(i));
+                let own = &mut self.each()[i as usize];
+                own.steps = own.steps.max(fewest);
             }
         }
         self
@@ -114,21 +128,20 @@ impl Plan {
         // Neighbours mostly want the same.
         let mut last = ((u32::MAX, BasisRule::Shares { accuracy: f64::NAN }), 0);
         for &(i, basis) in wanted {
-            let case = self.case(i);
-            if last.0 != (case.drive, basis) {
-                last = ((case.drive, basis), bases.number(&mut plan.drives, case.drive, basis, run));
+            let drive = self.resolution.drive(i as usize);
+            if last.0 != (drive, basis) {
+                last = ((drive, basis), bases.number(&mut plan.drives, drive, basis, run));
             }
-            let own = &mut plan.resolution[i as usize];
-            own.drive = last.1;
-            let driven = &plan.drives[own.drive as usize];
-            if run.steps_per_period.is_none() && own.steps > 0 {
-                own.steps = match basis {
+            let (driven, mut own) = (&plan.drives[last.1 as usize], plan.steps(i));
+            if run.steps_per_period.is_none() && own > 0 {
+                own = match basis {
                     BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
-                        own.steps.min(steps_of(&case, driven, run))
+                        own.min(steps_of(&self.case(i), driven, run))
                     }
-                    _ => own.steps.max(steps::fewest(driven)),
+                    _ => own.max(steps::fewest(driven)),
                 };
             }
+            plan.resolution.set(i as usize, (last.1, own));
         }
         plan
     }
@@ -157,11 +170,11 @@ impl Plan {
                 self.drives.push(Driven { kept, ..driven });
                 self.drives.len() as u32 - 1
             });
-            let own = &mut self.resolution[i as usize];
-            own.drive = drive;
-            if self.run.steps_per_period.is_none() && own.steps > 0 {
-                own.steps = own.steps.max(steps::fewest(&self.drives[drive as usize]) / 2);
+            let mut steps = self.steps(i);
+            if self.run.steps_per_period.is_none() && steps > 0 {
+                steps = steps.max(steps::fewest(&self.drives[drive as usize]) / 2);
             }
+            self.resolution.set(i as usize, (drive, steps));
         }
         self
     }
@@ -182,20 +195,20 @@ impl Plan {
     /// With these gaps, one for each instance (m).
     #[must_use]
     pub fn with_gaps(mut self, gaps: &[f64]) -> Self {
-        self.resolution.iter_mut().zip(gaps).for_each(|(own, gap)| own.gap = *gap);
+        self.each().iter_mut().zip(gaps).for_each(|(own, gap)| own.gap = *gap);
         self
     }
 
     /// Takes these instances' gaps from a plan of them alone.
     pub fn take_gaps(&mut self, instances: &[u32], other: &Self) {
-        for (i, theirs) in instances.iter().zip(&other.resolution) {
-            self.resolution[*i as usize].gap = theirs.gap;
+        for (i, there) in instances.iter().zip(other.instances()) {
+            self.each()[*i as usize].gap = other.resolution(there).gap;
         }
     }
 
     /// An instance's steps, gap and the rule of its basis.
     pub fn fineness(&self, instance: u32) -> Fineness {
-        let Resolution { gap, steps, .. } = self.resolution[instance as usize];
+        let Resolution { gap, steps, .. } = self.resolution(instance);
         Fineness { steps, gap, rule: self.basis_rule(instance) }
     }
 
@@ -204,7 +217,7 @@ impl Plan {
     pub fn with_fineness(mut self, all: &[Fineness]) -> Self {
         let mut made: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
         for (i, one) in all.iter().enumerate().take(self.len()) {
-            let drive = self.resolution[i].drive;
+            let drive = self.resolution.drive(i);
             let of = *made.entry((drive, one.rule.key())).or_insert_with(|| {
                 let own = &self.drives[drive as usize];
                 if own.kept.rule == one.rule {
@@ -214,7 +227,7 @@ impl Plan {
                 self.drives.push(driven);
                 self.drives.len() as u32 - 1
             });
-            self.resolution[i] = Resolution { gap: one.gap, drive: of, steps: one.steps };
+            self.each()[i] = Resolution { gap: one.gap, drive: of, steps: one.steps };
         }
         self
     }
@@ -227,19 +240,52 @@ impl Plan {
     /// Takes an instance's steps, basis and gap from another plan of the same ensemble, where it is number `there`; `taken`
     /// knows by that plan's drives those of this one.
     pub fn take_resolution(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
-        let theirs = other.resolution[there as usize];
+        let theirs = other.resolution(there);
         let driven = &other.drives[theirs.drive as usize];
         let same = Arc::ptr_eq(&self.driven(i).kept, &driven.kept);
-        let own = &mut self.resolution[i as usize];
+        let own = &mut self.each()[i as usize];
         (own.steps, own.gap) = (theirs.steps, theirs.gap);
         if !same {
-            own.drive = *taken.entry(theirs.drive).or_insert_with(|| {
+            let drive = *taken.entry(theirs.drive).or_insert_with(|| {
                 self.drives.push(driven.clone());
                 self.drives.len() as u32 - 1
             });
+            self.each()[i as usize].drive = drive;
         }
     }
+
+    /// How finely each of its instances runs, to be changed.
+    fn each(&mut self) -> &mut Vec<Resolution> {
+        let Self { ensemble, ids, resolution, .. } = self;
+        resolution.each(|at| ensemble.gap(ids.get(at as u32)))
+    }
+
+    /// Something of each of these instances, in their order: `of` is given a plan that has it, its number there, and here.
+    pub fn of_each<T: Send>(&self, instances: &[u32], of: impl Fn(&Self, u32, u32) -> T + Sync) -> Vec<T> {
+        if self.at_hand() {
+            return instances.par_iter().map(|i| of(self, *i, *i)).collect();
+        }
+        let mut all = Vec::with_capacity(instances.len());
+        for some in instances.chunks(STRETCH as usize) {
+            let part = self.part(some);
+            let one = |(n, i): (usize, &u32)| of(&part, n as u32, *i);
+            all.extend(some.par_iter().enumerate().map(one).collect::<Vec<T>>());
+        }
+        all
+    }
+
+    /// Its instances in parts of at most so many, each with the number of its first one.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = (u32, Self)> {
+        let count = self.len() as u32;
+        (0..count).step_by(STRETCH as usize).map(move |from| {
+            let some: Vec<u32> = (from..count.min(from.saturating_add(STRETCH))).collect();
+            (from, self.part(&some))
+        })
+    }
 }
+
+/// Instances of very many that are looked at together.
+const STRETCH: u32 = 1 << 16;
 
 /// How finely an instance of a plan runs, as plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]

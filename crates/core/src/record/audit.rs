@@ -6,19 +6,6 @@ use crate::observe::Status;
 use crate::plan::Plan;
 use crate::store::{Attribute, AuditTable, Flags, Results, Variable};
 
-const ESTIMATE: &str = "error_estimate";
-
-/// Adds variable `error_estimate`, with what it rests on as its comment.
-pub fn error_estimate(results: &mut Results, estimates: &[f64], basis: &str) {
-    results.variables.push(estimate_of(estimates.to_vec()));
-    results.comments.push((ESTIMATE.into(), basis.into()));
-}
-
-/// The variable of estimated errors.
-pub(super) fn estimate_of(estimates: Vec<f64>) -> Variable {
-    one(ESTIMATE, "estimated error of the worst observable, on the scale of accuracy", estimates)
-}
-
 /// Adds group `audit`, the reference's values and the run's errors, where instances were redone, and to the root what
 /// audits and estimates amount to.
 pub fn audit(results: &mut Results, plan: &Plan, audited: &[Audited], verdict: &Verdict) {

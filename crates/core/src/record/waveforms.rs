@@ -1,6 +1,6 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
-use crate::control::{InMemory, Keep, Question, What};
+use crate::control::{InMemory, Keep, Question, Ran, What};
 use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
 use crate::plan::{Plan, Station};
@@ -18,32 +18,48 @@ use std::f64::consts::TAU;
 /// # Errors
 /// What the engine says.
 pub fn waveforms(plan: &Plan, found: &States, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
-    waveforms_kept(plan, found, request, &InMemory)
+    let places: Vec<u32> = request.instances.iter().map(|&instance| instance as u32).collect();
+    waveforms_of((plan, found), &places, request, &InMemory::default())
 }
 
-/// [`waveforms`]; what `keep` knows is not computed again, and it is told of each instance's.
+/// [`waveforms`] of a run; what `keep` knows is not computed again, and it is told of each instance's.
 ///
 /// # Errors
 /// What the engine says.
 pub fn waveforms_kept(
-    plan: &Plan,
-    found: &States,
+    run: &Ran,
+    request: &WaveformRequest,
+    keep: &dyn Keep,
+) -> Result<Waveforms, EngineError> {
+    let mut instances: Vec<u32> = request.instances.iter().map(|&instance| instance as u32).collect();
+    let all = instances.clone();
+    instances.sort_unstable();
+    instances.dedup();
+    let some = run.some(&instances)?;
+    let place = |i: &u32| instances.partition_point(|other| other < i) as u32;
+    let places: Vec<u32> = all.iter().map(place).collect();
+    waveforms_of((&some.plan, &some.found), &places, request, keep)
+}
+
+/// Those of the instances at these places of a plan, which are the ones asked for.
+fn waveforms_of(
+    (plan, found): (&Plan, &States),
+    places: &[u32],
     request: &WaveformRequest,
     keep: &dyn Keep,
 ) -> Result<Waveforms, EngineError> {
     let mut all = Waveforms::default();
     let mut times: Vec<Vec<f64>> = Vec::new();
-    let rows: Vec<Rows> = request
-        .instances
+    let rows: Vec<Rows> = places
         .par_iter()
-        .map(|&instance| {
-            let place = found.get(instance);
+        .map(|&i| {
+            let place = found.get(i as usize);
             let from = place.as_ref().map(|place| &place.station);
-            let question = Question::new(What::Waveforms, plan, instance as u32, from);
+            let question = Question::new(What::Waveforms, plan, i, from);
             if let Some(known) = keep.numbers(&question).and_then(|numbers| Rows::of(&numbers, request)) {
                 return Ok(known);
             }
-            let rows = instance_rows(plan, instance, from, request)?;
+            let rows = instance_rows(plan, i as usize, from, request)?;
             // What went wrong is known to whoever keeps it, and nothing more is to be done here.
             let _ = keep.numbered(&question, &rows.numbers());
             Ok(rows)

@@ -1,7 +1,7 @@
 //! Which instances a sweep has redone by the reference engine, and how long that may take.
 
 use super::Audit;
-use crate::control::{self, Allowance, Audited, Controlled, Keep};
+use crate::control::{self, Allowance, Audited, Keep, Ran};
 use crate::engine::{EngineError, Progress};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ pub const CONTACT: f64 = 60.0;
 /// sample, where the run has one. `stepping` is what the run took, s. Of a run that was stopped before, what is known.
 pub(super) fn redo(
     asked: Audit,
-    run: &Controlled,
+    run: &Ran,
     stepping: f64,
     keep: &dyn Keep,
     progress: &Progress,
@@ -28,10 +28,13 @@ pub(super) fn redo(
         Audit::None => Ok(Vec::new()),
         _ if progress.stopped() => {
             let mut known = keep.redone();
-            known.retain(|i| (*i as usize) < run.plan.len());
-            control::audit_of(run, &known, keep, progress)
+            known.retain(|i| (*i as usize) < run.len());
+            control::audit_of_run(run, &known, keep, progress)
         }
-        Audit::Instances(count) => control::audit(run, count as usize, keep, progress),
+        Audit::Instances(count) => {
+            let chosen = control::chosen(run, count as usize)?;
+            control::audit_of_run(run, &chosen, keep, progress)
+        }
         Audit::Auto => by_time(run, stepping, keep, progress),
     }
 }
@@ -39,7 +42,7 @@ pub(super) fn redo(
 /// What a run that goes on has redone before counts, as does the time that it took; so it ends about where one that nobody
 /// disturbs does.
 fn by_time(
-    run: &Controlled,
+    run: &Ran,
     stepping: f64,
     keep: &dyn Keep,
     progress: &Progress,
@@ -54,11 +57,16 @@ fn by_time(
             progress.stop();
         }
     };
-    let mut done =
-        within((rest, &tell), progress, |watched| control::audit(run, threads * each, keep, watched))?;
+    let mut done = within((rest, &tell), progress, |watched| {
+        let chosen = control::chosen(run, threads * each)?;
+        control::audit_of_run(run, &chosen, keep, watched)
+    })?;
     let contact = |one: &Audited| one.worst.is_some() && one.touches();
     let start = Instant::now();
-    let mut left = control::contacts(run);
+    if done.iter().any(contact) || progress.stopped() {
+        return Ok(done);
+    }
+    let mut left = control::contacts(run)?;
     left.retain(|i| done.iter().all(|one| one.instance != *i));
     for some in left.chunks(threads) {
         let spent = start.elapsed().as_secs_f64();
@@ -67,7 +75,7 @@ fn by_time(
         }
         let rest = Duration::from_secs_f64(CONTACT - spent);
         done.extend(within((rest, &|_| ()), progress, |watched| {
-            control::audit_of(run, some, keep, watched)
+            control::audit_of_run(run, some, keep, watched)
         })?);
     }
     done.sort_unstable_by_key(|one| one.instance);

@@ -5,7 +5,7 @@ use super::Keeper;
 use super::{Error, Phase, Prepared, Sweep};
 #[cfg(feature = "hdf5")]
 use crate::control::Division;
-use crate::control::{self, Choices, Controlled, Course, Keep};
+use crate::control::{self, Choices, Course, Keep, Ran};
 use crate::engine::Engine;
 use crate::plan::Plan;
 
@@ -32,7 +32,7 @@ impl Begun<'_> {
     }
 
     /// The instances, by choices that were made before or that are made now.
-    pub fn of_all(&mut self, keep: &dyn Keep) -> Result<Controlled, Error> {
+    pub fn of_all<'k>(&mut self, keep: &'k dyn Keep) -> Result<Ran<'k>, Error> {
         let sweep = self.sweep;
         match &sweep.prepared {
             Some(prepared) => {
@@ -51,7 +51,7 @@ impl Begun<'_> {
     }
 
     /// By these choices. The plan goes into what becomes of it: nothing is left of it here.
-    pub fn by(&mut self, prepared: &Prepared, keep: &dyn Keep) -> Result<Controlled, Error> {
+    pub fn by<'k>(&mut self, prepared: &Prepared, keep: &'k dyn Keep) -> Result<Ran<'k>, Error> {
         let nothing = self.plan.part(&[]);
         let plan = std::mem::replace(&mut self.plan, nothing);
         let (engine, progress) = (self.engine.as_ref(), &*self.sweep.progress);
@@ -67,7 +67,7 @@ impl Begun<'_> {
 
     /// The instances, by way of a journal.
     #[cfg(feature = "hdf5")]
-    pub fn kept(&mut self, keeper: &Keeper) -> Result<Controlled, Error> {
+    pub fn kept<'k>(&mut self, keeper: &'k Keeper) -> Result<Ran<'k>, Error> {
         let (chosen, sweep) = (&mut None, self.sweep);
         let prepared = match (keeper.prepared(), &sweep.prepared) {
             (Some(ours), Some(told)) if !ours.is_of_one_run_with(told) => {

@@ -2,15 +2,14 @@
 
 use super::recalled::Recalled;
 use super::{Error, Prepared};
-use crate::control::{Allowance, Answer, Division, Keep, Portion, Question};
-use crate::record::{
-    allowance_to_bytes, answers_to_bytes, numbers_to_bytes, portion_from_bytes, portion_number,
-    portion_to_bytes,
+use crate::control::{
+    Allowance, Answer, Division, Keep, Portion, Question, allowance_to_bytes, answers_to_bytes,
+    numbers_to_bytes, portion_from_bytes, portion_number, portion_to_bytes,
 };
 use crate::store::{Journal, Kind, RunFile};
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use std::collections::{BTreeMap, HashMap};
+use std::ops::{ControlFlow, Range};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A share of a run: the portions whose numbers leave this rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,14 +44,30 @@ pub struct Keeper {
     anyway: bool,
     /// Whether what is not known is to be run.
     runs: bool,
+    /// What the header of its own journal says first; none where that is begun.
+    begins: Option<String>,
     journals: Vec<Journal>,
     /// Of each portion that is known the journal and its record there; the last one counts.
-    known: BTreeMap<usize, (usize, usize)>,
+    known: BTreeMap<usize, Known>,
     recalled: Recalled,
     given: Option<Prepared>,
     file: Mutex<Option<RunFile>>,
+    /// Where the bytes of portions are that have ended since.
+    fresh: Mutex<HashMap<usize, Range<u64>>>,
     failed: Mutex<Option<Error>>,
 }
+
+/// A portion in a journal.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    journal: usize,
+    record: usize,
+    whole: bool,
+    instances: usize,
+}
+
+/// Bytes of a portion that tell its number and how many instances it has.
+const BEGINNING: u64 = 16;
 
 impl Keeper {
     /// Of a run into `file`; what `earlier` has is gone on with, on another kind of engine only `anyway`.
@@ -72,8 +87,9 @@ impl Keeper {
                 return Err(Error::Prepared { what });
             }
         }
+        let begins = earlier.is_none().then(|| format!("# share {share}"));
         let mut keeper = Self::of_journals(earlier.into_iter().collect(), share)?;
-        (keeper.runs, keeper.anyway) = (true, anyway);
+        (keeper.runs, keeper.anyway, keeper.begins) = (true, anyway, begins);
         keeper.file = Mutex::new(Some(file));
         Ok(keeper)
     }
@@ -90,18 +106,17 @@ impl Keeper {
                 let what = format!("one journal is of {} shares, another of {}", of.of, share.of);
                 return Err(Error::Prepared { what });
             }
-            for (r, (kind, bytes)) in journal.records().enumerate() {
+            for (r, kind) in journal.kinds().enumerate() {
                 if !matches!(kind, Kind::Portion | Kind::Unfinished) {
-                    recalled.take((n, r), kind, bytes);
+                    recalled.take((n, r), kind, &journal.record(r).map_err(unread)?.1);
                     continue;
                 }
-                let Some((number, _)) = portion_number(bytes) else { continue };
-                let whole = |at: &(usize, usize)| {
-                    journals[at.0].record(at.1).is_some_and(|(kind, _)| kind == Kind::Portion)
-                };
+                let (_, bytes) = journal.beginning(r, BEGINNING).map_err(unread)?;
+                let Some((number, instances)) = portion_number(&bytes) else { continue };
+                let whole = kind == Kind::Portion;
                 // What was not whole does not stand for what is.
-                if kind == Kind::Portion || !known.get(&number).is_some_and(whole) {
-                    known.insert(number, (n, r));
+                if whole || !known.get(&number).is_some_and(|known: &Known| known.whole) {
+                    known.insert(number, Known { journal: n, record: r, whole, instances });
                 }
             }
             given = given.or(Some(prepared));
@@ -111,13 +126,47 @@ impl Keeper {
             divided: share.of,
             anyway: false,
             runs: false,
+            begins: None,
             journals,
             known,
             recalled,
             given,
             file: Mutex::new(None),
+            fresh: Mutex::default(),
             failed: Mutex::new(None),
         })
+    }
+
+    /// Of shares that are put together into `file`, whose journal has what is found once they are: second states, audit,
+    /// waveforms. What an `earlier` merge of the same shares has found is gone on with.
+    ///
+    /// # Errors
+    /// As [`Keeper::of_journals`].
+    pub fn of_merge(
+        shares: Vec<Journal>,
+        share: Share,
+        (file, earlier): (RunFile, Option<Journal>),
+    ) -> Result<Self, Error> {
+        let mut keeper = Self::of_journals(shares, share)?;
+        keeper.file = Mutex::new(Some(file));
+        let first = merge_line(share.of);
+        let of_them = |journal: &Journal| {
+            let theirs = Prepared::from_toml(journal.header()).ok();
+            let same = theirs.zip(keeper.given.as_ref()).is_some_and(|(a, b)| a.is_of_one_run_with(b));
+            same && journal.header().lines().next() == Some(&first)
+        };
+        match earlier.filter(of_them) {
+            None => keeper.begins = Some(first),
+            Some(journal) => {
+                let place = keeper.journals.len();
+                for (r, kind) in journal.kinds().enumerate() {
+                    let bytes = journal.record(r).map_err(unread)?.1;
+                    keeper.recalled.take((place, r), kind, &bytes);
+                }
+                keeper.journals.push(journal);
+            }
+        }
+        Ok(keeper)
     }
 
     /// With what was run on another kind of engine, if `anyway` says so.
@@ -133,15 +182,17 @@ impl Keeper {
 
     /// How many portions are known.
     pub fn known_portions(&self) -> usize {
-        self.known
-            .values()
-            .filter(|at| self.record(**at).is_some_and(|(kind, _)| kind == Kind::Portion))
-            .count()
+        self.known.values().filter(|known| known.whole).count()
     }
 
     /// How many answers are known to what is asked once all portions have ended: second states, audit, waveforms.
     pub fn known_answers(&self) -> usize {
         self.recalled.len()
+    }
+
+    /// How many of these its own journal knows, where that is of a merge.
+    pub fn known_later(&self) -> usize {
+        self.journals.last().filter(|last| is_of_merge(last.header())).map_or(0, |last| last.kinds().count())
     }
 
     pub(super) fn anyway(&self) -> bool {
@@ -153,22 +204,16 @@ impl Keeper {
         self.share
     }
 
-    fn record(&self, (journal, record): (usize, usize)) -> Option<(Kind, &[u8])> {
-        self.journals.get(journal)?.record(record)
-    }
-
     /// The shares of whose portions some are neither known nor to be run.
     pub(super) fn missing_shares(&self, division: &Division) -> Vec<usize> {
         if self.runs {
             return Vec::new();
         }
         let whole = |number: &usize| {
-            let (kind, bytes) = self.known.get(number).and_then(|at| self.record(*at))?;
-            let fits =
-                portion_number(bytes).is_some_and(|(_, count)| count == division.portion(*number).len());
-            (kind == Kind::Portion && fits).then_some(())
+            let fits = |known: &Known| known.instances == division.portion(*number).len();
+            self.known.get(number).is_some_and(|known| known.whole && fits(known))
         };
-        let missing = (0..division.len()).filter(|number| whole(number).is_none());
+        let missing = (0..division.len()).filter(|number| !whole(number));
         let mut shares: Vec<usize> = missing.map(|number| number % self.share.of + 1).collect();
         shares.sort_unstable();
         shares.dedup();
@@ -178,24 +223,26 @@ impl Keeper {
     /// Begins the journal, where there is none yet.
     pub(super) fn begin(&self, prepared: &Prepared, command_line: &str) -> Result<(), Error> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        match file.as_mut() {
-            Some(file) if self.journals.is_empty() => {
-                Ok(file.begin(&header(prepared, self.share, command_line)?)?)
-            }
+        match (file.as_mut(), &self.begins) {
+            (Some(file), Some(first)) => Ok(file.begin(&header(prepared, first, command_line)?)?),
             _ => Ok(()),
         }
     }
 
     /// Writes a record down, if there is a file for it.
-    fn append(&self, kind: Kind, bytes: &[u8]) -> ControlFlow<()> {
+    fn append(&self, kind: Kind, bytes: &[u8]) -> ControlFlow<(), Option<Range<u64>>> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        match file.as_mut().map(|file| file.append(kind, bytes)) {
-            Some(Err(error)) => {
+        match file.as_mut().map(|file| file.append(kind, bytes)).transpose() {
+            Ok(at) => ControlFlow::Continue(at),
+            Err(error) => {
                 *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.into());
                 ControlFlow::Break(())
             }
-            _ => ControlFlow::Continue(()),
         }
+    }
+
+    fn told(&self, kind: Kind, bytes: &[u8]) -> ControlFlow<()> {
+        self.append(kind, bytes).map_continue(|_| ())
     }
 
     /// What went wrong with the journal, if something did.
@@ -224,22 +271,36 @@ impl Keep for Keeper {
 
     /// Bytes that tell of another number of instances are none of this portion: no memory is asked for by their word.
     fn known(&self, number: usize, instances: usize) -> Option<Portion> {
-        let (_, bytes) = self.record(*self.known.get(&number)?)?;
-        portion_from_bytes(bytes, instances)
+        let known = self.known.get(&number).filter(|known| known.instances == instances)?;
+        let (_, bytes) = self.journals.get(known.journal)?.record(known.record).ok()?;
+        portion_from_bytes(&bytes, instances)
     }
 
-    fn ended(&self, number: usize, portion: &dyn Fn() -> Portion) -> ControlFlow<()> {
-        let portion = portion();
-        let any = |one: &crate::control::Ended| one.finished.measured.is_any();
-        if !portion.whole && !portion.instances.iter().any(any) {
+    fn ended(&self, number: usize, portion: &Portion) -> ControlFlow<()> {
+        if !portion.is_any() {
             return ControlFlow::Continue(());
         }
         let kind = if portion.whole { Kind::Portion } else { Kind::Unfinished };
-        self.append(kind, &portion_to_bytes(number, &portion))
+        let at = self.append(kind, &portion_to_bytes(number, portion))?;
+        let mut fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner);
+        at.into_iter().for_each(|at| _ = fresh.insert(number, at));
+        ControlFlow::Continue(())
+    }
+
+    fn bytes(&self, number: usize) -> Result<Arc<Vec<u8>>, String> {
+        let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).get(&number).cloned();
+        if let Some(at) = fresh {
+            let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+            let read = file.as_ref().map(|file| file.appended(&at));
+            return read.ok_or("its file is closed")?.map(Arc::new).map_err(|error| error.to_string());
+        }
+        let known = self.known.get(&number).ok_or_else(|| format!("portion {number} is in no journal"))?;
+        let journal = self.journals.get(known.journal).ok_or("a journal is missing")?;
+        journal.record(known.record).map(|(_, bytes)| Arc::new(bytes))
     }
 
     fn lasts(&self) -> bool {
-        self.runs
+        self.file.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
     fn recalled(&self, asked: &[Question]) -> Vec<Option<Answer>> {
@@ -247,7 +308,7 @@ impl Keep for Keeper {
     }
 
     fn answered(&self, all: &[(Question, Answer)]) -> ControlFlow<()> {
-        self.append(Kind::Answers, &answers_to_bytes(all))
+        self.told(Kind::Answers, &answers_to_bytes(all))
     }
 
     fn redone(&self) -> Vec<u32> {
@@ -259,7 +320,7 @@ impl Keep for Keeper {
     }
 
     fn numbered(&self, asked: &Question, numbers: &[f64]) -> ControlFlow<()> {
-        self.append(Kind::Numbers, &numbers_to_bytes(asked, numbers))
+        self.told(Kind::Numbers, &numbers_to_bytes(asked, numbers))
     }
 
     fn allowance(&self) -> Option<Allowance> {
@@ -267,14 +328,30 @@ impl Keep for Keeper {
     }
 
     fn spent(&self, so_far: Allowance) -> ControlFlow<()> {
-        self.append(Kind::Allowance, &allowance_to_bytes(so_far))
+        self.told(Kind::Allowance, &allowance_to_bytes(so_far))
     }
 }
 
-/// The header of the journal of a share, which this command runs.
-fn header(prepared: &Prepared, share: Share, command_line: &str) -> Result<String, Error> {
+fn unread(what: String) -> Error {
+    Error::Prepared { what: format!("a journal cannot be read: {what}") }
+}
+
+/// The header of a journal that begins with this line, which this command writes.
+fn header(prepared: &Prepared, first: &str, command_line: &str) -> Result<String, Error> {
     let command = command_line.replace(char::is_control, " ");
-    Ok(format!("# share {share}\n# by {command}\n{}", prepared.to_toml()?))
+    Ok(format!("{first}\n# by {command}\n{}", prepared.to_toml()?))
+}
+
+/// What the journal of a merge begins with.
+const MERGE: &str = "# merge of ";
+
+fn merge_line(shares: usize) -> String {
+    format!("{MERGE}{shares}")
+}
+
+/// Whether a header is that of a merge's journal.
+pub fn is_of_merge(header: &str) -> bool {
+    header.starts_with(MERGE)
 }
 
 /// The command that a header names.
@@ -292,6 +369,10 @@ pub fn read_header(text: &str) -> Result<(Prepared, Share), Error> {
         let (number, of) = (number.parse().ok()?, of.parse().ok()?);
         (number >= 1 && number <= of).then_some(Share { number, of })
     };
-    let wrong = || Error::Prepared { what: "the header of the journal names no share".into() };
+    let what = match is_of_merge(text) {
+        true => "it is the journal of a merge, which the same `afmsweep merge` goes on with",
+        false => "the header of the journal names no share",
+    };
+    let wrong = || Error::Prepared { what: what.into() };
     Ok((Prepared::from_toml(text)?, share().ok_or_else(wrong)?))
 }

@@ -32,6 +32,7 @@
 
 mod audit;
 mod begun;
+mod carried;
 mod choice;
 mod choose;
 mod error;
@@ -48,22 +49,20 @@ pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUD
 pub use choice::Choice;
 pub use error::Error;
 #[cfg(feature = "hdf5")]
-pub use keeper::{Keeper, Share, command_of, read_header};
+pub use keeper::{Keeper, Share, command_of, is_of_merge, read_header};
 pub use observer::{Observer, Silent};
 pub use phase::Phase;
 pub use prepared::Prepared;
-pub use swept::Swept;
+pub use swept::{Kept, Swept};
 
-use crate::control::{self, Controlled, Course, InMemory, Keep};
+use crate::control::{Course, InMemory};
 use crate::engine::{Engine, Progress, on_threads};
-use crate::observe::Status;
 use crate::plan::{Plan, Policy, Precision};
 use crate::scene::Scene;
 use begun::Begun;
-use phase::Missing;
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Which engine steps the instances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -271,7 +270,9 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run`].
     pub fn run_with(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        self.watched(observer, || self.carried_out(observer, &InMemory, &|run| run.of_all(&InMemory)))
+        let memory = InMemory::default();
+        let of_all = |run: &mut Begun| run.of_all(&memory);
+        self.watched(observer, || self.carried_out(observer, &memory, &of_all)?.gathered())
     }
 
     /// Chooses what a run of the scene needs: bases, first steps, precision, size of portions.
@@ -282,13 +283,24 @@ impl Sweep {
         self.watched(observer, || self.begun(observer)?.chosen())
     }
 
-    /// Runs it by way of a journal: what that knows is not run again, and what ends is written there.
+    /// Runs it by way of a journal: what that knows is not run again, and what ends is written there. All of it is in memory
+    /// then.
     ///
     /// # Errors
     /// As [`Sweep::run`]; choices of another run; what the journal's disk says.
     #[cfg(feature = "hdf5")]
     pub fn run_kept(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<Swept, Error> {
-        let done = self.watched(observer, || self.carried_out(observer, keeper, &|run| run.kept(keeper)));
+        self.run_into(keeper, observer)?.gathered()
+    }
+
+    /// [`Sweep::run_kept`], of which a few bytes of each instance lie in memory: the rest is in the journal.
+    ///
+    /// # Errors
+    /// As [`Sweep::run_kept`].
+    #[cfg(feature = "hdf5")]
+    pub fn run_into<'k>(&self, keeper: &'k Keeper, observer: &dyn Observer) -> Result<Kept<'k>, Error> {
+        let kept = |run: &mut Begun| run.kept(keeper);
+        let done = self.watched(observer, || self.carried_out(observer, keeper, &kept));
         keeper.failure().map_or(done, Err)
     }
 
@@ -310,6 +322,15 @@ impl Sweep {
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn looked_into(&self, keeper: &Keeper) -> Result<Swept, Error> {
+        self.look_into(keeper)?.gathered()
+    }
+
+    /// [`Sweep::looked_into`], of which a few bytes of each instance lie in memory.
+    ///
+    /// # Errors
+    /// As [`Sweep::run_kept`].
+    #[cfg(feature = "hdf5")]
+    pub fn look_into<'k>(&self, keeper: &'k Keeper) -> Result<Kept<'k>, Error> {
         self.carried_out(&Silent, keeper, &|run| {
             let prepared = run.given(keeper)?;
             self.progress.stop();
@@ -350,40 +371,5 @@ impl Sweep {
             return Err(Error::Stopped(Phase::Planning));
         }
         Ok(Begun { sweep: self, course, plan, engine })
-    }
-
-    fn carried_out(
-        &self,
-        observer: &dyn Observer,
-        keep: &dyn Keep,
-        instances: &dyn Fn(&mut Begun) -> Result<Controlled, Error>,
-    ) -> Result<Swept, Error> {
-        let (scene, progress, start) = (&self.scene, &*self.progress, Instant::now());
-        let mut begun = self.begun(observer)?;
-        let planning = start.elapsed().as_secs_f64();
-        let summary = begun.plan.summary(None).json().to_string();
-        let stepping = Instant::now();
-        let mut run = instances(&mut begun)?;
-        let Begun { course, engine, .. } = begun;
-        let (exact, estimated) = (course == Course::Reference, course == Course::Controlled);
-        let mut missing = Missing::of(&run, progress);
-        if run.results.iter().all(|one| !one.measured.is_any() && one.status == Status::NotRun) {
-            return Err(Error::Stopped(Phase::Stepping));
-        }
-        let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {
-            let found = control::others(&run, &scene.sweep.shape(), keep, engine.as_ref(), progress);
-            found.map(|found| (!progress.stopped() || !found.states.is_empty()).then_some(found))
-        })?;
-        let (stepping, taken) = (stepping.elapsed().as_secs_f64(), progress.steps());
-        run.notes.extend(engine.dealt());
-        let audit = if exact { Audit::None } else { self.options.audit };
-        let audited = missing.phase((Phase::Audit, audit != Audit::None), progress, || {
-            audit::redo(audit, &run, stepping, keep, progress)
-        })?;
-        control::mark(&mut run.results, &audited, run.plan.run.accuracy);
-        let command_line = self.options.command_line.clone();
-        let done =
-            swept::Done { scene, run, taken, others, audited, exact, estimated, summary, command_line };
-        swept::collect(done, (start, planning, stepping), (engine.as_ref(), keep), missing, progress)
     }
 }

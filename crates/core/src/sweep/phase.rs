@@ -1,7 +1,7 @@
 //! What a sweep does, in its order, and what of it was not done.
 
-use crate::control::Controlled;
-use crate::engine::{Finished, Progress};
+use crate::control::{Mark, Ran};
+use crate::engine::Progress;
 use crate::observe::Status;
 
 /// What a sweep does, in its order. The words stand in the results file, as `incomplete_phase` and `missing`.
@@ -38,16 +38,16 @@ pub(super) struct Missing(pub Vec<Phase>);
 
 impl Missing {
     /// What of the instances themselves is missing; to be asked once they have run.
-    pub fn of(run: &Controlled, progress: &Progress) -> Self {
+    pub fn of(run: &Ran, progress: &Progress) -> Self {
         if !progress.stopped() {
             return Self::default();
         }
-        let any = |what: &dyn Fn(&Finished) -> bool| run.results.iter().any(|one| what(&one));
+        let any = |what: &dyn Fn(&Mark) -> bool| run.marks().iter().any(what);
         let mut missing = Vec::new();
-        if any(&|one| one.status == Status::NotRun && !one.measured.is_any()) {
+        if any(&|one| one.status() == Status::NotRun && !one.measured()) {
             missing.push(Phase::Stepping);
         }
-        if any(&|one| one.status == Status::NotRun && one.measured.is_any()) {
+        if any(&|one| one.status() == Status::NotRun && one.measured()) {
             missing.push(Phase::Refinement);
         }
         Self(missing)

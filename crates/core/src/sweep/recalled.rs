@@ -1,8 +1,8 @@
 //! What journals know of the questions that are asked once all portions have ended.
 
-use crate::control::{Allowance, Answer, Question, What};
-use crate::record::{
-    allowance_from_bytes, answers_from_bytes, numbers_from_bytes, numbers_question, questions,
+use crate::control::{
+    Allowance, Answer, Question, What, allowance_from_bytes, answers_from_bytes, numbers_from_bytes,
+    numbers_question, questions,
 };
 use crate::store::{Journal, Kind};
 use std::collections::HashMap;
@@ -46,8 +46,8 @@ impl Recalled {
         places.sort_unstable();
         for of_one in places.chunk_by(|a, b| a.0.0 == b.0.0) {
             let (journal, record) = of_one[0].0.0;
-            let record = journals.get(journal).and_then(|journal| journal.record(record));
-            let Some(all) = record.and_then(|(_, bytes)| answers_from_bytes(bytes)) else { continue };
+            let record = journals.get(journal).and_then(|journal| journal.record(record).ok());
+            let Some(all) = record.and_then(|(_, bytes)| answers_from_bytes(&bytes)) else { continue };
             for ((_, which), n) in of_one {
                 found[*n] = all.get(*which).cloned();
             }
@@ -58,8 +58,8 @@ impl Recalled {
     /// The numbers that answer a question.
     pub fn numbers(&self, journals: &[Journal], asked: &Question) -> Option<Vec<f64>> {
         let (journal, record) = *self.numbers.get(asked)?;
-        let (_, bytes) = journals.get(journal)?.record(record)?;
-        numbers_from_bytes(bytes)
+        let (_, bytes) = journals.get(journal)?.record(record).ok()?;
+        numbers_from_bytes(&bytes)
     }
 
     /// The instances that an audit has redone.

@@ -2,14 +2,14 @@
 
 use super::phase::Missing;
 use super::{Error, Phase};
-use crate::control::{self, Audited, Controlled, Keep, Others, Verdict};
-use crate::engine::{Engine, Progress};
-use crate::record::{self, Facts};
-use crate::scene::{Scene, Steady};
+use crate::control::{self, Arithmetic, Audited, Controlled, Keep, Others, Ran, Verdict};
+use crate::engine::{Engine, EngineError, Progress};
+use crate::record::{self, Facts, Frame, Numbers, Warned};
+use crate::scene::Scene;
 use crate::store::Results;
 use std::time::Instant;
 
-/// A sweep that was run.
+/// A sweep that was run, with all its results in memory.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Swept {
@@ -34,10 +34,58 @@ pub struct Swept {
     pub rate: f64,
 }
 
+/// A sweep that was run, with its portions where they are kept: of each instance a few bytes lie in memory. See [`Swept`].
+#[non_exhaustive]
+pub struct Kept<'k> {
+    /// Everything that a results file holds but the numbers over all instances.
+    pub frame: Frame,
+    warned: Warned,
+    pub verdict: Verdict,
+    /// The run itself.
+    pub run: Ran<'k>,
+    pub others: Option<Others>,
+    pub warnings: Vec<String>,
+    pub missing: Vec<Phase>,
+    pub steps_taken: u64,
+    pub planning: f64,
+    pub stepping: f64,
+    pub rate: f64,
+}
+
+impl Kept<'_> {
+    /// The numbers over all instances, which are read where they are kept: one variable after the other.
+    pub fn numbers(&self) -> Numbers<'_> {
+        Numbers::of_run(&self.frame, (&self.run, &self.warned), self.others.as_ref())
+    }
+
+    /// The results file in memory. `path` only serves messages.
+    ///
+    /// # Errors
+    /// What is kept cannot be read.
+    #[cfg(feature = "hdf5")]
+    pub fn laid_out(&self, path: &std::path::Path) -> Result<crate::store::Image, Error> {
+        let results = &self.frame.results;
+        let scene = results.text("scene").unwrap_or_default();
+        Ok(crate::store::laid_out(results, &self.numbers(), scene, path)?)
+    }
+
+    /// All of it in memory.
+    ///
+    /// # Errors
+    /// What is kept cannot be read.
+    pub fn gathered(self) -> Result<Swept, Error> {
+        let unread = |unread: crate::store::Unread| EngineError::Unread { why: unread.0 };
+        let results = self.frame.results.clone().with_numbers(&self.numbers()).map_err(unread)?;
+        let run = self.run.gathered()?;
+        let Self { verdict, others, warnings, missing, steps_taken, planning, stepping, rate, .. } = self;
+        Ok(Swept { results, verdict, run, others, warnings, missing, steps_taken, planning, stepping, rate })
+    }
+}
+
 /// What the phases of a run have left.
-pub(super) struct Done<'a> {
-    pub scene: &'a Scene,
-    pub run: Controlled,
+pub(super) struct Done<'k, 's> {
+    pub scene: &'s Scene,
+    pub run: Ran<'k>,
     /// Instance-steps of it and of the second states.
     pub taken: u64,
     pub others: Option<Others>,
@@ -51,16 +99,15 @@ pub(super) struct Done<'a> {
 }
 
 /// Results of the phases, waveforms last. `start`: when the run began, and the seconds of its planning and stepping.
-pub(super) fn collect(
-    done: Done,
+pub(super) fn collect<'k>(
+    done: Done<'k, '_>,
     (start, planning, stepping): (Instant, f64, f64),
     (engine, keep): (&dyn Engine, &dyn Keep),
     mut missing: Missing,
     progress: &Progress,
-) -> Result<Swept, Error> {
+) -> Result<Kept<'k>, Error> {
     let Done { scene, run, taken, others, audited, exact, estimated, summary, command_line } = done;
-    let verdict = Verdict::of(&run, &audited, exact);
-    let Controlled { plan, results: finished, estimates, found, periods, .. } = &run;
+    let verdict = Verdict::of(&run, &audited, exact)?;
     let facts = Facts {
         device: engine.device(),
         wall_time: start.elapsed().as_secs_f64(),
@@ -69,26 +116,29 @@ pub(super) fn collect(
         neighbour_started: run.neighbour_started(),
         plan: summary,
         command_line,
-        arithmetic: run.arithmetic.clone(),
+        arithmetic: Arithmetic {
+            of: run.marks().iter().map(|mark| mark.precision()).collect(),
+            rounding: run.rounding,
+            reason: run.reason.clone(),
+        },
     };
-    let mut results = record::results(scene, plan, finished, &facts);
-    record::error_estimate(&mut results, estimates, &control::basis(plan, estimated, exact));
+    let warned = record::warned(scene, &run)?;
+    let mut frame = record::frame(scene, (&run.plan, &warned), &facts);
+    frame.estimated(control::basis(&run.plan, estimated, exact));
     let request = scene.output.waveforms.as_ref();
-    results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), progress, || {
+    frame.results.waveforms = missing.phase((Phase::Waveforms, request.is_some()), progress, || {
         // Of a run that was stopped they would be begun anew.
         let request = request.filter(|_| !progress.stopped());
-        request.map(|request| record::waveforms_kept(plan, found, request, keep)).transpose()
+        request.map(|request| record::waveforms_kept(&run, request, keep)).transpose()
     })?;
-    if plan.run.steady == Steady::Search {
-        record::search(&mut results, plan, finished, (found, periods), others.as_ref());
-        record::jumps(&mut results, &run.jumps);
-    }
-    record::audit(&mut results, plan, &audited, &verdict);
-    results.attributes.extend(record::complete(&missing.words()));
-    let warnings = record::warning_lines(scene, plan, finished, &results);
+    frame.searched(&run.plan, run.curves, others.is_some());
+    record::audit(&mut frame.results, &run.plan, &audited, &verdict);
+    frame.results.attributes.extend(record::complete(&missing.words()));
+    let warnings = warned.lines(scene, &run)?;
     let (rate, steps_taken) = (facts.rate, taken);
-    Ok(Swept {
-        results,
+    Ok(Kept {
+        frame,
+        warned,
         verdict,
         others,
         warnings,

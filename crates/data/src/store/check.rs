@@ -6,14 +6,38 @@ use super::{
 };
 use std::collections::HashSet;
 
-/// `Err` names the first misfit.
-pub(super) fn check(results: &Results) -> Result<(), StoreError> {
+/// The same where all numbers lie in memory: they are as many as they have to be.
+pub(super) fn check_all(results: &Results) -> Result<(), StoreError> {
     let count = results.status.len();
-    check_count(results)?;
+    check(results, count)?;
+    check_states((&results.variables, &results.flags), &results.status, &results.steps_per_period, count)?;
+    match &results.other_branch {
+        Some(of) => check_states((&of.variables, &of.flags), &of.status, &of.steps_per_period, count),
+        None => Ok(()),
+    }
+}
+
+fn check_states(
+    (variables, flags): (&[Variable], &[Flags]),
+    status: &[u8],
+    steps: &[u32],
+    count: usize,
+) -> Result<(), StoreError> {
+    for one in variables {
+        check_numbers(&one.name, one.data.len(), (count, one.harmonics.unwrap_or(1)))?;
+    }
+    flags.iter().try_for_each(|one| check_numbers(&one.name, one.data.len(), (count, 1)))?;
+    check_numbers("status", status.len(), (count, 1))?;
+    check_numbers("steps_per_period", steps.len(), (count, 1))
+}
+
+/// `Err` names the first misfit. Numbers are as many as they have to be where they are of `count` instances.
+pub(super) fn check(results: &Results, count: usize) -> Result<(), StoreError> {
+    check_count(results, count)?;
     let mut names = HashSet::from(RESERVED);
-    check_axes(results, &mut names)?;
-    check_variables(&results.variables, count, &mut names)?;
-    check_flags(&results.flags, count, &mut names)?;
+    check_axes(results, count, &mut names)?;
+    check_variables(&results.variables, None, &mut names)?;
+    check_flags(&results.flags, &mut names)?;
     if let Some(branch) = &results.other_branch {
         check_branch(branch, results)?;
     }
@@ -34,8 +58,7 @@ fn refuse(what: String) -> Result<(), StoreError> {
 }
 
 /// There must be instances, as many as the axes make.
-fn check_count(results: &Results) -> Result<(), StoreError> {
-    let count = results.status.len();
+fn check_count(results: &Results, count: usize) -> Result<(), StoreError> {
     if count == 0 {
         return refuse("there is no instance".into());
     }
@@ -43,17 +66,29 @@ fn check_count(results: &Results) -> Result<(), StoreError> {
         (true, _) => count,
         (false, axes) => axes.iter().map(|axis| axis.values.len()).product(),
     };
-    if count != expected {
-        return refuse(format!("the axes make {expected} instances, but there are {count} status codes"));
+    match count == expected {
+        true => Ok(()),
+        false => refuse(format!("the axes make {expected} instances, but there are {count} status codes")),
     }
-    if results.steps_per_period.len() != count {
-        return refuse(format!("{} steps_per_period for {count} instances", results.steps_per_period.len()));
-    }
-    Ok(())
 }
 
-fn check_axes<'a>(results: &'a Results, names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
-    let count = results.status.len();
+/// Numbers over the instances, `width` of them each, must be as many as these.
+pub(super) fn check_numbers(
+    name: &str,
+    found: usize,
+    (count, width): (usize, usize),
+) -> Result<(), StoreError> {
+    match found == count * width {
+        true => Ok(()),
+        false => refuse(format!("{name} has {found} values for {count} instances with {width} each")),
+    }
+}
+
+fn check_axes<'a>(
+    results: &'a Results,
+    count: usize,
+    names: &mut HashSet<&'a str>,
+) -> Result<(), StoreError> {
     for axis in &results.axes {
         if results.list && axis.values.len() != count {
             return refuse(format!("{} has {} values for {count} instances", axis.name, axis.values.len()));
@@ -71,23 +106,18 @@ fn check_axes<'a>(results: &'a Results, names: &mut HashSet<&'a str>) -> Result<
 
 /// The other branch has its own variables over the same axes.
 fn check_branch(branch: &Branch, results: &Results) -> Result<(), StoreError> {
-    let count = results.status.len();
     let mut names: HashSet<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
     names.extend(RESERVED);
-    check_variables(&branch.variables, count, &mut names)?;
-    check_flags(&branch.flags, count, &mut names)?;
-    let lengths = [branch.status.len(), branch.steps_per_period.len()];
-    if lengths != [count; 2] {
-        return refuse(format!("other_branch has {lengths:?} status codes and steps for {count} instances"));
-    }
-    Ok(())
+    check_variables(&branch.variables, None, &mut names)?;
+    check_flags(&branch.flags, &mut names)
 }
 
 fn check_audit(table: &AuditTable) -> Result<(), StoreError> {
     let count = table.instances.len();
     let mut names = HashSet::from(["instance", "harmonic", OBSERVABLE, ERROR]);
-    check_variables(&table.variables, count, &mut names)?;
-    check_flags(&table.flags, count, &mut names)?;
+    check_variables(&table.variables, Some(count), &mut names)?;
+    check_flags(&table.flags, &mut names)?;
+    table.flags.iter().try_for_each(|flags| check_numbers(&flags.name, flags.data.len(), (count, 1)))?;
     let (errors, observables) = (table.errors.len(), table.observables.len());
     match errors == count * observables {
         true => Ok(()),
@@ -112,18 +142,18 @@ fn check_force_curve(curve: &ForceCurve) -> Result<(), StoreError> {
 
 fn check_variables<'a>(
     variables: &'a [Variable],
-    count: usize,
+    count: Option<usize>,
     names: &mut HashSet<&'a str>,
 ) -> Result<(), StoreError> {
     let mut shared = None;
     for variable in variables {
         check_name(&variable.name, names)?;
         let per_instance = variable.harmonics.unwrap_or(1);
-        if variable.data.len() != count * per_instance || per_instance == 0 {
-            let (name, found) = (&variable.name, variable.data.len());
-            return Err(StoreError::inconsistent(format!(
-                "{name} has {found} values for {count} instances with {per_instance} each"
-            )));
+        if per_instance == 0 {
+            return refuse(format!("{} has no numbers", variable.name));
+        }
+        if let Some(count) = count {
+            check_numbers(&variable.name, variable.data.len(), (count, per_instance))?;
         }
         if variable.harmonics.is_some() && *shared.get_or_insert(per_instance) != per_instance {
             return Err(StoreError::inconsistent("two variables have different numbers of harmonics"));
@@ -132,15 +162,12 @@ fn check_variables<'a>(
     Ok(())
 }
 
-fn check_flags<'a>(all: &'a [Flags], count: usize, names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
+fn check_flags<'a>(all: &'a [Flags], names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
     for flags in all {
         check_name(&flags.name, names)?;
         let bad = |word: &String| word.is_empty() || word.contains(char::is_whitespace);
-        if flags.data.len() != count || flags.meanings.len() > 8 || flags.meanings.iter().any(bad) {
-            return Err(StoreError::inconsistent(format!(
-                "{} is no list of {count} codes for up to 8 single words",
-                flags.name
-            )));
+        if flags.meanings.len() > 8 || flags.meanings.iter().any(bad) {
+            return refuse(format!("{} is no list of codes for up to 8 single words", flags.name));
         }
     }
     Ok(())

@@ -17,7 +17,7 @@ pub(super) fn in_memory() -> hdf5::Result<File> {
 }
 
 /// A file in memory that is whole: nothing is written to it any more.
-pub(super) struct Image {
+pub struct Image {
     /// Holds the bytes.
     _file: File,
     start: *const u8,
@@ -32,7 +32,7 @@ const FORM: usize = 8;
 
 impl Image {
     /// Of a file that [`in_memory`] made, and that nobody else has.
-    pub fn of(file: File) -> hdf5::Result<Self> {
+    pub(super) fn of(file: File) -> hdf5::Result<Self> {
         file.flush()?;
         let none = || hdf5::Error::from("the file's bytes could not be taken from memory");
         let mut handle: *mut std::ffi::c_void = std::ptr::null_mut();

@@ -5,6 +5,7 @@
 //! written is known as such. The first record is the header.
 
 use super::StoreError;
+use super::bytes::Bytes;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
@@ -42,15 +43,16 @@ impl Kind {
     }
 }
 
-/// A journal as it was read.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A journal that was looked through; what its records hold is read where it is asked for.
+#[derive(Debug)]
 pub struct Journal {
-    /// All of its bytes.
-    bytes: Vec<u8>,
-    header: Range<usize>,
-    records: Vec<(Kind, Range<usize>)>,
-    /// Bytes up to the end of its last record.
-    sound: usize,
+    bytes: Bytes,
+    header: String,
+    /// Of each record its kind and where its bytes are.
+    records: Vec<(Kind, Range<u64>)>,
+    /// Bytes up to the end of its last record, and all of them.
+    sound: u64,
+    length: u64,
     /// Records that are spoilt.
     pub spoilt: usize,
 }
@@ -61,58 +63,87 @@ impl Journal {
     /// # Errors
     /// No journal, or one whose header is spoilt: in words that follow its name.
     pub fn read(bytes: Vec<u8>) -> Result<Self, String> {
-        if !bytes.starts_with(&MAGIC) {
-            return Err(match bytes.starts_with(b"afmjournal ") {
+        Self::of(Bytes::Memory(bytes))
+    }
+
+    /// Looks through bytes, record after record.
+    pub(super) fn of(bytes: Bytes) -> Result<Self, String> {
+        let unread = |error: std::io::Error| format!("it cannot be read: {error}");
+        let length = bytes.length().map_err(unread)?;
+        let start = bytes.read(0..length.min(MAGIC.len() as u64)).map_err(unread)?;
+        if start != MAGIC {
+            return Err(match start.starts_with(b"afmjournal ") {
                 true => "it is a journal of another version of the program".into(),
                 false => "it is no journal of a run".into(),
             });
         }
-        let mut journal = Self { sound: MAGIC.len(), ..Self::default() };
-        let mut headers = Vec::new();
-        while let Some((kind, range, good)) = record(&bytes, journal.sound) {
-            journal.sound = range.end + TAIL;
+        let (mut sound, mut spoilt) = (MAGIC.len() as u64, 0);
+        let (mut records, mut header) = (Vec::new(), None);
+        while let Some(Record { kind, range, own, good }) = record(&bytes, sound).map_err(unread)? {
+            sound = range.end + TAIL as u64;
             match (kind, good) {
-                (Kind::Header, true) => headers.push(range),
-                (_, true) => journal.records.push((kind, range)),
-                (_, false) => journal.spoilt += 1,
+                (Kind::Header, true) if range.start == (MAGIC.len() + HEAD) as u64 => header = Some(own),
+                (Kind::Header, true) => {}
+                (_, true) => records.push((kind, range)),
+                (_, false) => spoilt += 1,
             }
         }
-        let header = headers.into_iter().next().filter(|range| range.start == MAGIC.len() + HEAD);
-        journal.header = header.ok_or("the beginning of its journal is spoilt")?;
-        let text = std::str::from_utf8(&bytes[journal.header.clone()]);
-        text.map_err(|_| "the beginning of its journal is no text")?;
-        journal.bytes = bytes;
-        Ok(journal)
+        let header = header.ok_or("the beginning of its journal is spoilt")?;
+        let header = String::from_utf8(header).map_err(|_| "the beginning of its journal is no text")?;
+        Ok(Self { bytes, header, records, sound, length, spoilt })
     }
 
     /// The text of its header.
     pub fn header(&self) -> &str {
-        std::str::from_utf8(&self.bytes[self.header.clone()]).unwrap_or_default()
+        &self.header
     }
 
-    /// All other records in their order.
-    pub fn records(&self) -> impl Iterator<Item = (Kind, &[u8])> {
-        self.records.iter().map(|(kind, range)| (*kind, &self.bytes[range.clone()]))
+    /// The kinds of all other records in their order.
+    pub fn kinds(&self) -> impl Iterator<Item = Kind> {
+        self.records.iter().map(|(kind, _)| *kind)
+    }
+
+    /// All other records in their order, as far as they can still be read.
+    pub fn records(&self) -> impl Iterator<Item = (Kind, Vec<u8>)> {
+        (0..self.records.len()).map_while(|number| self.record(number).ok())
     }
 
     /// The record of this number.
-    pub fn record(&self, number: usize) -> Option<(Kind, &[u8])> {
-        self.records.get(number).map(|(kind, range)| (*kind, &self.bytes[range.clone()]))
+    ///
+    /// # Errors
+    /// There is none, or it cannot be read any more, or is not what it was: in words that follow the journal's name.
+    pub fn record(&self, number: usize) -> Result<(Kind, Vec<u8>), String> {
+        let (kind, range) = self.records.get(number).ok_or("has no such record")?;
+        Ok((*kind, read_again(&self.bytes, range)?))
+    }
+
+    /// At most so many of the first bytes of a record, and its kind.
+    ///
+    /// # Errors
+    /// As [`Journal::record`].
+    pub fn beginning(&self, number: usize, most: u64) -> Result<(Kind, Vec<u8>), String> {
+        let (kind, range) = self.records.get(number).ok_or("has no such record")?;
+        let bytes = self.bytes.read(range.start..range.end.min(range.start + most));
+        Ok((*kind, bytes.map_err(|error| error.to_string())?))
     }
 
     /// Bytes at its end that are no record: what was being written when its run ended.
-    pub fn torn(&self) -> usize {
-        self.bytes.len() - self.sound
+    pub fn torn(&self) -> u64 {
+        self.length - self.sound
     }
 
     /// Bytes up to the end of its last record.
     pub(super) fn sound(&self) -> u64 {
-        self.sound as u64
+        self.sound
     }
+}
 
-    /// All of its bytes.
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
+/// The bytes of a record that lies there, which have to be what was written.
+pub(super) fn read_again(bytes: &Bytes, range: &Range<u64>) -> Result<Vec<u8>, String> {
+    let at = range.start - HEAD as u64;
+    match record(bytes, at).map_err(|error| error.to_string())? {
+        Some(record) if record.good && record.range == *range => Ok(record.own),
+        _ => Err("a record is not what was written any more".into()),
     }
 }
 
@@ -125,7 +156,7 @@ struct Beginning {
 impl Journal {
     /// The text of its scene, as the header has it.
     pub fn scene(&self) -> Option<String> {
-        toml::from_str(self.header()).ok().map(|Beginning { scene }| scene)
+        toml::from_str(&self.header).ok().map(|Beginning { scene }| scene)
     }
 }
 
@@ -137,25 +168,42 @@ pub(super) fn is_at(path: &Path) -> bool {
 
 /// The journal in a file.
 pub(super) fn open(path: &Path) -> Result<Journal, StoreError> {
-    let bytes = std::fs::read(path).map_err(|e| StoreError::io(path, "read", e))?;
-    Journal::read(bytes).map_err(|why| StoreError::Journal { path: path.to_path_buf(), why })
+    let file = std::fs::File::open(path).map_err(|e| StoreError::io(path, "read", e))?;
+    let read = Journal::of(Bytes::of_file(file));
+    read.map_err(|why| StoreError::Journal { path: path.to_path_buf(), why })
 }
 
-/// The record that begins there: its kind, where its bytes are, and whether they are as they were written. None where its
-/// first bytes are spoilt or its end is missing.
-fn record(bytes: &[u8], at: usize) -> Option<(Kind, Range<usize>, bool)> {
-    let head = bytes.get(at..at.checked_add(HEAD)?)?;
+/// A record, where its bytes are, and whether they are as they were written.
+struct Record {
+    kind: Kind,
+    range: Range<u64>,
+    own: Vec<u8>,
+    good: bool,
+}
+
+/// The record that begins there. None where its first bytes are spoilt or its end is missing.
+fn record(bytes: &Bytes, at: u64) -> std::io::Result<Option<Record>> {
+    let read = |from: u64, count: u64| match bytes.read(from..from.saturating_add(count)) {
+        Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => Ok(None),
+        other => other.map(Some),
+    };
+    let Some(head) = read(at, HEAD as u64)? else { return Ok(None) };
     let (told, sum) = head.split_at(HEAD - 4);
     if crc32fast::hash(told).to_le_bytes() != *sum {
-        return None;
+        return Ok(None);
     }
-    let length = u32::from_le_bytes(told[..4].try_into().ok()?) as usize;
-    let start = at + HEAD;
-    let end = start.checked_add(length)?;
-    let (own, sum) = (bytes.get(start..end)?, bytes.get(end..end.checked_add(TAIL)?)?);
+    let length = told[..4].iter().rev().fold(0, |all, byte| all << 8 | u64::from(*byte));
+    let start = at + HEAD as u64;
+    let Some(mut own) = read(start, length + TAIL as u64)? else { return Ok(None) };
+    let sum = own.split_off(length as usize);
     let kind = Kind::of(told[4]);
-    let good = kind.is_some() && sum_of(told, own) == *sum;
-    Some((kind.unwrap_or(Kind::Portion), start..end, good))
+    let good = kind.is_some() && sum_of(told, &own) == *sum;
+    Ok(Some(Record { kind: kind.unwrap_or(Kind::Portion), range: start..start + length, own, good }))
+}
+
+/// Where the bytes of a record are that begins there and is so long as it is written.
+pub(super) fn own(at: u64, written: usize) -> Range<u64> {
+    at + HEAD as u64..at + (written - TAIL) as u64
 }
 
 /// A record as it is written; none where it is too long for one.
@@ -199,7 +247,7 @@ mod tests {
     }
 
     fn records(journal: &Journal) -> Vec<(Kind, Vec<u8>)> {
-        journal.records().map(|(kind, bytes)| (kind, bytes.to_vec())).collect()
+        journal.records().collect()
     }
 
     #[test]
@@ -219,7 +267,7 @@ mod tests {
         for end in 0..bytes.len() {
             match Journal::read(bytes[..end].to_vec()) {
                 Ok(cut) => {
-                    assert_eq!(cut.sound + cut.torn(), end);
+                    assert_eq!(cut.sound + cut.torn(), end as u64);
                     assert_eq!(records(&cut), records(&whole)[..cut.records.len()]);
                     assert_eq!(cut.spoilt, 0);
                 }

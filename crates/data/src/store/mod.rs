@@ -5,6 +5,8 @@
 
 // The plain data of this file needs no HDF5; reading and writing it does.
 #[cfg(feature = "hdf5")]
+mod bytes;
+#[cfg(feature = "hdf5")]
 mod check;
 #[cfg(feature = "hdf5")]
 mod error;
@@ -20,6 +22,7 @@ mod journal;
 mod labels;
 #[cfg(feature = "hdf5")]
 mod lock;
+mod numbers;
 #[cfg(feature = "hdf5")]
 mod occupant;
 #[cfg(feature = "hdf5")]
@@ -44,7 +47,10 @@ pub use error::StoreError;
 #[cfg(feature = "hdf5")]
 pub use history::now;
 #[cfg(feature = "hdf5")]
+pub use image::Image;
+#[cfg(feature = "hdf5")]
 pub use journal::{Journal, Kind};
+pub use numbers::{Numbers, States, Unread};
 #[cfg(feature = "hdf5")]
 pub use occupant::{Earlier, same_file};
 #[cfg(feature = "hdf5")]
@@ -57,6 +63,10 @@ pub use read::{read, scene_of};
 pub use run_file::RunFile;
 #[cfg(feature = "hdf5")]
 pub use share::open as open_journal;
+#[cfg(feature = "hdf5")]
+pub use write::laid_out;
+
+use std::sync::Arc;
 
 /// Root attributes the store writes itself; in [`Results::attributes`] they are passed over, except that
 /// a `history` given there replaces the one made here.
@@ -136,7 +146,8 @@ pub struct Coordinate {
     pub scene_path: String,
     /// What the values 0, 1 and so on mean; empty for a quantity.
     pub words: Vec<String>,
-    pub values: Vec<f64>,
+    /// Shared with whoever made them: those of a list are as many as the instances.
+    pub values: Arc<Vec<f64>>,
     /// Quantities that vary together along this axis, which the words are labels of. Those have no columns themselves.
     pub columns: Vec<Coordinate>,
 }

@@ -84,7 +84,7 @@ pub(super) fn may_be_taken(
     }
     if journal::is_at(partial) {
         let journal = journal::open(partial)?;
-        let kept = journal.records().filter(|(kind, _)| *kind == journal::Kind::Portion).count();
+        let kept = journal.kinds().filter(|kind| *kind == journal::Kind::Portion).count();
         return match journal.scene() {
             Some(scene) if scene != scene_text => Err(refuse("it holds a run of another scene")),
             None => Err(refuse("its journal names no scene")),

@@ -1,5 +1,6 @@
 //! Where a results file goes: checked and reserved before the run, filled and renamed after it.
 
+use super::image::Image;
 use super::occupant::{Earlier, check_occupant, follow, give_rights, is_at, may_be_taken};
 use super::partial::{TORN, partial_path};
 use super::{Results, StoreError, write};
@@ -92,6 +93,14 @@ impl Writer {
     /// Writes all of `results` to the partial file, in place of what an earlier call wrote.
     pub fn write(&mut self, results: &Results) -> Result<(), StoreError> {
         let image = write::image(results, &self.scene_text, &self.partial)?;
+        self.write_image(&image)
+    }
+
+    /// The same of results that are laid out already.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn write_image(&mut self, image: &Image) -> Result<(), StoreError> {
         let image = image.bytes();
         let put = |file: &mut File| {
             file.rewind()?;
@@ -168,8 +177,8 @@ impl Writer {
     }
 
     /// Appends to the partial file, which then holds something if `holds` says so; what was not written whole is taken
-    /// away again. What was written outlasts the program at once, and a power cut a second later.
-    pub(super) fn append(&mut self, bytes: &[u8], holds: bool) -> Result<(), StoreError> {
+    /// away again. What was written outlasts the program at once, and a power cut a second later. Gives where it begins.
+    pub(super) fn append(&mut self, bytes: &[u8], holds: bool) -> Result<u64, StoreError> {
         let sync = self.synced.is_none_or(|last| last.elapsed() > SYNC);
         let put = |file: &mut File| {
             let end = file.seek(std::io::SeekFrom::End(0))?;
@@ -177,7 +186,7 @@ impl Writer {
             if put.is_err() {
                 let _ = file.set_len(end);
             }
-            put
+            put.map(|()| end)
         };
         let put = put(&mut self.file).map_err(|e| StoreError::io(&self.partial, "write", e));
         self.holds |= holds && put.is_ok();

@@ -1,7 +1,11 @@
 //! The results file of a run that writes down each portion when it has ended.
 
+use super::bytes::Bytes;
+use super::image::Image;
 use super::journal::{self, Journal, Kind, MAGIC};
 use super::{Earlier, Results, StoreError, Writer, share, write};
+use std::fs::File;
+use std::ops::Range;
 use std::path::Path;
 
 /// A reserved place for the results of a run, and the journal of the run beside it: the file with the ending `.partial`.
@@ -9,6 +13,8 @@ use std::path::Path;
 pub struct RunFile {
     writer: Writer,
     scene_text: String,
+    /// The journal to be read from: the writer moves about in its own.
+    journal: Bytes,
 }
 
 impl RunFile {
@@ -25,14 +31,14 @@ impl RunFile {
         let mut writer = Writer::reserve(path, scene_text, earlier)?;
         let mut known = None;
         if earlier == Earlier::GoneOnWith && journal::is_at(writer.partial()) {
-            let bytes = writer.contents()?;
-            let read = Journal::read(bytes);
-            let spoilt = |why| StoreError::Journal { path: writer.partial().to_path_buf(), why };
-            let read = read.map_err(spoilt)?;
+            let read = journal::open(writer.partial())?;
             writer.cut(read.sound())?;
             known = Some(read);
         }
-        Ok((Self { writer, scene_text: scene_text.to_owned() }, known))
+        let journal =
+            File::open(writer.partial()).map_err(|e| StoreError::io(writer.partial(), "read", e))?;
+        let journal = Bytes::of_file(journal);
+        Ok((Self { writer, scene_text: scene_text.to_owned(), journal }, known))
     }
 
     /// Begins the journal anew.
@@ -43,16 +49,26 @@ impl RunFile {
         self.writer.cut(0)?;
         let mut bytes = MAGIC.to_vec();
         bytes.extend(self.record(Kind::Header, header.as_bytes())?);
-        self.writer.append(&bytes, false)
+        self.writer.append(&bytes, false).map(|_| ())
     }
 
-    /// Appends a record: it outlasts the program at once, and a power cut a second later.
+    /// Appends a record: it outlasts the program at once, and a power cut a second later. Gives where its bytes are.
     ///
     /// # Errors
     /// What the disk says; then nothing of it was kept.
-    pub fn append(&mut self, kind: Kind, own: &[u8]) -> Result<(), StoreError> {
+    pub fn append(&mut self, kind: Kind, own: &[u8]) -> Result<Range<u64>, StoreError> {
         let bytes = self.record(kind, own)?;
-        self.writer.append(&bytes, true)
+        let at = self.writer.append(&bytes, true)?;
+        Ok(journal::own(at, bytes.len()))
+    }
+
+    /// The bytes of a record that was appended.
+    ///
+    /// # Errors
+    /// They cannot be read, or are not what was written.
+    pub fn appended(&self, at: &Range<u64>) -> Result<Vec<u8>, StoreError> {
+        let spoilt = |why| StoreError::Journal { path: self.partial().to_path_buf(), why };
+        journal::read_again(&self.journal, at).map_err(spoilt)
     }
 
     fn record(&self, kind: Kind, own: &[u8]) -> Result<Vec<u8>, StoreError> {
@@ -66,6 +82,14 @@ impl RunFile {
     /// See [`StoreError`]; then the journal stays.
     pub fn finish(self, results: &Results) -> Result<(), StoreError> {
         let image = write::image(results, &self.scene_text, self.writer.partial())?;
+        self.finish_image(&image)
+    }
+
+    /// The same of results that are laid out already.
+    ///
+    /// # Errors
+    /// See [`StoreError`]; then the journal stays.
+    pub fn finish_image(self, image: &Image) -> Result<(), StoreError> {
         self.writer.finish_beside(&[image.bytes()])
     }
 

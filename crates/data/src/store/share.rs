@@ -1,5 +1,6 @@
 //! The file of a share of a run: an HDF5 file around the journal of its portions, which `afmsweep merge` takes.
 
+use super::bytes::Bytes;
 use super::image::{Image, in_memory};
 use super::labels::{self, read_text};
 use super::write::scene_group;
@@ -85,6 +86,5 @@ pub fn open(path: &Path) -> Result<Journal, StoreError> {
     if dataset.size() as u64 > metadata.len() {
         return Err(damaged("its journal claims to be longer than the file".into()));
     }
-    let bytes = dataset.read_raw::<u8>().map_err(|e| damaged(e.to_string()))?;
-    Journal::read(bytes).map_err(damaged)
+    Journal::of(Bytes::Dataset(dataset)).map_err(damaged)
 }

@@ -229,7 +229,7 @@ impl Source {
                 .map(column)
                 .collect::<Result<_, _>>()?,
             words,
-            values,
+            values: values.into(),
         })
     }
 }

@@ -14,10 +14,10 @@ use std::fmt::Write;
 /// The root attribute.
 pub(super) const ATTRIBUTE: &str = "checksums";
 
-/// What the attribute says of these results.
-pub(super) fn text(results: &Results) -> String {
+/// What the attribute says of these results; of what has been asked for before, the sums are known.
+pub(super) fn text(results: &Results, known: &HashMap<String, u64>) -> String {
     let mut text = String::new();
-    for (name, sum) in all(results) {
+    for (name, sum) in all(results, known) {
         // Writing to a String cannot fail.
         let _ = write!(text, "{}{name}:{sum:016x}", if text.is_empty() { "" } else { " " });
     }
@@ -26,7 +26,7 @@ pub(super) fn text(results: &Results) -> String {
 
 /// The first thing that is missing or is not what was written, in words.
 pub(super) fn misfit(written: &str, results: &Results) -> Option<String> {
-    let now: HashMap<String, u64> = all(results).into_iter().collect();
+    let now: HashMap<String, u64> = all(results, &HashMap::new()).into_iter().collect();
     for entry in written.split(' ') {
         let sum =
             entry.rsplit_once(':').and_then(|(name, sum)| Some((name, u64::from_str_radix(sum, 16).ok()?)));
@@ -46,8 +46,8 @@ pub(super) fn misfit(written: &str, results: &Results) -> Option<String> {
 }
 
 /// A sum for each thing; names of attributes begin with `@`.
-fn all(results: &Results) -> Vec<(String, u64)> {
-    let Results { title, axes, list, variables, status, steps_per_period, flags, .. } = results;
+fn all(results: &Results, known: &HashMap<String, u64>) -> Vec<(String, u64)> {
+    let Results { title, axes, list, variables, .. } = results;
     let mut sums = Vec::new();
     let mut put = |name: &str, sum: Sum| sums.push((name.to_owned(), sum.0));
     put("@title", Sum::new().text(title));
@@ -67,23 +67,16 @@ fn all(results: &Results) -> Vec<(String, u64)> {
         put(&format!("@{name}"), Sum::new().text(text));
     }
     let all = axes.iter().flat_map(|axis| std::iter::once(axis).chain(&axis.columns));
-    for Coordinate { name, units, long_name, scene_path, words, values, .. } in all {
-        let named = Sum::new().text(units).text(long_name).text(scene_path).numbers(values);
-        put(name, words.iter().fold(named, |sum, word| sum.text(word)));
-    }
+    all.for_each(|axis| put(&axis.name, of_axis(axis)));
     let there = |name: &String| variables.iter().any(|variable| variable.name == *name);
     for (name, comment) in results.comments.iter().filter(|(name, _)| there(name)) {
         put(&format!("{name}/comment"), Sum::new().text(comment));
     }
     let names = axes.iter().fold(Sum::new().word(u64::from(*list)), |sum, axis| sum.text(&axis.name));
     put("axes", names);
-    variables.iter().for_each(|variable| put(&variable.name, of_variable(variable)));
-    put("status", Sum::new().bytes(status));
-    put(
-        "steps_per_period",
-        steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps))),
-    );
-    flags.iter().for_each(|one| put(&one.name, of_flags(one)));
+    let first = (&variables[..], &results.status[..], &results.steps_per_period[..], &results.flags[..]);
+    sums.extend(of_states("", first, known));
+    let mut put = |name: &str, sum: Sum| sums.push((name.to_owned(), sum.0));
     if let Some(waveforms) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
         put("waveforms", of_waveforms(waveforms));
     }
@@ -94,13 +87,55 @@ fn all(results: &Results) -> Vec<(String, u64)> {
         of_audit(table).into_iter().for_each(|(name, sum)| put(&name, sum));
     }
     if let Some(Branch { variables, status, steps_per_period, flags }) = &results.other_branch {
-        let steps = steps_per_period.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps)));
-        put("other_branch/status", Sum::new().bytes(status));
-        put("other_branch/steps_per_period", steps);
-        variables.iter().for_each(|one| put(&format!("other_branch/{}", one.name), of_variable(one)));
-        flags.iter().for_each(|one| put(&format!("other_branch/{}", one.name), of_flags(one)));
+        sums.extend(of_branch((variables, status, steps_per_period, flags), known));
     }
     sums
+}
+
+/// Variables, status codes, steps and flags over all instances.
+type OfStates<'a> = (&'a [Variable], &'a [u8], &'a [u32], &'a [Flags]);
+
+/// Of the instances' states.
+fn of_states(
+    before: &str,
+    (variables, status, steps, flags): OfStates,
+    known: &HashMap<String, u64>,
+) -> Vec<(String, u64)> {
+    let mut sums = Vec::new();
+    let mut put = |name: &str, sum: &dyn Fn() -> u64| {
+        let name = format!("{before}{name}");
+        let sum = known.get(&name).copied().unwrap_or_else(sum);
+        sums.push((name, sum));
+    };
+    variables.iter().for_each(|one| put(&one.name, &|| of_variable(one, &one.data)));
+    put("status", &|| of_codes(status));
+    put("steps_per_period", &|| of_steps(steps));
+    flags.iter().for_each(|one| put(&one.name, &|| of_flags(one, &one.data)));
+    sums
+}
+
+/// Of second states: what tells whether there is one comes first.
+fn of_branch(all: OfStates, known: &HashMap<String, u64>) -> Vec<(String, u64)> {
+    let mut sums = of_states("other_branch/", all, known);
+    let count = all.0.len();
+    sums[..count + 2].rotate_left(count);
+    sums
+}
+
+fn of_axis(axis: &Coordinate) -> Sum {
+    let Coordinate { name: _, units, long_name, scene_path, words, values, columns: _ } = axis;
+    let named = Sum::new().text(units).text(long_name).text(scene_path).numbers(values);
+    words.iter().fold(named, |sum, word| sum.text(word))
+}
+
+/// Of status codes.
+pub(super) fn of_codes(codes: &[u8]) -> u64 {
+    Sum::new().bytes(codes).0
+}
+
+/// Of steps per period.
+pub(super) fn of_steps(all: &[u32]) -> u64 {
+    all.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps))).0
 }
 
 /// Of group `audit`, by name.
@@ -109,21 +144,25 @@ fn of_audit(table: &AuditTable) -> Vec<(String, Sum)> {
     let instances = instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
     let errors = observables.iter().fold(Sum::new().numbers(errors), |sum, one| sum.text(one));
     let mut sums = vec![("audit/instance".to_owned(), instances), ("audit/error".to_owned(), errors)];
-    sums.extend(variables.iter().map(|one| (format!("audit/{}", one.name), of_variable(one))));
-    sums.extend(flags.iter().map(|one| (format!("audit/{}", one.name), of_flags(one))));
+    sums.extend(
+        variables.iter().map(|one| (format!("audit/{}", one.name), Sum(of_variable(one, &one.data)))),
+    );
+    sums.extend(flags.iter().map(|one| (format!("audit/{}", one.name), Sum(of_flags(one, &one.data)))));
     sums
 }
 
-fn of_flags(flags: &Flags) -> Sum {
-    let Flags { long_name, meanings, bits, data, .. } = flags;
+/// Of flags with these codes.
+pub(super) fn of_flags(flags: &Flags, data: &[u8]) -> u64 {
+    let Flags { long_name, meanings, bits, .. } = flags;
     let sum = Sum::new().text(long_name).word(u64::from(*bits)).bytes(data);
-    meanings.iter().fold(sum, |sum, word| sum.text(word))
+    meanings.iter().fold(sum, |sum, word| sum.text(word)).0
 }
 
-fn of_variable(variable: &Variable) -> Sum {
-    let Variable { name: _, units, long_name, harmonics, error_scale, data } = variable;
+/// Of a variable with these numbers.
+pub(super) fn of_variable(variable: &Variable, data: &[f64]) -> u64 {
+    let Variable { units, long_name, harmonics, error_scale, .. } = variable;
     let sum = Sum::new().text(units).text(long_name).text(error_scale);
-    sum.word(harmonics.unwrap_or(0) as u64).numbers(data)
+    sum.word(harmonics.unwrap_or(0) as u64).numbers(data).0
 }
 
 fn of_waveforms(waveforms: &Waveforms) -> Sum {

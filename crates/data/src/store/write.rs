@@ -6,22 +6,22 @@
 mod branches;
 mod chunk;
 mod curves;
+mod filled;
 mod groups;
+mod root;
 mod waveforms;
 
-use super::check::check;
-use super::history::history;
+use super::check::{check, check_all};
 use super::image::{Image, in_memory};
 use super::labels::{self, Scale, attach};
-use super::{
-    Attribute, COLUMNS, Coordinate, Flags, OWN_ATTRIBUTES, PROVENANCE, Results, StoreError, Variable, sums,
-};
-use crate::observe::Status;
+use super::{COLUMNS, Coordinate, Flags, Numbers, PROVENANCE, Results, States, StoreError, Variable, sums};
 use chunk::chunk;
+use filled::Filled;
 use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Below this many bytes a chunk's bookkeeping is larger than what compression saves: the data lie in the dataset's
@@ -33,11 +33,28 @@ const DIRECTION: &str = "curve.direction";
 
 /// The results file in memory. `path` only serves messages.
 pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Image, StoreError> {
-    check(results)?;
+    check_all(results)?;
+    laid_out(results, results, scene_text, path)
+}
+
+/// Lays results out as a file, as they are but for the numbers over all instances, which `numbers` gives: one variable after the
+/// other. `scene_text` is the scene where the results do not hold it, and `path` only serves messages.
+///
+/// # Errors
+/// Parts that do not fit together; numbers that cannot be had.
+pub fn laid_out(
+    frame: &Results,
+    numbers: &dyn Numbers,
+    scene_text: &str,
+    path: &Path,
+) -> Result<Image, StoreError> {
+    check(frame, numbers.count())?;
     let build = || -> hdf5::Result<Image> {
-        let file = in_memory()?;
-        root(&file, results)?;
-        groups::write(&file, results, scene_text)?;
+        let (file, filled) = (in_memory()?, Filled::new(frame, numbers));
+        root::write(&file, &filled)?;
+        groups::write(&file, &filled, scene_text)?;
+        // Last, as the numbers are known now.
+        labels::text(&file, sums::ATTRIBUTE, &filled.sums())?;
         Image::of(file)
     };
     build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
@@ -251,8 +268,8 @@ impl Layout {
     }
 
     /// Codes from 0 on, or bits.
-    fn words(&mut self, flags: &Flags, dims: &[usize]) -> hdf5::Result<Dataset> {
-        let dataset = self.variable(&flags.name, dims, &flags.data)?;
+    fn words(&mut self, flags: &Flags, dims: &[usize], codes: &[u8]) -> hdf5::Result<Dataset> {
+        let dataset = self.variable(&flags.name, dims, codes)?;
         labels::text(&dataset, "long_name", &flags.long_name)?;
         let count = flags.meanings.len() as u8;
         if flags.bits {
@@ -265,10 +282,17 @@ impl Layout {
         Ok(dataset)
     }
 
-    /// Variables over the instances, with the dimension `harmonic` behind them where asked for.
-    fn variables(&mut self, variables: &[Variable], dims: &[usize], beside: Beside) -> hdf5::Result<()> {
+    /// Variables over the instances, with the dimension `harmonic` behind them where asked for; their numbers are elsewhere, or
+    /// in themselves.
+    fn variables(
+        &mut self,
+        variables: &[Variable],
+        dims: &[usize],
+        beside: Beside,
+        elsewhere: Option<(&Filled, States)>,
+    ) -> hdf5::Result<()> {
         let mut harmonic = None;
-        for variable in variables {
+        for (number, variable) in variables.iter().enumerate() {
             let mut dims = dims.to_vec();
             if let Some(count) = variable.harmonics {
                 let dim = match harmonic {
@@ -281,8 +305,12 @@ impl Layout {
                 };
                 dims.push(dim);
             }
-            let Variable { name, units, long_name, error_scale, data, .. } = variable;
-            let dataset = self.quantity(name, units, long_name, &dims, data)?;
+            let Variable { name, units, long_name, error_scale, .. } = variable;
+            let data = match elsewhere {
+                Some((filled, of)) => filled.variable(of, number, variable)?,
+                None => Cow::from(&variable.data[..]),
+            };
+            let dataset = self.quantity(name, units, long_name, &dims, &data)?;
             if !error_scale.is_empty() {
                 labels::text(&dataset, "error_scale", error_scale)?;
                 labels::text(&dataset, "ancillary_variables", beside.ancillary)?;
@@ -293,8 +321,8 @@ impl Layout {
     }
 
     /// The dimensions that all instances stand over, and the names of variables that tell of a list what varies.
-    fn axes(&mut self, results: &Results) -> hdf5::Result<(Vec<usize>, Option<String>)> {
-        let mut dims = Vec::new();
+    fn axes(&mut self, filled: &Filled) -> hdf5::Result<(Vec<usize>, Option<String>)> {
+        let (results, mut dims) = (filled.frame, Vec::new());
         if !results.list {
             for axis in &results.axes {
                 let dim = match axis.words.is_empty() {
@@ -310,8 +338,9 @@ impl Layout {
             let columns: Vec<&Coordinate> = results.axes.iter().flat_map(|axis| &axis.columns).collect();
             return Ok((dims, (!columns.is_empty()).then(|| names(columns))));
         }
-        let numbers: Vec<i64> = (0..results.status.len() as i64).collect();
+        let numbers: Vec<i64> = (0..filled.count() as i64).collect();
         dims.push(self.coordinate("instance", "", INSTANCE, &numbers)?);
+        drop(numbers);
         for axis in &results.axes {
             let dataset = self.quantity(&axis.name, &axis.units, &axis.long_name, &dims, &axis.values)?;
             from_scene(&dataset, axis)?;
@@ -333,43 +362,4 @@ fn texts(words: &[String]) -> hdf5::Result<Vec<VarLenUnicode>> {
 fn names<'a>(all: impl IntoIterator<Item = &'a Coordinate>) -> String {
     let names: Vec<&str> = all.into_iter().map(|one| one.name.as_str()).collect();
     names.join(" ")
-}
-
-fn root(file: &File, results: &Results) -> hdf5::Result<()> {
-    let history =
-        results.text("history").map_or_else(|| history(results.text("command_line")), str::to_owned);
-    labels::text(file, "title", &results.title)?;
-    labels::text(file, "Conventions", "CF-1.10")?;
-    labels::text(file, "history", &history)?;
-    for (name, value) in &results.attributes {
-        match value {
-            _ if OWN_ATTRIBUTES.contains(&name.as_str()) => {}
-            Attribute::Text(value) => labels::text(file, name, value)?,
-            Attribute::Number(value) => labels::number(file, name, *value)?,
-        }
-    }
-    labels::text(file, sums::ATTRIBUTE, &sums::text(results))?;
-    let group = file.group("/")?;
-    let mut layout = Layout { file: file.clone(), group, scales: Vec::new() };
-    let (dims, coordinates) = layout.axes(results)?;
-    if !results.list {
-        layout.numbered(&dims, &(0..results.status.len() as i64).collect::<Vec<_>>())?;
-    }
-    let beside = Beside { coordinates: coordinates.as_deref(), ancillary: quality(&results.variables) };
-    layout.variables(&results.variables, &dims, beside)?;
-    for (name, comment) in results.comments.iter().filter(|(name, _)| file.link_exists(name)) {
-        let dataset = file.dataset(name)?;
-        labels::text(&dataset, "comment", comment)?;
-    }
-    let meanings: Vec<(u8, String)> =
-        Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
-    let status = layout.flags("status", "what became of the instance", &dims, &results.status, &meanings)?;
-    let steps = layout.variable("steps_per_period", &dims, &results.steps_per_period)?;
-    labels::text(&steps, "long_name", "time steps per period of the drive")?;
-    let mut described = vec![status, steps];
-    for flags in &results.flags {
-        described.push(layout.words(flags, &dims)?);
-    }
-    described.iter().try_for_each(|dataset| beside.locate(dataset))?;
-    layout.close()
 }

@@ -9,6 +9,7 @@ use super::quantities::QUANTITIES;
 use super::values::{self, Key, Value};
 use crate::suggest::nearest;
 use crate::units::shortened;
+use std::sync::Arc;
 use toml::de::DeTable;
 
 /// Most instances one scene may stand for.
@@ -38,7 +39,7 @@ pub(super) fn axis(address: Address, values: Vec<f64>, log: bool) -> Axis {
         long_name: address.long_name(),
         units: address.quantity.dimension.si_unit().to_string(),
         log,
-        values,
+        values: Arc::new(values),
         ..Axis::default()
     }
 }

@@ -7,6 +7,7 @@ use super::error::{Checked, Fault};
 use super::values::{self, Key, Value};
 use super::{Axis, Curve, Layout, Run, Start, Steady, SweptAxes};
 use crate::suggest::nearest;
+use std::sync::Arc;
 use toml::de::DeTable;
 
 /// Keys of `[curve]`: an axis, its quantity and its direction.
@@ -111,7 +112,7 @@ fn direction() -> Axis {
         name: DIRECTION.into(),
         long_name: "way along the curve".into(),
         units: "1".into(),
-        values: vec![0.0, 1.0],
+        values: Arc::new(vec![0.0, 1.0]),
         words: WAYS.map(str::to_owned).to_vec(),
         ..Axis::default()
     }

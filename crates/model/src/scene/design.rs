@@ -6,9 +6,8 @@ use super::error::{Checked, Fault};
 use super::table::Table;
 use super::uncertain::{self, Uncertain};
 use super::values::{self, Key, Value};
-use super::{Axis, SweptAxes, TableFile, table_file, zipped};
+use super::{Axis, SweptAxes, TableFile, points, table_file, zipped};
 use crate::design::{Design, Kind, Parameter, Settings};
-use rayon::prelude::*;
 use std::ops::Range;
 use toml::de::DeTable;
 
@@ -266,11 +265,10 @@ impl<'a> Section<'a> {
                 .help("bring them closer to zero; what hangs together with a third hangs together itself")
         })?;
         self.not_too_many(design.len(), sweep)?;
-        let rows: Vec<Vec<f64>> = (0..design.len()).into_par_iter().map(|row| design.values(row)).collect();
         let columns: Vec<Axis> = all
             .iter()
-            .enumerate()
-            .map(|(n, one)| axis(one.address, rows.iter().map(|row| row[n]).collect(), false))
+            .zip(points::drawn(&design))
+            .map(|(one, values)| axis(one.address, values, false))
             .collect();
         all.iter().zip(&columns).try_for_each(|(one, column)| possible(one, &column.values))?;
         for one in &all {

@@ -2,6 +2,7 @@
 
 mod address;
 mod axes;
+mod cases;
 mod curve;
 mod design;
 mod draft;
@@ -15,6 +16,7 @@ mod output;
 mod params;
 mod paths;
 mod plausible;
+mod points;
 mod quantities;
 mod quantity;
 mod quoted;
@@ -35,6 +37,7 @@ mod zipped;
 
 pub use crate::suggest::nearest;
 pub use address::Address;
+pub use cases::Cases;
 pub use error::SceneError;
 pub use levers::{LEVERS, MakersLever};
 pub use params::*;
@@ -48,6 +51,7 @@ use zipped::law_of;
 use crate::design::Design;
 use crate::observe::Observable;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Most modes an instance can be stepped with (`[run] modes`).
 pub const STEPPED_MODES: usize = crate::kernel::MODES_MAX;
@@ -193,7 +197,7 @@ pub struct Axis {
     /// True where the values are spaced evenly in the logarithm.
     pub log: bool,
     /// SI values; 0, 1 and so on where words stand for them.
-    pub values: Vec<f64>,
+    pub values: Arc<Vec<f64>>,
     /// What each value is called: a law, a way along a curve, a label. Empty for a quantity.
     pub words: Vec<String>,
     /// Quantities that vary together along this axis, each with as many values.

@@ -204,7 +204,7 @@ fn grid_axis(axis: &Axis, address: Address, between: &str) -> String {
         (axis.values.len() > 3 || axis.log, axis.values.first(), axis.values.last())
         && from.is_finite()
         && to.is_finite()
-        && axes::spaced(from, to, axis.values.len(), axis.log) == axis.values
+        && axes::spaced(from, to, axis.values.len(), axis.log) == *axis.values
     {
         let scale = if axis.log { "log" } else { "lin" };
         return [

@@ -11,6 +11,7 @@ use super::{Axis, Layout, SweptAxes};
 use crate::observe::Observable;
 use std::collections::HashSet;
 use std::ops::Range;
+use std::sync::Arc;
 use toml::de::DeTable;
 
 /// The path of the axis of samples.
@@ -72,7 +73,7 @@ fn law_axis(words: Vec<String>) -> Axis {
         path: LAW.into(),
         name: "law".into(),
         long_name: "contact law".into(),
-        values: (0..words.len()).map(|n| n as f64).collect(),
+        values: Arc::new((0..words.len()).map(|n| n as f64).collect()),
         words,
         ..Axis::default()
     }
@@ -123,7 +124,7 @@ fn together(key: &Key, value: &Value, table: &DeTable, draft: &mut Draft) -> Che
     Ok(Axis {
         name: name.into(),
         long_name: name.replace('_', " "),
-        values: (0..count).map(|n| n as f64).collect(),
+        values: Arc::new((0..count).map(|n| n as f64).collect()),
         path,
         words,
         columns,
@@ -149,7 +150,7 @@ pub(super) fn samples(columns: Vec<Axis>, count: usize) -> Axis {
         name: "sample".into(),
         long_name: "sample".into(),
         units: "1".into(),
-        values: (0..count).map(|n| n as f64).collect(),
+        values: Arc::new((0..count).map(|n| n as f64).collect()),
         columns,
         ..Axis::default()
     }

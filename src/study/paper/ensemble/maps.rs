@@ -9,6 +9,7 @@ use crate::report::{Heatmap, Panel, ReportError, State, shown};
 use crate::scene::{Axis, Params};
 use crate::store::Coordinate;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// The tip radius of the paper, m, for maps of the three laws beside each other.
 const PAPER: f64 = 30e-9;
@@ -114,7 +115,7 @@ fn coordinate(axis: &Axis) -> Coordinate {
         units: axis.units.clone(),
         long_name: axis.long_name.clone(),
         scene_path: axis.path.clone(),
-        values: axis.values.clone(),
+        values: Arc::clone(&axis.values),
         ..Coordinate::default()
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn find(numbers: &mut Numbers, folder: &Path, extent: Extent) -> Resu
             scene.base.contact.law = choice;
             scene.title = format!("{}: {name}", scene.title);
             if extent == Extent::Shown {
-                scene.sweep.axes[0].values = RADII.to_vec();
+                scene.sweep.axes[0].values = RADII.to_vec().into();
             }
         })?)?;
         ran.save(&folder.join(format!("ensemble_{law}.h5")))?;

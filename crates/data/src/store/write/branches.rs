@@ -1,27 +1,28 @@
 //! Group `other_branch`, with dimensions and coordinates of its own that are the root's.
 
-use super::super::{Branch, NO_STATE, Results};
-use super::{Beside, Layout, labels, quality};
+use super::super::{Branch, NO_STATE, States};
+use super::{Beside, Filled, Layout, labels, quality};
 use crate::observe::Status;
 
 /// The word for [`NO_STATE`] in the group's `status`.
 const NO_STATE_MEANING: &str = "no_second_state";
 
 /// Fills the group and closes it.
-pub(super) fn write(mut layout: Layout, results: &Results, branch: &Branch) -> hdf5::Result<()> {
-    let (dims, coordinates) = layout.axes(results)?;
+pub(super) fn write(mut layout: Layout, filled: &Filled, branch: &Branch) -> hdf5::Result<()> {
+    let (dims, coordinates) = layout.axes(filled)?;
     let beside = Beside { coordinates: coordinates.as_deref(), ancillary: quality(&branch.variables) };
-    layout.variables(&branch.variables, &dims, beside)?;
+    layout.variables(&branch.variables, &dims, beside, Some((filled, States::Second)))?;
     let mut meanings: Vec<(u8, String)> =
         Status::ALL.iter().map(|status| (*status as u8, status.meaning().to_owned())).collect();
     meanings.push((NO_STATE, NO_STATE_MEANING.to_owned()));
     let long_name = "what became of the second state";
-    let status = layout.flags("status", long_name, &dims, &branch.status, &meanings)?;
-    let steps = layout.variable("steps_per_period", &dims, &branch.steps_per_period)?;
+    let codes = filled.status(States::Second)?;
+    let status = layout.flags("status", long_name, &dims, &codes, &meanings)?;
+    let steps = layout.variable("steps_per_period", &dims, &filled.steps(States::Second)?)?;
     labels::text(&steps, "long_name", "time steps per period of the drive, 0 without a second state")?;
     let mut described = vec![status, steps];
-    for flags in &branch.flags {
-        described.push(layout.words(flags, &dims)?);
+    for (n, flags) in branch.flags.iter().enumerate() {
+        described.push(layout.words(flags, &dims, &filled.flags(States::Second, n, flags)?)?);
     }
     described.iter().try_for_each(|dataset| beside.locate(dataset))?;
     layout.close()

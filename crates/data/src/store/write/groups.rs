@@ -1,12 +1,13 @@
 //! The groups below the root: every file has all of them, so that readers need not ask which there are.
 
 use super::super::{ERROR, GROUPS, HDF5_VERSION, OBSERVABLE, PROVENANCE, Results};
-use super::{Beside, Layout, branches, curves, labels, waveforms};
+use super::{Beside, Filled, Layout, branches, curves, labels, waveforms};
 use crate::store::AuditTable;
 use hdf5::File;
 
 /// Writes them. `scene_text` is the scene where the results do not hold it.
-pub(super) fn write(file: &File, results: &Results, scene_text: &str) -> hdf5::Result<()> {
+pub(super) fn write(file: &File, filled: &Filled, scene_text: &str) -> hdf5::Result<()> {
+    let results = filled.frame;
     if let Some(one) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
         waveforms::write(file, one)?;
     }
@@ -16,8 +17,8 @@ pub(super) fn write(file: &File, results: &Results, scene_text: &str) -> hdf5::R
     if let Some(table) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
         audit(file, table)?;
     }
-    if let Some(branch) = &results.other_branch {
-        branches::write(Layout::group(file, "other_branch")?, results, branch)?;
+    if let Some(branch) = filled.second() {
+        branches::write(Layout::group(file, "other_branch")?, filled, branch)?;
     }
     for name in GROUPS.iter().filter(|name| !file.link_exists(name)) {
         Layout::group(file, name)?;
@@ -29,12 +30,12 @@ fn audit(file: &File, table: &AuditTable) -> hdf5::Result<()> {
     let mut layout = Layout::group(file, "audit")?;
     let dims = vec![layout.some_of("audited", &table.instances)?];
     let beside = Beside { coordinates: None, ancillary: "reference_status reference_error" };
-    layout.variables(&table.variables, &dims, beside)?;
+    layout.variables(&table.variables, &dims, beside, None)?;
     let observables = layout.labels(OBSERVABLE, "observable", &table.observables)?;
     let long_name = "error of the run, on the scale of accuracy";
     layout.quantity(ERROR, "1", long_name, &[dims[0], observables], &table.errors)?;
     for flags in &table.flags {
-        layout.words(flags, &dims)?;
+        layout.words(flags, &dims, &flags.data)?;
     }
     layout.close()
 }

@@ -37,19 +37,33 @@ pub(super) fn write<const W: usize>(
     }
 }
 
-/// The columns of so many rows; none where the bytes are not theirs.
-pub(super) fn read(rest: &mut Rest, width: usize, count: usize) -> Option<Vec<Vec<u64>>> {
-    (0..width).map(|_| column(rest, count)).collect()
+/// The columns of so many rows, where they lie; none where the bytes are not theirs.
+pub(super) fn read<'a>(rest: &mut Rest<'a>, width: usize, count: usize) -> Option<Vec<Column<'a>>> {
+    (0..width).map(|_| Column::next(rest, count)).collect()
 }
 
-fn column(rest: &mut Rest, count: usize) -> Option<Vec<u64>> {
-    match rest.whole(1)? as usize {
-        0 => Some(vec![rest.whole(8)?; count]),
-        width @ 1..=8 => {
-            let bytes = rest.take(width.checked_mul(count)?)?;
-            Some(bytes.chunks_exact(width).map(little).collect())
+/// A column of numbers: one that all rows have, or each in so many bytes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Column<'a> {
+    All(u64),
+    Each(usize, &'a [u8]),
+}
+
+impl<'a> Column<'a> {
+    fn next(rest: &mut Rest<'a>, count: usize) -> Option<Self> {
+        match rest.whole(1)? as usize {
+            0 => Some(Self::All(rest.whole(8)?)),
+            width @ 1..=8 => Some(Self::Each(width, rest.take(width.checked_mul(count)?)?)),
+            _ => None,
         }
-        _ => None,
+    }
+
+    /// The number of a row.
+    pub fn get(&self, row: usize) -> u64 {
+        match *self {
+            Self::All(value) => value,
+            Self::Each(width, bytes) => little(&bytes[row * width..][..width]),
+        }
     }
 }
 
@@ -69,6 +83,9 @@ impl<'a> Rest<'a> {
     }
 }
 
+/// A number of at most eight bytes, the lowest first.
 fn little(bytes: &[u8]) -> u64 {
-    bytes.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte))
+    let mut all = [0; 8];
+    all[..bytes.len()].copy_from_slice(bytes);
+    u64::from_le_bytes(all)
 }

@@ -1,6 +1,6 @@
 //! A portion of a run as bytes and back: every number by its bits, column by column.
 
-use super::columns::{self, Rest};
+use super::columns::{self, Column, Rest};
 use crate::control::{Ended, Place, Portion};
 use crate::engine::Finished;
 use crate::observe::{Measured, Status};
@@ -52,27 +52,103 @@ pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
 /// A portion of so many instances from its bytes; none where they are no such portion. How many there are is the caller's to
 /// know: bytes may tell of more than there is memory for.
 pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
-    let mut rest = Rest(bytes);
-    rest.take(8)?;
-    let mut flag = || match rest.whole(1)? {
-        value @ 0..=1 => Some(value == 1),
-        _ => None,
-    };
-    let (whole, searched, curves, from_rest) = (flag()?, flag()?, flag()?, flag()?);
-    // Before memory is asked for it.
-    if rest.whole(4)? as usize != count {
-        return None;
+    let view = View::of(bytes, count)?;
+    let instances = (0..count).into_par_iter().map(|n| view.ended(n)).collect::<Option<_>>()?;
+    let View { flags: [whole, searched, curves, from_rest], notes, .. } = view;
+    Some(Portion { whole, searched, curves, from_rest, instances, notes: lines(notes.split('\n')) })
+}
+
+/// A portion in its bytes: numbers are read where they are asked for.
+#[derive(Debug)]
+pub(in crate::control) struct View<'a> {
+    /// Whether it is whole, was searched for, is of curves, was searched for from rest.
+    pub flags: [bool; 4],
+    notes: &'a str,
+    columns: Vec<Column<'a>>,
+}
+
+/// Where numbers of an instance stand among its own.
+const STATUS: usize = Measured::WIDTH;
+const ESTIMATE: usize = STATUS + 1;
+const LEFT_OUT: usize = ESTIMATE + 1;
+const PERIODS: usize = LEFT_OUT + 1;
+const JUMP: usize = PERIODS + 1;
+const STEPS: usize = JUMP + 3;
+const FOUND: usize = STEPS + 5;
+const MULTIPLIER: usize = FOUND + 3;
+
+impl<'a> View<'a> {
+    /// Of the bytes of a portion of so many instances; none where they are no such portion.
+    pub fn of(bytes: &'a [u8], count: usize) -> Option<Self> {
+        let mut rest = Rest(bytes);
+        rest.take(8)?;
+        let mut flag = || match rest.whole(1)? {
+            value @ 0..=1 => Some(value == 1),
+            _ => None,
+        };
+        let flags = [flag()?, flag()?, flag()?, flag()?];
+        // Before anything is asked for.
+        if rest.whole(4)? as usize != count {
+            return None;
+        }
+        let length = rest.whole(4)? as usize;
+        let notes = std::str::from_utf8(rest.take(length)?).ok()?;
+        let columns = columns::read(&mut rest, WIDTH, count)?;
+        rest.0.is_empty().then_some(Self { flags, notes, columns })
     }
-    let length = rest.whole(4)? as usize;
-    let notes = std::str::from_utf8(rest.take(length)?).ok()?;
-    let notes = lines(notes.split('\n'));
-    let columns = columns::read(&mut rest, WIDTH, count)?;
-    if !rest.0.is_empty() {
-        return None;
+
+    /// All that is known of an instance; none where its numbers can be no instance's.
+    pub fn ended(&self, n: usize) -> Option<Ended> {
+        ended(&mut self.columns.iter().map(|column| column.get(n)))
     }
-    let one = |i: usize| ended(&mut columns.iter().map(|column| column[i]));
-    let instances = (0..count).into_par_iter().map(one).collect::<Option<_>>()?;
-    Some(Portion { whole, searched, curves, from_rest, instances, notes })
+
+    /// What was measured of an instance.
+    pub fn measured(&self, n: usize) -> Measured {
+        Measured::of_numbers(&std::array::from_fn(|column| self.number(column, n)))
+    }
+
+    fn number(&self, column: usize, n: usize) -> f64 {
+        f64::from_bits(self.columns[column].get(n))
+    }
+
+    /// Its estimated error, on the scale of the worst observable.
+    pub fn estimate(&self, n: usize) -> f64 {
+        self.number(ESTIMATE, n)
+    }
+
+    /// The periods of its last run.
+    pub fn periods(&self, n: usize) -> u32 {
+        self.columns[PERIODS].get(n) as u32
+    }
+
+    /// Whether its curve's state was not reached continuously.
+    pub fn jump(&self, n: usize) -> bool {
+        self.columns[JUMP].get(n) == 1
+    }
+
+    /// Its steps per period.
+    pub fn steps(&self, n: usize) -> u32 {
+        self.columns[STEPS].get(n) as u32
+    }
+
+    /// Its steps, gap and the rule of its basis; none where they can be no instance's.
+    pub fn fineness(&self, n: usize) -> Option<Fineness> {
+        fineness(&mut self.columns[STEPS..].iter().map(|column| column.get(n)))
+    }
+
+    /// The modulus of its map's largest multiplier; NaN where no state was found, or waiting found it.
+    pub fn multiplier(&self, n: usize) -> f64 {
+        match self.columns[FOUND].get(n) {
+            1 => self.number(MULTIPLIER, n),
+            _ => f64::NAN,
+        }
+    }
+}
+
+fn fineness(numbers: &mut impl Iterator<Item = u64>) -> Option<Fineness> {
+    let steps = u32::try_from(numbers.next()?).ok()?;
+    let gap = f64::from_bits(numbers.next()?);
+    Some(Fineness { steps, gap, rule: of_rule(numbers)? })
 }
 
 fn rule(one: BasisRule) -> [u64; 3] {
@@ -139,9 +215,7 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     let periods = u32::try_from(numbers.next()?).ok()?;
     let (jump, neighbour_started) = (numbers.next()? == 1, numbers.next()? == 1);
     let precision = if numbers.next()? == 1 { Precision::F64 } else { Precision::F32 };
-    let steps = u32::try_from(numbers.next()?).ok()?;
-    let gap = f64::from_bits(numbers.next()?);
-    let fineness = Fineness { steps, gap, rule: of_rule(numbers)? };
+    let fineness = fineness(numbers)?;
     let state = place(numbers)?.map(Box::new);
     let rest = of_finished(numbers)?;
     let from_rest = place(numbers)?.map(|place| Box::new((rest, place)));

@@ -33,7 +33,7 @@ pub fn questions(bytes: &[u8]) -> Option<Vec<Question>> {
     let mut rest = Rest(bytes);
     let count = count(&mut rest)?;
     let columns = columns::read(&mut rest, ASKED, count)?;
-    (0..count).map(|n| asked(columns[0][n], columns[1][n], columns[2][n])).collect()
+    (0..count).map(|n| asked(columns[0].get(n), columns[1].get(n), columns[2].get(n))).collect()
 }
 
 /// How many there are. No answer takes less than a byte of its number.
@@ -53,7 +53,7 @@ pub fn from_bytes(bytes: &[u8]) -> Option<Vec<Answer>> {
     let count = count(&mut rest)?;
     let columns = columns::read(&mut rest, WIDTH, count)?;
     let one = |n: usize| {
-        let mut numbers = columns[ASKED..].iter().map(|column| column[n]);
+        let mut numbers = columns[ASKED..].iter().map(|column| column.get(n));
         let finished = of_finished(&mut numbers)?;
         Some(Answer { finished, place: place(&mut numbers)?.map(Box::new) })
     };

@@ -1,0 +1,85 @@
+//! What is known of each instance of a run in a byte.
+
+use super::portion::Ended;
+use crate::observe::Status;
+use crate::plan::Precision;
+
+/// Status and a few marks of an instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mark(u8);
+
+const STATUS: u8 = 7;
+const STEPPED: u8 = 1 << 3;
+const MEASURED: u8 = 1 << 4;
+const ESTIMATED: u8 = 1 << 5;
+const FOUND: u8 = 1 << 6;
+const DOUBLE: u8 = 1 << 7;
+
+// All statuses have room.
+const _: () = assert!(Status::ALL.len() <= STATUS as usize + 1);
+
+impl Mark {
+    /// Of an instance that was not run, in this precision.
+    pub(super) fn not_run(precision: Precision) -> Self {
+        Self(Status::NotRun as u8 | flag(DOUBLE, precision == Precision::F64))
+    }
+
+    /// Of one that has ended. What is called ok and was estimated above the accuracy asked for is called so.
+    pub(super) fn of(one: &Ended, accuracy: f64) -> Self {
+        let mark = Self(
+            one.finished.status as u8
+                | flag(STEPPED, one.fineness.steps > 0)
+                | flag(MEASURED, one.finished.measured.is_any())
+                | flag(ESTIMATED, !one.estimate.is_nan())
+                | flag(FOUND, one.state.is_some())
+                | flag(DOUBLE, one.precision == Precision::F64),
+        );
+        match mark.status() {
+            Status::Ok if mark.stepped() && one.estimate > accuracy => mark.called(Status::AccuracyNotMet),
+            _ => mark,
+        }
+    }
+
+    /// With another status.
+    pub(super) fn called(self, status: Status) -> Self {
+        Self(self.0 & !STATUS | status as u8)
+    }
+
+    fn has(self, flag: u8) -> bool {
+        self.0 & flag != 0
+    }
+
+    /// What became of it.
+    pub fn status(self) -> Status {
+        Status::ALL[usize::from(self.0 & STATUS)]
+    }
+
+    /// Whether it needed steps; what feels no sample needs none.
+    pub fn stepped(self) -> bool {
+        self.has(STEPPED)
+    }
+
+    /// Whether anything was measured of it.
+    pub fn measured(self) -> bool {
+        self.has(MEASURED)
+    }
+
+    /// Whether its error was estimated.
+    pub fn estimated(self) -> bool {
+        self.has(ESTIMATED)
+    }
+
+    /// Whether its periodic state was found by a search, or by waiting for what one did not find.
+    pub fn found(self) -> bool {
+        self.has(FOUND)
+    }
+
+    /// The arithmetic of its last run.
+    pub fn precision(self) -> Precision {
+        if self.has(DOUBLE) { Precision::F64 } else { Precision::F32 }
+    }
+}
+
+fn flag(flag: u8, holds: bool) -> u8 {
+    if holds { flag } else { 0 }
+}

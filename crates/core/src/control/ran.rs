@@ -1,0 +1,350 @@
+//! A run whose portions have ended: of each instance a byte is held, the rest is read where they are kept.
+
+use super::bytes::View;
+use super::choices::Choices;
+use super::division::Division;
+use super::mark::Mark;
+use super::place::Place;
+use super::portion::{Keep, Portion};
+use super::seconds::Seconds;
+use super::{Arithmetic, Controlled};
+use crate::contact::{Contact, Law};
+use crate::engine::{Columns, EngineError, Finished};
+use crate::observe::{Measured, Status};
+use crate::plan::{Fineness, Plan, Precision};
+use crate::steady::States;
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+/// A run of all instances to the accuracy asked for. There may be very many: of each a byte lies in memory.
+pub struct Ran<'k> {
+    /// The plan with the bases that were chosen, before anything was refined.
+    pub plan: Plan,
+    /// What a user should know of how it went: one line each.
+    pub notes: Vec<String>,
+    /// Why it ran in the arithmetic that it did.
+    pub reason: String,
+    /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
+    pub rounding: f64,
+    /// Whether states were searched for.
+    pub searched: bool,
+    /// Whether the instances are points of curves.
+    pub curves: bool,
+    /// Whether each was searched for from rest.
+    from_rest: bool,
+    /// What rounding adds to the estimates; empty where that is in them, or nothing.
+    pub(super) added: Vec<f64>,
+    marks: Vec<Mark>,
+    neighbour_started: usize,
+    division: Division,
+    /// Of each portion whether it is kept.
+    kept: Vec<bool>,
+    keep: &'k dyn Keep,
+}
+
+impl<'k> Ran<'k> {
+    /// Before anything.
+    pub(super) fn not_begun(plan: Plan, choices: &Choices, division: Division, keep: &'k dyn Keep) -> Self {
+        Self {
+            notes: Vec::new(),
+            reason: choices.precision.reason.clone(),
+            rounding: choices.precision.rounding,
+            searched: false,
+            curves: false,
+            from_rest: false,
+            added: Vec::new(),
+            marks: vec![Mark::not_run(choices.precision.precision); plan.len()],
+            neighbour_started: 0,
+            kept: vec![false; division.len()],
+            division,
+            keep,
+            plan,
+        }
+    }
+
+    /// The instances of a portion.
+    pub(super) fn portion(&self, number: usize) -> &[u32] {
+        self.division.portion(number)
+    }
+
+    /// How its instances are divided.
+    pub(super) fn division(&self) -> &Division {
+        &self.division
+    }
+
+    /// Takes in a portion that is kept.
+    pub(super) fn take(&mut self, number: usize, portion: &Portion) {
+        let accuracy = self.plan.run.accuracy;
+        for (i, one) in self.division.portion(number).iter().zip(&portion.instances) {
+            self.marks[*i as usize] = Mark::of(one, accuracy);
+            self.neighbour_started += usize::from(one.neighbour_started);
+        }
+        self.searched |= portion.searched;
+        self.curves |= portion.curves;
+        self.from_rest |= portion.from_rest;
+        self.notes.extend(portion.notes.iter().cloned());
+        self.kept[number] = true;
+    }
+
+    /// What is known of each instance, in the order of their numbers.
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
+    /// How many instances it has.
+    pub fn len(&self) -> usize {
+        self.marks.len()
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.marks.is_empty()
+    }
+
+    /// What became of an instance, in a word.
+    pub fn status(&self, instance: u32) -> Status {
+        self.marks[instance as usize].status()
+    }
+
+    /// How many instances are called so.
+    pub fn count(&self, status: Status) -> usize {
+        self.marks.iter().filter(|mark| mark.status() == status).count()
+    }
+
+    /// Says that an error above the accuracy asked for was found of an instance.
+    pub fn miss(&mut self, instance: u32) {
+        let mark = &mut self.marks[instance as usize];
+        if mark.status() == Status::Ok {
+            *mark = mark.called(Status::AccuracyNotMet);
+        }
+    }
+
+    /// The share of the instances whose results began at their neighbours' states.
+    pub fn neighbour_started(&self) -> f64 {
+        self.neighbour_started as f64 / self.len().max(1) as f64
+    }
+
+    /// How many instances' last runs were in the other arithmetic than the plan's.
+    pub fn in_other_precision(&self) -> usize {
+        self.marks.iter().filter(|mark| mark.precision() != self.plan.precision).count()
+    }
+
+    /// `f32`, `f64` or `mixed`.
+    pub fn precision(&self) -> &'static str {
+        let first = self.marks.first().map_or(Precision::default(), |mark| mark.precision());
+        if self.marks.iter().any(|mark| mark.precision() != first) { "mixed" } else { first.name() }
+    }
+
+    /// Shows all portions, one after the other, until `show` breaks off.
+    ///
+    /// # Errors
+    /// What is kept of a portion cannot be read.
+    pub fn each(&self, show: &mut dyn FnMut(&Piece) -> ControlFlow<()>) -> Result<(), EngineError> {
+        for number in 0..self.division.len() {
+            if self.shown(number, show)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn shown<T>(&self, number: usize, show: &mut dyn FnMut(&Piece) -> T) -> Result<T, EngineError> {
+        let instances = self.division.portion(number);
+        if !self.kept[number] {
+            return Ok(show(&Piece { run: self, instances, view: None }));
+        }
+        let bytes = self.keep.bytes(number).map_err(|why| EngineError::Unread { why })?;
+        let view = View::of(&bytes, instances.len());
+        let spoilt = || EngineError::Unread { why: format!("portion {number} is spoilt") };
+        Ok(show(&Piece { run: self, instances, view: Some(view.ok_or_else(spoilt)?) }))
+    }
+
+    /// The estimates of the instances that are called ok, those that are numbers, the least first.
+    ///
+    /// # Errors
+    /// As [`Ran::each`].
+    pub fn estimates_of_ok(&self) -> Result<Vec<f64>, EngineError> {
+        let mut known = Vec::new();
+        self.each(&mut |piece| {
+            let ok = |n: &usize| self.status(piece.instances[*n]) == Status::Ok;
+            let all = (0..piece.instances.len()).filter(ok).map(|n| piece.estimate(n));
+            known.extend(all.filter(|estimate| estimate.is_finite()));
+            ControlFlow::Continue(())
+        })?;
+        known.sort_unstable_by(f64::total_cmp);
+        Ok(known)
+    }
+
+    /// These instances with all that is known of them: a run of them alone, in this order.
+    ///
+    /// # Errors
+    /// As [`Ran::each`].
+    pub fn some(&self, instances: &[u32]) -> Result<Controlled, EngineError> {
+        let places: HashMap<u32, usize> = instances.iter().enumerate().map(|(n, i)| (*i, n)).collect();
+        let here = |number: usize| -> Vec<(usize, usize)> {
+            let all = self.portion(number).iter().enumerate();
+            match instances.len() == self.len() {
+                true => all.map(|(n, i)| (n, *i as usize)).collect(),
+                false => all.filter_map(|(n, i)| Some((n, *places.get(i)?))).collect(),
+            }
+        };
+        let show = |take: &mut dyn FnMut(&View, usize, usize, &Piece)| -> Result<(), EngineError> {
+            for number in 0..self.division.len() {
+                let here = here(number);
+                if here.is_empty() {
+                    continue;
+                }
+                self.shown(number, &mut |piece| {
+                    let Some(view) = &piece.view else { return };
+                    here.iter().for_each(|(there, n)| take(view, *there, *n, piece));
+                })?;
+            }
+            Ok(())
+        };
+        let mut whole = Gathered::of(self, instances);
+        show(&mut |view, there, n, piece| whole.take((view, piece), there, n))?;
+        whole.run.plan = whole.run.plan.with_fineness(&std::mem::take(&mut whole.fineness));
+        show(&mut |view, there, n, _| whole.take_places(view, there, n))?;
+        Ok(whole.run)
+    }
+
+    /// All of it in memory.
+    ///
+    /// # Errors
+    /// As [`Ran::each`].
+    pub fn gathered(&self) -> Result<Controlled, EngineError> {
+        self.some(&self.plan.instances().collect::<Vec<u32>>())
+    }
+}
+
+/// A portion of a run that has ended, or what is known of one that has not.
+pub struct Piece<'a> {
+    run: &'a Ran<'a>,
+    /// By their numbers in the run.
+    pub instances: &'a [u32],
+    view: Option<View<'a>>,
+}
+
+impl Piece<'_> {
+    /// The plan of its instances as it was carried out.
+    pub fn plan(&self) -> Plan {
+        let part = self.run.plan.part(self.instances);
+        let fineness = |view: &View| -> Option<Vec<Fineness>> {
+            (0..self.instances.len()).map(|n| view.fineness(n)).collect()
+        };
+        match self.view.as_ref().and_then(fineness) {
+            Some(fineness) => part.with_fineness(&fineness),
+            None => part,
+        }
+    }
+
+    /// What was measured of an instance, by its number in the portion.
+    pub fn measured(&self, n: usize) -> Measured {
+        self.view.as_ref().map_or(Measured::NONE, |view| view.measured(n))
+    }
+
+    /// What became of an instance.
+    pub fn finished(&self, n: usize) -> Finished {
+        Finished { measured: self.measured(n), status: self.status(n) }
+    }
+
+    /// The same in a word.
+    pub fn status(&self, n: usize) -> Status {
+        self.run.status(self.instances[n])
+    }
+
+    /// An instance's contact.
+    pub fn contact(&self, n: usize) -> Contact {
+        self.run.plan.contact(self.instances[n])
+    }
+
+    /// The law of its contact.
+    pub fn law(&self, n: usize) -> Law {
+        self.run.plan.law(self.instances[n])
+    }
+
+    /// The arithmetic of its last run.
+    pub fn precision(&self, n: usize) -> Precision {
+        self.run.marks[self.instances[n] as usize].precision()
+    }
+
+    /// Its estimated error: see [`Controlled::estimates`].
+    pub fn estimate(&self, n: usize) -> f64 {
+        let added = self.run.added.get(self.instances[n] as usize).copied();
+        self.view.as_ref().map_or(f64::NAN, |view| view.estimate(n)) + added.unwrap_or(0.0)
+    }
+
+    /// The periods of its last run.
+    pub fn periods(&self, n: usize) -> u32 {
+        self.view.as_ref().map_or(0, |view| view.periods(n))
+    }
+
+    /// Whether its curve's state was not reached continuously from the point before.
+    pub fn jump(&self, n: usize) -> bool {
+        self.view.as_ref().is_some_and(|view| view.jump(n))
+    }
+
+    /// Its steps per period.
+    pub fn steps(&self, n: usize) -> u32 {
+        let planned = || self.run.plan.steps(self.instances[n]);
+        self.view.as_ref().map_or_else(planned, |view| view.steps(n))
+    }
+
+    /// The modulus of its map's largest multiplier; NaN where no state was found, or waiting found it.
+    pub fn multiplier(&self, n: usize) -> f64 {
+        self.view.as_ref().map_or(f64::NAN, |view| view.multiplier(n))
+    }
+}
+
+/// Instances that are put together in memory.
+struct Gathered {
+    run: Controlled,
+    fineness: Vec<Fineness>,
+}
+
+impl Gathered {
+    fn of(run: &Ran, instances: &[u32]) -> Self {
+        let (plan, count) = (run.plan.part(instances), instances.len());
+        let fineness = plan.instances().map(|i| plan.fineness(i)).collect();
+        let of = instances.iter().map(|i| run.marks[*i as usize].precision()).collect();
+        let run = Controlled {
+            results: Columns::of_observables(count, &plan.observables),
+            notes: run.notes.clone(),
+            estimates: vec![f64::NAN; count],
+            left_out: vec![f64::NAN; count],
+            found: if run.searched { States::none_of(count) } else { States::default() },
+            periods: vec![0; count],
+            jumps: vec![false; if run.curves { count } else { 0 }],
+            neighbour_started: vec![false; if run.division.blocks.is_some() { count } else { 0 }],
+            arithmetic: Arithmetic { of, rounding: run.rounding, reason: run.reason.clone() },
+            from_rest: if run.from_rest { Seconds::none_of(&plan) } else { Seconds::default() },
+            plan,
+        };
+        Self { run, fineness }
+    }
+
+    /// Takes in an instance, number `there` of its portion and `n` here.
+    fn take(&mut self, (view, piece): (&View, &Piece), there: usize, n: usize) {
+        let Some(one) = view.ended(there) else { return };
+        let Controlled { results, estimates, left_out, periods, jumps, neighbour_started, .. } =
+            &mut self.run;
+        self.fineness[n] = one.fineness;
+        results.set(n, &Finished { status: piece.status(there), ..one.finished });
+        estimates[n] = piece.estimate(there);
+        left_out[n] = one.left_out;
+        periods[n] = one.periods;
+        jumps.get_mut(n).into_iter().for_each(|jump| *jump = one.jump);
+        neighbour_started.get_mut(n).into_iter().for_each(|begun| *begun = one.neighbour_started);
+    }
+
+    /// Takes in its states, once its plan is known.
+    fn take_places(&mut self, view: &View, there: usize, n: usize) {
+        let Some(one) = view.ended(there) else { return };
+        let Controlled { plan, found, from_rest, .. } = &mut self.run;
+        let of = |place: Place| place.state(plan, n as u32);
+        found.put(n, one.state.map(|place| of(*place)).as_deref());
+        if let Some((finished, place)) = one.from_rest.as_deref() {
+            from_rest.put(n, finished, &of(*place));
+        }
+    }
+}

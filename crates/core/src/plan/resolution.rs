@@ -1,0 +1,99 @@
+//! Which instances a plan has, and how finely each of them runs.
+
+use super::InstanceId;
+use super::coded::Coded;
+
+/// Instances of an ensemble.
+#[derive(Clone, Debug)]
+pub(super) enum Ids {
+    /// The first so many: all.
+    All(u32),
+    Some(Vec<InstanceId>),
+}
+
+impl Ids {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::All(count) => *count as usize,
+            Self::Some(ids) => ids.len(),
+        }
+    }
+
+    pub fn get(&self, instance: u32) -> InstanceId {
+        match self {
+            Self::All(_) => InstanceId(instance),
+            Self::Some(ids) => ids[instance as usize],
+        }
+    }
+}
+
+/// How finely an instance runs, and how far from its sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resolution {
+    /// m: the instance's own, or what a set-point has led to; NaN where no gap holds it.
+    pub gap: f64,
+    /// Index into [`Plan::drives`](super::Plan::drives).
+    pub drive: u32,
+    /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
+    pub steps: u32,
+}
+
+/// Those of a plan's instances.
+#[derive(Clone, Debug)]
+pub(super) struct Resolutions {
+    /// Drives and steps of very many, whose gaps are the ensemble's.
+    coded: Option<Coded<(u32, u32)>>,
+    each: Vec<Resolution>,
+}
+
+impl Resolutions {
+    /// Of all instances of an ensemble.
+    pub fn coded(all: Coded<(u32, u32)>) -> Self {
+        Self { coded: Some(all), each: Vec::new() }
+    }
+
+    pub fn of(each: Vec<Resolution>) -> Self {
+        Self { coded: None, each }
+    }
+
+    #[inline]
+    pub fn get(&self, at: usize, gap: impl FnOnce() -> f64) -> Resolution {
+        match &self.coded {
+            Some(all) => {
+                let (drive, steps) = all.get(at);
+                Resolution { gap: gap(), drive, steps }
+            }
+            None => self.each[at],
+        }
+    }
+
+    #[inline]
+    pub fn steps(&self, at: usize) -> u32 {
+        self.coded.as_ref().map_or_else(|| self.each[at].steps, |all| all.get(at).1)
+    }
+
+    #[inline]
+    pub fn drive(&self, at: usize) -> u32 {
+        self.coded.as_ref().map_or_else(|| self.each[at].drive, |all| all.get(at).0)
+    }
+
+    /// Gives an instance another drive and other steps.
+    pub fn set(&mut self, at: usize, (drive, steps): (u32, u32)) {
+        match &mut self.coded {
+            Some(all) => all.set(at, (drive, steps)),
+            None => (self.each[at].drive, self.each[at].steps) = (drive, steps),
+        }
+    }
+
+    /// All of them, to be changed; `gap` tells those of the ensemble.
+    pub fn each(&mut self, gap: impl Fn(usize) -> f64) -> &mut Vec<Resolution> {
+        if let Some(coded) = self.coded.take() {
+            let one = |at: usize| {
+                let (drive, steps) = coded.get(at);
+                Resolution { gap: gap(at), drive, steps }
+            };
+            self.each = (0..coded.len()).map(one).collect();
+        }
+        &mut self.each
+    }
+}

@@ -1,0 +1,158 @@
+//! The variables and flags over all instances, each a line of what it is and how it follows.
+
+use super::rows::Shown;
+use super::warnings::WARNINGS;
+use crate::compare::Scales;
+use crate::contact::Law;
+use crate::engine::Finished;
+use crate::observe::Observable;
+use crate::plan::Precision;
+use crate::store::{Flags, Variable};
+
+/// What the codes of the flag `branch` mean.
+pub const BRANCHES: [&str; 3] = ["none", "attractive", "repulsive"];
+
+/// What the codes of the flag `jump` mean.
+pub const JUMPS: [&str; 2] = ["continuous", "jump"];
+
+/// The branch of a tapping point, by its mean force: attractive below zero, repulsive above (Garcia & San Paulo,
+/// Phys. Rev. B 60 (1999) 4961); none without a steady state or a force.
+pub(super) fn branch(one: &Finished) -> u8 {
+    let force = one.measured.force_mean;
+    match one.status {
+        status if status.is_steady() && force < 0.0 => 1,
+        status if status.is_steady() && force > 0.0 => 2,
+        _ => 0,
+    }
+}
+
+/// What a variable holds of each instance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Number {
+    Observable(Observable),
+    Tabor,
+    /// The scale of what is lost and of the virial, where one of them was asked for.
+    DriveWork,
+    Estimate,
+    Multiplier,
+    Periods,
+}
+
+impl Number {
+    /// The variable, empty.
+    pub fn variable(self) -> Variable {
+        let (name, units, long_name) = match self {
+            Self::Observable(observable) => {
+                return Variable {
+                    name: observable.name().into(),
+                    units: observable.units().into(),
+                    long_name: observable.long_name().into(),
+                    harmonics: (observable == Observable::HarmonicAmplitude).then_some(observable.width()),
+                    error_scale: observable.scale().words().into(),
+                    data: Vec::new(),
+                };
+            }
+            Self::Tabor => ("tabor_parameter", "1", "Tabor's parameter of the contact"),
+            Self::DriveWork => (
+                "drive_work",
+                "J",
+                "work of the drive per period, or the loss if larger: the scale of errors of both",
+            ),
+            Self::Estimate => {
+                ("error_estimate", "1", "estimated error of the worst observable, on the scale of accuracy")
+            }
+            Self::Multiplier => (
+                "multiplier",
+                "1",
+                "modulus of the period map's largest multiplier, below 1 for a stable state",
+            ),
+            Self::Periods => (
+                "periods_stepped",
+                "1",
+                "drive periods stepped in the last run, those of the search among them",
+            ),
+        };
+        Variable {
+            name: name.into(),
+            units: units.into(),
+            long_name: long_name.into(),
+            harmonics: None,
+            error_scale: String::new(),
+            data: Vec::new(),
+        }
+    }
+
+    /// How many numbers each instance has.
+    pub fn width(self) -> usize {
+        if let Self::Observable(observable) = self { observable.width() } else { 1 }
+    }
+
+    /// Writes those of an instance.
+    pub fn write(self, some: &Shown, n: usize, row: &mut [f64]) {
+        row[0] = match self {
+            Self::Observable(observable) => return observable.write(&some.measured(n), row),
+            Self::Tabor => some.contact(n).tabor,
+            Self::DriveWork => match some.measured(n) {
+                measured if measured.phase.is_nan() => f64::NAN,
+                measured => Scales::of(some.plan(), n, &measured).work,
+            },
+            Self::Estimate => some.estimate(n),
+            Self::Multiplier => some.multiplier(n),
+            Self::Periods => f64::from(some.periods(n)),
+        };
+    }
+}
+
+/// What a flag says of each instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Code {
+    Law,
+    Warnings,
+    Precision,
+    Branch,
+    Jump,
+}
+
+impl Code {
+    /// The flags, empty.
+    pub fn flags(self) -> Flags {
+        let words = |all: &[&str]| -> Vec<String> { all.iter().map(|word| (*word).to_owned()).collect() };
+        let (name, long_name, meanings) = match self {
+            Self::Law => ("contact_law", "contact law used", words(&Law::ALL.map(Law::name))),
+            Self::Warnings => (
+                "contact_warnings",
+                "where the contact law is used outside its assumptions",
+                words(&WARNINGS),
+            ),
+            Self::Precision => (
+                "precision",
+                "arithmetic of the instance's last run",
+                words(&[Precision::F32, Precision::F64].map(Precision::name)),
+            ),
+            Self::Branch => {
+                ("branch", "branch of the periodic state, by the sign of its mean force", words(&BRANCHES))
+            }
+            Self::Jump => {
+                ("jump", "whether the state was reached continuously from the point before", words(&JUMPS))
+            }
+        };
+        Flags {
+            name: name.into(),
+            long_name: long_name.into(),
+            meanings,
+            bits: self == Self::Warnings,
+            data: Vec::new(),
+        }
+    }
+
+    /// That of an instance; warnings are known elsewhere.
+    pub fn code(self, some: &Shown, n: usize) -> u8 {
+        match self {
+            Self::Law => some.law(n).code(),
+            Self::Warnings => 0,
+            Self::Precision => u8::from(some.precision(n) == Precision::F64),
+            Self::Branch => branch(&some.finished(n)),
+            Self::Jump => u8::from(some.jump(n)),
+        }
+    }
+}
