@@ -57,7 +57,14 @@ mod tests {
 
     fn mode(share: f64, frequency: f64, quality_factor: f64) -> Mode {
         let omega = std::f64::consts::TAU * frequency;
-        Mode { omega, quality_factor, tip: share.sqrt() * omega, force: share.sqrt() * omega, drive: 1.0, top: 0.0 }
+        Mode {
+            omega,
+            quality_factor,
+            tip: share.sqrt() * omega,
+            force: share.sqrt() * omega,
+            drive: 1.0,
+            top: 0.0,
+        }
     }
 
     /// A lever driven at its resonance, 1 Hz, and one more mode of a share of 1e-5 and a quality factor of 100.

@@ -188,10 +188,7 @@ impl ReducedBasis {
             true => moved.clone(),
             false => ringing(instrument, omega, rate, &moved, count),
         };
-        let mut modes: Vec<KeptMode> = exact
-            .iter()
-            .map(|&k| KeptMode::of(instrument, k))
-            .collect();
+        let mut modes: Vec<KeptMode> = exact.iter().map(|&k| KeptMode::of(instrument, k)).collect();
         if !all {
             let rest: Vec<&Mode> =
                 moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();

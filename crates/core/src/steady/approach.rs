@@ -1,10 +1,11 @@
 //! From far away to a set-point: the sample moved nearer until the state passes what is asked for, as a slow feedback does.
 //! Many instances side by side, each with strides of its own.
 
+use super::begin::{Along, Begin};
 use super::feedback::{Feedback, PAST, Place, between, far, seeds};
 use super::follow::{self, left, wherever};
 use super::missed::miss;
-use super::search::{self, Along, Begin, Searched};
+use super::search::{self, Searched};
 use super::{PeriodicState, alike, map};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, StartState, Station};
@@ -125,7 +126,7 @@ impl Approaching<'_> {
         let all: Vec<u32> = part.instances().collect();
         let lightly: Vec<bool> = going.iter().map(|one| !one.careful).collect();
         let begin = Begin::Along(Along { states: &states, places: &places, most: MOST, lightly: &lightly });
-        let Searched { mut found, periods, notes } =
+        let Searched { mut found, periods, notes, .. } =
             search::all(&part, &alike(&part, &all), begin, self.engine, self.progress)?;
         self.done.notes.extend(notes);
         for ((i, one), predicted) in (0..).zip(&mut going).zip(&places) {
@@ -201,7 +202,7 @@ impl Approaching<'_> {
             let part = self.plan.part(&instances).with_gaps(&gaps);
             let all: Vec<u32> = part.instances().collect();
             let begin = Begin::At(&stations);
-            let Searched { found, periods, notes } =
+            let Searched { found, periods, notes, .. } =
                 search::all(&part, &alike(&part, &all), begin, self.engine, self.progress)?;
             self.done.notes.extend(notes);
             instances.iter().zip(periods).for_each(|(i, some)| self.done.periods[*i as usize] += some);
@@ -285,7 +286,7 @@ impl Approaching<'_> {
         let gaps: Vec<f64> = starts.iter().map(|(_, gap, _)| *gap).collect();
         let part = self.plan.part(&instances).with_gaps(&gaps);
         let from: Vec<&PeriodicState> = starts.iter().map(|(.., state)| state).collect();
-        let Searched { found, periods, notes } = wherever(&part, &from, self.engine, self.progress)?;
+        let Searched { found, periods, notes, .. } = wherever(&part, &from, self.engine, self.progress)?;
         self.done.notes.extend(notes);
         instances.iter().zip(periods).for_each(|(i, some)| self.done.periods[*i as usize] += some);
         self.places(&part, found)

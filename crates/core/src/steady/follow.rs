@@ -1,6 +1,7 @@
 //! Curves: periodic states followed from point to point, many curves side by side.
 
-use super::search::{self, Along, Begin, Searched};
+use super::begin::{Along, Begin};
+use super::search::{self, Searched};
 use super::{PeriodicState, alike, map, wait};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
@@ -210,7 +211,8 @@ impl<'a> Following<'a> {
         let to: Vec<u32> = starts.iter().map(|(_, i, ..)| *i).collect();
         let part = self.plan.part(&to);
         let places: Vec<&PeriodicState> = starts.iter().map(|(_, _, state, _)| state).collect();
-        let Searched { mut found, periods, notes } = wherever(&part, &places, self.engine, self.progress)?;
+        let Searched { mut found, periods, notes, .. } =
+            wherever(&part, &places, self.engine, self.progress)?;
         self.done.notes.extend(notes);
         for (place, (n, i, state, before)) in starts.iter().enumerate() {
             let Some(found) = found[place].take() else { continue };

@@ -1,13 +1,13 @@
 //! A run whose instances begin at their neighbours' states, and what these do not lead to.
 
+use super::begin::Begin;
 use super::node::Lead;
-use super::search::Begin;
 use super::{PeriodicState, Settled, beside, searched};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{Plan, Precision};
 
 /// As [`run`](super::run) with `near`, but that instances with a hint begin where their neighbours lead to, and are
-/// searched for where that is no periodic state. Where neighbours were searched for in vain they are searched for once, late.
+/// searched for where that is no periodic state; where neighbours were searched for in vain, not before they come to rest.
 /// What is not found is waited for if `waits` says so; else it is left as not run, and where neighbours were in vain nothing
 /// is tried. Which of them began at their neighbours and ended there comes, too.
 ///
@@ -33,9 +33,9 @@ pub fn from_neighbours(
     led.into_iter().for_each(|i| begun[i as usize] = true);
     let rest: Vec<u32> = plan.instances().filter(|i| !begun[*i as usize]).collect();
     let vain = |i: &u32| matches!(leads[*i as usize], Lead::Vain);
-    let (mut once, often): (Vec<u32>, Vec<u32>) = rest.into_iter().partition(vain);
-    once.retain(|_| waits);
-    for (some, once) in [(often, false), (once, true)] {
+    let (mut vain, others): (Vec<u32>, Vec<u32>) = rest.into_iter().partition(vain);
+    vain.retain(|_| waits);
+    for (some, aside) in [(others, false), (vain, true)] {
         if some.is_empty() {
             continue;
         }
@@ -43,7 +43,7 @@ pub fn from_neighbours(
             true => Vec::new(),
             false => some.iter().map(|i| near[*i as usize]).collect(),
         };
-        let begin = if once { Begin::Once(&near) } else { Begin::Near(&near) };
+        let begin = if aside { Begin::Aside(&near) } else { Begin::Near(&near) };
         let rest = searched(&plan.part(&some), begin, waits, engine, progress)?;
         settled.take(&some, rest);
     }

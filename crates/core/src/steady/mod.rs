@@ -2,10 +2,12 @@
 
 mod aims;
 mod approach;
+mod begin;
 mod beside;
 mod carried;
 mod feedback;
 mod follow;
+mod late;
 mod led;
 mod lossless;
 mod map;
@@ -29,8 +31,8 @@ use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::periodic::Spectrum;
 use crate::plan::{Plan, Precision, ReducedBasis, StartState, Station};
-use crate::scene::Steady;
-use search::Begin;
+use crate::scene::{Start, Steady};
+use begin::{Begin, Left};
 use std::sync::Arc;
 
 /// A periodic state that was found.
@@ -134,30 +136,15 @@ fn searched(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    let stepped = plan.stepped();
-    let mut settled = found(plan, &stepped, begin, engine, progress)?;
-    let rest = stepped.into_iter().filter(|i| waits && settled.found[*i as usize].is_none());
-    // What is free of the sample is finished beside those that wait.
-    let others: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0).chain(rest).collect();
-    let followed = matches!(begin, Begin::Followed(_));
-    if !others.is_empty() && !progress.stopped() {
-        let mut part = plan.part(&others);
-        if let Begin::Followed(near) = begin {
-            let start =
-                |i: &u32| near[*i as usize].map_or(Station::free(plan, *i), |one| map::own(plan, *i, one));
-            part = part.starting_at(others.iter().map(|i| start(i).into()).collect());
+    let (mut settled, left) = found(plan, &plan.stepped(), begin, engine, progress)?;
+    let left = match begin {
+        Begin::Near(_) | Begin::Aside(_) if waits && plan.run.start == Start::Steady => {
+            late::run(plan, left, &mut settled, engine, progress)?
         }
-        let waited = wait::run(&part, engine, progress)?;
-        for (place, i) in others.iter().map(|i| *i as usize).enumerate() {
-            settled.outcome.results[i] = waited.outcome.results[place];
-            settled.periods[i] += waited.periods[place];
-            // Whoever goes on from here goes on with the curve's state.
-            let end = waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| followed);
-            let steady = waited.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
-            settled.found[i] =
-                end.filter(|_| steady).map(|end| Box::new(follow::waited_for(plan, i as u32, *end)));
-        }
-        settled.outcome.notes.extend(waited.outcome.notes);
+        _ => Vec::new(),
+    };
+    for wait in late::waits(plan, begin, left, waits, &settled) {
+        settled.wait_for(plan, wait, engine, progress)?;
     }
     Ok(settled)
 }
@@ -238,7 +225,7 @@ pub fn from_rest(
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     progress.part();
-    found(plan, instances, Begin::Still, engine, progress)
+    Ok(found(plan, instances, Begin::Still, engine, progress)?.0)
 }
 
 /// States that are found from these places, one for each instance of the plan, in place of its free oscillation.
@@ -252,7 +239,7 @@ pub fn from_places(
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     let all: Vec<u32> = plan.instances().collect();
-    found(plan, &all, Begin::At(places), engine, progress)
+    Ok(found(plan, &all, Begin::At(places), engine, progress)?.0)
 }
 
 /// The states of these instances, for a plan of them alone; nothing where none were searched for.
@@ -274,14 +261,14 @@ pub fn among<'a>(
     all
 }
 
-/// What a search finds and running on confirms.
+/// What a search finds and running on confirms; and what it has not found.
 fn found(
     plan: &Plan,
     instances: &[u32],
     begin: Begin,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Settled, EngineError> {
+) -> Result<(Settled, Vec<Left>), EngineError> {
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     progress.task("search", instances.len() as u64);
@@ -307,10 +294,40 @@ fn found(
         settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
     }
     left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
-    Ok(settled)
+    Ok((settled, searched.left))
 }
 
 impl Settled {
+    /// Waits for some instances as told.
+    fn wait_for(
+        &mut self,
+        plan: &Plan,
+        wait: late::Wait,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        if wait.instances.is_empty() || progress.stopped() {
+            return Ok(());
+        }
+        let mut part = plan.part(&wait.instances);
+        part.run.periods = wait.periods;
+        if let Some(starts) = wait.starts {
+            part = part.starting_at(starts.into_iter().map(StartState::from).collect());
+        }
+        let waited = wait::run(&part, engine, progress)?;
+        for (place, i) in wait.instances.iter().map(|i| *i as usize).enumerate() {
+            self.outcome.results[i] = waited.outcome.results[place];
+            self.periods[i] += waited.periods[place];
+            // Whoever goes on from here goes on with the curve's state.
+            let end = waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.goes_on);
+            let steady = waited.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
+            self.found[i] =
+                end.filter(|_| steady).map(|end| Box::new(follow::waited_for(plan, i as u32, *end)));
+        }
+        self.outcome.notes.extend(waited.outcome.notes);
+        Ok(())
+    }
+
     /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
     /// bears the state out. The others come back.
     fn borne_out(

@@ -2,7 +2,8 @@
 
 use super::PeriodicState;
 use super::aims::options;
-use super::map::{PeriodMap, as_its_own, free_slope, own, station, still, vector};
+use super::begin::{Along, Begin, Left};
+use super::map::{PeriodMap, as_its_own, free_slope, station, vector};
 use super::sizes::{Sized, by_size, with_size};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
@@ -15,84 +16,13 @@ use std::sync::Arc;
 const CHUNK: usize = 8192;
 /// The same where there are many modes: a slope of 24 modes has 18 kB.
 const CHUNK_MANY: usize = 1024;
-/// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
-/// of contact, and before the beats that follow it, in which no stride is of use.
-const WARM: [u32; 3] = [3, 32, 128];
-/// The same for a search that is the only one: as late as the last of several.
-const LATE: [u32; 1] = [160];
 /// What the searches ended with, by instance of the plan.
 pub(super) struct Searched {
     pub found: Vec<Option<Box<PeriodicState>>>,
     pub periods: Vec<u32>,
+    /// Those that were searched for from where the scene begins, in vain.
+    pub left: Vec<Left>,
     pub notes: Vec<String>,
-}
-
-/// Where searches begin.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Begin<'a> {
-    /// At rest.
-    Still,
-    /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
-    Near(&'a [Option<&'a PeriodicState>]),
-    /// The same, where those like it were searched for in vain: one search alone.
-    Once(&'a [Option<&'a PeriodicState>]),
-    /// At these places, by instance, which are thought to be next to a state.
-    At(&'a [Station]),
-    /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
-    Followed(&'a [Option<&'a PeriodicState>]),
-    /// At places that a curve's last states lead to: what is not next to them is not looked for.
-    Along(Along<'a>),
-}
-
-/// How a curve goes on, by instance.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Along<'a> {
-    /// The last states.
-    pub states: &'a [Option<&'a PeriodicState>],
-    /// Where the next ones are expected.
-    pub places: &'a [Station],
-    /// Most evaluations, and slopes taken anew, of which each takes as many as a state has numbers.
-    pub most: (u32, u32),
-    /// Whether a state is taken as it is met: of its spectrum it is only known what updates of the last slope tell. Empty
-    /// where none is.
-    pub lightly: &'a [bool],
-}
-
-impl Begin<'_> {
-    /// A state of the instance with other steps or another lever.
-    fn known(&self, instance: u32) -> Option<&PeriodicState> {
-        match self {
-            Self::Near(near)
-            | Self::Once(near)
-            | Self::Followed(near)
-            | Self::Along(Along { states: near, .. }) => {
-                near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
-            }
-            Self::Still | Self::At(_) => None,
-        }
-    }
-
-    /// Periods before each search that may follow.
-    fn warm(&self) -> &'static [u32] {
-        match self {
-            Self::Along(..) => &[],
-            Self::Once(_) => &LATE,
-            _ => &WARM,
-        }
-    }
-
-    /// Where the instance begins without one.
-    fn place(&self, plan: &Plan, instance: u32) -> Station {
-        match self {
-            Self::Near(_) | Self::Once(_) => Station::free(plan, instance),
-            Self::Still => still(plan, instance),
-            Self::At(places) | Self::Along(Along { places, .. }) => places[instance as usize],
-            Self::Followed(states) => match states[instance as usize] {
-                Some(state) => own(plan, instance, state),
-                None => Station::free(plan, instance),
-            },
-        }
-    }
 }
 
 /// Searches for the periodic states of `stepped` by an engine that can compute in f64.
@@ -103,8 +33,8 @@ pub(super) fn all(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Searched, EngineError> {
-    let mut done =
-        Searched { found: vec![None; plan.len()], periods: vec![0; plan.len()], notes: Vec::new() };
+    let (found, periods) = (vec![None; plan.len()], vec![0; plan.len()]);
+    let mut done = Searched { found, periods, left: Vec::new(), notes: Vec::new() };
     for (count, group) in by_size(plan, stepped) {
         for chunk in group.chunks(if count > 8 { CHUNK_MANY } else { CHUNK }) {
             if progress.stopped() {
@@ -117,9 +47,14 @@ pub(super) fn all(
             });
             for part in parts {
                 for end in part? {
-                    let i = chunk[end.slot as usize] as usize;
-                    done.periods[i] += end.periods;
-                    done.found[i] = end.found;
+                    let instance = chunk[end.slot as usize];
+                    done.periods[instance as usize] += end.periods;
+                    match end.became {
+                        Ok(state) => done.found[instance as usize] = Some(state),
+                        Err((waited, place)) => {
+                            done.left.push(Left { instance, place, waited, wanders: false });
+                        }
+                    }
                 }
             }
             done.notes.extend(map.notes());
@@ -133,7 +68,8 @@ struct End {
     /// Its number in the batch.
     slot: u32,
     periods: u32,
-    found: Option<Box<PeriodicState>>,
+    /// Its state; else how many periods on from where it began it was looked for last, and the place there.
+    became: Result<Box<PeriodicState>, (u32, Station)>,
 }
 
 /// Instances with as many modes each, known here by their number in the list.
@@ -162,8 +98,8 @@ impl Sized for Part<'_> {
     }
 }
 
-/// An instance without a state, the periods stepped for it so far, and where the last search began.
-type Left = (u32, u32, Station);
+/// An instance without a state yet, the periods stepped for it so far, and where the last search began.
+type Seeking = (u32, u32, Station);
 
 impl Batch<'_> {
     fn case(&self, slot: u32) -> Case {
@@ -178,7 +114,7 @@ impl Batch<'_> {
         let instance = |slot: u32| instances[slot as usize];
         let begin = |slot: u32| from.place(plan, instance(slot));
         let mut done = Vec::with_capacity(slots.len());
-        let (mut close, mut left): (Vec<Box<One<D>>>, Vec<Left>) = (Vec::new(), Vec::new());
+        let (mut close, mut left): (Vec<Box<One<D>>>, Vec<Seeking>) = (Vec::new(), Vec::new());
         for slot in slots {
             match from.known(instance(slot)) {
                 known if let Begin::Along(along) = &from => {
@@ -188,28 +124,45 @@ impl Batch<'_> {
                 None if matches!(from, Begin::At(_)) => {
                     close.push(Box::new(One::next_to(plan, slot, instance(slot), begin(slot))));
                 }
+                None if matches!(from, Begin::Late(_)) => {
+                    close.push(Box::new(One::begin(plan, slot, instance(slot), begin(slot))));
+                }
                 None => left.push((slot, 0, begin(slot))),
             }
         }
         let lost = self.together(close, &mut done)?;
         left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
-        for &warm in from.warm() {
+        let mut waited = 0;
+        for &(warm, searches) in from.warm() {
             // Waiting would be cheaper.
             if left.is_empty() || warm >= plan.run.periods {
                 break;
             }
-            let starts: Vec<_> = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
-            let ends = self.map.after(&starts, warm)?;
-            let warmed = left.iter().zip(ends).filter_map(|((slot, periods, _), end)| {
-                let mut one = One::begin(plan, *slot, instance(*slot), end?);
-                one.periods = periods + warm;
-                Some(Box::new(one))
-            });
-            left = self.together(warmed.collect(), &mut done)?;
+            left = self.on(left, warm)?;
+            waited += warm;
+            if searches {
+                let begun = |(slot, periods, place)| {
+                    let one = One::begin(plan, slot, instance(slot), place);
+                    Box::new(One { periods, ..one })
+                };
+                left = self.together(left.into_iter().map(begun).collect(), &mut done)?;
+            }
         }
         self.map.ended(left.len());
-        done.extend(left.into_iter().map(|(slot, periods, _)| End { slot, periods, found: None }));
+        let end = |(slot, periods, place)| End { slot, periods, became: Err((waited, place)) };
+        done.extend(left.into_iter().map(end));
         Ok(done)
+    }
+
+    /// So many periods on; who was stopped on the way is left out.
+    fn on(self, left: Vec<Seeking>, periods: u32) -> Result<Vec<Seeking>, EngineError> {
+        let starts: Vec<_> = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
+        let ends = self.map.after(&starts, periods)?.into_iter();
+        Ok(left
+            .into_iter()
+            .zip(ends)
+            .filter_map(|((slot, so_far, _), end)| Some((slot, so_far + periods, end?)))
+            .collect())
     }
 
     /// Takes searches to their ends; those in vain come back.
@@ -217,7 +170,7 @@ impl Batch<'_> {
         self,
         mut all: Vec<Box<One<D>>>,
         done: &mut Vec<End>,
-    ) -> Result<Vec<Left>, EngineError>
+    ) -> Result<Vec<Seeking>, EngineError>
     where
         DefaultAllocator: Memory<D>,
     {
@@ -260,7 +213,7 @@ impl Batch<'_> {
         End {
             slot: one.slot,
             periods: one.stepped(),
-            found: Some(Box::new(PeriodicState {
+            became: Ok(Box::new(PeriodicState {
                 station: station::<D>(&found.state, one.start.touching),
                 spectrum: found.spectrum,
                 steps: case.steps,
