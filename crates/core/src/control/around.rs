@@ -54,10 +54,10 @@ impl<'a> Around<'a> {
         found.iter().enumerate().map(of).collect()
     }
 
-    /// Whether one of the nearest was searched for in vain.
+    /// Whether both of the nearest two were searched for in vain.
     fn in_vain(&self, i: u32) -> bool {
         let mut nearest = self.lines[i as usize].iter().filter(|one| one.2 != 0.0);
-        nearest.any(|one| matches!(self.solved[one.0 as usize], Solved::Vain))
+        nearest.all(|one| matches!(self.solved[one.0 as usize], Solved::Vain))
     }
 
     /// The neighbours of an instance; where one of the farther ones is not known, the nearest two. None where one of these

@@ -237,6 +237,12 @@ where
     vector(&own(plan, instance, place))
 }
 
+/// How far two places are apart, m.
+pub(super) fn apart(a: &Station, b: &Station) -> f64 {
+    let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
+    (squares(&a.x, &b.x) + squares(&a.u, &b.u)).sqrt()
+}
+
 /// Travel and rate of so many modes, one after the other.
 pub(super) fn own_vector(station: &Station, modes: usize) -> Box<[f64]> {
     station.x[..modes].iter().chain(&station.u[..modes]).copied().collect()

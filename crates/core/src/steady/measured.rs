@@ -1,6 +1,7 @@
 //! One measured period from a periodic state: its result, and what its own change says of the state.
 
 use super::PeriodicState;
+use super::map::apart;
 use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::plan::{Plan, Precision, StartState, Station};
 
@@ -31,9 +32,7 @@ pub(super) fn period(
 pub(super) fn bears_out(plan: &Plan, instance: u32, state: &PeriodicState, end: Option<&Station>) -> bool {
     let Some(end) = end.filter(|end| end.finite) else { return false };
     let same_contact = !plan.law(instance).has_memory() || end.touching == state.station.touching;
-    let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
-    let moved = squares(&end.x, &state.station.x) + squares(&end.u, &state.station.u);
-    let change = moved.sqrt() / state.spectrum.least_change;
+    let change = apart(end, &state.station) / state.spectrum.least_change;
     let share = if plan.precision == Precision::F32 { SURE_SINGLE } else { SURE };
     same_contact && change <= share * plan.run.accuracy * plan.driven(instance).free_amplitude().max(1e-15)
 }

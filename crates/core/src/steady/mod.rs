@@ -107,7 +107,7 @@ pub fn run(
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
-    searched(plan, begin, true, engine, progress)
+    searched(plan, begin, (&[], true), engine, progress)
 }
 
 /// As [`run`], but that a search begins at these states themselves, of whose slopes nothing need be known: it looks for the
@@ -125,18 +125,21 @@ pub fn beside_states(
         return run(plan, states, engine, progress);
     }
     progress.part();
-    searched(plan, Begin::Followed(states), true, engine, progress)
+    searched(plan, Begin::Followed(states), (&[], true), engine, progress)
 }
 
-/// The plan's instances as a search from there finds them; what it does not find is waited for, or left as not run.
+/// The plan's instances as a search from there finds them, or where neighbours lead, one by one, if they have `leads`; what is
+/// not found is waited for, or left as not run.
 fn searched(
     plan: &Plan,
     begin: Begin,
-    waits: bool,
+    (leads, waits): (&[Lead], bool),
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    let (mut settled, left) = found(plan, &plan.stepped(), begin, engine, progress)?;
+    let (mut settled, mut left) = found(plan, &plan.stepped(), begin, engine, progress)?;
+    settled.by_one_of_two(plan, leads, engine, progress)?;
+    left.retain(|one| settled.found[one.instance as usize].is_none());
     let left = match begin {
         Begin::Near(_) | Begin::Aside(_) if waits && plan.run.start == Start::Steady => {
             late::run(plan, left, &mut settled, engine, progress)?

@@ -223,6 +223,21 @@ where
     pub touching: bool,
 }
 
+impl<'a> Hint<'a> {
+    /// One neighbour's state as it is.
+    pub(super) fn alone(neighbour: Neighbour<'a>) -> Self {
+        let neighbour = Neighbour { weight: 1.0, nearest: 1.0, ..neighbour };
+        Self { neighbours: vec![neighbour], own: None, scattered: false }
+    }
+
+    /// The nearest on either side of an instance on a line; none where neighbours lie around it.
+    pub(super) fn nearest_two(&self) -> Option<[Neighbour<'a>; 2]> {
+        let mut nearest = self.neighbours.iter().filter(|one| one.nearest != 0.0);
+        let two = [*nearest.next()?, *nearest.next()?];
+        (!self.scattered).then_some(two)
+    }
+}
+
 impl Hint<'_> {
     /// What the neighbours lead to; none where they are no guide: they move differently, or say different things, or one
     /// of them is not clearly stable.
