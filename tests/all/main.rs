@@ -79,6 +79,7 @@ mod exact_reconstruction;
 mod exact_reference;
 mod exact_reference_engine;
 mod exact_rods;
+mod exact_tangents;
 mod fuzz_inputs;
 mod hard_cases;
 mod hard_contact;

@@ -19,6 +19,7 @@
 
 mod constants;
 pub mod contact;
+mod dual;
 mod flow;
 mod lane;
 mod lanes;
@@ -27,11 +28,13 @@ mod pair;
 mod run_sums;
 mod sample;
 mod shader;
+mod slopes;
 mod step;
 // No unit test calls it: the tests' build would take as long as the crate's own.
 mod stepper;
 mod sums;
 mod tally;
+mod tangent;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
 #[cfg(target_arch = "x86_64")]
@@ -44,6 +47,7 @@ pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;
 pub use sample::Wave;
 pub use shader::{Binding, ShaderSpec, WORKGROUP};
+pub use slopes::{Room, SlopeRows, Tangent, strict_tangent, tangent};
 pub use step::Decay;
 pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
 pub use sums::{HARMONICS, How, PeriodSums, SUMS, Sum, Wants};

@@ -37,6 +37,17 @@ pub(crate) struct Case<L, I, const M: usize> {
     pub law: I,
 }
 
+/// The tip at a sample before its kick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Met<L> {
+    /// Steady free travel of the tip, and travel beyond it.
+    pub steady: L,
+    pub beyond: L,
+    /// What the speed is too large by when the kick counts as work.
+    pub excess: L,
+    pub approach: Approach<L>,
+}
+
 /// Where one instance is: deviation of each mode at a sample before its kick, and the memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L, const M: usize> {
@@ -156,8 +167,59 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         decay: Option<Decay<L::Element>>,
         energy: bool,
     ) -> Sample<L> {
-        let flow = &self.flow;
-        let free = &self.free;
+        let met = self.meet(state, wave, decay, energy);
+        let Met { steady, beyond, excess, approach } = met;
+        let (speed, acceleration, indentation) =
+            (-approach.speed, -approach.acceleration, approach.indentation);
+        let kick = self.law.kick(approach, state.touching);
+        let impulse = kick.impulse;
+        state.touching = kick.touching;
+        self.fly(state, &kick);
+        // A kick's corner against the smooth path it stands for.
+        let corner = L::splat(TWENTY_FOURTH);
+        let (mut work, mut virial) = (L::splat(ZERO), L::splat(ZERO));
+        if energy {
+            work = impulse * (self.flow.kick_paid.mul_add(impulse, speed) - excess);
+            // The impulse is a mean over the step: its factor is the travel less a 24th of its second
+            // difference.
+            virial = impulse * (-acceleration).mul_add(corner, steady + beyond);
+            if I::SHADER.shifts {
+                // Impulse that falls early or late falls at another speed and travel.
+                work = (-acceleration).mul_add(kick.shift, work);
+                virial = (-kick.shift).mul_add(L::splat(HALF).mul_add(impulse, speed), virial);
+            }
+        }
+        Sample {
+            steady,
+            beyond: corner.mul_add(impulse, beyond),
+            indentation: (-corner).mul_add(impulse, indentation),
+            work,
+            virial,
+            kick,
+        }
+    }
+
+    /// A step from steady free motion: what its kick was given, and the kick.
+    #[inline(always)]
+    pub fn kicked(&self, state: &mut State<L, M>, wave: Wave<L::Element>) -> (Approach<L>, Kick<L>) {
+        let approach = self.meet(state, wave, None, false).approach;
+        let kick = self.law.kick(approach, state.touching);
+        state.touching = kick.touching;
+        self.fly(state, &kick);
+        (approach, kick)
+    }
+
+    /// Where the tip meets the kick. What the speed is too large by when the kick counts as work is zero unless `energy` is
+    /// asked for.
+    #[inline(always)]
+    pub fn meet(
+        &self,
+        state: &State<L, M>,
+        wave: Wave<L::Element>,
+        decay: Option<Decay<L::Element>>,
+        energy: bool,
+    ) -> Met<L> {
+        let (flow, free) = (&self.flow, &self.free);
         let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
         let steady = free.cosine.mul_add(cosine, free.sine * sine);
         let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
@@ -176,32 +238,11 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
         });
         let indentation = -(self.gap + steady + beyond);
-        let approach = Approach { indentation, speed: -speed, acceleration: -acceleration };
-        let kick = self.law.kick(approach, state.touching);
-        let impulse = kick.impulse;
-        state.touching = kick.touching;
-        self.fly(state, &kick);
-        // A kick's corner against the smooth path it stands for.
-        let corner = L::splat(TWENTY_FOURTH);
-        let (mut work, mut virial) = (L::splat(ZERO), L::splat(ZERO));
-        if energy {
-            work = impulse * (flow.kick_paid.mul_add(impulse, speed) - excess);
-            // The impulse is a mean over the step: its factor is the travel less a 24th of its second
-            // difference.
-            virial = impulse * (-acceleration).mul_add(corner, steady + beyond);
-            if I::SHADER.shifts {
-                // Impulse that falls early or late falls at another speed and travel.
-                work = (-acceleration).mul_add(kick.shift, work);
-                virial = (-kick.shift).mul_add(L::splat(HALF).mul_add(impulse, speed), virial);
-            }
-        }
-        Sample {
+        Met {
             steady,
-            beyond: corner.mul_add(impulse, beyond),
-            indentation: (-corner).mul_add(impulse, indentation),
-            work,
-            virial,
-            kick,
+            beyond,
+            excess,
+            approach: Approach { indentation, speed: -speed, acceleration: -acceleration },
         }
     }
 

@@ -10,6 +10,8 @@ use super::run_sums::RunSums;
 use super::sample::Wave;
 use super::step::{Case, Decay, State, each_step, period, unmeasured_period};
 use super::tally::Tally;
+use super::tangent::seen_period;
+
 use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants, WithLaw};
 use std::marker::PhantomData;
 
@@ -28,6 +30,15 @@ pub struct Stepper<E> {
     measure: Measure<E>,
 }
 
+/// Steps instances through a period of which all is seen; otherwise as [`Stepper::coast`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seer<E> {
+    pub width: usize,
+    pub modes: usize,
+    pub period: See<E>,
+}
+
+pub(crate) type See<E> = fn(usize, &[E], &mut [E], &[Wave<E>], &mut [E]);
 type Coast<E> = fn(usize, &[E], &mut [E], &[Wave<E>], u32) -> u32;
 type Measure<E> = fn(usize, &[E], &mut [E], &mut [E], &Span<E>) -> u32;
 
@@ -67,53 +78,84 @@ pub trait Real: Lane<Element = Self> {
 
 impl Real for f32 {
     fn stepper(rounding: Rounding, law: Law, modes: usize) -> Option<Stepper<Self>> {
-        with_single(rounding, NewStepper { law, modes })
+        with_single(rounding, Compiled::<Stepper<f32>> { law, modes, made: PhantomData })
     }
 }
 
 impl Real for f64 {
     fn stepper(rounding: Rounding, law: Law, modes: usize) -> Option<Stepper<Self>> {
-        with_double(rounding, NewStepper { law, modes })
+        with_double(rounding, Compiled::<Stepper<f64>> { law, modes, made: PhantomData })
     }
 }
 
-struct NewStepper {
-    law: Law,
-    modes: usize,
+/// What is compiled for a law and a number of modes: a [`Stepper`], or a [`Seer`].
+pub(crate) struct Compiled<T> {
+    pub law: Law,
+    pub modes: usize,
+    pub made: PhantomData<T>,
 }
 
-impl<E: Copy> WithLanes<E> for NewStepper {
-    type Output = Option<Stepper<E>>;
+/// Something that is compiled for lanes, a law and a number of modes.
+pub(crate) trait Make<E> {
+    /// `modes` are those of a loop; more than [`WRITTEN_OUT`] are.
+    fn make<L: Lane<Element = E>, I: Interaction<L>, const M: usize>(modes: usize) -> Self;
+}
 
-    fn with<F: Family<E>>(self) -> Option<Stepper<E>> {
-        let Self { law, modes } = self;
-        macro_rules! steppers {
+impl<E: Copy, T: Make<E>> WithLanes<E> for Compiled<T> {
+    type Output = Option<T>;
+
+    fn with<F: Family<E>>(self) -> Option<T> {
+        let Self { law, modes, .. } = self;
+        macro_rules! made {
             ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
                 { attraction: $attraction:ident, memory: $memory:literal,
                   wide: [$($two:literal)*], narrow: [$($one:literal)*] };)*) => {
                 match law {
                     $(Law::$law => match modes {
                         0 => None,
-                        ..=MODES_MAX if F::LOOPS => Some(new::<F::Narrow, contact::$kernel<F::Narrow>, MODES_MAX>(modes)),
+                        ..=MODES_MAX if F::LOOPS => Some(T::make::<F::Narrow, contact::$kernel<F::Narrow>, MODES_MAX>(modes)),
                         _ if F::LOOPS => None,
-                        $(..=$two => Some(new::<F::Wide, contact::$kernel<F::Wide>, $two>(modes)),)*
-                        $(..=$one => Some(new::<F::Narrow, contact::$kernel<F::Narrow>, $one>(modes)),)*
+                        $(..=$two => Some(T::make::<F::Wide, contact::$kernel<F::Wide>, $two>(modes)),)*
+                        $(..=$one => Some(T::make::<F::Narrow, contact::$kernel<F::Narrow>, $one>(modes)),)*
                         _ => None,
                     },)*
                 }
             };
         }
-        crate::laws!(steppers)
+        crate::laws!(made)
     }
 }
 
-fn new<L: Lane, I: Interaction<L>, const M: usize>(modes: usize) -> Stepper<L::Element> {
-    Stepper {
-        width: L::WIDTH,
-        modes: if M <= WRITTEN_OUT { M } else { modes },
-        coast: coast::<L, I, M>,
-        measure: measure::<L, I, M>,
+impl<E: Copy> Make<E> for Stepper<E> {
+    fn make<L: Lane<Element = E>, I: Interaction<L>, const M: usize>(modes: usize) -> Self {
+        Self {
+            width: L::WIDTH,
+            modes: if M <= WRITTEN_OUT { M } else { modes },
+            coast: coast::<L, I, M>,
+            measure: measure::<L, I, M>,
+        }
     }
+}
+
+impl<E: Copy> Make<E> for Seer<E> {
+    fn make<L: Lane<Element = E>, I: Interaction<L>, const M: usize>(modes: usize) -> Self {
+        Self { width: L::WIDTH, modes: if M <= WRITTEN_OUT { M } else { modes }, period: see::<L, I, M> }
+    }
+}
+
+fn see<L: Lane, I: Interaction<L>, const M: usize>(
+    modes: usize,
+    constants: &[L::Element],
+    rows: &mut [L::Element],
+    waves: &[Wave<L::Element>],
+    seen: &mut [L::Element],
+) {
+    let (case, mut state) = L::run(
+        #[inline(always)]
+        || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
+    );
+    seen_period(&case, &mut state, waves, seen);
+    store(&state, modes, rows);
 }
 
 fn coast<L: Lane, I: Interaction<L>, const M: usize>(

@@ -173,6 +173,12 @@ impl<L: Lane> FreePath<L> {
         (late.min(L::splat(ONE)), fast)
     }
 
+    /// Where the tip is after such a share of the step, from `t1` on at this pace, the force having `held` it.
+    #[inline(always)]
+    fn ahead(&self, (t1, pace): (L, L), left: L, held: L) -> L {
+        (left * left).mul_add(L::splat(HALF).mul_add(self.free, -held), left.mul_add(pace, t1))
+    }
+
     /// The share of the step after which the tip has gone back by `height`, the force having `held` it.
     #[inline(always)]
     fn fall(&self, height: L, held: L) -> L {
@@ -249,11 +255,10 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
             pace = L::select(touches, fast, speed);
         }
         let left = one - late;
-        let ahead = |held: L| (left * left).mul_add(half.mul_add(free, -held), left.mul_add(pace, t1));
-        let near = Point::roughly(ahead(half * pull * from.force));
+        let near = Point::roughly(path.ahead((t1, pace), left, half * pull * from.force));
         let guess = Part::between(from, near);
         let held = pull * half.mul_add(guess.mean, -guess.moment);
-        let t2 = ahead(held);
+        let t2 = path.ahead((t1, pace), left, held);
         let lets_go = L::both(begins, L::either(t2.less(zero), t1.less(zero)));
         let mut to = Point::at(t2);
         let mut share = left;
