@@ -9,6 +9,7 @@ const OPTIONS: Options = Options {
     enough: 1e-6,
     step: 1e-6,
     last_step: Some(1e-6),
+    tangent: None,
     most: 500,
     near: false,
     carried: false,
@@ -61,6 +62,38 @@ fn henons_fixed_point_and_its_multiplier_are_found() {
         assert!(off < 2.0 * a * OPTIONS.step && fewer < spent, "{a}: off by {off:e}, {fewer} of {spent}");
         println!("a = {a}: {spent} evaluations");
         assert!(spent < 100, "{spent}");
+    }
+}
+
+/// Truth: as above; a map that tells its slope is asked for no differences, and its multiplier is exact.
+#[test]
+fn a_map_that_tells_its_slope_is_asked_for_no_differences() {
+    let b = 0.3;
+    for a in [0.05f64, 0.2, 0.35] {
+        let x = (b - 1.0 + ((1.0 - b) * (1.0 - b) + 4.0 * a).sqrt()) / (2.0 * a);
+        let multiplier = a * x + (a * a * x * x + b).sqrt();
+        let options = Options { tangent: Some(0), ..OPTIONS };
+        let (map, mut search) = (henon(a, b), Search::new(DVector::from_vec(vec![0.0, 0.0]), options));
+        let mut slopes = 0;
+        while search.verdict().is_none() {
+            let states: Vec<DVector<f64>> = search.asks().collect();
+            assert_eq!(states.len(), 1, "differences were asked for");
+            let value = map(&states[0]);
+            if search.wants_slope() {
+                slopes += 1;
+                let slope = DMatrix::from_row_slice(2, 2, &[-2.0 * a * states[0][0], 1.0, b, 0.0]);
+                search.answer_sloped(value.map(|value| (value, slope)));
+            } else {
+                search.answer(&[value]);
+            }
+        }
+        let (verdict, spent) = (search.verdict().expect("it has ended").clone(), search.evaluations());
+        let found = found(verdict);
+        println!("a = {a}: {spent} evaluations, {slopes} of them with slopes");
+        assert!((found.state[0] - x).abs() < 1e-10);
+        let off = (found.spectrum.multiplier - multiplier).abs();
+        assert!(off < 1e-9, "{a}: {} {multiplier}", found.spectrum.multiplier);
+        assert!(slopes > 0 && spent < self::search(&[0.0, 0.0], OPTIONS, henon(a, b)).1);
     }
 }
 

@@ -25,7 +25,7 @@ pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::ReturnMap;
+pub use return_map::{ReturnMap, SlopeStart, Sloped};
 pub use threads::on_threads;
 pub use trace::{Between, Trace, TraceSample, trace};
 

@@ -10,6 +10,7 @@ mod options;
 mod search;
 mod size;
 mod spectrum;
+mod told;
 
 pub use inverse::inverse;
 pub use options::Options;

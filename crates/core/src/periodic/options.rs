@@ -17,6 +17,9 @@ pub struct Options {
     /// A multiplier by one-sided differences, or by those of a map that differs little, that is below this leaves no doubt
     /// of the state's stability.
     pub clearly: f64,
+    /// Where the map tells its slope itself: how many columns by differences cost as much. Beyond so many no differences are
+    /// taken.
+    pub tangent: Option<usize>,
     /// Most evaluations of the map.
     pub most: u32,
     /// Whether the start is thought to be next to the fixed point.

@@ -51,7 +51,7 @@ const CARRIED: f64 = 3.0;
 const NEWTON: f64 = 1e5;
 
 #[derive(Clone, Debug)]
-enum Stage<D: Size>
+pub(super) enum Stage<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
@@ -73,7 +73,7 @@ where
 
 /// Where the slope is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Taken {
+pub(super) enum Taken {
     /// Carried along from another state.
     Elsewhere,
     /// Taken here, but for the columns that are guessed.
@@ -88,22 +88,24 @@ pub struct Search<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
-    options: Options,
+    pub(super) options: Options,
     /// Where it stands, and by how much the map moves that.
-    state: OVector<f64, D>,
-    change: OVector<f64, D>,
-    slope: OMatrix<f64, D, D>,
+    pub(super) state: OVector<f64, D>,
+    pub(super) change: OVector<f64, D>,
+    pub(super) slope: OMatrix<f64, D, D>,
     /// Numbers of the state that the map moves, where these are not all.
     moving: Option<Vec<usize>>,
     /// Columns of the slope that no guess stands for.
-    columns: Vec<usize>,
+    pub(super) columns: Vec<usize>,
     /// What is known of the slope at the fixed point of a map that differs little from this one.
-    known: Option<Spectrum>,
-    taken: Taken,
+    pub(super) known: Option<Spectrum>,
+    pub(super) taken: Taken,
     /// Time, in periods, that the next stride stands for.
     time: f64,
-    stage: Stage<D>,
-    evaluations: u32,
+    pub(super) stage: Stage<D>,
+    pub(super) evaluations: u32,
+    /// The same, but that a slope that the map has told counts as by differences: a search gives up as early with either.
+    pub(super) spent: u32,
 }
 
 impl<D: Size> Search<D>
@@ -124,6 +126,7 @@ where
             time: if options.near { f64::INFINITY } else { FIRST },
             stage: Stage::Begin,
             evaluations: 0,
+            spent: 0,
             state,
         }
     }
@@ -189,6 +192,7 @@ where
     pub fn wants(&self) -> usize {
         match &self.stage {
             Stage::Begin | Stage::Stride { .. } => 1,
+            Stage::Slope { whole } if self.tells(*whole) => 1,
             Stage::Slope { whole: true } => self.size(),
             Stage::Slope { whole: false } => self.columns.len(),
             Stage::Last => 2 * self.size(),
@@ -200,6 +204,7 @@ where
         let mut state = self.state.clone();
         match &self.stage {
             Stage::Begin | Stage::Done(_) => {}
+            Stage::Slope { whole } if self.tells(*whole) => {}
             Stage::Stride { step, .. } => state += step,
             Stage::Slope { whole } => {
                 let k = if *whole { self.moved(n) } else { self.columns[n] };
@@ -216,8 +221,9 @@ where
     /// Takes the answers, in the order of [`Search::asks`]; none where the map has no answer of use.
     pub fn answer(&mut self, values: &[Option<OVector<f64, D>>]) {
         self.evaluations += values.len() as u32;
+        self.spent += values.len() as u32;
         let stage = std::mem::replace(&mut self.stage, Stage::Done(Verdict::Lost(Lost::Stuck)));
-        self.stage = match stage {
+        let next = match stage {
             Stage::Begin => self.begun(values),
             Stage::Slope { whole } => match self.one_sided(whole, values) {
                 true => self.stride(),
@@ -227,7 +233,12 @@ where
             Stage::Last => self.last(values),
             done @ Stage::Done(_) => done,
         };
-        if self.evaluations >= self.options.most && self.verdict().is_none() {
+        self.go_on(next);
+    }
+
+    pub(super) fn go_on(&mut self, next: Stage<D>) {
+        self.stage = next;
+        if self.spent >= self.options.most && self.verdict().is_none() {
             self.stage = Stage::Done(Verdict::Lost(Lost::Stuck));
         }
     }
@@ -276,7 +287,7 @@ where
     }
 
     /// The next stride, or the end where Newton's step is short enough.
-    fn stride(&mut self) -> Stage<D> {
+    pub(super) fn stride(&mut self) -> Stage<D> {
         let stuck = Stage::Done(Verdict::Lost(Lost::Stuck));
         let near = self.options.tolerance * self.options.scale;
         // Newton's step is no shorter than the change it undoes over the norm of 1 - slope.
@@ -285,19 +296,7 @@ where
         let newton = factors(&self.slope, 1.0 + 1.0 / time);
         let Some(mut step) = self.step_by(&newton) else { return stuck };
         if !far && step.norm() <= near {
-            let central = self.options.last_step.is_some();
-            if !central && self.known.is_none() && self.options.stable && self.taken != Taken::Whole {
-                return Stage::Slope { whole: true };
-            }
-            self.state += step;
-            // Where nobody asks for stability the slope will do as it is.
-            let enough = self.options.near && (!self.options.stable || self.taken == Taken::Whole);
-            let at = match self.known {
-                None if enough || !central => Some(Spectrum::new(&self.slope, &newton)),
-                known => known,
-            };
-            let sure = |at: &Spectrum| !self.options.stable || at.multiplier < self.options.clearly;
-            return at.filter(sure).map_or(Stage::Last, |at| self.found(at));
+            return self.ended(step, &newton);
         }
         if !far && self.time < NEWTON {
             match self.step(self.time) {
@@ -347,6 +346,9 @@ where
                 .step(f64::INFINITY)
                 .is_some_and(|newton| newton.norm() <= self.options.enough * self.options.scale)
             {
+                if self.tells(true) && self.taken == Taken::Whole {
+                    return self.found(Spectrum::new(&self.slope, &factors(&self.slope, 1.0)));
+                }
                 return Stage::Last;
             }
             return Stage::Done(Verdict::Lost(if values == [None] { Lost::Undefined } else { Lost::Stuck }));
@@ -366,7 +368,7 @@ where
         self.found(Spectrum::new(&self.slope, &factors(&self.slope, 1.0)))
     }
 
-    fn found(&self, spectrum: Spectrum) -> Stage<D> {
+    pub(super) fn found(&self, spectrum: Spectrum) -> Stage<D> {
         let multiplier = spectrum.multiplier;
         if multiplier.is_nan() || (self.options.stable && multiplier >= 1.0) {
             return Stage::Done(Verdict::Lost(Lost::Unstable));

@@ -1,5 +1,6 @@
 //! How near a search is to come, and what is stable without a doubt.
 
+use crate::kernel::Attraction;
 use crate::periodic::Options;
 use crate::plan::{KeptMode, Plan};
 use std::f64::consts::TAU;
@@ -19,6 +20,12 @@ const ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
 const DOUBTED: f64 = 0.35;
 const CLEARLY: (f64, f64) = (0.99, 0.999);
 
+/// See [`tangent_columns`]: where the law acts in some steps of a period, and where it acts in all.
+const WORTH: (usize, usize) = (3, 12);
+
+/// See [`least`].
+const LEFT_OUT: f64 = 0.02;
+
 /// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
 /// free lever's largest multiplier has. One-sided differences are good to a thousandth.
 fn clearly(plan: &Plan, instance: u32) -> f64 {
@@ -33,6 +40,19 @@ pub(super) fn certainly(plan: &Plan, instance: u32) -> f64 {
 /// Length of a state that is not small, m, and the distance to the periodic state that is aimed at in units of it.
 pub(super) fn goal(plan: &Plan, instance: u32) -> (f64, f64) {
     (plan.driven(instance).free_amplitude().max(1e-15), NEAR * plan.run.accuracy)
+}
+
+/// What may be left out of a period's slope: so small a share of the distance to 1 that the free lever's largest multiplier has.
+pub(super) fn least(plan: &Plan, instance: u32) -> f64 {
+    LEFT_OUT * (1.0 - free_multiplier(plan, instance))
+}
+
+/// How many columns of a slope by differences take as long as the slope by tangents.
+pub(super) fn tangent_columns(plan: &Plan, instance: u32) -> usize {
+    match plan.law(instance).attraction() {
+        Attraction::Distant => WORTH.1,
+        Attraction::None | Attraction::Contact => WORTH.0,
+    }
 }
 
 /// The free lever's largest multiplier.
@@ -57,6 +77,7 @@ pub(super) fn options(plan: &Plan, instance: u32) -> (bool, Options) {
         most: MOST,
         near: false,
         carried: false,
+        tangent: None,
         clearly: clearly(plan, instance),
         stable: true,
     };

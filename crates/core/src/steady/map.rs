@@ -1,8 +1,8 @@
 //! The period map of some instances, on whatever engine there is.
 
 use super::PeriodicState;
-use crate::engine::{Engine, EngineError, Progress, ReturnMap};
-use crate::kernel::{MODES_MAX, flown, increments};
+use crate::engine::{Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped};
+use crate::kernel::{MODES_MAX, Room, flown, increments};
 use crate::periodic::{Memory, Size};
 use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, StartState, Station};
 use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
@@ -87,6 +87,22 @@ impl<'a> PeriodMap<'a> {
         let outcome = self.engine.run(&trial, self.progress)?;
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(outcome.notes);
         Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
+    }
+}
+
+impl PeriodMap<'_> {
+    /// Whether slopes can be asked for.
+    pub fn tells_slopes(&self) -> bool {
+        self.quick.is_some()
+    }
+
+    /// Where each of these is after a period, and the slope of that; none where the run was stopped, or where slopes cannot
+    /// be asked for.
+    pub fn sloped(&self, starts: &[SlopeStart], room: &mut Room<f64>) -> Vec<Option<Sloped>> {
+        let Some(map) = &self.quick else { return vec![None; starts.len()] };
+        let steps = |start: &SlopeStart| u64::from(self.plan.steps(self.instances[start.instance as usize]));
+        self.progress.foresee(starts.iter().map(steps).sum());
+        map.sloped(starts, room, self.progress)
     }
 }
 

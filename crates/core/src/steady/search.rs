@@ -1,14 +1,15 @@
 //! Many searches side by side: all that they ask for in one run.
 
 use super::PeriodicState;
-use super::aims::options;
+use super::aims::{least, options, tangent_columns};
 use super::begin::{Along, Begin, Left};
 use super::map::{PeriodMap, as_its_own, free_slope, station, vector};
 use super::sizes::{Sized, by_size, with_size};
-use crate::engine::{Engine, EngineError, Progress};
+use crate::engine::{Engine, EngineError, Progress, SlopeStart, Sloped};
+use crate::kernel::Room;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
 use crate::plan::{Case, Plan, Station};
-use nalgebra::{DefaultAllocator, DimName, OVector};
+use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -175,16 +176,32 @@ impl Batch<'_> {
         DefaultAllocator: Memory<D>,
     {
         let mut lost = Vec::new();
-        let (mut starts, mut values) = (Vec::new(), Vec::new());
+        if self.map.tells_slopes() {
+            let columns = |slot: u32| tangent_columns(self.plan, self.instances[slot as usize]);
+            all.iter_mut().for_each(|one| one.search.by_tangents(columns(one.slot)));
+        }
+        let mut room = Room::default();
+        let (mut starts, mut slopes, mut values) = (Vec::new(), Vec::new(), Vec::new());
         while !all.is_empty() {
             starts.clear();
+            slopes.clear();
             for one in &all {
-                let place = |state| (one.slot, station::<D>(&state, one.start.touching));
-                starts.extend(one.search.asks().map(place));
+                let places = one.search.asks().map(|state| station::<D>(&state, one.start.touching));
+                if one.search.wants_slope() {
+                    let least = least(self.plan, self.instances[one.slot as usize]);
+                    slopes.extend(places.map(|station| SlopeStart { instance: one.slot, station, least }));
+                } else {
+                    starts.extend(places.map(|station| (one.slot, station)));
+                }
             }
             let ends = self.map.after(&starts, 1)?;
+            let mut sloped = self.map.sloped(&slopes, &mut room).into_iter();
             let mut rest = ends.iter();
             for one in &mut all {
+                if one.search.wants_slope() {
+                    one.answer_sloped(sloped.next().flatten());
+                    continue;
+                }
                 values.clear();
                 values.extend(rest.by_ref().take(one.search.wants()).map(|end| one.useful((*end)?)));
                 one.search.answer(&values);
@@ -312,6 +329,20 @@ where
     /// Periods stepped for the instance.
     fn stepped(&self) -> u32 {
         self.periods + self.search.evaluations()
+    }
+
+    /// Takes the map's answer with its slope.
+    fn answer_sloped(&mut self, sloped: Option<Sloped>) {
+        let answer = sloped.and_then(|Sloped { end, slope }| {
+            let own = slope.len().isqrt();
+            let place = |n: usize| if n < own / 2 { n } else { D::DIM / 2 + n - own / 2 };
+            let mut all = OMatrix::<f64, D, D>::zeros();
+            for (n, value) in slope.iter().enumerate() {
+                all[(place(n % own), place(n / own))] = *value;
+            }
+            Some((self.useful(end)?, all))
+        });
+        self.search.answer_sloped(answer);
     }
 
     /// The map's answer, if it is one: numbers, and the same contact as before.

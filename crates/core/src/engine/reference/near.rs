@@ -72,6 +72,7 @@ pub fn solve_near(
         enough: ENOUGH * accuracy,
         step,
         last_step: None,
+        tangent: None,
         most: MOST,
         near: true,
         carried: false,
