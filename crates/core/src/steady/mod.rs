@@ -301,36 +301,6 @@ fn found(
 }
 
 impl Settled {
-    /// Waits for some instances as told.
-    fn wait_for(
-        &mut self,
-        plan: &Plan,
-        wait: late::Wait,
-        engine: &dyn Engine,
-        progress: &Progress,
-    ) -> Result<(), EngineError> {
-        if wait.instances.is_empty() || progress.stopped() {
-            return Ok(());
-        }
-        let mut part = plan.part(&wait.instances);
-        part.run.periods = wait.periods;
-        if let Some(starts) = wait.starts {
-            part = part.starting_at(starts.into_iter().map(StartState::from).collect());
-        }
-        let waited = wait::run(&part, engine, progress)?;
-        for (place, i) in wait.instances.iter().map(|i| *i as usize).enumerate() {
-            self.outcome.results[i] = waited.outcome.results[place];
-            self.periods[i] += waited.periods[place];
-            // Whoever goes on from here goes on with the curve's state.
-            let end = waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.goes_on);
-            let steady = waited.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
-            self.found[i] =
-                end.filter(|_| steady).map(|end| Box::new(follow::waited_for(plan, i as u32, *end)));
-        }
-        self.outcome.notes.extend(waited.outcome.notes);
-        Ok(())
-    }
-
     /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
     /// bears the state out. The others come back.
     fn borne_out(
