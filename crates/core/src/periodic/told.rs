@@ -6,6 +6,9 @@ use super::size::{Memory, Size};
 use super::spectrum::Spectrum;
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
+/// Where the map leads from a state, and its slope there.
+type WithSlope<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
+
 impl<D: Size> Search<D>
 where
     DefaultAllocator: Memory<D>,
@@ -39,7 +42,7 @@ where
     }
 
     /// Takes the answer with its slope; none where the map has no answer of use.
-    pub fn answer_sloped(&mut self, answer: Option<(OVector<f64, D>, OMatrix<f64, D, D>)>) {
+    pub fn answer_sloped(&mut self, answer: Option<WithSlope<D>>) {
         self.evaluations += 1;
         self.spent += match self.stage {
             Stage::Slope { whole } => self.instead(whole) as u32,
