@@ -13,7 +13,7 @@
 # make slurm-check, make dask-check   a run in shares by Slurm on one node (as root, with slurm-wlm), and by Dask (a minute each)
 # make dask-slurm-check   a run in shares by dask-jobqueue on that node (a minute)
 # make dakota-check   studies driven by Dakota: its points, its calibration (some seconds)
-# make kill-check   100 kills at random moments of runs of every kind, and 2,000 bits turned over in a journal and in results files (half an hour)
+# make kill-check   100 kills at random moments of runs of every kind, 30 full disks, 30 second runs on a journal, and 2,000 bits turned over in a journal and in results files (half an hour)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=

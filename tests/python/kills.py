@@ -1,9 +1,10 @@
 """Kills runs of every kind at random moments, goes on with them, and compares their files. Needs h5py.
 
-kills.py PROGRAM [--kills 100] [--terms 30] [--seed 1]
+kills.py PROGRAM [--kills 100] [--terms 30] [--disks 30] [--pairs 30] [--seed 1]
 
 Truth is the run of the same scene that nobody disturbs: the file that is gone on to has its variables, to the bit. A quarter
-of the signals to runs whose time goes into second branches and audit have to meet them there. As root it also fills a small disk and makes it larger again.
+of the signals to runs whose time goes into second branches and audit have to meet them there. Second runs are started on
+journals of runs that are under way. As root it also fills small disks and makes them larger again.
 """
 
 import argparse
@@ -109,14 +110,7 @@ def to_the_end(program, arguments, number, strikes, lasts, draw):
 
 def strikes(program, name, number, count, draw):
     """Strikes runs of a kind until `count` signals have met one; what is wrong."""
-    text, portion, options = KINDS[name]
-    pathlib.Path("scene.toml").write_text(text)
-    audit = [] if "--audit" in options else ["--audit", "2"]
-    arguments = ["run", "scene.toml", "-q", *audit, "--portion", portion, *options]
-    whole = [*arguments, "-o", "whole.h5", "--overwrite"]
-    began = time.monotonic()
-    subprocess.run([program, *whole], check=True)
-    lasts = time.monotonic() - began
+    arguments, lasts = undisturbed(program, name)
     met = beyond = runs = 0
     wrong = []
     while met < count:
@@ -128,35 +122,73 @@ def strikes(program, name, number, count, draw):
             wrong.append("a journal is left")
             pathlib.Path("a.h5.partial").unlink()
     # A draw of few signals may miss them by chance.
-    if "--audit" in options and beyond < max(1, met // 4):
+    if met and "--audit" in KINDS[name][2] and beyond < max(1, met // 4):
         wrong.append(f"only {beyond} of {met} signals met second branches, audit or waveforms")
     print(f"{name:10} {signal.Signals(number).name}: {met} in {runs} runs of {lasts:.2f} s, {beyond} of them beyond the portions, "
           f"{len(wrong)} wrong", flush=True)
     return [f"{name}: {one}" for one in wrong]
 
 
-def full_disk(program):
-    """Fills a disk of 256 kB while a run writes its journal, and makes it larger."""
-    text, portion, options = KINDS["search"]
+def undisturbed(program, name):
+    """Runs a kind; the arguments of its runs, and how long it lasts."""
+    text, portion, options = KINDS[name]
     pathlib.Path("scene.toml").write_text(text)
-    arguments = ["run", "scene.toml", "-q", "--audit", "2", "--portion", portion, *options]
+    audit = [] if "--audit" in options else ["--audit", "2"]
+    arguments = ["run", "scene.toml", "-q", *audit, "--portion", portion, *options]
+    began = time.monotonic()
     subprocess.run([program, *arguments, "-o", "whole.h5", "--overwrite"], check=True)
+    return arguments, time.monotonic() - began
+
+
+def full_disks(program, count, draw):
+    """Fills disks of some 40 kB or more while runs write their journals, and makes them larger; what is wrong."""
     disk = pathlib.Path("disk")
     disk.mkdir()
-    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)], check=True)
-    try:
-        wrong = []
-        for size in ("256k", "320k", "16m"):
-            subprocess.run(["mount", "-o", f"remount,size={size}", str(disk)], check=True)
-            done = subprocess.run([program, *arguments, "-o", "disk/a.h5", "--resume"], capture_output=True, text=True)
-            if size == "16m":
-                wrong += [done.stderr] if done.returncode else differing("whole.h5", "disk/a.h5")
-            elif done.returncode != 1 or "make room" not in done.stderr:
-                wrong.append(f"{size}: exit code {done.returncode}, {done.stderr}")
-        print(f"full disk: {len(wrong)} wrong")
-        return wrong
-    finally:
-        subprocess.run(["umount", str(disk)], check=True)
+    wrong, filled, tried = [], 0, 0
+    while filled < count and tried < 10 * count:
+        tried += 1
+        name = draw.choice(["grid", "list", "design", "curve", "search", "set-point"])
+        arguments, _ = undisturbed(program, name)
+        arguments = [program, *arguments, "-o", "disk/a.h5", "--resume"]
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(disk)], check=True)
+        try:
+            size = 4 * draw.randrange(10, 100)
+            subprocess.run(["mount", "-o", f"remount,size={size}k", str(disk)], check=True)
+            done = subprocess.run(arguments, capture_output=True, text=True)
+            filled += done.returncode != 0
+            if done.returncode and (done.returncode != 1 or "make room" not in done.stderr):
+                wrong.append(f"{name}, {size} kB: exit code {done.returncode}, {done.stderr}")
+            subprocess.run(["mount", "-o", "remount,size=16m", str(disk)], check=True)
+            done = subprocess.run(arguments, capture_output=True, text=True)
+            wrong += [done.stderr] if done.returncode else differing("whole.h5", "disk/a.h5")
+        finally:
+            subprocess.run(["umount", str(disk)], check=True)
+    print(f"full disk: {filled} filled in {tried} runs, {len(wrong)} wrong", flush=True)
+    return wrong if filled >= count else [*wrong, f"only {filled} of {count} disks were filled"]
+
+
+def pairs(program, count, draw):
+    """Starts a second run on the journal of one that is under way; what is wrong."""
+    wrong, refused, tried = [], 0, 0
+    while refused < count and tried < 10 * count:
+        name = draw.choice(["grid", "curve", "search"])
+        arguments, lasts = undisturbed(program, name)
+        arguments = [program, *arguments, "-o", "a.h5", "--resume"]
+        tried += 1
+        first = subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        time.sleep(draw.uniform(0.0, lasts))
+        second = subprocess.run(arguments, capture_output=True, text=True)
+        _, said = first.communicate()
+        refused += second.returncode != 0
+        if second.returncode and "another run is writing" not in second.stderr:
+            wrong.append(f"{name}: exit code {second.returncode}, {second.stderr}")
+        # Whichever came first ran to its end.
+        if first.returncode and "another run is writing" not in said:
+            wrong.append(f"{name}: {said}")
+        wrong += differing("whole.h5", "a.h5")
+        pathlib.Path("a.h5").unlink(missing_ok=True)
+    print(f"two runs on one journal: {refused} refused of {tried}, {len(wrong)} wrong", flush=True)
+    return wrong if refused >= count else [*wrong, f"only {refused} of {count} second runs were refused"]
 
 
 def main():
@@ -164,6 +196,8 @@ def main():
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--terms", type=int, default=30)
+    parser.add_argument("--disks", type=int, default=30)
+    parser.add_argument("--pairs", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1)
     told = parser.parse_args()
     program = str(told.program.resolve())
@@ -176,9 +210,10 @@ def main():
             wrong += strikes(program, name, signal.SIGTERM, -(-told.terms // len(KINDS)), draw)
         if os.geteuid() == 0 and subprocess.run(["mount", "--version"], capture_output=True).returncode == 0:
             try:
-                wrong += full_disk(program)
+                wrong += full_disks(program, told.disks, draw)
             except subprocess.CalledProcessError as error:
                 print(f"full disk: not tried, {error}")
+        wrong += pairs(program, told.pairs, draw)
         os.chdir("/")
     print("\n".join(wrong) or "all files are those of undisturbed runs")
     return 1 if wrong else 0
