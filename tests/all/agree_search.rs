@@ -202,3 +202,48 @@ fn waiting_ends_when_an_instance_has_settled() {
     let error = apart(&plan, &long.outcome.results[0], &short.outcome.results[0]);
     assert!(error < 0.3 * plan.run.accuracy, "{error:e}");
 }
+
+/// Three searches from the free oscillation find nothing: the lever leaves the repulsive branch, whose end is near, in a swing
+/// of some thousand periods. Waiting 20,000 periods has the truth.
+#[test]
+fn what_settles_late_is_found_where_waiting_ends() {
+    let text = r#"
+        [instrument]
+        preset = "ha-fung-chen-2005"
+        [instrument.actuator]
+        quality_factor = 100
+        [instrument.cantilever]
+        quality_factor = 1000
+        [instrument.tip]
+        radius = "30.8442165081588 nm"
+        youngs_modulus = "130 GPa"
+        poisson_ratio = 0.28
+        [sample]
+        youngs_modulus = "0.1 GPa"
+        poisson_ratio = 0.3
+        surface_energy = "14.3844988828766 mJ/m^2"
+        [contact]
+        law = "dmt"
+        decay_length = "0.3 nm"
+        [drive]
+        frequency = "resonance"
+        free_amplitude = "20 nm"
+        [approach]
+        gap = "17 nm"
+        [run]
+        periods = 20000
+        steady = "search"
+        accuracy = 1e-3
+        [output]
+        observables = ["amplitude", "phase"]
+    "#;
+    let scene = Scene::parse(Path::new("late.toml"), text).unwrap();
+    let (plan, searched) = run(&scene, Steady::Search);
+    let (_, waited) = run(&scene, Steady::Wait);
+    let (ours, truth) = (&searched.outcome.results[0], &waited.outcome.results[0]);
+    assert_eq!((ours.status, truth.status), (Status::Ok, Status::Ok));
+    assert!(searched.state(0).is_some() && searched.periods[0] < 4000, "{}", searched.periods[0]);
+    let error = apart(&plan, ours, truth);
+    println!("{error:.1e} apart after {} periods", searched.periods[0]);
+    assert!(error < 0.1 * plan.run.accuracy, "{error:e}");
+}

@@ -87,6 +87,15 @@ pub trait Engine: Send + Sync {
         Ok(None)
     }
 
+    /// What tells the slopes of these instances' periods, where the engine has no return map; none where they are left to
+    /// differences.
+    ///
+    /// # Errors
+    /// What the engine says.
+    fn slopes(&self, _plan: &Plan, _instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
+        Ok(None)
+    }
+
     /// Runs the plan. A failed instance is data, not an error.
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError>;
 }

@@ -254,3 +254,32 @@ impl Settled {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A look at a motion of which the first number is so after so many periods.
+    fn look(of: impl Fn(f64) -> f64) -> Unrest {
+        let place = |n: u32| {
+            let mut station = Station::FREE;
+            station.x[0] = of(f64::from(n));
+            station
+        };
+        Unrest::of(&(0..=LOOK).map(place).collect::<Vec<_>>(), 1.0)
+    }
+
+    #[test]
+    fn what_alternates_wanders_and_what_drifts_or_fades_does_not() {
+        let (accuracy, turn) = (1e-3, |n: f64| if n % 2.0 == 0.0 { 0.05 } else { -0.05 });
+        let alternates = look(turn);
+        assert!((alternates.change - 0.1).abs() < 1e-12 && (alternates.turns - 2.0).abs() < 1e-12);
+        assert!(alternates.wanders(&alternates, accuracy));
+        let drifts = look(|n| 0.01 * n);
+        assert!(drifts.turns < 1e-9 && !drifts.wanders(&drifts, accuracy));
+        let fades = look(|n| 0.4 * turn(n));
+        assert!(!fades.wanders(&alternates, accuracy));
+        let still = look(|n| 1e-3 * turn(n));
+        assert!(!still.wanders(&still, accuracy));
+    }
+}

@@ -24,6 +24,8 @@ pub(super) struct PeriodMap<'a> {
     instances: &'a [u32],
     engine: &'a dyn Engine,
     quick: Option<Box<dyn ReturnMap>>,
+    /// What tells slopes where there is no quick one.
+    host: Option<Box<dyn ReturnMap>>,
     progress: &'a Progress,
     /// What the engine had to say.
     notes: Mutex<Vec<String>>,
@@ -38,7 +40,8 @@ impl<'a> PeriodMap<'a> {
         progress: &'a Progress,
     ) -> Result<Self, EngineError> {
         let quick = engine.return_map(plan, instances)?;
-        Ok(Self { plan, instances, engine, quick, progress, notes: Mutex::default() })
+        let host = if quick.is_none() { engine.slopes(plan, instances)? } else { None };
+        Ok(Self { plan, instances, engine, quick, host, progress, notes: Mutex::default() })
     }
 
     /// Does `work` for all instances: at once, or for some after the other on many threads where the engine does not
@@ -93,16 +96,23 @@ impl<'a> PeriodMap<'a> {
 impl PeriodMap<'_> {
     /// Whether slopes can be asked for.
     pub fn tells_slopes(&self) -> bool {
-        self.quick.is_some()
+        self.quick.is_some() || self.host.is_some()
     }
 
     /// Where each of these is after a period, and the slope of that; none where the run was stopped, or where slopes cannot
     /// be asked for.
     pub fn sloped(&self, starts: &[SlopeStart], room: &mut Room<f64>) -> Vec<Option<Sloped>> {
-        let Some(map) = &self.quick else { return vec![None; starts.len()] };
         let steps = |start: &SlopeStart| u64::from(self.plan.steps(self.instances[start.instance as usize]));
         self.progress.foresee(starts.iter().map(steps).sum());
-        map.sloped(starts, room, self.progress)
+        match (&self.quick, &self.host) {
+            (Some(map), _) => map.sloped(starts, room, self.progress),
+            // All of them come at once.
+            (None, Some(map)) => starts
+                .par_chunks(PART.1 as usize)
+                .flat_map_iter(|some| map.sloped(some, &mut Room::default(), self.progress))
+                .collect(),
+            (None, None) => vec![None; starts.len()],
+        }
     }
 }
 

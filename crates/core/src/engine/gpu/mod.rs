@@ -15,7 +15,7 @@ pub use adapter::{AdapterReport, adapters, alike};
 pub use chunk::Job;
 
 use super::cpu;
-use super::{Engine, EngineError, Outcome, Progress};
+use super::{Cpu, Engine, EngineError, Outcome, Progress, ReturnMap};
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
 use dealer::Dealer;
@@ -244,6 +244,11 @@ impl Engine for Gpu {
     fn kind(&self) -> String {
         // What it hands back to the processor, and searches in f64 where it has none, counts too; how many devices does not.
         format!("gpu {} beside {}", self.report.title(), cpu::Cpu::default().kind())
+    }
+
+    // The shader has no slopes: the processor that rounds as it does tells them.
+    fn slopes(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
+        Cpu { strict: true }.return_map(plan, instances)
     }
 
     fn double(&self) -> bool {
