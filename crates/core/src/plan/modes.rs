@@ -117,11 +117,15 @@ impl ReducedBasis {
             kept.reason = format!("{count} modes, as the scene says");
             return kept;
         }
-        let richest = Self::by_share(instrument, RICHEST * asked, None, (fastest, steps_max));
-        let known = |k: &usize| richest.modes.iter().any(|mode| mode.index == Some(*k));
+        let has = |basis: &Self, k: usize| basis.modes.iter().any(|mode| mode.index == Some(k));
         let slow = |k: &usize| instrument.modes[*k].omega <= fastest;
-        let met: Vec<usize> =
-            met(&instrument.modes, omega, asked).into_iter().filter(|k| !known(k) && slow(k)).collect();
+        let mut met = met(&instrument.modes, omega, asked);
+        met.retain(|k| slow(k) && !has(&kept, *k));
+        if !met.is_empty() {
+            // What a richer basis has for its share is on trial anyway.
+            let richest = Self::by_share(instrument, RICHEST * asked, None, (fastest, steps_max));
+            met.retain(|k| !has(&richest, *k));
+        }
         kept.add_residual(instrument, &met, accuracy, fastest);
         kept.add_met(instrument, &met);
         kept

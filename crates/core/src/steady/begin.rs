@@ -9,6 +9,7 @@ use crate::plan::{Plan, Station};
 const WARM: [(u32, bool); 3] = [(3, true), (32, true), (128, true)];
 /// The same where no search follows before the motion has been looked at.
 const ASIDE: [(u32, bool); 1] = [(64, false)];
+
 /// Where searches begin.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Begin<'a> {

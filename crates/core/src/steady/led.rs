@@ -78,6 +78,7 @@ impl Settled {
             beside::all(&part, &leads, engine, progress)
         };
         let (mut one, mut other) = (from(0)?, from(1)?);
+        one.outcome.notes.append(&mut other.outcome.notes);
         for place in 0..instances.len() {
             one.periods[place] += other.periods[place];
             let both = one.found[place].as_ref().zip(other.found[place].as_ref());
