@@ -2,6 +2,10 @@
 
 mod cli;
 
+/// A searched sweep makes and frees very many states of some kilobytes, which the C library's allocator is slow at.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> std::process::ExitCode {
     silence_device_select();
     cli::main()

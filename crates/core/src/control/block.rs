@@ -8,7 +8,7 @@ use super::solved::Solved;
 use super::{Part, unfinished};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{BasisRule, Plan};
-use crate::steady::PeriodicState;
+use crate::steady::Linear;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -103,9 +103,10 @@ impl Part {
         }
         for (place, found) in piece.iter().zip(part.found) {
             // Nobody goes on from it with other steps.
-            let kept =
-                |state: Box<PeriodicState>| Box::new(PeriodicState { slope: Box::default(), ..*state });
-            self.found[*place as usize] = found.map(kept);
+            self.found[*place as usize] = found.map(|mut state| {
+                state.linear = Linear::Unknown;
+                state
+            });
         }
         let begun = piece.iter().zip(part.neighbour_started);
         begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);

@@ -10,7 +10,7 @@ use super::{Controlled, second};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Station};
-use crate::steady::{self, PeriodicState};
+use crate::steady::{self, Linear, PeriodicState};
 use std::collections::BTreeMap;
 
 /// Second states of the instances of a finished run. First they are searched for from the lever at rest with the steps of
@@ -86,7 +86,7 @@ pub(super) fn from_rest(
     notes.extend(settled.outcome.notes);
     let state = |(finished, place): (Finished, Option<Box<PeriodicState>>)| {
         // Nobody asks for the map's slope there again.
-        let place = Box::new(PeriodicState { slope: Box::default(), ..*place? });
+        let place = Box::new(PeriodicState { linear: Linear::Unknown, ..*place? });
         Some(Second { finished, place })
     };
     Ok(settled.outcome.results.into_iter().zip(settled.found).map(state).collect())
@@ -121,7 +121,7 @@ impl Hunt<'_> {
         let another = apart || !ours.status.is_steady();
         if another {
             // Nobody asks for the map's slope there again.
-            place.slope = Box::default();
+            place.linear = Linear::Unknown;
             self.seconds.insert(i, Second { finished, place });
         }
         another

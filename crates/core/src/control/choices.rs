@@ -96,11 +96,13 @@ pub fn choose(
     }
     progress.stage(&["trial"]);
     let (bases, mut notes) = modes::tried(planned, &stepped, engine, progress)?;
-    let plan = modes::chosen(planned, &stepped, bases.as_ref()).plan;
     let neighbours = !planned.cold && Blocks::of(planned).is_some();
-    let mut precision = match neighbours && engine.double() && plan.precision_open {
-        true => precision::for_neighbours(&plan),
-        false => precision::choose(&plan, &stepped, engine, progress)?,
+    let mut precision = match neighbours && engine.double() && planned.precision_open {
+        true => precision::for_neighbours(planned),
+        false => {
+            let plan = modes::chosen(planned, &stepped, bases.as_ref()).plan;
+            precision::choose(&plan, &stepped, engine, progress)?
+        }
     };
     notes.append(&mut precision.notes);
     // Trials that were cut short, which no instance's result comes from.

@@ -1,7 +1,7 @@
 //! Modes: each instance's basis, by a sample of instances with poorer and richer ones.
 
 use super::difference::is_fast;
-use super::sample::{by_stiffness, law_of, laws, spread, stiffness};
+use super::sample::{by_stiffness, law_of, spread, stiffness};
 use super::trial::{self, Costs, Place, Trial};
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
@@ -9,6 +9,7 @@ use crate::observe::{Measured, Observable};
 use crate::plan::{BasisRule, Plan, RICHEST};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 
 /// What was tried to choose modes by: plain numbers, from which every instance's basis follows.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -62,21 +63,22 @@ pub(super) fn tried(
 
 /// Gives each of `stepped` the basis that the trials choose for it.
 ///
-/// The harder a contact presses the lever, the more modes it moves: within a law the instances are put in the order
-/// of their contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the
-/// first member of the sample that it fails.
+/// The harder a contact presses the lever, the more modes it moves: within a law an instance has its place among the sample
+/// by its contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the first
+/// member of the sample that it fails.
 pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Choice {
     let (fast, usual) = usual(plan, stepped);
     let Some(Tried { sample, trials }) = tried else { return as_planned(plan, !fast.is_empty()) };
-    let order = by_stiffness(plan, &usual);
     let mut bases = Bases::new(plan);
     fast.iter().for_each(|i| bases.keep(*i));
-    for (law, members) in laws(plan, &order) {
-        bases.choose(members, &OfLaw::new(plan, law, sample, trials));
+    let mut laws: HashMap<u8, OfLaw> = HashMap::new();
+    for (i, law, stiffness) in plan.of_each(&usual, |part, n, i| (i, law_of(part, n), stiffness(part, n))) {
+        let of_law = laws.entry(law.code()).or_insert_with(|| OfLaw::new(plan, law, sample, trials));
+        bases.choose(i, stiffness, of_law);
     }
     // Of the sample itself all is known, but for those whose own difference has to tell.
     let own = bases.wanted.iter().any(|(_, basis)| basis.poorer().is_some());
-    let poorer = (order.len() > sample.len() || own).then_some(bases.poorer);
+    let poorer = (usual.len() > sample.len() || own).then_some(bases.poorer);
     let left_out = bases.left_out;
     Choice { plan: plan.with_bases(&bases.wanted), poorer, left_out }
 }
@@ -145,26 +147,24 @@ impl<'a> Bases<'a> {
         self.put(i, (own, next_poorer(own)), 0.0);
     }
 
-    /// The bases of these instances of one law.
-    fn choose(&mut self, members: &[u32], of_law: &OfLaw) {
+    /// The basis of an instance whose contact is so stiff.
+    fn choose(&mut self, i: u32, stiffness: f64, of_law: &OfLaw) {
         let asked = self.plan.run.accuracy;
         let least = RICHEST * asked;
-        for (i, stiffness) in self.plan.of_each(members, |part, n, i| (i, stiffness(part, n))) {
-            let place = &Place::among(&of_law.places, stiffness);
-            let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
-            if let Some((n, cost)) = of_law.basis(place) {
-                let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));
-                self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
-            } else if let Some((n, left)) = of_law.almost(place).filter(|(_, left)| *left <= asked) {
-                // The richest of all serves, as the last one on trial does but for its bound, and vouches for it.
-                let richest = BasisRule::Shares { accuracy: least };
-                self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
-            } else {
-                // No basis of the trial serves: one for the contact itself, which the next poorer one vouches for.
-                let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
-                let cost = if own.poorer().is_some() { 0.0 } else { least };
-                self.put(i, (own, next_poorer(own)), cost);
-            }
+        let place = &Place::among(&of_law.places, stiffness);
+        let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
+        if let Some((n, cost)) = of_law.basis(place) {
+            let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));
+            self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
+        } else if let Some((n, left)) = of_law.almost(place).filter(|(_, left)| *left <= asked) {
+            // The richest of all serves, as the last one on trial does but for its bound, and vouches for it.
+            let richest = BasisRule::Shares { accuracy: least };
+            self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
+        } else {
+            // No basis of the trial serves: one for the contact itself, which the next poorer one vouches for.
+            let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
+            let cost = if own.poorer().is_some() { 0.0 } else { least };
+            self.put(i, (own, next_poorer(own)), cost);
         }
     }
 

@@ -4,7 +4,7 @@ use super::asked::{Answer, Question, What};
 use super::portion::Keep;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Station};
-use crate::steady::{self, PeriodicState, Settled};
+use crate::steady::{self, Linear, PeriodicState, Settled};
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
@@ -89,7 +89,7 @@ impl<'a> Pieces<'a> {
             }
             for (i, (one, state)) in piece.iter().zip(outcome.results.into_iter().zip(states)) {
                 // Nobody asks for the map's slope there again.
-                let state = state.map(|state| Box::new(PeriodicState { slope: Box::default(), ..*state }));
+                let state = state.map(|state| Box::new(PeriodicState { linear: Linear::Unknown, ..*state }));
                 found[*i as usize] = Some((one, state));
             }
             if let Some(held) = &held {

@@ -2,7 +2,7 @@
 
 use crate::periodic::Spectrum;
 use crate::plan::{BasisRule, Plan, Station};
-use crate::steady::PeriodicState;
+use crate::steady::{Linear, PeriodicState};
 
 /// A periodic state without the slope of its map.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,6 @@ impl Place {
     pub(super) fn state(self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
         let Self { station, spectrum, steps, rule } = self;
         let kept = plan.basis_by(instance, rule);
-        Box::new(PeriodicState { station, spectrum, steps, kept, slope: Box::default() })
+        Box::new(PeriodicState { station, spectrum, steps, kept, linear: Linear::Unknown })
     }
 }

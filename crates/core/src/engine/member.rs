@@ -40,20 +40,20 @@ pub(super) struct Levers(HashMap<(usize, u64), Lever>);
 impl Levers {
     pub fn of(members: &[Member], modes: usize) -> Self {
         let mut first: Vec<Member> = members.to_vec();
-        first.dedup_by_key(|one| Self::key(*one));
-        first.sort_by_key(|one| Self::key(*one));
-        first.dedup_by_key(|one| Self::key(*one));
-        Self(first.par_iter().map(|one| (Self::key(*one), lever(*one, modes))).collect())
-    }
-
-    /// Drives that differ in level alone share their basis.
-    fn key((_, driven): Member) -> (usize, u64) {
-        (Arc::as_ptr(&driven.kept) as usize, driven.free.omega.to_bits())
+        first.dedup_by_key(|one| lever_key(one.1));
+        first.sort_by_key(|one| lever_key(one.1));
+        first.dedup_by_key(|one| lever_key(one.1));
+        Self(first.par_iter().map(|one| (lever_key(one.1), lever(*one, modes))).collect())
     }
 
     pub fn get(&self, member: Member) -> &Lever {
-        &self.0[&Self::key(member)]
+        &self.0[&lever_key(member.1)]
     }
+}
+
+/// What tells the levers of instances with as many steps apart: drives that differ in level alone share their basis.
+pub(super) fn lever_key(driven: &Driven) -> (usize, u64) {
+    (Arc::as_ptr(&driven.kept) as usize, driven.free.omega.to_bits())
 }
 
 /// Cosine and sine of the free motion, and the drive's phase per step.

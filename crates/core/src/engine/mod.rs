@@ -17,6 +17,7 @@ mod return_map;
 mod saved;
 mod start;
 mod station;
+mod table;
 mod threads;
 mod trace;
 
@@ -25,7 +26,7 @@ pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::{ReturnMap, SlopeStart, Sloped};
+pub use return_map::{Passing, ReturnMap, SlopeStart, Sloped};
 pub use threads::on_threads;
 pub use trace::{Between, Trace, TraceSample, trace};
 

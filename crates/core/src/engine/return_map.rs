@@ -1,13 +1,11 @@
 //! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
 //! place, again and again.
 
-use super::compiled::{slopes, stepper};
-use super::member::{Levers, Member, member, motion};
-use super::{EngineError, Progress, start};
-use crate::kernel::{LENGTH, Room, Rounding, SlopeRows, Stepper, Tangent, Wave};
-use crate::plan::{Class, Plan, Station};
-use crate::scene::Start;
-use rayon::prelude::*;
+use super::table::{Buffers, Place, Table};
+use super::{EngineError, Finished, Progress};
+use crate::kernel::{Room, Rounding};
+use crate::plan::{Plan, Station};
+use std::collections::BTreeMap;
 
 /// The map that takes an instance's place at the start of a period of its drive to the one some periods later, with
 /// the plan's steps and in f64.
@@ -22,6 +20,25 @@ pub trait ReturnMap: Send + Sync {
     /// `room` is for the work, to be used again.
     fn sloped(&self, starts: &[SlopeStart], room: &mut Room<f64>, progress: &Progress)
     -> Vec<Option<Sloped>>;
+
+    /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. Whether they are
+    /// steady is not judged. A run that was stopped leaves the others as not run.
+    fn measured(&self, plan: &Plan, passing: &mut [Passing], progress: &Progress);
+}
+
+/// An instance on its way through one measured period.
+#[derive(Debug)]
+pub struct Passing<'a> {
+    /// A number in the list of instances that the map was made for.
+    pub instance: u32,
+    /// Travels of the kept modes where it begins, then where it ends, m; what lies beyond its modes stays.
+    pub x: &'a mut [f64],
+    /// Rates over the modes' angular frequencies, m.
+    pub u: &'a mut [f64],
+    pub touching: bool,
+    /// Whether all numbers of the end are numbers.
+    pub finite: bool,
+    pub finished: Finished,
 }
 
 /// Where the slope of a period is asked for.
@@ -49,16 +66,18 @@ pub(super) struct Map {
 }
 
 impl Map {
+    /// Instances that are alike are stepped side by side in the order in which they come.
     pub fn new(plan: &Plan, instances: &[u32], rounding: Rounding) -> Result<Self, EngineError> {
-        let part = plan.trial(instances, 1, 1);
         let mut places = vec![(0, 0); instances.len()];
-        let classes = part.classes();
-        let mut tables = Vec::with_capacity(classes.len());
-        for (number, class) in classes.iter().enumerate() {
-            for (row, instance) in class.instances.iter().enumerate() {
-                places[*instance as usize] = (number as u32, row as u32);
-            }
-            tables.push(Table::new(&part, class, (stepper(rounding, class)?, slopes(rounding, class)?)));
+        let mut alike = BTreeMap::<_, Vec<(usize, u32)>>::new();
+        for (n, i) in instances.iter().enumerate() {
+            let shape = (plan.steps(*i), plan.law(*i), plan.driven(*i).kept.modes.len());
+            alike.entry(shape).or_default().push((n, *i));
+        }
+        let mut tables = Vec::with_capacity(alike.len());
+        for (number, (shape, members)) in alike.into_iter().enumerate() {
+            members.iter().enumerate().for_each(|(row, (n, _))| places[*n] = (number as u32, row as u32));
+            tables.push(Table::new(plan, shape, members.iter().map(|(_, i)| *i), rounding)?);
         }
         Ok(Self { tables, places })
     }
@@ -91,12 +110,12 @@ impl ReturnMap for Map {
                 if progress.stopped() {
                     return out;
                 }
-                table.gather(places, |n| &starts[n].1, &mut rows);
+                table.gather(places, |n| Place::of(&starts[n].1), &mut rows);
                 table.after(periods, &mut rows);
                 for (lane, (n, _)) in places.iter().enumerate() {
-                    out[*n] = Some(table.end(lane, &starts[*n].1, &rows));
+                    out[*n] = Some(end(table, lane, &starts[*n].1, &rows));
                 }
-                progress.add(places.len() as u64 * u64::from(periods) * table.waves.len() as u64);
+                progress.add(places.len() as u64 * u64::from(periods) * table.steps());
             }
         }
         out
@@ -115,137 +134,47 @@ impl ReturnMap for Map {
                 if progress.stopped() {
                     return out;
                 }
-                table.gather(places, |n| &starts[n].station, &mut rows);
+                table.gather(places, |n| Place::of(&starts[n].station), &mut rows);
                 let least: Vec<f64> = places.iter().map(|(n, _)| starts[*n].least).collect();
-                let mut slopes = Vec::with_capacity(places.len());
-                let Buffers { constants, state, .. } = &mut rows;
-                table.tangent.period(constants, state, &table.waves, &least, room, |lane, slope| {
-                    slopes.push(table.slope(places[lane].1, slope));
-                });
+                let slopes = table.slopes(&least, (&mut rows, room));
                 for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
-                    out[*n] = Some(Sloped { end: table.end(lane, &starts[*n].station, &rows), slope });
+                    out[*n] = Some(Sloped { end: end(table, lane, &starts[*n].station, &rows), slope });
                 }
-                progress.add(places.len() as u64 * table.waves.len() as u64);
+                progress.add(places.len() as u64 * table.steps());
             }
         }
         out
     }
-}
 
-/// Instances of one class: the constants that all of them share, and a row of the others for each.
-struct Table {
-    stepper: Stepper<f64>,
-    tangent: Tangent<f64>,
-    /// Modes of each instance, those filled up not among them.
-    modes: Vec<u8>,
-    waves: Vec<Wave<f64>>,
-    /// In their order; 0 where a number of a row stands.
-    shared: Vec<f64>,
-    /// Where the numbers of a row stand among them.
-    own: Vec<usize>,
-    rows: Vec<f64>,
-}
-
-/// Rows of a number for each instance side by side, as the kernel takes them.
-struct Buffers {
-    width: usize,
-    /// Those that are shared are filled in.
-    constants: Vec<f64>,
-    state: Vec<f64>,
-}
-
-impl Table {
-    fn new(plan: &Plan, class: &Class, (stepper, tangent): (Stepper<f64>, Tangent<f64>)) -> Self {
-        let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
-        let levers = Levers::of(&members, stepper.modes);
-        let all = |one: Member| -> Vec<f64> { motion(one, levers.get(one), Start::Steady).collect() };
-        let first = members.first().map_or_else(Vec::new, |one| all(*one));
-        let differs = |mut differs: Vec<bool>, one: &Member| {
-            let own = all(*one);
-            let numbers = own.iter().zip(&first).map(|(own, first)| own.to_bits() != first.to_bits());
-            differs.iter_mut().zip(numbers).for_each(|(place, differs)| *place |= differs);
-            differs
-        };
-        let none = || vec![false; first.len()];
-        let either = |a: Vec<bool>, b: Vec<bool>| a.iter().zip(&b).map(|(a, b)| a | b).collect();
-        let differ = members.par_iter().fold(none, differs).reduce(none, either);
-        let own: Vec<usize> = (0..differ.len()).filter(|place| differ[*place]).collect();
-        let row = |one: &Member| {
-            let all = all(*one);
-            own.iter().map(move |place| all[*place]).collect::<Vec<f64>>()
-        };
-        Self {
-            rows: members.par_iter().flat_map_iter(row).collect(),
-            shared: first.iter().zip(&differ).map(|(number, own)| if *own { 0.0 } else { *number }).collect(),
-            own,
-            waves: start::waves(class.steps, 1).into_iter().flatten().collect(),
-            modes: members.iter().map(|(_, driven)| driven.kept.modes.len() as u8).collect(),
-            stepper,
-            tangent,
-        }
-    }
-
-    fn buffers(&self, width: usize) -> Buffers {
-        Buffers {
-            width,
-            constants: self.shared.iter().flat_map(|number| std::iter::repeat_n(*number, width)).collect(),
-            state: vec![0.0; (2 * self.stepper.modes + 1) * width],
-        }
-    }
-
-    /// Puts up to as many starts as are stepped side by side into the rows: their places in a list, `places`, and their
-    /// instances' rows here.
-    fn gather<'a>(
-        &self,
-        places: &[(usize, u32)],
-        station: impl Fn(usize) -> &'a Station,
-        rows: &mut Buffers,
-    ) {
-        let (width, modes) = (rows.width, self.stepper.modes);
-        for lane in 0..width {
-            // The last one fills the places left over.
-            let (start, row) = places[lane.min(places.len() - 1)];
-            let station = station(start);
-            let length = self.own.len();
-            let own = &self.rows[row as usize * length..][..length];
-            self.own
-                .iter()
-                .zip(own)
-                .for_each(|(place, number)| rows.constants[place * width + lane] = *number);
-            for k in 0..modes {
-                rows.state[k * width + lane] = station.x[k] / LENGTH;
-                rows.state[(modes + k) * width + lane] = station.u[k] / LENGTH;
+    fn measured(&self, plan: &Plan, passing: &mut [Passing], progress: &Progress) {
+        let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
+        for (table, own) in self.by_table(instances.iter().copied()) {
+            let mut rows = table.buffers(table.stepper.width);
+            for places in own.chunks(table.stepper.width) {
+                if progress.stopped() {
+                    return;
+                }
+                let place = |n: usize| {
+                    let Passing { x, u, touching, .. } = &passing[n];
+                    Place { x, u, touching: *touching }
+                };
+                table.gather(places, place, &mut rows);
+                table.measure(places, plan, &mut rows);
+                for (lane, (n, row)) in places.iter().enumerate() {
+                    let Passing { x, u, touching, finite, finished, .. } = &mut passing[*n];
+                    (*touching, *finite) = table.put(lane, (x, u), &rows);
+                    *finished = table.finished((lane, *row), *finite, plan, &rows);
+                }
+                progress.add(places.len() as u64 * table.steps());
             }
-            rows.state[2 * modes * width + lane] = f64::from(u8::from(station.touching));
         }
     }
+}
 
-    /// Takes them on.
-    fn after(&self, periods: u32, rows: &mut Buffers) {
-        let mut done = 0;
-        while done < periods {
-            done += self.stepper.coast(&rows.constants, &mut rows.state, &self.waves, periods - done);
-        }
-    }
-
-    /// Where one that began at `start` is.
-    fn end(&self, lane: usize, start: &Station, rows: &Buffers) -> Station {
-        let (width, modes) = (rows.width, self.stepper.modes);
-        let mut end = *start;
-        let number = |row: usize| rows.state[row * width + lane];
-        for k in 0..modes {
-            (end.x[k], end.u[k]) = (number(k) * LENGTH, number(modes + k) * LENGTH);
-            // Beyond f32 counts as none, as in a run.
-            end.finite &= (number(k) as f32).is_finite() && (number(modes + k) as f32).is_finite();
-        }
-        end.touching = number(2 * modes) > 0.0;
-        end
-    }
-
-    /// The slope of the instance in this row.
-    fn slope(&self, row: u32, slope: SlopeRows<f64>) -> Box<[f64]> {
-        let (own, all) = (usize::from(self.modes[row as usize]), self.tangent.modes);
-        let numbers = || (0..own).chain(all..all + own);
-        numbers().flat_map(|column| numbers().map(move |row| slope.at(row, column))).collect()
-    }
+/// Where the instance in a lane is, that began at `start`.
+fn end(table: &Table, lane: usize, start: &Station, rows: &Buffers) -> Station {
+    let mut end = *start;
+    let (touching, finite) = table.put(lane, (&mut end.x, &mut end.u), rows);
+    (end.touching, end.finite) = (touching, start.finite && finite);
+    end
 }

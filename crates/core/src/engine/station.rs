@@ -4,7 +4,8 @@ use super::member::member;
 use super::saved::Saved;
 use super::start;
 use crate::kernel::{LENGTH, RunSums};
-use crate::plan::{Plan, Station};
+use crate::plan::{Case, Driven, Plan, Station};
+use crate::scene::Start;
 use std::f64::consts::PI;
 
 /// Where these instances start, if the plan says so.
@@ -17,19 +18,24 @@ pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<Saved>> {
 
 pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
     let (case, driven) = member(plan, instance);
-    let (cosine, sine) = start::amplitudes(driven, plan.run.start);
-    let half = PI / f64::from(case.steps);
-    let travel = cosine * half.cos() + sine * half.sin() + station.x.iter().sum::<f64>();
+    let last = indentation(&case, (driven, plan.run.start), station.x.iter().sum());
     let touching = f64::from(u8::from(station.touching));
     Saved {
         x: station.x.map(|x| x / LENGTH),
         u: station.u.map(|u| u / LENGTH),
         touching,
-        last: [-(case.gap + travel) / LENGTH; 2],
+        last: [last; 2],
         touched: touching,
         run_sums: RunSums::new(),
         finite: station.finite,
     }
+}
+
+/// Indentation half a step into a period, kernel units, where the tip is so far (m) beyond its free motion.
+pub(super) fn indentation(case: &Case, (driven, start): (&Driven, Start), beyond: f64) -> f64 {
+    let (cosine, sine) = start::amplitudes(driven, start);
+    let half = PI / f64::from(case.steps);
+    -(case.gap + (cosine * half.cos() + sine * half.sin() + beyond)) / LENGTH
 }
 
 /// Where an instance was left.

@@ -52,7 +52,7 @@ impl Begin<'_> {
             | Self::Aside(near)
             | Self::Followed(near)
             | Self::Along(Along { states: near, .. }) => {
-                near.get(instance as usize).copied().flatten().filter(|place| !place.slope.is_empty())
+                near.get(instance as usize).copied().flatten().filter(|place| place.linear.is_known())
             }
             Self::Still | Self::At(_) | Self::Late(_) => None,
         }

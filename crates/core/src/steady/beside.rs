@@ -1,15 +1,15 @@
 //! Periodic states from their neighbours': one measured period from where these lead to tells how far it still is.
 
 use super::aims::goal;
-use super::map::{station, vector};
+use super::map::station;
 use super::measured::{self, SURE};
 use super::node::{Guess, Lead, Turns};
 use super::sizes::{Sized, by_size, with_size};
-use super::{PeriodicState, Settled};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
-use crate::periodic::{Memory, Size, Spectrum, inverse};
+use super::{Linear, PeriodicState, Settled};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Passing, Progress};
+use crate::periodic::{Memory, Size, Spectrum};
 use crate::plan::{Plan, Precision, Station};
-use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
+use nalgebra::{DefaultAllocator, DimName, OVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -91,37 +91,75 @@ impl Sized for Several<'_> {
     {
         let Self { plan, some, leads, engine, progress } = self;
         let mut ended = Ended { ends: Vec::with_capacity(some.len()), notes: Vec::new() };
-        // Each in a place of its own: with its slope it is too large to be moved about.
-        let mut left: Vec<Box<One<D>>> = Vec::with_capacity(some.len());
-        let mut turns = Turns::default();
+        // Each stays in its place: it is too large to be moved about.
+        let mut all: Vec<One<D>> = Vec::with_capacity(some.len());
+        let mut turns = Turns::new();
         for &i in some {
-            let guess = leads[i as usize].hint().and_then(|hint| hint.guess::<D>(plan, i, &mut turns));
-            match guess.and_then(|guess| One::new(i, guess)) {
-                Some(one) => left.push(one),
+            match leads[i as usize].hint().and_then(|hint| hint.guess(plan, i, &mut turns)) {
+                Some(guess) => all.push(One { instance: i, guess, stride: None }),
                 None => ended.ends.push((i, 0, None)),
             }
         }
+        let mut left: Vec<usize> = (0..all.len()).collect();
+        let numbers: Vec<u32> = all.iter().map(|one| one.instance).collect();
+        let map = engine.return_map(plan, &numbers)?;
+        let mut room = vec![0.0; all.len() * D::DIM];
         for round in 1..=MOST {
             if left.is_empty() || progress.stopped() {
                 break;
             }
-            let numbers: Vec<u32> = left.iter().map(|one| one.instance).collect();
-            let places = left.iter().map(|one| one.station());
-            let part = plan.part(&numbers).in_precision(Precision::F64);
-            let Outcome { results, ends, notes } = measured::period(part, places, engine, progress)?;
-            ended.notes.extend(notes);
-            let mut rest = Vec::with_capacity(left.len());
-            for ((mut one, finished), end) in left.into_iter().zip(results).zip(ends) {
-                match one.arrived(plan, end.as_deref(), &finished) {
-                    Next::Found => ended.ends.push((one.instance, round, Some((finished, one.state(plan))))),
-                    Next::Lost => ended.ends.push((one.instance, round, None)),
-                    Next::On => rest.push(one),
-                }
+            let places = left.iter().zip(room.chunks_exact_mut(D::DIM));
+            let mut passing: Vec<Passing> = places.map(|(n, room)| all[*n].passing(*n, room)).collect();
+            match &map {
+                Some(map) => map.measured(plan, &mut passing, progress),
+                None => self.run_once(&numbers, &mut passing, &mut ended.notes)?,
             }
-            left = rest;
+            let mut passed = passing.iter();
+            left.retain(|n| {
+                let (one, Some(passed)) = (&mut all[*n], passed.next()) else { return false };
+                let found = match one.arrived(plan, passed) {
+                    Next::On => return true,
+                    Next::Found => Some((passed.finished, one.state(plan))),
+                    Next::Lost => None,
+                };
+                ended.ends.push((one.instance, round, found));
+                false
+            });
         }
-        ended.ends.extend(left.into_iter().map(|one| (one.instance, MOST, None)));
+        ended.ends.extend(left.into_iter().map(|n| (all[n].instance, MOST, None)));
         Ok(ended)
+    }
+}
+
+impl Several<'_> {
+    /// Takes instances through one measured period by a run of a plan of them; `numbers` are theirs.
+    fn run_once(
+        &self,
+        numbers: &[u32],
+        passing: &mut [Passing],
+        notes: &mut Vec<String>,
+    ) -> Result<(), EngineError> {
+        let numbers: Vec<u32> = passing.iter().map(|one| numbers[one.instance as usize]).collect();
+        let place = |one: &Passing| {
+            let mut place = Station { touching: one.touching, ..Station::FREE };
+            place.x[..one.x.len()].copy_from_slice(one.x);
+            place.u[..one.u.len()].copy_from_slice(one.u);
+            place
+        };
+        let places: Vec<Station> = passing.iter().map(place).collect();
+        let part = self.plan.part(&numbers).in_precision(Precision::F64);
+        let once = measured::period(part, places.into_iter(), self.engine, self.progress)?;
+        notes.extend(once.notes);
+        for ((one, finished), end) in passing.iter_mut().zip(once.results).zip(once.ends) {
+            (one.finished, one.finite) = (finished, end.as_ref().is_some_and(|end| end.finite));
+            if let Some(end) = end {
+                let modes = one.x.len();
+                one.x.copy_from_slice(&end.x[..modes]);
+                one.u.copy_from_slice(&end.u[..modes]);
+                one.touching = end.touching;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -138,74 +176,69 @@ where
     DefaultAllocator: Memory<D>,
 {
     instance: u32,
-    at: OVector<f64, D>,
-    touching: bool,
-    multiplier: f64,
-    slope: OMatrix<f64, D, D>,
-    /// Of one minus the slope.
-    inverse: OMatrix<f64, D, D>,
-    /// The last stride and the change before it.
-    last: Option<(OVector<f64, D>, OVector<f64, D>)>,
+    /// Where it stands, and what is thought of the map there.
+    guess: Guess<D>,
+    /// The last stride.
+    stride: Option<OVector<f64, D>>,
 }
 
 impl<D: Size + DimName> One<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    fn new(instance: u32, guess: Guess<D>) -> Option<Box<Self>> {
-        let Guess { state, slope, multiplier, touching } = guess;
-        let inverse = inverse(OMatrix::<f64, D, D>::identity() - &slope)?;
-        Some(Box::new(Self { instance, at: state, touching, multiplier, slope, inverse, last: None }))
-    }
-
-    fn station(&self) -> Station {
-        station(&self.at, self.touching)
+    /// On its way, as the n-th of all that are; `room` holds as many numbers as its state.
+    fn passing<'a>(&self, n: usize, room: &'a mut [f64]) -> Passing<'a> {
+        room.copy_from_slice(self.guess.state.as_slice());
+        let (x, u) = room.split_at_mut(D::DIM / 2);
+        let touching = self.guess.touching;
+        Passing { instance: n as u32, x, u, touching, finite: true, finished: Finished::NOT_RUN }
     }
 
     /// Takes in where a period has led to. Where that is no end, it stands at the next place to try.
-    fn arrived(&mut self, plan: &Plan, end: Option<&Station>, finished: &Finished) -> Next {
-        let same_contact =
-            |end: &&Station| !plan.law(self.instance).has_memory() || end.touching == self.touching;
-        let Some(end) = end.filter(|end| end.finite).filter(same_contact) else { return Next::Lost };
-        let change = vector::<D>(end) - &self.at;
-        if let Some((stride, before)) = self.last.take() {
-            self.learn(&stride, &(&change - before));
+    fn arrived(&mut self, plan: &Plan, end: &Passing) -> Next {
+        let same_contact = !plan.law(self.instance).has_memory() || end.touching == self.guess.touching;
+        if !end.finite || !same_contact {
+            return Next::Lost;
         }
-        let stride = &self.inverse * &change;
+        let numbers = end.x.iter().chain(&*end.u).copied();
+        let change = OVector::<f64, D>::from_iterator(numbers) - &self.guess.state;
+        if let Some(stride) = self.stride.take() {
+            self.learn(&stride, &change);
+        }
+        let stride = &self.guess.undoes * &change;
         let (scale, near) = goal(plan, self.instance);
         let left = stride.norm() / scale;
-        let bound = change.norm() * self.inverse.norm() / scale;
+        let bound = change.norm() * self.guess.undoes.norm() / scale;
         if left <= near && bound <= SURE * plan.run.accuracy {
-            return if finished.status.is_steady() { Next::Found } else { Next::Lost };
+            return if end.finished.status.is_steady() { Next::Found } else { Next::Lost };
         }
         if left.is_nan() || left > FAR {
             return Next::Lost;
         }
-        self.at += &stride;
-        self.last = Some((stride, change));
+        self.guess.state += &stride;
+        self.stride = Some(stride);
         Next::On
     }
 
-    /// Broyden's update of the slope and, by Sherman and Morrison, of the inverse: a stride changed the map's change by
-    /// so much.
-    fn learn(&mut self, stride: &OVector<f64, D>, moved: &OVector<f64, D>) {
-        let miss = moved - (&self.slope * stride - stride);
-        let square = stride.norm_squared();
-        // One minus the slope loses `miss` times the stride over its square.
-        let by = &self.inverse * &miss;
-        let along = self.inverse.tr_mul(stride);
-        let divisor = square - along.dot(&miss);
-        self.slope.ger(1.0 / square, &miss, stride, 1.0);
-        self.inverse.ger(1.0 / divisor, &by, &along, 1.0);
+    /// Broyden's update of the inverse of one minus the slope, by Sherman and Morrison: after a stride that was to undo all
+    /// of the change before it, the map's change is still `missed`.
+    fn learn(&mut self, stride: &OVector<f64, D>, missed: &OVector<f64, D>) {
+        let undoes = &mut self.guess.undoes;
+        // One minus the slope loses `missed` times the stride over its square.
+        let by = &*undoes * missed;
+        let along = undoes.tr_mul(stride);
+        let divisor = stride.norm_squared() - along.dot(missed);
+        undoes.ger(1.0 / divisor, &by, &along, 1.0);
     }
 
     fn state(&self, plan: &Plan) -> Box<PeriodicState> {
+        let Guess { undoes, multiplier, .. } = &self.guess;
         Box::new(PeriodicState {
-            station: self.station(),
-            spectrum: Spectrum { multiplier: self.multiplier, least_change: 1.0 / self.inverse.norm() },
+            station: station(&self.guess.state, self.guess.touching),
+            spectrum: Spectrum { multiplier: *multiplier, least_change: 1.0 / undoes.norm() },
             steps: plan.steps(self.instance),
             kept: Arc::clone(&plan.driven(self.instance).kept),
-            slope: self.slope.as_slice().into(),
+            linear: Linear::Undoes(undoes.iter().map(|value| *value as f32).collect()),
         })
     }
 }

@@ -64,6 +64,7 @@ mod tests {
     use crate::periodic::Spectrum;
     use crate::plan::Precision;
     use crate::scene::Scene;
+    use crate::steady::Linear;
     use std::path::Path;
     use std::sync::Arc;
 
@@ -81,7 +82,7 @@ mod tests {
             spectrum: Spectrum { multiplier: 0.9, least_change: 0.1 },
             steps,
             kept: Arc::clone(&plan.driven(8).kept),
-            slope: Box::default(),
+            linear: Linear::Unknown,
         }
     }
 

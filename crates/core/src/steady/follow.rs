@@ -2,7 +2,7 @@
 
 use super::begin::{Along, Begin};
 use super::search::{self, Searched};
-use super::{PeriodicState, alike, map, wait};
+use super::{Linear, PeriodicState, alike, map, wait};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
 use crate::plan::{Plan, Station};
@@ -261,7 +261,7 @@ pub(super) fn waited_for(plan: &Plan, i: u32, station: Station) -> PeriodicState
 
 /// The last state of a branch that has ended, which is not to be searched on: its slope leads nowhere.
 pub(super) fn left(state: PeriodicState) -> PeriodicState {
-    PeriodicState { slope: Box::default(), ..state }
+    PeriodicState { linear: Linear::Unknown, ..state }
 }
 
 /// How many times the way from the first to the second of these points it is from the second to the third.

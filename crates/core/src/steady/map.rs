@@ -1,6 +1,6 @@
 //! The period map of some instances, on whatever engine there is.
 
-use super::PeriodicState;
+use super::{Linear, PeriodicState};
 use crate::engine::{Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped};
 use crate::kernel::{MODES_MAX, Room, flown, increments};
 use crate::periodic::{Memory, Size};
@@ -201,22 +201,31 @@ impl Turned {
         state
     }
 
-    /// So large a share of the map's slope from the same of the other's, column by column.
-    pub(super) fn slope<D: Size + DimName>(
+    /// The map's slope from what is known of the other's map; without a sample where nothing is.
+    fn slope<D: Size + DimName>(&self, plan: &Plan, instance: u32, theirs: &Linear) -> OMatrix<f64, D, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let free = free_slope::<D>(plan, instance).0;
+        match theirs.slope() {
+            Some(theirs) => self.linear(&theirs, free),
+            None => free,
+        }
+    }
+
+    /// The map's slope, or the inverse of one minus it, from the other's, column by column. Of modes that the other lever
+    /// lacks it is what it is `without` a sample.
+    pub(super) fn linear<D: Size + DimName>(
         &self,
-        plan: &Plan,
-        instance: u32,
-        (theirs, share): (&[f64], f64),
+        theirs: &[f64],
+        without: OMatrix<f64, D, D>,
     ) -> OMatrix<f64, D, D>
     where
         DefaultAllocator: Memory<D>,
     {
-        // A slope has a row and a column for each number of a state, of which many may be at rest.
+        // There is a row and a column for each number of a state, of which many may be at rest.
         let (modes, others) = (D::DIM / 2, theirs.len().isqrt() / 2);
-        let mut slope = match self.known.iter().all(Option::is_some) {
-            true => OMatrix::<f64, D, D>::zeros(),
-            false => free_slope::<D>(plan, instance).0 * share,
-        };
+        let mut slope = without;
         for (k, j) in self.both() {
             for (l, i) in self.both() {
                 let theirs = |row: usize, column: usize| theirs[column * 2 * others + row];
@@ -251,18 +260,6 @@ pub(super) fn own(plan: &Plan, instance: u32, place: &PeriodicState) -> Station 
     }
 }
 
-/// The same, as the numbers that a search goes by.
-pub(super) fn own_state<D: Size + DimName>(
-    plan: &Plan,
-    instance: u32,
-    place: &PeriodicState,
-) -> OVector<f64, D>
-where
-    DefaultAllocator: Memory<D>,
-{
-    vector(&own(plan, instance, place))
-}
-
 /// How far two places are apart, m.
 pub(super) fn apart(a: &Station, b: &Station) -> f64 {
     let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
@@ -285,7 +282,7 @@ where
     DefaultAllocator: Memory<D>,
 {
     let turned = Turned::new(plan, instance, (&place.kept, place.steps), D::DIM / 2);
-    let slope = turned.slope(plan, instance, (&place.slope, 1.0));
+    let slope = turned.slope(plan, instance, &place.linear);
     (turned.station(place), slope)
 }
 

@@ -9,6 +9,7 @@ mod feedback;
 mod follow;
 mod late;
 mod led;
+mod linear;
 mod lossless;
 mod map;
 mod measured;
@@ -23,6 +24,7 @@ mod wait;
 pub use carried::carried;
 pub use follow::jumps_moved;
 pub use led::from_neighbours;
+pub use linear::Linear;
 pub use node::{Hint, Lead, Neighbour, Node};
 pub use states::States;
 pub use wait::SETTLED;
@@ -44,16 +46,15 @@ pub struct PeriodicState {
     /// Steps per period with which it was found, and the lever.
     pub steps: u32,
     pub kept: Arc<ReducedBasis>,
-    /// The period map's slope there, column by column: travel of the kept modes, then rate over angular frequency.
-    /// Empty where nobody is to search on from there.
-    pub slope: Box<[f64]>,
+    /// What is known of the period map near it; unknown where nobody is to search on from there.
+    pub linear: Linear,
 }
 
 impl PeriodicState {
     /// At the free oscillation, with nothing known of the map there.
     fn unknown(steps: u32, kept: &Arc<ReducedBasis>) -> Self {
         let spectrum = Spectrum { multiplier: f64::NAN, least_change: f64::NAN };
-        Self { station: Station::FREE, spectrum, steps, kept: Arc::clone(kept), slope: Box::default() }
+        Self { station: Station::FREE, spectrum, steps, kept: Arc::clone(kept), linear: Linear::Unknown }
     }
 
     /// Whether a search found it; else waiting did.

@@ -1,7 +1,8 @@
 //! A solved instance as its neighbours in a sweep see it, and what several of them say of one between them.
 
 use super::PeriodicState;
-use super::map::{Turned, own_vector};
+use super::linear::undoing;
+use super::map::{Turned, free_slope, own_vector, vector};
 use crate::contact::Law;
 use crate::engine::Finished;
 use crate::periodic::{Memory, Size};
@@ -15,13 +16,13 @@ const ASTRAY: f64 = 0.02;
 /// So many times farther apart than the neighbours beyond them, the nearest two are on different branches.
 const JUMP: f64 = 4.0;
 
-/// A periodic state, and the period map's slope there.
+/// A periodic state, and what takes a change of the period map there to the step that undoes it.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// Travel of the kept modes, then rate over angular frequency, m.
     state: Box<[f64]>,
-    /// Column by column. Single precision: it leads to states, and no result hangs on it.
-    slope: Box<[f32]>,
+    /// The inverse of one minus the map's slope, column by column; see [`Linear::Undoes`](super::Linear::Undoes).
+    undoes: Arc<[f32]>,
     multiplier: f64,
     touching: bool,
     /// Whether the mean force draws the tip, and contacts in a period: where they differ, so does the motion.
@@ -34,13 +35,14 @@ pub struct Node {
 }
 
 impl Node {
-    /// Of an instance that was found steady; none where its state or the slope there is not known.
+    /// Of an instance that was found steady; none where its state or the map there is not known.
     pub fn new(plan: &Plan, instance: u32, state: &PeriodicState, finished: &Finished) -> Option<Self> {
-        let size = state.slope.len().isqrt();
-        let known = state.searched() && size > 0 && finished.status.is_steady();
-        known.then(|| Self {
-            state: own_vector(&state.station, size / 2),
-            slope: state.slope.iter().map(|value| *value as f32).collect(),
+        if !state.searched() || !finished.status.is_steady() {
+            return None;
+        }
+        Some(Self {
+            state: own_vector(&state.station, state.linear.size() / 2),
+            undoes: state.linear.undoes()?,
             multiplier: state.spectrum.multiplier,
             touching: state.station.touching,
             drawn: finished.measured.force_mean < 0.0,
@@ -60,101 +62,126 @@ impl Node {
     }
 }
 
-/// How nodes are met by instances of other steps, levers and drives: few kinds of both, each pair worked out once.
-#[derive(Default)]
-pub(super) struct Turns(Vec<Turn>);
+/// How states are met by instances of other steps, levers and drives: few kinds of both, each pair worked out once.
+pub(super) struct Turns<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pairs: Vec<Turn<D>>,
+    /// Room for the states of the neighbours of one instance.
+    states: Vec<OVector<f64, D>>,
+}
 
 /// Beyond so many pairs they are forgotten: every instance has a lever of its own.
 const PAIRS: usize = 64;
 
-struct Turn {
+struct Turn<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
     theirs: (Arc<ReducedBasis>, u32),
     own: (Arc<ReducedBasis>, u32),
     drive: Arc<Drive>,
     turned: Turned,
+    /// The inverse of one minus the slope without a sample.
+    free: OMatrix<f64, D, D>,
 }
 
-impl Turns {
-    /// How a node is met by an instance, whose state has so many modes; none where as it is.
-    fn of(&mut self, plan: &Plan, instance: u32, node: &Node, modes: usize) -> Option<&Turned> {
+impl<D: Size + DimName> Turns<D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub(super) fn new() -> Self {
+        Self { pairs: Vec::new(), states: Vec::new() }
+    }
+
+    /// How a state with such steps and such a lever is met by an instance; none where as it is.
+    fn of(&mut self, plan: &Plan, instance: u32, theirs: (&Arc<ReducedBasis>, u32)) -> Option<&Turn<D>> {
         let (driven, steps) = (plan.driven(instance), plan.steps(instance));
-        if met_as_it_is(plan, instance, node) {
+        if met_as_it_is(plan, instance, theirs) {
             return None;
         }
-        let fits = |turn: &Turn| {
+        let fits = |turn: &Turn<D>| {
             Arc::ptr_eq(&turn.drive, &driven.drive)
-                && (turn.theirs.1, turn.own.1) == (node.steps, steps)
+                && (turn.theirs.1, turn.own.1) == (theirs.1, steps)
                 && (Arc::ptr_eq(&turn.own.0, &driven.kept) || turn.own.0.modes == driven.kept.modes)
-                && same_modes(&turn.theirs.0, &node.kept)
+                && same_modes(&turn.theirs.0, theirs.0)
         };
-        let place = self.0.iter().rposition(fits).unwrap_or_else(|| {
-            if self.0.len() >= PAIRS {
-                self.0.clear();
+        let place = self.pairs.iter().rposition(fits).unwrap_or_else(|| {
+            if self.pairs.len() >= PAIRS {
+                self.pairs.clear();
             }
-            self.0.push(Turn {
-                theirs: (Arc::clone(&node.kept), node.steps),
+            // A lever that rings for ever has no step that undoes a change: what meets it is no guide.
+            let free = undoing(&free_slope::<D>(plan, instance).0);
+            self.pairs.push(Turn {
+                theirs: (Arc::clone(theirs.0), theirs.1),
                 own: (Arc::clone(&driven.kept), steps),
                 drive: Arc::clone(&driven.drive),
-                turned: Turned::new(plan, instance, (&node.kept, node.steps), modes),
+                turned: Turned::new(plan, instance, (theirs.0, theirs.1), D::DIM / 2),
+                free: free.unwrap_or_else(|| OMatrix::<f64, D, D>::repeat(f64::NAN)),
             });
-            self.0.len() - 1
+            self.pairs.len() - 1
         });
-        Some(&self.0[place].turned)
+        Some(&self.pairs[place])
     }
 
     /// A node's state with an instance's steps, lever and free amplitude.
-    fn state<D: Size + DimName>(&mut self, plan: &Plan, instance: u32, node: &Node) -> OVector<f64, D>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        let mut state = match self.of(plan, instance, node, D::DIM / 2) {
+    fn state(&mut self, plan: &Plan, instance: u32, node: &Node) -> OVector<f64, D> {
+        let mut state = match self.of(plan, instance, (&node.kept, node.steps)) {
             None => OVector::<f64, D>::from_column_slice(&node.state),
-            Some(turned) => turned.state::<D>(&node.state),
+            Some(turn) => turn.turned.state::<D>(&node.state),
         };
         let drive = &plan.driven(instance).drive;
-        let scale = drive.free_amplitude() / node.drive.free_amplitude();
-        if !Arc::ptr_eq(drive, &node.drive) && scale.is_finite() {
-            state *= scale;
+        if !Arc::ptr_eq(drive, &node.drive) {
+            let scale = drive.free_amplitude() / node.drive.free_amplitude();
+            state *= if scale.is_finite() { scale } else { 1.0 };
         }
         state
     }
 
-    /// The slope of an instance from those of nodes, each so often: nodes that are met alike are added up and turned once.
-    fn slope<'a, D: Size + DimName>(
+    /// An instance's own state of the run before.
+    fn own_state(&mut self, plan: &Plan, instance: u32, own: &PeriodicState) -> OVector<f64, D> {
+        let theirs = vector::<D>(&own.station);
+        match self.of(plan, instance, (&own.kept, own.steps)) {
+            None => theirs,
+            Some(turn) => turn.turned.state::<D>(theirs.as_slice()),
+        }
+    }
+
+    /// What undoes a change of an instance from those of nodes, each so often: nodes that are met alike are added up and
+    /// turned once.
+    fn undoes<'a>(
         &mut self,
         plan: &Plan,
         instance: u32,
         nodes: impl Iterator<Item = (&'a Node, f64)>,
-    ) -> OMatrix<f64, D, D>
-    where
-        DefaultAllocator: Memory<D>,
-    {
+    ) -> OMatrix<f64, D, D> {
         let mut all = OMatrix::<f64, D, D>::zeros();
         let mut others: Vec<(&Node, f64, Vec<f64>)> = Vec::new();
         for (node, weight) in nodes {
             let add = |sums: &mut [f64]| {
-                let terms = sums.iter_mut().zip(&node.slope);
+                let terms = sums.iter_mut().zip(&*node.undoes);
                 terms.for_each(|(sum, value)| *sum += weight * f64::from(*value));
             };
-            if met_as_it_is(plan, instance, node) {
+            if met_as_it_is(plan, instance, (&node.kept, node.steps)) {
                 add(all.as_mut_slice());
                 continue;
             }
             let alike = |(other, ..): &(&Node, f64, Vec<f64>)| {
                 node.steps == other.steps
-                    && node.slope.len() == other.slope.len()
+                    && node.undoes.len() == other.undoes.len()
                     && same_modes(&node.kept, &other.kept)
             };
             let place = others.iter().position(alike).unwrap_or_else(|| {
-                others.push((node, 0.0, vec![0.0; node.slope.len()]));
+                others.push((node, 0.0, vec![0.0; node.undoes.len()]));
                 others.len() - 1
             });
             others[place].1 += weight;
             add(&mut others[place].2);
         }
         for (node, share, sums) in others {
-            if let Some(turned) = self.of(plan, instance, node, D::DIM / 2) {
-                all += turned.slope::<D>(plan, instance, (&sums, share));
+            if let Some(turn) = self.of(plan, instance, (&node.kept, node.steps)) {
+                all += turn.turned.linear::<D>(&sums, &turn.free * share);
             }
         }
         all
@@ -166,9 +193,9 @@ fn same_modes(a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>) -> bool {
     Arc::ptr_eq(a, b) || a.copies(b)
 }
 
-/// Whether an instance has a node's steps and modes.
-fn met_as_it_is(plan: &Plan, instance: u32, node: &Node) -> bool {
-    node.steps == plan.steps(instance) && same_modes(&plan.driven(instance).kept, &node.kept)
+/// Whether an instance has these steps and modes.
+fn met_as_it_is(plan: &Plan, instance: u32, (kept, steps): (&Arc<ReducedBasis>, u32)) -> bool {
+    steps == plan.steps(instance) && same_modes(&plan.driven(instance).kept, kept)
 }
 
 /// One of the neighbours that a guess is made of.
@@ -212,13 +239,14 @@ pub struct Hint<'a> {
     pub scattered: bool,
 }
 
-/// Where an instance's state is expected, the slope there, and its largest multiplier.
+/// Where an instance's state is expected, what undoes a change there, and its largest multiplier.
 pub(super) struct Guess<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     pub state: OVector<f64, D>,
-    pub slope: OMatrix<f64, D, D>,
+    /// The inverse of one minus the map's slope.
+    pub undoes: OMatrix<f64, D, D>,
     pub multiplier: f64,
     pub touching: bool,
 }
@@ -245,7 +273,7 @@ impl Hint<'_> {
         &self,
         plan: &Plan,
         instance: u32,
-        turns: &mut Turns,
+        turns: &mut Turns<D>,
     ) -> Option<Guess<D>>
     where
         DefaultAllocator: Memory<D>,
@@ -260,20 +288,21 @@ impl Hint<'_> {
         }
         let mut guess = Guess {
             state: OVector::<f64, D>::zeros(),
-            slope: turns.slope(plan, instance, self.neighbours.iter().map(|one| (one.node, one.weight))),
+            undoes: turns.undoes(plan, instance, self.neighbours.iter().map(|one| (one.node, one.weight))),
             multiplier: 0.0,
             touching: first.touching,
         };
         let mut nearest = OVector::<f64, D>::zeros();
-        let states: Vec<OVector<f64, D>> =
-            self.neighbours.iter().map(|one| turns.state::<D>(plan, instance, one.node)).collect();
+        let mut states = std::mem::take(&mut turns.states);
+        states.clear();
+        states.extend(self.neighbours.iter().map(|one| turns.state(plan, instance, one.node)));
         let scale = plan.driven(instance).free_amplitude().max(1e-15);
         if self.own.is_none() && !self.scattered && self.jumps(&states, scale) {
             return None;
         }
-        for (one, mut state) in self.neighbours.iter().zip(states) {
+        for (one, mut state) in self.neighbours.iter().zip(states.drain(..)) {
             if let Some(before) = one.before {
-                state -= turns.state::<D>(plan, instance, before);
+                state -= turns.state(plan, instance, before);
             }
             guess.state.axpy(one.weight, &state, 1.0);
             nearest.axpy(one.nearest, &state, 1.0);
@@ -283,8 +312,9 @@ impl Hint<'_> {
             if own.station.touching != first.touching && first.law.has_memory() {
                 return None;
             }
-            guess.state += super::map::own_state::<D>(plan, instance, own);
+            guess.state += turns.own_state(plan, instance, own);
         }
+        turns.states = states;
         let apart = (&guess.state - nearest).norm() / scale;
         (self.own.is_some() || self.scattered || apart <= ASTRAY).then_some(guess)
     }

@@ -1,10 +1,10 @@
 //! Many searches side by side: all that they ask for in one run.
 
-use super::PeriodicState;
 use super::aims::{least, options, tangent_columns};
 use super::begin::{Along, Begin, Left};
 use super::map::{PeriodMap, as_its_own, free_slope, station, vector};
 use super::sizes::{Sized, by_size, with_size};
+use super::{Linear, PeriodicState};
 use crate::engine::{Engine, EngineError, Progress, SlopeStart, Sloped};
 use crate::kernel::Room;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
@@ -235,7 +235,7 @@ impl Batch<'_> {
                 spectrum: found.spectrum,
                 steps: case.steps,
                 kept: Arc::clone(&self.plan.driven(self.instances[one.slot as usize]).kept),
-                slope: found.slope.as_slice().into(),
+                linear: Linear::Slope(found.slope.as_slice().into()),
             })),
         }
     }

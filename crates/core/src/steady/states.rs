@@ -1,6 +1,6 @@
 //! Periodic states of very many instances: of each only the modes that it has, and not its map's slope.
 
-use super::PeriodicState;
+use super::{Linear, PeriodicState};
 use crate::kernel::MODES_MAX;
 use crate::periodic::Spectrum;
 use crate::plan::{ReducedBasis, Station};
@@ -95,7 +95,7 @@ impl States {
         station.x[..modes].copy_from_slice(&self.numbers[from..][..modes]);
         station.u[..modes].copy_from_slice(&self.numbers[from + modes..][..modes]);
         let kept = Arc::clone(&self.bases[basis as usize]);
-        Some(PeriodicState { station, spectrum, steps, kept, slope: Box::default() })
+        Some(PeriodicState { station, spectrum, steps, kept, linear: Linear::Unknown })
     }
 
     /// The states of these instances; nothing where nothing was searched for.

@@ -192,13 +192,13 @@ pub(super) fn finish(one: &Finished, put: &mut impl FnMut(u64)) {
 /// Zeros where there is no state.
 pub(super) fn stand(state: Option<&Place>, put: &mut impl FnMut(u64)) {
     put(u64::from(state.is_some()));
-    let none = Place {
+    const NONE: &Place = &Place {
         station: Station { finite: false, ..Station::FREE },
         spectrum: Spectrum { multiplier: 0.0, least_change: 0.0 },
         steps: 0,
         rule: BasisRule::Shares { accuracy: 0.0 },
     };
-    let Place { station, spectrum, steps, rule: of } = state.unwrap_or(&none);
+    let Place { station, spectrum, steps, rule: of } = state.unwrap_or(NONE);
     put(u64::from(station.touching));
     put(u64::from(station.finite));
     put(spectrum.multiplier.to_bits());
