@@ -118,10 +118,25 @@ fn sizes(folder: &Folder, largest: usize) -> Vec<Value> {
         for count in [100, 1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|count| *count <= largest) {
             let text = Scene { law, counts: cube(count), modulus, observables: USUAL, run: SEARCHED }.text();
             let run = folder.run(&text, &["--no-audit"]);
-            rows.push(row(json!({ "law": law, "modulus_gpa": named, "instances": run.instances }), &run));
+            let mut one = row(json!({ "law": law, "modulus_gpa": named, "instances": run.instances }), &run);
+            parts(&mut one, &run);
+            rows.push(one);
         }
     }
     rows
+}
+
+/// What each instance costs, part by part: microseconds of one core. What is no part of them is plans, results, records.
+fn parts(row: &mut Value, run: &Run) {
+    let each = |seconds: Option<f64>| seconds.map(|s| 1e6 * s / run.instances.max(1) as f64);
+    row["steps_each"] = json!(run.number(&["instance_steps_taken"]).map(|n| n / run.instances.max(1) as f64));
+    row["fell_back"] = json!(run.number(&["neighbour_started"]).map(|share| 1.0 - share));
+    row["core_us"] = json!(each(run.number(&["processor_time_s"])));
+    for part in ["steps", "algebra", "constants"] {
+        row[format!("{part}_us")] = json!(each(run.number(&["busy_time_s", part])));
+    }
+    row["planning_us"] = json!(each(run.number(&["planning_time_s"])));
+    row["file_us"] = json!(each(run.number(&["writing_time_s"])));
 }
 
 /// Ten thousand instances once, waited for 480 periods of 192 steps.
@@ -226,6 +241,20 @@ fn main() {
     ];
     let with = |head: &[(&'static str, &'static str)]| -> Vec<(&str, &str)> { [head, costs].concat() };
     let size_columns = with(&[("law", "law"), ("modulus_gpa", "modulus, GPa"), ("instances", "instances")]);
+    let part_columns = [
+        ("law", "law"),
+        ("modulus_gpa", "modulus, GPa"),
+        ("instances", "instances"),
+        ("steps_each", "instance-steps"),
+        ("fell_back", "searched for by itself"),
+        ("core_us", "core-microseconds"),
+        ("steps_us", "steps"),
+        ("algebra_us", "algebra"),
+        ("constants_us", "constants"),
+        ("planning_us", "planning"),
+        ("file_us", "writing"),
+    ];
+    let of_sizes = sizes(&folder, largest);
     let kind_columns =
         [("what", "what"), ("stepping_s", "stepping, s"), ("rate", "instance-steps per second")];
     let end_columns = with(&[("what", "what"), ("outside_s", "process, s")]);
@@ -236,7 +265,17 @@ fn main() {
                    amplitude 20 nm, gap 17 nm, accuracy 1e-3; amplitude, phase, largest force), periodic states \
                    searched for, modes and steps by estimate.",
             columns: &size_columns,
-            rows: sizes(&folder, largest),
+            rows: of_sizes.clone(),
+        },
+        Part {
+            heading: "Where the processor's time goes",
+            text: "Of the same runs, for each instance: instance-steps, trials and estimates among them; the share that was \
+                   searched for by itself; microseconds of one core, user and system, and of them those that its threads \
+                   spent stepping, in the algebra of guesses and searches, and in making constants; planning and writing by \
+                   the clock. The rest is plans of parts, results and the journal. \
+                   Few instances carry the start of the program and the trials.",
+            columns: &part_columns,
+            rows: of_sizes.clone(),
         },
         Part {
             heading: "Over modes, laws, observables, threads",

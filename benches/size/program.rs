@@ -1,8 +1,10 @@
 //! The program, run as a user runs it, and what its closing lines say.
 
+use serde_json::Value;
 use std::io::Read;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// A folder for scenes and results that goes with it.
@@ -24,6 +26,15 @@ pub struct Run {
     pub largest_estimate: Option<f64>,
     /// Instances not called ok.
     pub doubtful: usize,
+    /// What `--json` tells.
+    pub told: Value,
+}
+
+impl Run {
+    /// A number that `--json` tells, by its keys.
+    pub fn number(&self, keys: &[&str]) -> Option<f64> {
+        keys.iter().fold(&self.told, |value, key| &value[*key]).as_f64()
+    }
 }
 
 impl Folder {
@@ -46,15 +57,13 @@ impl Folder {
             .args(["--overwrite", "-o"])
             .arg(self.path("results.h5"))
             .args(options)
-            .stdout(Stdio::null())
+            .arg("--json")
+            .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .expect("the program can be started");
-        let mut errors = child.stderr.take().expect("it is piped");
-        let reader = std::thread::spawn(move || {
-            let mut text = String::new();
-            errors.read_to_string(&mut text).map(|_| text)
-        });
+        let errors = read(child.stderr.take().expect("it is piped"));
+        let object = read(child.stdout.take().expect("it is piped"));
         let mut memory: Option<f64> = None;
         let status = loop {
             if let Some(status) = child.try_wait().expect("a child can be waited for") {
@@ -64,10 +73,20 @@ impl Folder {
             std::thread::sleep(Duration::from_micros(500));
         };
         let outside = start.elapsed().as_secs_f64();
-        let text = reader.join().expect("the reader ends").expect("the program writes text");
+        let text = errors.join().expect("the reader ends").expect("the program writes text");
         assert!(status.success(), "{text}");
-        told(&text, outside, memory)
+        let object = object.join().expect("the reader ends").expect("the program writes text");
+        let object = serde_json::from_str(&object).expect("the program writes one object");
+        told(&text, object, (outside, memory))
     }
+}
+
+/// Reads to the end beside what else goes on.
+fn read(mut from: impl Read + Send + 'static) -> JoinHandle<std::io::Result<String>> {
+    std::thread::spawn(move || {
+        let mut text = String::new();
+        from.read_to_string(&mut text).map(|_| text)
+    })
 }
 
 /// Largest resident memory of a process so far, MB.
@@ -77,7 +96,7 @@ fn peak(process: u32) -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
-fn told(text: &str, outside: f64, memory_mb: Option<f64>) -> Run {
+fn told(text: &str, told: Value, (outside, memory_mb): (f64, Option<f64>)) -> Run {
     let before = |word: &str, line: &str| -> Option<f64> {
         let words: Vec<&str> = line.split(|c: char| c.is_whitespace() || c == '(' || c == ',').collect();
         let place = words.iter().position(|one| *one == word)?;
@@ -95,6 +114,7 @@ fn told(text: &str, outside: f64, memory_mb: Option<f64>) -> Run {
         rate: number(before("instance-steps/s)", closing)),
         outside,
         memory_mb,
+        told,
         largest_estimate: estimated.and_then(|line| before("of", line)),
         doubtful: text
             .lines()

@@ -234,6 +234,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     let start = Instant::now();
     let Begun { sweep, keeper, output, folder } = begin(args, scene, output, &progress, voice)?;
     let partial = store::partial_path(&output);
+    let counted = Arc::clone(&progress);
     let told =
         Told { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown: Mutex::default() };
     planning::announce(told.scene, voice);
@@ -268,6 +269,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     ));
     if let Some(object) = &mut object {
         object["wall_time_s"] = wall.into();
+        json::times(object, (planning, writing), &counted);
         print_json(object)?;
     }
     audit::strict(args.strict, &verdict, &output)

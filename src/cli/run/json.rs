@@ -1,6 +1,7 @@
 //! `run --json`: what became of a run, for programs. docs/commands.md tells the keys.
 
 use afmsweep::Status;
+use afmsweep::engine::{Busy, Progress};
 use afmsweep::sweep::Kept;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -39,6 +40,27 @@ pub(super) fn object(swept: &Kept, output: &Path) -> anyhow::Result<Value> {
         "instance_steps_per_second": swept.rate,
         "neighbour_started": run.neighbour_started(),
     }))
+}
+
+/// Where the time went: by the clock, and by processor of all threads together.
+pub(super) fn times(object: &mut Value, (planning, writing): (f64, f64), progress: &Progress) {
+    let busy: Map<String, Value> =
+        Busy::ALL.iter().map(|of| (of.name().to_owned(), progress.seconds(*of).into())).collect();
+    object["planning_time_s"] = planning.into();
+    object["writing_time_s"] = writing.into();
+    object["processor_time_s"] = processor_time().into();
+    object["busy_time_s"] = busy.into();
+}
+
+/// What the process has taken of its processors so far, s; none where the system does not tell it (Linux does).
+fn processor_time() -> Option<f64> {
+    /// Ticks per second in which Linux tells it.
+    const TICKS: f64 = 100.0;
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The program's name, in brackets, may hold anything.
+    let (_, rest) = text.rsplit_once(')')?;
+    let mut numbers = rest.split_whitespace().skip(11).map(|word| word.parse::<f64>().ok());
+    Some((numbers.next()?? + numbers.next()??) / TICKS)
 }
 
 /// Of the instances that are ok: how many have an estimate, the middle and the largest.

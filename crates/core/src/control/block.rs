@@ -63,14 +63,16 @@ pub(super) fn run(
     Ok(whole)
 }
 
-/// Within a batch the order is that in which the plan runs its instances.
+/// Within a batch those of one shape stand together, in the order in which they stand in the sweep: their neighbours' states
+/// are then met one after the other in memory, too.
 fn batches<'a>(plan: &Plan, order: &'a Order<'a>) -> Vec<Batch<'a>> {
-    let alike = |points: &[u32]| -> Vec<u32> {
-        plan.part(points).by_class().into_iter().map(|place| points[place as usize]).collect()
+    let alike = |mut points: Vec<u32>| -> Vec<u32> {
+        points.sort_by_cached_key(|i| plan.shape(*i));
+        points
     };
-    let scouts = Batch { instances: alike(&order.scouts()), level: None, leads_on: true };
+    let scouts = Batch { instances: alike(order.scouts()), level: None, leads_on: true };
     let later = (0..order.levels()).map(|n| Batch {
-        instances: alike(&order.level(n)),
+        instances: alike(order.level(n)),
         level: Some((order, n)),
         leads_on: n + 1 < order.levels(),
     });

@@ -6,7 +6,9 @@ use super::measure::{finish, finish_free};
 use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::saved::Saved;
-use super::{Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station, threads};
+use super::{
+    Busy, Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station, threads,
+};
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
 use crate::plan::{Class, Driven, Plan, Precision, StartState};
@@ -139,7 +141,8 @@ fn instances<E: Real>(
                 station::saved(plan, instance, &starts[instance as usize].station)
             }
         };
-        Batch::new(stepper, some, &levers, plan.run.start, saved, done)
+        let made = || Batch::new(stepper, some, &levers, plan.run.start, saved, done);
+        progress.timed(Busy::Constants, made)
     };
     if plan.run.start == Start::Steady {
         return members
@@ -186,7 +189,7 @@ fn steady<E: Real>(
             return vec![Ended::NOT_RUN; members.len()];
         }
         let periods = block.min(plan.run.periods - done);
-        batch.advance(&plan.run, periods, waves, None, plan.wants);
+        progress.timed(Busy::Steps, || batch.advance(&plan.run, periods, waves, None, plan.wants));
         progress.add(members.len() as u64 * u64::from(periods) * steps as u64);
         done += periods;
     }
@@ -227,7 +230,7 @@ fn from_rest<E: Real>(
         let first = u64::from(done) * steps as u64;
         let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
         batches.par_iter_mut().for_each(|batch| {
-            batch.advance(run, periods, waves, Some(&decay), plan.wants);
+            progress.timed(Busy::Steps, || batch.advance(run, periods, waves, Some(&decay), plan.wants));
             progress.add(batch.members() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;

@@ -1,6 +1,7 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
+mod busy;
 mod columns;
 mod compiled;
 mod cpu;
@@ -21,6 +22,7 @@ mod table;
 mod threads;
 mod trace;
 
+pub use busy::Busy;
 pub use columns::Columns;
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;

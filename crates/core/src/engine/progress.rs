@@ -1,7 +1,9 @@
 //! How far a run is, phase by phase, and whether it should stop: shared with whoever shows it.
 
+use super::Busy;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// What a run is doing, and how far that is.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct Progress {
 struct Counts {
     steps: AtomicU64,
     expected: AtomicU64,
+    /// Nanoseconds by kind of work, of all threads together.
+    busy: [AtomicU64; Busy::ALL.len()],
     /// Pieces of the phase that are done, where it is counted in pieces.
     done: AtomicU64,
     /// Whether a phase goes on whatever the work within it says of itself.
@@ -65,6 +69,20 @@ impl Progress {
     /// Counts instance-steps as done.
     pub fn add(&self, steps: u64) {
         self.counts.steps.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    /// Does some work of this kind and counts its time.
+    pub fn timed<T>(&self, of: Busy, work: impl FnOnce() -> T) -> T {
+        let begun = Instant::now();
+        let done = work();
+        let time = begun.elapsed().as_nanos() as u64;
+        self.counts.busy[of as usize].fetch_add(time, Ordering::Relaxed);
+        done
+    }
+
+    /// How long all threads together were at it, s.
+    pub fn seconds(&self, of: Busy) -> f64 {
+        self.counts.busy[of as usize].load(Ordering::Relaxed) as f64 * 1e-9
     }
 
     /// Asks the run to end early; what is complete is kept.

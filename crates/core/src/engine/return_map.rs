@@ -2,7 +2,7 @@
 //! place, again and again.
 
 use super::table::{Buffers, Place, Table};
-use super::{EngineError, Finished, Progress};
+use super::{Busy, EngineError, Finished, Progress};
 use crate::kernel::{Room, Rounding};
 use crate::plan::{Plan, Station};
 use std::collections::BTreeMap;
@@ -71,8 +71,7 @@ impl Map {
         let mut places = vec![(0, 0); instances.len()];
         let mut alike = BTreeMap::<_, Vec<(usize, u32)>>::new();
         for (n, i) in instances.iter().enumerate() {
-            let shape = (plan.steps(*i), plan.law(*i), plan.driven(*i).kept.modes.len());
-            alike.entry(shape).or_default().push((n, *i));
+            alike.entry(plan.shape(*i)).or_default().push((n, *i));
         }
         let mut tables = Vec::with_capacity(alike.len());
         for (number, (shape, members)) in alike.into_iter().enumerate() {
@@ -111,7 +110,7 @@ impl ReturnMap for Map {
                     return out;
                 }
                 table.gather(places, |n| Place::of(&starts[n].1), &mut rows);
-                table.after(periods, &mut rows);
+                progress.timed(Busy::Steps, || table.after(periods, &mut rows));
                 for (lane, (n, _)) in places.iter().enumerate() {
                     out[*n] = Some(end(table, lane, &starts[*n].1, &rows));
                 }
@@ -136,7 +135,7 @@ impl ReturnMap for Map {
                 }
                 table.gather(places, |n| Place::of(&starts[n].station), &mut rows);
                 let least: Vec<f64> = places.iter().map(|(n, _)| starts[*n].least).collect();
-                let slopes = table.slopes(&least, (&mut rows, room));
+                let slopes = progress.timed(Busy::Steps, || table.slopes(&least, (&mut rows, room)));
                 for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
                     out[*n] = Some(Sloped { end: end(table, lane, &starts[*n].station, &rows), slope });
                 }
@@ -159,7 +158,7 @@ impl ReturnMap for Map {
                     Place { x, u, touching: *touching }
                 };
                 table.gather(places, place, &mut rows);
-                table.measure(places, plan, &mut rows);
+                progress.timed(Busy::Steps, || table.measure(places, plan, &mut rows));
                 for (lane, (n, row)) in places.iter().enumerate() {
                     let Passing { x, u, touching, finite, finished, .. } = &mut passing[*n];
                     (*touching, *finite) = table.put(lane, (x, u), &rows);

@@ -6,9 +6,8 @@ use super::measure::{Sums, finish};
 use super::member::{free, gap_and_law, lever, lever_key, member};
 use super::station::indentation;
 use super::{EngineError, Finished, start};
-use crate::contact::Law;
 use crate::kernel::{LENGTH, Lever, Room, Rounding, RunSums, SlopeRows, Span, Stepper, Tangent, Wave};
-use crate::plan::{Case, Class, Plan, Station};
+use crate::plan::{Case, Class, Plan, Shape, Station};
 use crate::scene::Start;
 use std::collections::HashMap;
 
@@ -62,7 +61,7 @@ impl Table {
     /// Of these instances of the plan, which all have so many steps, this law and so many modes.
     pub fn new(
         plan: &Plan,
-        (steps, law, modes): (u32, Law, usize),
+        (steps, law, modes): Shape,
         instances: impl Iterator<Item = u32>,
         rounding: Rounding,
     ) -> Result<Self, EngineError> {

@@ -16,9 +16,14 @@ pub struct Class {
 }
 
 /// What the instances of a class have in common: steps, law and number of modes.
-pub(super) type Shape = (u32, Law, usize);
+pub type Shape = (u32, Law, usize);
 
 impl Plan {
+    /// An instance's shape.
+    pub fn shape(&self, instance: u32) -> Shape {
+        (self.steps(instance), self.law(instance), self.driven(instance).kept.modes.len())
+    }
+
     /// The plan's instances by shape: law, number of modes, number of steps; within a class by drive, then gap, then
     /// stiffness.
     pub fn classes(&self) -> Vec<Class> {
@@ -48,9 +53,7 @@ impl Plan {
     fn each_shape(&self, tell: &mut dyn FnMut(u32, (Shape, u32))) {
         let mut of = |from: u32, part: &Self| {
             for i in part.instances() {
-                let modes = part.driven(i).kept.modes.len();
-                let shape = (part.steps(i), part.law(i), modes);
-                tell(from + i, (shape, self.resolution.drive((from + i) as usize)));
+                tell(from + i, (part.shape(i), self.resolution.drive((from + i) as usize)));
             }
         };
         match self.at_hand() {

@@ -22,7 +22,7 @@ mod summary;
 mod variants;
 
 pub use build::PlanError;
-pub use classes::Class;
+pub use classes::{Class, Shape};
 pub use compliance::{compliance, reduced};
 pub use ensemble::{Curves, Drive, Ensemble, Grid, GridAxis, InstanceId, SetPoint};
 pub(crate) use modes::RICHEST;

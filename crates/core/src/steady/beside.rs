@@ -6,7 +6,7 @@ use super::measured::{self, SURE};
 use super::node::{Guess, Lead, Turns};
 use super::sizes::{Sized, by_size, with_size};
 use super::{Linear, PeriodicState, Settled};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Passing, Progress};
+use crate::engine::{Busy, Cpu, Engine, EngineError, Finished, Outcome, Passing, Progress};
 use crate::periodic::{Memory, Size, Spectrum};
 use crate::plan::{Plan, Precision, Station};
 use nalgebra::{DefaultAllocator, DimName, OVector};
@@ -94,15 +94,17 @@ impl Sized for Several<'_> {
         // Each stays in its place: it is too large to be moved about.
         let mut all: Vec<One<D>> = Vec::with_capacity(some.len());
         let mut turns = Turns::new();
-        for &i in some {
-            match leads[i as usize].hint().and_then(|hint| hint.guess(plan, i, &mut turns)) {
-                Some(guess) => all.push(One { instance: i, guess, stride: None }),
-                None => ended.ends.push((i, 0, None)),
+        progress.timed(Busy::Algebra, || {
+            for &i in some {
+                match leads[i as usize].hint().and_then(|hint| hint.guess(plan, i, &mut turns)) {
+                    Some(guess) => all.push(One { instance: i, guess, stride: None }),
+                    None => ended.ends.push((i, 0, None)),
+                }
             }
-        }
+        });
         let mut left: Vec<usize> = (0..all.len()).collect();
         let numbers: Vec<u32> = all.iter().map(|one| one.instance).collect();
-        let map = engine.return_map(plan, &numbers)?;
+        let map = progress.timed(Busy::Constants, || engine.return_map(plan, &numbers))?;
         let mut room = vec![0.0; all.len() * D::DIM];
         for round in 1..=MOST {
             if left.is_empty() || progress.stopped() {
@@ -115,7 +117,7 @@ impl Sized for Several<'_> {
                 None => self.run_once(&numbers, &mut passing, &mut ended.notes)?,
             }
             let mut passed = passing.iter();
-            left.retain(|n| {
+            let arrived = |n: &usize| {
                 let (one, Some(passed)) = (&mut all[*n], passed.next()) else { return false };
                 let found = match one.arrived(plan, passed) {
                     Next::On => return true,
@@ -124,7 +126,8 @@ impl Sized for Several<'_> {
                 };
                 ended.ends.push((one.instance, round, found));
                 false
-            });
+            };
+            progress.timed(Busy::Algebra, || left.retain(arrived));
         }
         ended.ends.extend(left.into_iter().map(|n| (all[n].instance, MOST, None)));
         Ok(ended)

@@ -1,7 +1,7 @@
 //! The period map of some instances, on whatever engine there is.
 
 use super::{Linear, PeriodicState};
-use crate::engine::{Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped};
+use crate::engine::{Busy, Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped};
 use crate::kernel::{MODES_MAX, Room, flown, increments};
 use crate::periodic::{Memory, Size};
 use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, StartState, Station};
@@ -26,7 +26,7 @@ pub(super) struct PeriodMap<'a> {
     quick: Option<Box<dyn ReturnMap>>,
     /// What tells slopes where there is no quick one.
     host: Option<Box<dyn ReturnMap>>,
-    progress: &'a Progress,
+    pub progress: &'a Progress,
     /// What the engine had to say.
     notes: Mutex<Vec<String>>,
 }
@@ -39,7 +39,7 @@ impl<'a> PeriodMap<'a> {
         engine: &'a dyn Engine,
         progress: &'a Progress,
     ) -> Result<Self, EngineError> {
-        let quick = engine.return_map(plan, instances)?;
+        let quick = progress.timed(Busy::Constants, || engine.return_map(plan, instances))?;
         let host = if quick.is_none() { engine.slopes(plan, instances)? } else { None };
         Ok(Self { plan, instances, engine, quick, host, progress, notes: Mutex::default() })
     }

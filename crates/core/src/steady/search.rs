@@ -5,7 +5,7 @@ use super::begin::{Along, Begin, Left};
 use super::map::{PeriodMap, as_its_own, free_slope, station, vector};
 use super::sizes::{Sized, by_size, with_size};
 use super::{Linear, PeriodicState};
-use crate::engine::{Engine, EngineError, Progress, SlopeStart, Sloped};
+use crate::engine::{Busy, Engine, EngineError, Progress, SlopeStart, Sloped};
 use crate::kernel::Room;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
 use crate::plan::{Case, Plan, Station};
@@ -197,15 +197,17 @@ impl Batch<'_> {
             let ends = self.map.after(&starts, 1)?;
             let mut sloped = self.map.sloped(&slopes, &mut room).into_iter();
             let mut rest = ends.iter();
-            for one in &mut all {
-                if one.search.wants_slope() {
-                    one.answer_sloped(sloped.next().flatten());
-                    continue;
+            self.map.progress.timed(Busy::Algebra, || {
+                for one in &mut all {
+                    if one.search.wants_slope() {
+                        one.answer_sloped(sloped.next().flatten());
+                        continue;
+                    }
+                    values.clear();
+                    values.extend(rest.by_ref().take(one.search.wants()).map(|end| one.useful((*end)?)));
+                    one.search.answer(&values);
                 }
-                values.clear();
-                values.extend(rest.by_ref().take(one.search.wants()).map(|end| one.useful((*end)?)));
-                one.search.answer(&values);
-            }
+            });
             all.retain(|one| match one.search.verdict() {
                 None => true,
                 Some(Verdict::Found(found)) => {

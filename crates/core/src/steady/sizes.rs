@@ -36,12 +36,11 @@ pub(super) fn with_size<W: Sized>(modes: usize, work: W) -> W::Output {
 /// These instances by the number of modes that their states are taken to have, in their order. Where a lever has fewer,
 /// the others are at rest.
 pub(super) fn by_size(plan: &Plan, instances: &[u32]) -> Vec<(usize, Vec<u32>)> {
-    let modes = |i: &u32| plan.driven(*i).kept.modes.len().clamp(1, MODES_MAX);
-    let size = |i: &u32| SIZES.into_iter().find(|size| modes(i) <= *size).unwrap_or(MODES_MAX);
-    let of = |count: usize| instances.iter().copied().filter(|i| size(i) == count).collect();
-    SIZES
-        .into_iter()
-        .map(|count| (count, of(count)))
-        .filter(|(_, group): &(usize, Vec<u32>)| !group.is_empty())
-        .collect()
+    let mut groups = SIZES.map(|size| (size, Vec::new()));
+    for i in instances {
+        let modes = plan.driven(*i).kept.modes.len();
+        let place = SIZES.iter().position(|size| modes <= *size).unwrap_or(SIZES.len() - 1);
+        groups[place].1.push(*i);
+    }
+    groups.into_iter().filter(|(_, group)| !group.is_empty()).collect()
 }
