@@ -1,6 +1,7 @@
 //! What beginning at neighbours' states costs and changes, against each case searched for by itself.
 //!
-//! `cargo bench --bench neighbours -- [--scene NAME] [--points N] [-o FOLDER]`; a line a scene, and a page in FOLDER.
+//! `cargo bench --bench neighbours -- [--scene NAME] [--points N] [--audit N] [-o FOLDER]`; a line a scene, and a
+//! page in FOLDER.
 
 #[path = "../common/page.rs"]
 mod page;
@@ -108,20 +109,38 @@ fn row(name: &str, ours: (&Swept, f64), cold: (&Swept, f64), apart: &Apart) -> V
     })
 }
 
+/// The scene once more, of which the reference engine redoes so many random instances.
+fn audited(name: &str, scene: &Scene, count: u32) -> Value {
+    let sweep = Sweep::new(scene.clone()).backend(Backend::Cpu).audit(Audit::Instances(count));
+    let verdict = sweep.run().unwrap_or_else(|error| panic!("{error}")).verdict;
+    let worst = verdict.worst;
+    json!({
+        "scene": name,
+        "audited": verdict.audited,
+        "compared": verdict.compared,
+        "touching": verdict.touching,
+        "above": verdict.above,
+        "worst": worst.map(|worst| worst.error),
+        "of": worst.and_then(|worst| worst.observable).map(|observable| observable.name()),
+        "estimate": worst.map(|worst| worst.estimate),
+    })
+}
+
 fn main() {
     let given: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
-    let (mut only, mut output, mut points) = (None, None, 100_000);
+    let (mut only, mut output, mut points, mut audit) = (None, None, 100_000, 0);
     let mut args = given.iter();
     while let Some(arg) = args.next() {
         let mut value = || args.next().unwrap_or_else(|| panic!("{arg} needs a value")).clone();
         match arg.as_str() {
             "--scene" => only = Some(value()),
             "--points" => points = value().parse().expect("--points: a number"),
+            "--audit" => audit = value().parse().expect("--audit: a number"),
             "-o" => output = Some(value()),
-            other => panic!("unknown option {other}: --scene NAME, --points N, -o FOLDER"),
+            other => panic!("unknown option {other}: --scene NAME, --points N, --audit N, -o FOLDER"),
         }
     }
-    let (mut rows, mut others) = (Vec::new(), Vec::new());
+    let (mut rows, mut others, mut audits) = (Vec::new(), Vec::new(), Vec::new());
     for (name, text) in scenes::all(points) {
         if only.as_ref().is_some_and(|only| only != name) {
             continue;
@@ -135,14 +154,18 @@ fn main() {
         told.iter().take(20).for_each(|one| println!("  {one}"));
         rows.push(row);
         others.extend(told);
+        if audit > 0 {
+            audits.push(audited(name, &scene, audit));
+            println!("  {}", audits[audits.len() - 1]);
+        }
     }
     if let Some(output) = output {
         let command = format!("cargo bench --bench neighbours -- {}", given.join(" "));
-        write(&output, &command, rows, others);
+        write(&output, &command, [rows, audits, others]);
     }
 }
 
-fn write(output: &str, command: &str, rows: Vec<Value>, others: Vec<Value>) {
+fn write(output: &str, command: &str, [rows, audits, others]: [Vec<Value>; 3]) {
     let costs = [
         ("scene", "scene"),
         ("instances", "instances"),
@@ -163,6 +186,16 @@ fn write(output: &str, command: &str, rows: Vec<Value>, others: Vec<Value>) {
         ("status_differs", "another status"),
         ("estimate_least", "estimate over the cold one, 0.1 %"),
         ("estimate_most", "99.9 %"),
+    ];
+    let checked = [
+        ("scene", "scene"),
+        ("audited", "redone"),
+        ("compared", "both ok"),
+        ("touching", "of these touch the sample"),
+        ("above", "above the accuracy"),
+        ("worst", "largest error"),
+        ("of", "of"),
+        ("estimate", "its estimate"),
     ];
     let named = [
         ("scene", "scene"),
@@ -187,6 +220,12 @@ fn write(output: &str, command: &str, rows: Vec<Value>, others: Vec<Value>) {
                    steps and modes.",
             columns: &differences,
             rows,
+        },
+        Part {
+            heading: "Checked by the reference engine",
+            text: "Random instances of each scene, redone by the reference engine: errors on the scale of accuracy, asked 1e-3.",
+            columns: &checked,
+            rows: audits,
         },
         Part {
             heading: "Other states, one by one",
