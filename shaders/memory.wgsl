@@ -1,4 +1,4 @@
-// What a thread reads when a dispatch begins and writes when it ends.
+// What a thread reads of its instance when a dispatch begins, and where that is when it ends.
 
 fn at(field: u32, i: u32) -> u32 {
     return field * job.instances + i;
@@ -45,43 +45,10 @@ fn state_of(i: u32) -> State {
     return state;
 }
 
-fn tally_of(i: u32) -> Tally {
-    var tally: Tally;
-    tally_next_period(&tally);
-    // A dispatch may begin within a period.
-    if job.first > 0u {
-        //% each harmonic
-        tally.cosine_$ = states[at(TALLY_COSINE_$, i)];
-        tally.sine_$ = states[at(TALLY_SINE_$, i)];
-        //% end
-        //% each sum
-        tally.$ = states[at(TALLY_$$, i)];
-        //% end
-    }
-    //% if looks back
-    tally.last_0 = states[at(TALLY_LAST_0, i)];
-    tally.last_1 = states[at(TALLY_LAST_1, i)];
-    tally.touched = states[at(TALLY_TOUCHED, i)];
-    //% end
-    return tally;
-}
-
-fn store(i: u32, state: State, tally: Tally) {
+fn store_state(i: u32, state: State) {
     //% each mode
     states[at(STATE_X_$, i)] = state.x_$;
     states[at(STATE_U_$, i)] = state.u_$;
     //% end
     states[at(STATE_TOUCHING, i)] = state.touching;
-    //% each harmonic
-    states[at(TALLY_COSINE_$, i)] = tally.cosine_$;
-    states[at(TALLY_SINE_$, i)] = tally.sine_$;
-    //% end
-    //% each sum
-    states[at(TALLY_$$, i)] = tally.$;
-    //% end
-    //% if looks back
-    states[at(TALLY_LAST_0, i)] = tally.last_0;
-    states[at(TALLY_LAST_1, i)] = tally.last_1;
-    states[at(TALLY_TOUCHED, i)] = tally.touched;
-    //% end
 }

@@ -46,6 +46,18 @@ struct Decay {
     acceleration: real,
 }
 
+// The tip at a sample before its kick.
+struct Met {
+    // Steady free travel of the tip, and travel beyond it.
+    steady: real,
+    beyond: real,
+    //% if energy
+    // What the speed is too large by when the kick counts as work.
+    excess: real,
+    //% end
+    at: Approach,
+}
+
 // What a step saw.
 struct Sample {
     beyond: real,
@@ -57,7 +69,7 @@ struct Sample {
     kick: Kick,
 }
 
-fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: real, decay: Decay) -> Sample {
+fn meet(lever: Case, state: State, cosine: real, sine: real, decay: Decay) -> Met {
     let steady = lever.free_cosine * cosine + lever.free_sine * sine;
     var speed = lever.free_rate * (lever.free_sine * cosine + -(lever.free_cosine * sine));
     //% if energy
@@ -71,26 +83,34 @@ fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: 
     acceleration = acceleration + decay.acceleration;
     //% end
     //% each mode
-    beyond = beyond + (*state).x_$;
-    speed = lever.rate_$ * (*state).u_$ + speed;
-    acceleration = lever.pull_$ * (*state).x_$ + acceleration;
-    acceleration = lever.drag_$ * (*state).u_$ + acceleration;
+    beyond = beyond + state.x_$;
+    speed = lever.rate_$ * state.u_$ + speed;
+    acceleration = lever.pull_$ * state.x_$ + acceleration;
+    acceleration = lever.drag_$ * state.u_$ + acceleration;
     //% if energy
-    excess = lever.work_x_$ * (*state).x_$ + excess;
-    excess = lever.work_u_$ * (*state).u_$ + excess;
+    excess = lever.work_x_$ * state.x_$ + excess;
+    excess = lever.work_u_$ * state.u_$ + excess;
     //% end
     //% end
     let indentation = -(lever.gap + steady + beyond);
-    let kick = $law_kick(law, Approach(indentation, -speed, -acceleration), (*state).touching);
-    let impulse = kick.impulse;
-    (*state).touching = kick.touching;
+    return Met(
+        steady,
+        beyond,
+        //% if energy
+        excess,
+        //% end
+        Approach(indentation, -speed, -acceleration),
+    );
+}
+
+fn fly(lever: Case, state: ptr<function, State>, kick: Kick) {
     //% each mode
     let x_$ = (*state).x_$;
     let u_$ = (*state).u_$;
     let flown_x_$ = lever.m01_$ * u_$ + (lever.m00_$ * x_$ + x_$);
     let flown_u_$ = lever.m11_$ * u_$ + (-lever.m01_$ * x_$ + u_$);
-    (*state).x_$ = lever.land_x_$ * impulse + flown_x_$;
-    (*state).u_$ = lever.land_u_$ * impulse + flown_u_$;
+    (*state).x_$ = lever.land_x_$ * kick.impulse + flown_x_$;
+    (*state).u_$ = lever.land_u_$ * kick.impulse + flown_u_$;
     //% end
     //% if shifts
     if ZERO < abs(kick.shift) {
@@ -100,18 +120,28 @@ fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: 
         //% end
     }
     //% end
+}
+
+fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: real, decay: Decay) -> Sample {
+    let met = meet(lever, *state, cosine, sine, decay);
+    let kick = $law_kick(law, met.at, (*state).touching);
+    let impulse = kick.impulse;
+    (*state).touching = kick.touching;
+    fly(lever, state, kick);
     let corner = TWENTY_FOURTH;
     //% if energy
-    var work = impulse * (lever.kick_paid * impulse + speed - excess);
-    var virial = impulse * (-acceleration * corner + (steady + beyond));
+    let speed = -met.at.speed;
+    let acceleration = -met.at.acceleration;
+    var work = impulse * (lever.kick_paid * impulse + speed - met.excess);
+    var virial = impulse * (-acceleration * corner + (met.steady + met.beyond));
     //% if shifts
     work = -acceleration * kick.shift + work;
     virial = -kick.shift * (HALF * impulse + speed) + virial;
     //% end
     //% end
     return Sample(
-        corner * impulse + beyond,
-        -corner * impulse + indentation,
+        corner * impulse + met.beyond,
+        -corner * impulse + met.at.indentation,
         //% if energy
         work,
         virial,

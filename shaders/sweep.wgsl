@@ -1,20 +1,5 @@
-// The only bindings and the entry point: one thread takes one instance through a dispatch's steps.
-// Names in capitals come from the generated head (crates/kernel/src/shader.rs).
+// A run's bindings and entry point: one thread takes one instance through a dispatch's steps.
 
-// What one dispatch does.
-struct Job {
-    // Instances, and rows of the table of drives.
-    instances: u32,
-    drives: u32,
-    // Steps per period; the first step of this dispatch within its period; steps of this dispatch.
-    steps: u32,
-    first: u32,
-    count: u32,
-    // Workgroups side by side in x.
-    width: u32,
-}
-
-@group(0) @binding(0) var<uniform> job: Job;
 // Cosine and sine of the drive's phase: [harmonic][step][2].
 @group(0) @binding(1) var<storage, read> waves: array<real>;
 // Constants of each driven instrument: [field][drive].
@@ -39,7 +24,7 @@ fn finite(value: real) -> bool {
 
 @compute @workgroup_size(WORKGROUP)
 fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let i = (group.y * job.width + group.x) * WORKGROUP + local;
+    let i = thread(group, local);
     if i >= job.instances {
         return;
     }
@@ -72,7 +57,8 @@ fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             index = 0u;
         }
     }
-    store(i, state, tally);
+    store_state(i, state);
+    store_tally(i, tally);
     marks[i] = marks[i] + done;
     if !numbers {
         marks[job.instances + i] = 1u;

@@ -1,6 +1,6 @@
 //! Floating-point operations of one instance-step, counted in the parsed shader: the CPU kernel is its twin.
 
-use afmsweep::kernel::ShaderSpec;
+use afmsweep::kernel::{Entry, ShaderSpec};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Start;
 use naga::{Block, Expression, Function, MathFunction, Module, Statement};
@@ -12,6 +12,7 @@ use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 pub fn operations(plan: &Plan, measured: f64) -> [f64; 2] {
     let class = &plan.classes()[0];
     let spec = ShaderSpec {
+        entry: Entry::Sweep,
         law: class.law.shader(),
         modes: class.modes,
         wants: plan.wants,

@@ -21,7 +21,8 @@ fn jkr_kick(law: Law, at: Approach, touching: real) -> Kick {
     }
     let pull = law.unit_force * law.inverse_unit;
     let outset = jkr_roughly(begin + THREE);
-    let t1 = select(pull * TWELFTH * outset.force + begin + THREE, THREE, touches);
+    // In parentheses: a product and a sum, not one operation (crates/kernel/src/derived.rs).
+    let t1 = select((pull * TWELFTH * outset.force) + begin + THREE, THREE, touches);
     var here = jkr_at(t1);
     var late = ZERO;
     var pace = speed;

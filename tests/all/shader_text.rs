@@ -3,28 +3,36 @@
 
 use afmsweep::contact::Law;
 use afmsweep::engine::gpu::Job;
-use afmsweep::kernel::{Binding, MODES_MAX, ShaderSpec, WORKGROUP};
+use afmsweep::kernel::{Binding, Entry, MODES_MAX, ShaderSpec, WORKGROUP};
 use afmsweep::observe::Wants;
 use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
 
 /// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
-/// precisions.
+/// precisions; and both parts of a period with its slope.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
+    let entry = Entry::Sweep;
     for law in Law::ALL.map(Law::shader) {
         for modes in (1..=5).chain([8, MODES_MAX]) {
             for wants in Wants::every() {
                 for kind in 0..8 {
                     let (measured, decay, double) = (kind & 1 != 0, kind & 2 != 0, kind & 4 != 0);
-                    all.push(ShaderSpec { law, modes, wants, measured, decay, double });
+                    all.push(ShaderSpec { entry, law, modes, wants, measured, decay, double });
                 }
+            }
+            let wants = Wants::FUNDAMENTAL;
+            for (entry, double) in SLOPES {
+                all.push(ShaderSpec { entry, law, modes, wants, measured: false, decay: false, double });
             }
         }
     }
     all
 }
+
+const SLOPES: [(Entry, bool); 4] =
+    [(Entry::Kicks, false), (Entry::Kicks, true), (Entry::Carry, false), (Entry::Carry, true)];
 
 fn parsed(spec: &ShaderSpec) -> (String, Module) {
     let text = spec.compose();
@@ -114,8 +122,8 @@ fn every_combination_passes_naga_and_the_lint() {
         }
     });
     println!("{} shaders", all.len());
-    assert_eq!(all.len(), Law::ALL.len() * 7 * Wants::every().len() * 8);
-    assert!(all.len() >= 4 * 7 * 8 * 2 * 8);
+    assert_eq!(all.len(), Law::ALL.len() * 7 * (Wants::every().len() * 8 + SLOPES.len()));
+    assert!(all.len() >= 4 * 7 * (8 * 2 * 8 + 4));
 }
 
 #[test]
@@ -174,12 +182,16 @@ fn bindings_are_those_of_the_parsed_shader() {
         let kinds: Vec<Binding> = found.iter().map(|(_, kind, _)| *kind).collect();
         assert_eq!(kinds, spec.bindings(), "{spec:?}");
         // Numbers have the precision's width, but for the job, which drive and the marks.
-        let real = Some(spec.bytes() as u8);
-        let mut widths = vec![None, real, real, real, Some(4), real, Some(4)];
+        let (real, whole) = (Some(spec.bytes() as u8), Some(4));
+        let mut widths = match spec.entry {
+            Entry::Sweep => vec![None, real, real, real, whole, real, whole],
+            Entry::Kicks => vec![None, real, real, real, whole, real, whole, real],
+            Entry::Carry => vec![None, real, whole, real, whole, real, real],
+        };
         widths.extend(spec.decay.then_some(real));
         assert_eq!(found.iter().map(|(.., width)| *width).collect::<Vec<_>>(), widths, "{spec:?}");
         let point = &module.entry_points[0];
-        assert_eq!((point.name.as_str(), point.workgroup_size), ("sweep", [WORKGROUP, 1, 1]));
+        assert_eq!((point.name.as_str(), point.workgroup_size), (spec.entry.name(), [WORKGROUP, 1, 1]));
     }
 }
 

@@ -17,32 +17,22 @@ fn swap(text: &str, from: &str, to: &str) -> String {
     text.replace(from, to)
 }
 
-/// Moves a constant of the head by one unit in its last place.
-fn nudge(text: &str, name: &str) -> String {
-    let from = format!("const {name}: real = ");
-    let start = text.find(&from).expect("the head names it") + from.len();
-    let end = start + text[start..].find("f;").expect("an f32 literal");
-    let value: f32 = text[start..end].parse().expect("a number");
-    let moved = f32::from_bits(value.to_bits() + 1);
-    format!("{}{moved:?}{}", &text[..start], &text[end..])
-}
-
 const FAULTS: &[Fault] = &[
-    ("hertz", "TWELFTH one bit up", |text| nudge(&text, "TWELFTH")),
-    ("hertz", "TWENTY_FOURTH one bit up", |text| nudge(&text, "TWENTY_FOURTH")),
-    ("hertz", "HERTZ_ENERGY one bit up", |text| nudge(&text, "HERTZ_ENERGY")),
-    ("dmt", "HALF one bit up", |text| nudge(&text, "HALF")),
-    ("jkr", "JKR_TOUCH one bit up", |text| nudge(&text, "JKR_TOUCH")),
-    ("jkr", "JKR_WORK_0 one bit up", |text| nudge(&text, "JKR_WORK_0")),
-    ("jkr", "JKR_WORK_3 one bit up", |text| nudge(&text, "JKR_WORK_3")),
-    ("jkr", "JKR_WORK_8 one bit up", |text| nudge(&text, "JKR_WORK_8")),
-    ("jkr", "JKR_FORCE_2 one bit up", |text| nudge(&text, "JKR_FORCE_2")),
-    ("jkr", "JKR_FORCE_5 one bit up", |text| nudge(&text, "JKR_FORCE_5")),
+    ("hertz", "TWELFTH one bit up", |text| shader::nudge(&text, "TWELFTH")),
+    ("hertz", "TWENTY_FOURTH one bit up", |text| shader::nudge(&text, "TWENTY_FOURTH")),
+    ("hertz", "HERTZ_ENERGY one bit up", |text| shader::nudge(&text, "HERTZ_ENERGY")),
+    ("dmt", "HALF one bit up", |text| shader::nudge(&text, "HALF")),
+    ("jkr", "JKR_TOUCH one bit up", |text| shader::nudge(&text, "JKR_TOUCH")),
+    ("jkr", "JKR_WORK_0 one bit up", |text| shader::nudge(&text, "JKR_WORK_0")),
+    ("jkr", "JKR_WORK_3 one bit up", |text| shader::nudge(&text, "JKR_WORK_3")),
+    ("jkr", "JKR_WORK_8 one bit up", |text| shader::nudge(&text, "JKR_WORK_8")),
+    ("jkr", "JKR_FORCE_2 one bit up", |text| shader::nudge(&text, "JKR_FORCE_2")),
+    ("jkr", "JKR_FORCE_5 one bit up", |text| shader::nudge(&text, "JKR_FORCE_5")),
     ("hertz", "flow added up in another order", |text| {
         swap(&text, "(lever.m00_1 * x_1 + x_1)", "lever.m00_1 * x_1 + x_1")
     }),
     ("hertz", "modes added up in another order", |text| {
-        let (first, second) = ("beyond = beyond + (*state).x_1;", "beyond = beyond + (*state).x_2;");
+        let (first, second) = ("beyond = beyond + state.x_1;", "beyond = beyond + state.x_2;");
         swap(&swap(&swap(&text, first, "FIRST"), second, first), "FIRST", second)
     }),
     ("dmt", "attraction multiplied out", |text| {
@@ -58,7 +48,7 @@ const FAULTS: &[Fault] = &[
     ("jkr", "one of Halley's steps less", |text| {
         swap(&text, "jkr_halley(jkr_halley(jkr_about(s), t), t)", "jkr_halley(jkr_about(s), t)")
     }),
-    ("dmt", "TAIL_POLE one bit up", |text| nudge(&text, "TAIL_POLE")),
+    ("dmt", "TAIL_POLE one bit up", |text| shader::nudge(&text, "TAIL_POLE")),
     ("dmt", "kick without its shift", |text| swap(&text, "if ZERO < abs(kick.shift) {", "if false {")),
     ("jkr", "work of the shift left out", |text| {
         swap(&text, "work = -acceleration * kick.shift + work;", "")
@@ -83,7 +73,11 @@ const FAULTS: &[Fault] = &[
         swap(&text, "waves[2u * index + 1u], decay", "waves[2u * index + 3u], decay")
     }),
     ("jkr", "centre added up in another order", |text| {
-        swap(&text, "-acceleration * corner + (steady + beyond)", "-acceleration * corner + steady + beyond")
+        swap(
+            &text,
+            "-acceleration * corner + (met.steady + met.beyond)",
+            "-acceleration * corner + met.steady + met.beyond",
+        )
     }),
 ];
 

@@ -6,7 +6,7 @@
 use afmsweep::contact::Law;
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::kernel::contact::{Approach, Interaction, Kick};
-use afmsweep::kernel::{Lane, ShaderSpec, WORKGROUP, WithLaw};
+use afmsweep::kernel::{Entry, Lane, ShaderSpec, WORKGROUP, WithLaw};
 use afmsweep::observe::Wants;
 use bytemuck::cast_slice;
 use libtest_mimic::{Failed, Trial};
@@ -100,7 +100,8 @@ fn size(i: usize, law: Law) -> f64 {
 fn spec(law: Law) -> ShaderSpec {
     let law = law.shader();
     let wants = Wants::FUNDAMENTAL;
-    ShaderSpec { law, modes: 1, wants, measured: false, decay: false, double: false }
+    let entry = Entry::Sweep;
+    ShaderSpec { entry, law, modes: 1, wants, measured: false, decay: false, double: false }
 }
 
 /// The kicks by the best adapter: [4][instance].

@@ -1,6 +1,6 @@
-//! The shader against the CPU, on whatever GPU adapter there is: whole runs (`agree_gpu`), each law's kick by itself
-//! (`kicks_gpu`), and what the comparison of bits is worth (`faults_gpu`); and runs on several devices (`several_gpu`), for
-//! which a software driver gets a twin (`twin`).
+//! The shader against the CPU, on whatever GPU adapter there is: whole runs (`agree_gpu`), slopes of periods (`slopes_gpu`),
+//! each law's kick by itself (`kicks_gpu`), and what the comparison of bits is worth (`faults_gpu`); and runs on several
+//! devices (`several_gpu`), for which a software driver gets a twin (`twin`).
 //!
 //! Tests that the adapters found cannot run list themselves as ignored.
 
@@ -16,6 +16,7 @@ mod kicks_gpu;
 mod program;
 mod several_gpu;
 mod shader;
+mod slopes_gpu;
 #[allow(dead_code)]
 #[path = "../support/mod.rs"]
 mod support;
@@ -31,6 +32,7 @@ fn main() {
         faults_gpu::tests(&found),
         kicks_gpu::tests(&found),
         several_gpu::tests(&found),
+        slopes_gpu::tests(&found),
     ];
     let conclusion = libtest_mimic::run(&arguments, tests.into_iter().flatten().collect());
     twin::remove();

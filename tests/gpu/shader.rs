@@ -130,3 +130,13 @@ pub fn same(ours: &[Finished], theirs: &[Finished], what: &str) -> Result<usize,
         .into()),
     }
 }
+
+/// Moves a constant of the head by one unit in its last place.
+pub fn nudge(text: &str, name: &str) -> String {
+    let from = format!("const {name}: real = ");
+    let start = text.find(&from).expect("the head names it") + from.len();
+    let end = start + text[start..].find("f;").expect("an f32 literal");
+    let value: f32 = text[start..end].parse().expect("a number");
+    let moved = f32::from_bits(value.to_bits() + 1);
+    format!("{}{moved:?}{}", &text[..start], &text[end..])
+}

@@ -66,6 +66,9 @@ pub struct Lever {
 /// Fields of [`Lever::motion`] that each mode has.
 pub(crate) const MOTION: usize = 10;
 
+/// Of these, the ones that say what a unit of impulse does: land_x and land_u.
+pub const LANDS: std::ops::Range<usize> = 6..8;
+
 impl Lever {
     /// Of modes and a step in seconds, filled up to `count` with modes that no impulse moves.
     pub fn new(modes: &[FlowMode], step: f64, count: usize) -> Self {

@@ -19,6 +19,7 @@
 
 mod constants;
 pub mod contact;
+mod derived;
 mod dual;
 mod flow;
 mod lane;
@@ -40,17 +41,18 @@ mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use flow::{FlowMode, Lever, flown, increments};
+pub use flow::{FlowMode, LANDS, Lever, flown, increments};
 pub use lane::{Lane, Pack};
 pub use lanes::{Rounding, instructions};
 pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;
 pub use sample::Wave;
-pub use shader::{Binding, ShaderSpec, WORKGROUP};
-pub use slopes::{Room, SlopeRows, Tangent, strict_tangent, tangent};
+pub use shader::{Binding, Entry, ShaderSpec, WORKGROUP};
+pub use slopes::{Room, SlopeRows, Tangent, little, strict_tangent, tangent};
 pub use step::Decay;
 pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
 pub use sums::{HARMONICS, How, PeriodSums, SUMS, Sum, Wants};
+pub use tangent::powers;
 
 /// Length unit inside the kernel, m: keeps f32 far from its limits for any lever.
 pub const LENGTH: f64 = 1e-9;

@@ -10,19 +10,47 @@
 //! | `//% each mode`, `//% each harmonic` | its number |
 //! | `//% each group`, `//% each sum` | its name in the list of sums; `$$` the same in capitals |
 //! | `//% each total`, `largest`, `smallest`, `ever` | the name of each sum of which that is kept |
+//!
+//! What tells the slopes of kicks is made of the law's own files ([`derived`](super::derived)).
 
 use super::constants;
 use super::contact::LawShader;
+use super::derived::derived;
 use super::sums::{GROUPS, How};
+use super::tangent::PARTIALS;
 use crate::Wants;
 use std::fmt::Write;
 
 /// Threads of a workgroup.
 pub const WORKGROUP: u32 = 64;
 
+/// What a dispatch is for, by the name of its entry point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// Periods of a run.
+    Sweep,
+    /// The first part of a period with its slope: steps, and the slopes of their kicks.
+    Kicks,
+    /// The second: what these make of the slope's columns.
+    Carry,
+}
+
+impl Entry {
+    pub const ALL: [Self; 3] = [Self::Sweep, Self::Kicks, Self::Carry];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sweep => "sweep",
+            Self::Kicks => "kicks",
+            Self::Carry => "carry",
+        }
+    }
+}
+
 /// What the shader of a class is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShaderSpec {
+    pub entry: Entry,
     pub law: &'static LawShader,
     /// Stepped modes, 1 to [`super::MODES_MAX`].
     pub modes: usize,
@@ -36,7 +64,7 @@ pub struct ShaderSpec {
     pub double: bool,
 }
 
-/// What a binding of `shaders/sweep.wgsl` is to the shader.
+/// What a binding is to the shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binding {
     Uniform,
@@ -44,6 +72,7 @@ pub enum Binding {
     Write,
 }
 
+const JOB: &str = include_str!("../../../shaders/job.wgsl");
 const SWEEP: &str = include_str!("../../../shaders/sweep.wgsl");
 const STEP: &str = include_str!("../../../shaders/step.wgsl");
 const MEMORY: &str = include_str!("../../../shaders/memory.wgsl");
@@ -51,6 +80,10 @@ const PATH: &str = include_str!("../../../shaders/contact/path.wgsl");
 const TALLY: &str = include_str!("../../../shaders/observe/tally.wgsl");
 const FOURIER: &str = include_str!("../../../shaders/observe/fourier.wgsl");
 const RUN_SUMS: &str = include_str!("../../../shaders/observe/run_sums.wgsl");
+const TALLY_MEMORY: &str = include_str!("../../../shaders/observe/memory.wgsl");
+const DUAL: &str = include_str!("../../../shaders/slope/dual.wgsl");
+const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
+const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 
 impl ShaderSpec {
     /// Bytes of a number.
@@ -63,14 +96,20 @@ impl ShaderSpec {
         if self.measured { self.wants } else { Wants::FUNDAMENTAL }
     }
 
+    /// Numbers that a kick's slope has.
+    pub fn partials(&self) -> usize {
+        if self.law.shifts { PARTIALS } else { PARTIALS / 2 }
+    }
+
     /// The bindings of group 0, in order.
     pub fn bindings(&self) -> Vec<Binding> {
         use Binding::{Read, Uniform, Write};
-        let mut all = vec![Uniform, Read, Read, Read, Read, Write, Write];
-        if self.decay {
-            all.push(Read);
+        match self.entry {
+            Entry::Sweep if self.decay => vec![Uniform, Read, Read, Read, Read, Write, Write, Read],
+            Entry::Sweep => vec![Uniform, Read, Read, Read, Read, Write, Write],
+            Entry::Kicks => vec![Uniform, Read, Read, Read, Read, Write, Write, Write],
+            Entry::Carry => vec![Uniform, Read, Read, Read, Read, Read, Write],
         }
-        all
     }
 
     /// Fields of a row of the table of drives, in order.
@@ -89,14 +128,21 @@ impl ShaderSpec {
     /// Fields of an instance's constants, in order.
     pub fn case_fields(&self) -> Vec<String> {
         let law = self.law.fields.iter().map(|name| format!("law_{name}"));
-        std::iter::once("gap".to_owned()).chain(law).collect()
+        let little = (self.entry == Entry::Kicks).then(|| "little".to_owned());
+        std::iter::once("gap".to_owned()).chain(law).chain(little).collect()
     }
 
-    /// Fields of an instance's state, tally and run sums, in order.
+    /// Fields of an instance's state, tally and run sums, in order; beside slopes those of its state and of the steps seen.
     pub fn state_fields(&self) -> Vec<String> {
         let mut fields: Vec<String> =
             (0..self.modes).flat_map(|k| [format!("state_x_{k}"), format!("state_u_{k}")]).collect();
         fields.push("state_touching".into());
+        if self.entry != Entry::Sweep {
+            let here = ["indentation", "speed", "acceleration", "touching", "size", "contact"];
+            fields.extend(here.map(|name| format!("here_{name}")));
+            fields.extend(["indentation", "size"].map(|name| format!("before_{name}")));
+            return fields;
+        }
         for sheet in ["tally", "run_sums"] {
             for n in 0..self.wants.harmonics {
                 fields.extend([format!("{sheet}_cosine_{n}"), format!("{sheet}_sine_{n}")]);
@@ -115,29 +161,42 @@ impl ShaderSpec {
     /// The head and the law alone, for an entry point that asks for kicks.
     pub fn law_text(&self) -> String {
         let mut text = self.head();
-        for file in [PATH].iter().chain(self.law.texts) {
-            text.push('\n');
-            text += &self.expand(file);
-        }
+        text += &self.law_of();
+        self.law_files().for_each(|file| text += &self.expanded(file));
         text
+    }
+
+    /// The law's functions and those of the path.
+    fn law_files(&self) -> impl Iterator<Item = &'static str> {
+        std::iter::once(PATH).chain(self.law.texts.iter().copied())
     }
 
     /// The whole shader.
     pub fn compose(&self) -> String {
-        let sums = self.sums();
-        let mut text = self.law_text();
-        let mut add = |file: &str| {
-            text.push('\n');
-            text += &self.expand(file);
+        let files: &[&str] = match self.entry {
+            Entry::Carry => return self.head() + &self.expanded(JOB) + &self.expanded(CARRY),
+            Entry::Kicks => &[DUAL],
+            Entry::Sweep => &[],
         };
-        add(STEP);
-        add(TALLY);
-        add(FOURIER);
+        let mut text = self.law_text();
+        let mut add = |file: &str| text += &self.expanded(file);
+        files.iter().for_each(|file| add(file));
+        [JOB, STEP, MEMORY].iter().for_each(|file| add(file));
+        if self.entry == Entry::Kicks {
+            self.law_files().for_each(|file| add(&self.derived(file)));
+            add(KICKS);
+            return text;
+        }
+        let sums = self.sums();
+        [TALLY, FOURIER].iter().for_each(|file| add(file));
         GROUPS.iter().filter(|group| (group.wanted)(sums)).for_each(|group| add(group.text));
-        add(RUN_SUMS);
-        add(MEMORY);
-        add(SWEEP);
+        [RUN_SUMS, TALLY_MEMORY, SWEEP].iter().for_each(|file| add(file));
         text
+    }
+
+    /// A file's functions with derivatives. What cannot be told them no driver takes for a shader.
+    fn derived(&self, file: &str) -> String {
+        derived(file).unwrap_or_else(|why| format!("not understood: {why}\n"))
     }
 
     fn head(&self) -> String {
@@ -145,7 +204,11 @@ impl ShaderSpec {
             "// {} law, {} modes, {}\nalias real = {};\n",
             self.law.name,
             self.modes,
-            if self.measured { "measured" } else { "settling" },
+            match self.entry {
+                Entry::Sweep if self.measured => "measured",
+                Entry::Sweep => "settling",
+                entry => entry.name(),
+            },
             if self.double { "f64" } else { "f32" }
         );
         // Writing to a String cannot fail.
@@ -154,6 +217,8 @@ impl ShaderSpec {
         }
         let _ = writeln!(head, "const WORKGROUP: u32 = {WORKGROUP}u;");
         let _ = writeln!(head, "const EXPONENT: u32 = {:#x}u;", f32::INFINITY.to_bits());
+        let _ = writeln!(head, "const MODES: u32 = {}u;", self.modes);
+        let _ = writeln!(head, "const PARTIALS: u32 = {}u;", self.partials());
         let tables =
             [("DRIVE_", self.drive_fields()), ("CASE_", self.case_fields()), ("", self.state_fields())];
         for (prefix, fields) in &tables {
@@ -161,23 +226,29 @@ impl ShaderSpec {
                 let _ = writeln!(head, "const {prefix}{}: u32 = {place}u;", field.to_uppercase());
             }
         }
-        let (mut members, mut values) = (String::new(), String::new());
-        for field in self.law.fields {
-            let _ = writeln!(members, "    {field}: real,");
-            let _ = write!(values, "cases[at(CASE_LAW_{}, i)], ", field.to_uppercase());
-        }
-        if self.law.fields.is_empty() {
-            // A structure must have a member.
-            (members, values) = ("    none: real,\n".into(), "ZERO".into());
-        }
-        head + &format!(
-            "\nstruct Law {{\n{members}}}\n\nfn law_of(i: u32) -> Law {{\n    return Law({values});\n}}\n"
-        )
+        let member = |field: &&str| format!("    {field}: real,\n");
+        // A structure must have a member.
+        let members = if self.law.fields.is_empty() { &["none"] } else { self.law.fields };
+        let members: String = members.iter().map(member).collect();
+        head + &format!("\nstruct Law {{\n{members}}}\n")
+    }
+
+    /// What makes an instance's law of its constants.
+    fn law_of(&self) -> String {
+        let value = |field: &&str| format!("cases[at(CASE_LAW_{}, i)], ", field.to_uppercase());
+        let values: String = self.law.fields.iter().map(value).collect();
+        let values = if values.is_empty() { "ZERO".into() } else { values };
+        format!("\nfn law_of(i: u32) -> Law {{\n    return Law({values});\n}}\n")
     }
 
     /// A number as the shader's text has it: the nearest of its precision.
     fn literal(&self, value: f64) -> String {
         if self.double { format!("{value:?}lf") } else { format!("{:?}f", value as f32) }
+    }
+
+    /// A file as a part of the shader.
+    fn expanded(&self, file: &str) -> String {
+        format!("\n{}", self.expand(file))
     }
 
     /// Carries out a file's directives.
@@ -273,7 +344,8 @@ mod tests {
     fn a_misspelt_directive_does_not_remove_lines_in_silence() {
         let law = Law::Hertz.shader();
         let wants = Wants::FUNDAMENTAL;
-        let spec = ShaderSpec { law, modes: 2, wants, measured: true, decay: false, double: false };
+        let entry = Entry::Sweep;
+        let spec = ShaderSpec { entry, law, modes: 2, wants, measured: true, decay: false, double: false };
         assert_eq!(spec.expand("a\n//% if measured\nb\n//% end\n"), "a\nb\n");
         assert_eq!(spec.expand("a\n//% if decay\nb\n//% end\n"), "a\n");
         for line in ["if shift", "each modes", "each", "if", "unless decay"] {

@@ -3,7 +3,7 @@
 
 use super::contact::Interaction;
 use super::dual::Dual;
-use super::flow::MOTION;
+use super::flow::{LANDS, MOTION};
 use super::lanes::{Family, Rounding, WithLanes, with_double};
 use super::sample::Wave;
 use super::stepper::{Compiled, Seer};
@@ -24,6 +24,12 @@ pub struct Tangent<E> {
     pub modes: usize,
     see: Seer<E>,
     kicks: Kicks<E>,
+}
+
+/// What counts as hardly any change of a kick over the way from step to step, where as many `steps` may change a slope by
+/// `least`. `lands` are what a unit of impulse does to the state ([`LANDS`]).
+pub fn little(lands: impl Iterator<Item = f64>, steps: usize, least: f64) -> f64 {
+    least / (steps as f64 * lands.map(f64::abs).fold(f64::MIN_POSITIVE, f64::max))
 }
 
 /// What is compiled for lanes and for a law.
@@ -197,15 +203,13 @@ impl<E: Lane<Element = E>> Tangent<E> {
         room.steps = own;
     }
 
-    /// What counts as hardly any change of a kick, by instance.
+    /// [`little`] of each instance.
     fn little(&self, constants: &[E], steps: usize, least: &[f64], room: &mut Room<E>) {
         room.little.clear();
         room.little.extend((0..self.width).map(|lane| {
-            // What a unit of impulse does to the state.
-            let lands = 6 * self.modes..8 * self.modes;
-            let lands = lands.map(|row| constants[row * self.width + lane].lane(0).abs());
-            let least = least.get(lane).copied().unwrap_or(0.0);
-            E::splat(least / (steps as f64 * lands.fold(f64::MIN_POSITIVE, f64::max)))
+            let lands = LANDS.start * self.modes..LANDS.end * self.modes;
+            let lands = lands.map(|row| constants[row * self.width + lane].lane(0));
+            E::splat(little(lands, steps, least.get(lane).copied().unwrap_or(0.0)))
         }));
     }
 

@@ -208,7 +208,7 @@ pub(crate) fn carry<L: Lane, const M: usize>(
 }
 
 /// Increments over 1, 2, 4, ... steps, up to so many: m00, m01, m11 of each mode. One number, not a lane.
-pub(crate) fn powers<E: Lane<Element = E>>(motion: &[E], modes: usize, steps: u32, all: &mut Vec<[E; 3]>) {
+pub fn powers<E: Lane<Element = E>>(motion: &[E], modes: usize, steps: u32, all: &mut Vec<[E; 3]>) {
     all.clear();
     all.extend((0..modes).map(|k| FLOW.map(|field| motion[field * modes + k])));
     while all.len() < (u32::BITS - steps.leading_zeros()) as usize * modes {

@@ -1,7 +1,7 @@
 //! What is compiled for a class.
 
 use super::EngineError;
-use crate::kernel::{MODES_MAX, Real, Rounding, Stepper, Tangent, tangent};
+use crate::kernel::{MODES_MAX, Real, Rounding, Stepper, Tangent, strict_tangent, tangent};
 use crate::plan::Class;
 
 /// What steps a class.
@@ -12,12 +12,25 @@ pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Step
     E::stepper(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
 }
 
-/// What tells the slopes of a class's periods.
-///
-/// # Errors
-/// As [`stepper`].
-pub(super) fn slopes(rounding: Rounding, class: &Class) -> Result<Tangent<f64>, EngineError> {
-    tangent(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
+/// Numbers in which slopes of periods are told.
+pub(super) trait Sloping: Real {
+    /// What tells the slopes of a class's periods; in f32 where every operation rounds, whatever `rounding` says.
+    ///
+    /// # Errors
+    /// As [`stepper`].
+    fn tangent(rounding: Rounding, class: &Class) -> Result<Tangent<Self>, EngineError>;
+}
+
+impl Sloping for f32 {
+    fn tangent(_: Rounding, class: &Class) -> Result<Tangent<Self>, EngineError> {
+        strict_tangent(class.law, class.modes).ok_or_else(|| none(class.modes))
+    }
+}
+
+impl Sloping for f64 {
+    fn tangent(rounding: Rounding, class: &Class) -> Result<Tangent<Self>, EngineError> {
+        tangent(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
+    }
 }
 
 fn none(modes: usize) -> EngineError {

@@ -7,7 +7,8 @@ use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::saved::Saved;
 use super::{
-    Busy, Ended, Engine, EngineError, Outcome, Progress, ReturnMap, return_map, start, station, threads,
+    Busy, Ended, Engine, EngineError, Outcome, Progress, ReturnMap, Slopes, return_map, slopes, start,
+    station, threads,
 };
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
@@ -68,6 +69,19 @@ impl Engine for Cpu {
 
     fn by_threads(&self) -> bool {
         true
+    }
+
+    fn tells_slopes(&self) -> bool {
+        true
+    }
+
+    fn slopes(&self, plan: &Plan, least: &[f64], progress: &Progress) -> Result<Slopes, EngineError> {
+        let mut slopes = Slopes::none(plan);
+        for class in plan.classes().iter().filter(|class| class.steps > 0) {
+            let told = slopes::of_class(plan, class, least, Rounding::new(self.strict), progress)?;
+            slopes.put(&class.instances, told);
+        }
+        Ok(slopes)
     }
 
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {

@@ -16,6 +16,7 @@ mod progress;
 mod reference;
 mod return_map;
 mod saved;
+mod slopes;
 mod start;
 mod station;
 mod table;
@@ -28,7 +29,8 @@ pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::{Passing, ReturnMap, SlopeStart, Sloped};
+pub use return_map::{Passing, ReturnMap, SlopeStart};
+pub use slopes::{Sloped, Slopes};
 pub use threads::on_threads;
 pub use trace::{Between, Trace, TraceSample, trace};
 
@@ -90,13 +92,19 @@ pub trait Engine: Send + Sync {
         Ok(None)
     }
 
-    /// What tells the slopes of these instances' periods, where the engine has no return map; none where they are left to
+    /// Whether it tells slopes of periods, [`Engine::slopes`].
+    fn tells_slopes(&self) -> bool {
+        false
+    }
+
+    /// Steps one period of each instance of a plan, from steady free motion on from where the plan says, and tells its slope; of
+    /// that about as much may be left out as `least` says, by instance. Nothing is told by an engine that leaves slopes to
     /// differences.
     ///
     /// # Errors
     /// What the engine says.
-    fn slopes(&self, _plan: &Plan, _instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
-        Ok(None)
+    fn slopes(&self, plan: &Plan, _least: &[f64], _progress: &Progress) -> Result<Slopes, EngineError> {
+        Ok(Slopes::none(plan))
     }
 
     /// Runs the plan. A failed instance is data, not an error.

@@ -1,6 +1,7 @@
 //! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
 //! place, again and again.
 
+use super::slopes::Sloped;
 use super::table::{Buffers, Place, Table};
 use super::{Busy, EngineError, Finished, Progress};
 use crate::kernel::{Room, Rounding};
@@ -49,14 +50,6 @@ pub struct SlopeStart {
     pub station: Station,
     /// What may be left out of the slope, about.
     pub least: f64,
-}
-
-/// Where a period ends, and its slope.
-#[derive(Clone, Debug)]
-pub struct Sloped {
-    pub end: Station,
-    /// Column by column: travels, then rates, of the kept modes; by each travel, then by each rate.
-    pub slope: Box<[f64]>,
 }
 
 pub(super) struct Map {

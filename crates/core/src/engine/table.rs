@@ -1,12 +1,13 @@
 //! Instances of one law, number of modes and number of steps: their constants, made once, and their periods, stepped as many
 //! side by side as a lane holds.
 
-use super::compiled::{slopes, stepper};
+use super::compiled::{Sloping, stepper};
 use super::measure::{Sums, finish};
 use super::member::{free, gap_and_law, lever, lever_key, member};
+use super::slopes::kept;
 use super::station::indentation;
 use super::{EngineError, Finished, start};
-use crate::kernel::{LENGTH, Lever, Room, Rounding, RunSums, SlopeRows, Span, Stepper, Tangent, Wave};
+use crate::kernel::{LENGTH, Lever, Room, Rounding, RunSums, Span, Stepper, Tangent, Wave};
 use crate::plan::{Case, Class, Plan, Shape, Station};
 use crate::scene::Start;
 use std::collections::HashMap;
@@ -66,7 +67,7 @@ impl Table {
         rounding: Rounding,
     ) -> Result<Self, EngineError> {
         let class = Class { law, modes, steps, instances: Vec::new() };
-        let (stepper, tangent) = (stepper(rounding, &class)?, slopes(rounding, &class)?);
+        let (stepper, tangent) = (stepper(rounding, &class)?, f64::tangent(rounding, &class)?);
         let (mut levers, mut known, mut lever_of) = (Vec::new(), HashMap::new(), Vec::new());
         let (mut cases, mut rows) = (Vec::new(), Vec::new());
         for i in instances {
@@ -166,15 +167,9 @@ impl Table {
         let mut slopes = Vec::with_capacity(least.len());
         let Buffers { constants, state, .. } = rows;
         self.tangent.period(constants, state, &self.waves[0], least, room, |_, slope| {
-            slopes.push(self.slope(slope));
+            slopes.push(kept((self.modes, self.tangent.modes), |row, column| slope.at(row, column)));
         });
         slopes
-    }
-
-    fn slope(&self, slope: SlopeRows<f64>) -> Box<[f64]> {
-        let (own, all) = (self.modes, self.tangent.modes);
-        let numbers = || (0..own).chain(all..all + own);
-        numbers().flat_map(|column| numbers().map(move |row| slope.at(row, column))).collect()
     }
 
     /// Takes those that were gathered through one measured period.

@@ -1,7 +1,7 @@
 //! The period map of some instances, on whatever engine there is.
 
 use super::{Linear, PeriodicState};
-use crate::engine::{Busy, Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped};
+use crate::engine::{Busy, Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped, Slopes};
 use crate::kernel::{MODES_MAX, Room, flown, increments};
 use crate::periodic::{Memory, Size};
 use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, StartState, Station};
@@ -24,8 +24,6 @@ pub(super) struct PeriodMap<'a> {
     instances: &'a [u32],
     engine: &'a dyn Engine,
     quick: Option<Box<dyn ReturnMap>>,
-    /// What tells slopes where there is no quick one.
-    host: Option<Box<dyn ReturnMap>>,
     pub progress: &'a Progress,
     /// What the engine had to say.
     notes: Mutex<Vec<String>>,
@@ -40,8 +38,7 @@ impl<'a> PeriodMap<'a> {
         progress: &'a Progress,
     ) -> Result<Self, EngineError> {
         let quick = progress.timed(Busy::Constants, || engine.return_map(plan, instances))?;
-        let host = if quick.is_none() { engine.slopes(plan, instances)? } else { None };
-        Ok(Self { plan, instances, engine, quick, host, progress, notes: Mutex::default() })
+        Ok(Self { plan, instances, engine, quick, progress, notes: Mutex::default() })
     }
 
     /// Does `work` for all instances: at once, or for some after the other on many threads where the engine does not
@@ -79,40 +76,51 @@ impl<'a> PeriodMap<'a> {
             self.progress.foresee(all * u64::from(periods));
             return Ok(map.after(starts, periods, self.progress));
         }
-        let (instances, places): (Vec<u32>, Vec<StartState>) = starts
-            .iter()
-            .map(|(slot, place)| (self.instances[*slot as usize], StartState::from(*place)))
-            .unzip();
+        let trial = self.trial(starts.iter().copied(), periods);
+        let outcome = self.engine.run(&trial, self.progress)?;
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(outcome.notes);
+        Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
+    }
+
+    /// So many periods from these starts, as a plan.
+    fn trial(&self, starts: impl Iterator<Item = (u32, Station)>, periods: u32) -> Plan {
+        let (instances, places): (Vec<u32>, Vec<StartState>) =
+            starts.map(|(slot, place)| (self.instances[slot as usize], StartState::from(place))).unzip();
         let mut trial = self.plan.trial(&instances, periods, 1);
         trial.precision = Precision::F64;
         trial.starts = Some(Arc::new(places));
         self.progress.foresee(trial.instance_steps());
-        let outcome = self.engine.run(&trial, self.progress)?;
-        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(outcome.notes);
-        Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
+        trial
     }
 }
 
 impl PeriodMap<'_> {
     /// Whether slopes can be asked for.
     pub fn tells_slopes(&self) -> bool {
-        self.quick.is_some() || self.host.is_some()
+        self.quick.is_some() || self.engine.tells_slopes()
     }
 
     /// Where each of these is after a period, and the slope of that; none where the run was stopped, or where slopes cannot
     /// be asked for.
-    pub fn sloped(&self, starts: &[SlopeStart], room: &mut Room<f64>) -> Vec<Option<Sloped>> {
-        let steps = |start: &SlopeStart| u64::from(self.plan.steps(self.instances[start.instance as usize]));
-        self.progress.foresee(starts.iter().map(steps).sum());
-        match (&self.quick, &self.host) {
-            (Some(map), _) => map.sloped(starts, room, self.progress),
-            // All of them come at once.
-            (None, Some(map)) => starts
-                .par_chunks(PART.1 as usize)
-                .flat_map_iter(|some| map.sloped(some, &mut Room::default(), self.progress))
-                .collect(),
-            (None, None) => vec![None; starts.len()],
+    pub fn sloped(
+        &self,
+        starts: &[SlopeStart],
+        room: &mut Room<f64>,
+    ) -> Result<Vec<Option<Sloped>>, EngineError> {
+        if let Some(map) = &self.quick {
+            let steps =
+                |start: &SlopeStart| u64::from(self.plan.steps(self.instances[start.instance as usize]));
+            self.progress.foresee(starts.iter().map(steps).sum());
+            return Ok(map.sloped(starts, room, self.progress));
         }
+        if starts.is_empty() {
+            return Ok(Vec::new());
+        }
+        let trial = self.trial(starts.iter().map(|start| (start.instance, start.station)), 1);
+        let least: Vec<f64> = starts.iter().map(|start| start.least).collect();
+        let Slopes { all, notes } = self.engine.slopes(&trial, &least, self.progress)?;
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(notes);
+        Ok(all)
     }
 }
 

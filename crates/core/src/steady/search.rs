@@ -195,7 +195,7 @@ impl Batch<'_> {
                 }
             }
             let ends = self.map.after(&starts, 1)?;
-            let mut sloped = self.map.sloped(&slopes, &mut room).into_iter();
+            let mut sloped = self.map.sloped(&slopes, &mut room)?.into_iter();
             let mut rest = ends.iter();
             self.map.progress.timed(Busy::Algebra, || {
                 for one in &mut all {

@@ -2,27 +2,15 @@
 
 use super::pace::Pace;
 use super::pack::{self, Numbers, Tables};
-use super::session::Session;
+use super::session::{Job, Session};
 use super::{Drill, Failure};
 use crate::engine::Progress;
 use crate::engine::cpu::decays;
 use crate::engine::saved::Saved;
-use crate::kernel::{ShaderSpec, WORKGROUP};
+use crate::kernel::ShaderSpec;
 use crate::plan::{Class, Plan};
 use std::time::{Duration, Instant};
-use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, SubmissionIndex};
-
-/// What one dispatch does; `Job` of shaders/sweep.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Job {
-    pub instances: u32,
-    pub drives: u32,
-    pub steps: u32,
-    pub first: u32,
-    pub count: u32,
-    pub width: u32,
-}
+use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
 /// Between two copies of the state to the host.
 const SAVE_EVERY: Duration = Duration::from_secs(5);
@@ -144,34 +132,12 @@ impl<'a> Chunk<'a> {
         (DECAY_BYTES / row).max(1) as u32
     }
 
-    pub(super) fn dispatch(&self, at: u64, count: u32, measured: bool) -> Result<SubmissionIndex, Failure> {
+    fn dispatch(&self, at: u64, count: u32, measured: bool) -> Result<SubmissionIndex, Failure> {
         self.drill.strike(self.session);
+        let (instances, drives) = (self.tables.instances.len() as u32, self.tables.drives.len() as u32);
         let steps = self.class.steps;
-        let groups = (self.tables.instances.len() as u32).div_ceil(WORKGROUP);
-        let width = groups.min(1 << 15);
-        let job = Job {
-            instances: self.tables.instances.len() as u32,
-            drives: self.tables.drives.len() as u32,
-            steps,
-            first: (at % u64::from(steps)) as u32,
-            count,
-            width,
-        };
-        self.session.queue.write_buffer(&self.job, 0, bytemuck::bytes_of(&job));
-        let (pipeline, layout) = self.session.pipeline(ShaderSpec { measured, ..self.spec })?;
-        let bindings = self.bindings(&layout, at, count)?;
-        let mut encoder = self.session.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
-        pass.dispatch_workgroups(width, groups.div_ceil(width), 1);
-        drop(pass);
-        let submitted = self.session.queue.submit([encoder.finish()]);
-        self.session.check()?;
-        Ok(submitted)
-    }
-
-    fn bindings(&self, layout: &BindGroupLayout, at: u64, count: u32) -> Result<BindGroup, Failure> {
+        let first = (at % u64::from(steps)) as u32;
+        let job = Job { instances, drives, steps, first, count, width: 0 };
         let mut buffers = vec![
             &self.job,
             &self.waves,
@@ -186,16 +152,7 @@ impl<'a> Chunk<'a> {
             table = self.decay_table(at, count)?;
             buffers.push(&table);
         }
-        let entries: Vec<wgpu::BindGroupEntry> = buffers
-            .iter()
-            .enumerate()
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding: binding as u32,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let descriptor = wgpu::BindGroupDescriptor { label: Some("chunk"), layout, entries: &entries };
-        Ok(self.session.device.create_bind_group(&descriptor))
+        self.session.dispatch(ShaderSpec { measured, ..self.spec }, job, instances, &buffers)
     }
 
     /// `[drive][step][travel, speed, acceleration]` for this dispatch.
@@ -210,7 +167,7 @@ impl<'a> Chunk<'a> {
     }
 
     /// Waits, reads the state back, and checks that each instance did `steps` steps.
-    pub(super) fn saved(&self, steps: u64) -> Result<Vec<Saved>, Failure> {
+    fn saved(&self, steps: u64) -> Result<Vec<Saved>, Failure> {
         let count = self.tables.instances.len();
         let (states, marks) = (self.tables.states.bytes().len() as u64, 8 * count as u64);
         let bytes = self.session.read(&[(&self.states, states), (&self.marks, marks)])?;

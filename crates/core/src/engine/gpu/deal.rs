@@ -2,51 +2,47 @@
 
 use super::dealer::{Did, TRIES};
 use super::device::Fate;
-use super::pack::{self, Tables};
+use super::errand::Errand;
 use super::piece::Piece;
 use super::{Failure, Gpu};
-use crate::engine::cpu::{self, Resume};
-use crate::engine::measure::{Sums, finish};
-use crate::engine::member::member;
-use crate::engine::saved::Saved;
-use crate::engine::{Ended, EngineError, Outcome, Progress, station};
+use crate::engine::{EngineError, Progress};
 use crate::kernel::Rounding;
-use crate::plan::{Class, Plan};
-use rayon::prelude::*;
 use std::collections::{HashMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// A run on its way.
-pub(super) struct Deal<'a> {
+/// An errand on its way.
+pub(super) struct Deal<'a, E: Errand> {
     gpu: &'a Gpu,
-    plan: &'a Plan,
+    errand: &'a E,
     progress: &'a Progress,
     /// What whole pieces of each class took.
     did: HashMap<usize, Vec<Did>>,
+    /// What a user should know of how it went.
+    notes: Vec<String>,
 }
 
 /// What became of a piece: on which device, how long that took, and if it failed there whether the device is lost.
-struct Told {
+struct Told<T> {
     piece: Piece,
     place: usize,
-    fate: Fate,
+    fate: Fate<T>,
     time: Duration,
     lost: bool,
 }
 
-impl<'a> Deal<'a> {
-    pub fn new(gpu: &'a Gpu, plan: &'a Plan, progress: &'a Progress) -> Self {
-        Self { gpu, plan, progress, did: HashMap::new() }
+impl<'a, E: Errand> Deal<'a, E> {
+    pub fn new(gpu: &'a Gpu, errand: &'a E, progress: &'a Progress) -> Self {
+        Self { gpu, errand, progress, did: HashMap::new(), notes: Vec::new() }
     }
 
-    /// Takes all pieces to their ends.
+    /// Takes all pieces to their ends; what a user should know of how it went.
     ///
     /// Tables are made and results are finished on the caller's thread alone, with its pool: threads that wait for devices
     /// wait for nothing else, so that many runs may go on side by side on any number of threads.
-    pub fn all(mut self, mut pieces: VecDeque<Piece>, outcome: &mut Outcome) -> Result<(), EngineError> {
-        let (gpu, plan, progress) = (self.gpu, self.plan, self.progress);
+    pub fn all(mut self, mut pieces: VecDeque<Piece>, out: &mut E::Out) -> Result<Vec<String>, EngineError> {
+        let (gpu, errand, progress) = (self.gpu, self.errand, self.progress);
         let (to, from) = mpsc::channel();
         std::thread::scope(|scope| {
             let mut under_way = 0;
@@ -58,12 +54,11 @@ impl<'a> Deal<'a> {
                 while under_way <= gpu.dealer.holding()
                     && let Some(piece) = pieces.pop_front()
                 {
-                    let saved = piece.at.as_ref().map(|at| at.saved.as_slice());
-                    let tables = pack::tables(plan, &piece.class, &piece.class.instances, saved);
+                    let tables = errand.tables(&piece);
                     let to = to.clone();
                     scope.spawn(move || {
                         // Nobody hears it where the run has ended with an error.
-                        let _ = to.send(carry(gpu, plan, (piece, &tables), progress));
+                        let _ = to.send(carry(gpu, errand, (piece, &tables), progress));
                     });
                     under_way += 1;
                 }
@@ -73,29 +68,29 @@ impl<'a> Deal<'a> {
                 let Ok(told) = from.recv() else { break };
                 under_way -= 1;
                 match told {
-                    Ok(told) => self.take(told, &mut pieces, outcome),
-                    Err(piece) => self.on_the_cpu(piece, outcome)?,
+                    Ok(told) => self.take(told, &mut pieces, out),
+                    Err(piece) => self.on_the_cpu(piece, out)?,
                 }
             }
             self.did.values().for_each(|did| gpu.dealer.learn(did));
-            Ok(())
+            Ok(self.notes)
         })
     }
 
     /// Takes in what became of a piece; what is left of it goes to the head of the queue.
-    fn take(&mut self, told: Told, pieces: &mut VecDeque<Piece>, outcome: &mut Outcome) {
+    fn take(&mut self, told: Told<E::Done>, pieces: &mut VecDeque<Piece>, out: &mut E::Out) {
         let Told { mut piece, place, fate, time, lost } = told;
         let failure = match fate {
             Fate::Stopped => return,
-            Fate::Done(saved) => {
+            Fate::Done(done) => {
                 if piece.done() == 0 && piece.refused == 0 {
-                    self.did.entry(piece.group).or_default().push((place, piece.work(self.plan), time));
+                    let work = piece.work(self.errand.plan());
+                    self.did.entry(piece.group).or_default().push((place, work, time));
                 }
-                let ended = finish_all(self.plan, &piece.class, &saved);
-                return outcome.put(&piece.class.instances, ended);
+                return self.errand.finish(&piece.class, done, out);
             }
             Fate::Closed(error) => {
-                outcome.notes.push(self.gpu.without(place, &error));
+                self.notes.push(self.gpu.without(place, &error));
                 return pieces.push_front(piece);
             }
             Fate::Failed(failure) => failure,
@@ -104,7 +99,7 @@ impl<'a> Deal<'a> {
         let count = piece.class.instances.len();
         if matches!(failure, Failure::Memory) && count > 1 {
             let note = format!("{who}{failure} with {count} instances: going on with half of them");
-            outcome.notes.push(note);
+            self.notes.push(note);
             return piece.halves().into_iter().rev().for_each(|half| pieces.push_front(half));
         }
         if !matches!(failure, Failure::Lost(_)) {
@@ -115,39 +110,34 @@ impl<'a> Deal<'a> {
             false if self.gpu.devices.len() > 1 => "with whichever device is free",
             false => "with a new device",
         };
-        outcome.notes.push(format!("{who}{failure}: going on from period {from} {how}"));
+        self.notes.push(format!("{who}{failure}: going on from period {from} {how}"));
         pieces.push_front(piece);
     }
 
     /// What no device can do.
-    fn on_the_cpu(&self, piece: Piece, outcome: &mut Outcome) -> Result<(), EngineError> {
-        let Piece { class, at, .. } = &piece;
+    fn on_the_cpu(&mut self, piece: Piece, out: &mut E::Out) -> Result<(), EngineError> {
         if self.gpu.dealer.is_news() {
-            outcome.notes.push(format!("going on from period {} on the CPU", piece.done()));
+            self.notes.push(format!("going on from period {} on the CPU", piece.done()));
         }
-        let resume = at.as_ref().map(|at| Resume::Saved(&at.saved, at.done));
-        let rounding = Rounding::new(self.gpu.strict);
-        let ended = cpu::resume(self.plan, class, resume, rounding, self.progress)?;
-        outcome.put(&class.instances, ended);
-        Ok(())
+        self.errand.on_the_cpu(&piece, Rounding::new(self.gpu.strict), self.progress, out)
     }
 }
 
 /// Takes a piece to a device, as soon as one is free; hands it back where there is none for it.
-fn carry(
+fn carry<E: Errand>(
     gpu: &Gpu,
-    plan: &Plan,
-    (mut piece, tables): (Piece, &Tables),
+    errand: &E,
+    (mut piece, tables): (Piece, &E::Tables),
     progress: &Progress,
-) -> Result<Told, Piece> {
+) -> Result<Told<E::Done>, Piece> {
     if piece.refused >= TRIES {
         return Err(piece);
     }
     let Some(place) = gpu.dealer.lease(piece.meant) else { return Err(piece) };
     let Some(device) = gpu.devices.get(place) else { return Err(piece) };
-    let (begun, work) = (Instant::now(), piece.work(plan));
+    let (begun, work) = (Instant::now(), piece.work(errand.plan()));
     // A driver's panic is a failure like others: what it was at is in the piece.
-    let step = || device.step(plan, (&mut piece, tables), (gpu.strict, &gpu.drill), progress);
+    let step = || device.step(errand, (&mut piece, tables), (gpu.strict, &gpu.drill), progress);
     let fate = catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|_| {
         device.close();
         Fate::Failed(Failure::Refused("the driver broke off".into()))
@@ -161,21 +151,4 @@ fn carry(
         Fate::Closed(_) => gpu.dealer.lost(place),
     }
     Ok(Told { piece, place, fate, time, lost })
-}
-
-fn finish_all(plan: &Plan, class: &Class, saved: &[Saved]) -> Vec<Ended> {
-    let tell = plan.starts.is_some();
-    class
-        .instances
-        .par_iter()
-        .zip(saved)
-        .map(|(instance, saved)| {
-            let (case, driven) = member(plan, *instance);
-            let sums = Sums::new(saved.run_sums, saved.finite, plan.run.measure, class.steps);
-            Ended {
-                finished: finish(&sums, &case, driven, &plan.run, plan.wants),
-                end: tell.then(|| Box::new(station::station(saved))),
-            }
-        })
-        .collect()
 }

@@ -1,20 +1,17 @@
 //! One of an engine's devices: its adapter, and what is open and compiled on it.
 
 use super::adapter::AdapterReport;
-use super::chunk::Chunk;
-use super::pack::Tables;
+use super::errand::Errand;
 use super::piece::Piece;
 use super::session::{Opening, Session};
 use super::{Drill, Failure, GpuError};
 use crate::engine::Progress;
-use crate::engine::saved::Saved;
-use crate::plan::Plan;
 use std::sync::{Mutex, PoisonError};
 
 /// What became of a piece on a device.
-pub(super) enum Fate {
-    /// Its instances at the end of the run.
-    Done(Vec<Saved>),
+pub(super) enum Fate<T> {
+    /// What was wanted of its instances.
+    Done(T),
     /// The run was stopped.
     Stopped,
     Failed(Failure),
@@ -69,31 +66,27 @@ impl Device {
         Ok(session)
     }
 
-    /// Steps a piece to the end of the run. Nothing here waits for the threads of the caller's pool, all of which may
+    /// Does an errand for a piece. Nothing here waits for the threads of the caller's pool, all of which may
     /// be waiting for devices.
-    pub fn step(
+    pub fn step<E: Errand>(
         &self,
-        plan: &Plan,
-        (piece, tables): (&mut Piece, &Tables),
+        errand: &E,
+        (piece, tables): (&mut Piece, &E::Tables),
         (strict, drill): (bool, &Drill),
         progress: &Progress,
-    ) -> Fate {
+    ) -> Fate<E::Done> {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let session = match self.session(&mut open, strict, drill) {
             Ok(session) => session,
             Err(error) => return Fate::Closed(error),
         };
-        let done = piece.done();
-        let Piece { class, at, pace, .. } = piece;
-        let run = Chunk::new(plan, class, session, drill, tables)
-            .and_then(|chunk| chunk.run(done, pace, at, progress));
-        match run {
-            Ok(Some(saved)) => Fate::Done(saved),
+        match errand.on(session, drill, (&mut *piece, tables), progress) {
+            Ok(Some(done)) => Fate::Done(done),
             Ok(None) => Fate::Stopped,
             Err(failure) => {
                 let failure = session.cause(failure);
                 *open = None;
-                pace.slow_down();
+                piece.pace.slow_down();
                 Fate::Failed(failure)
             }
         }

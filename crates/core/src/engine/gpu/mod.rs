@@ -5,23 +5,29 @@ mod chunk;
 mod deal;
 mod dealer;
 mod device;
+mod errand;
 mod pace;
 mod pack;
 mod piece;
+mod runs;
 mod session;
+mod slopes;
 mod strict;
 
 pub use adapter::{AdapterReport, adapters, alike};
-pub use chunk::Job;
+pub use session::Job;
 
 use super::cpu;
-use super::{Cpu, Engine, EngineError, Outcome, Progress, ReturnMap};
+use super::{Engine, EngineError, Outcome, Progress, Slopes};
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
 use dealer::Dealer;
 use device::Device;
-use piece::Cut;
+use piece::{Cut, Piece};
+use runs::Runs;
 use session::Session;
+use slopes::Periods;
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 use thiserror::Error;
@@ -169,15 +175,46 @@ impl Gpu {
         self.dealer.suppose(speeds);
     }
 
-    /// Most instances of the class that a device takes at a time.
+    /// Most bytes of a binding.
+    fn binding(&self) -> u64 {
+        let bytes = |report: &AdapterReport| report.binding_bytes.min(report.buffer_bytes);
+        self.reports().map(bytes).min().unwrap_or(0)
+    }
+
+    /// Most instances of a class that a device takes at a time, of which the largest table has so many bytes each.
+    fn at_most(&self, bytes: u64) -> usize {
+        // Threads are numbered with 32 bits, workgroups up to the device's limit in two dimensions.
+        let most = (self.binding() / bytes).min(1 << 24) as usize;
+        self.chunk.map_or(most, |chunk| chunk.min(most)).max(1)
+    }
+
     fn capacity(&self, plan: &Plan, class: &Class) -> usize {
         let spec = pack::spec(plan, class);
-        let each = spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64;
-        let bytes = |report: &AdapterReport| report.binding_bytes.min(report.buffer_bytes);
-        let most = self.reports().map(bytes).min().unwrap_or(0) / each;
-        // Threads are numbered with 32 bits, workgroups up to the device's limit in two dimensions.
-        let most = most.min(1 << 24) as usize;
-        self.chunk.map_or(most, |chunk| chunk.min(most)).max(1)
+        self.at_most(spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64)
+    }
+
+    /// The same of periods with their slopes.
+    fn slope_capacity(&self, plan: &Plan, class: &Class) -> usize {
+        let spec = pack::slope_spec(plan, class);
+        let (columns, fields) = ((2 * spec.modes).pow(2), spec.state_fields().len());
+        // Kicks of two steps at the least.
+        self.at_most(spec.bytes() * columns.max(fields).max(2 * spec.partials()) as u64)
+    }
+
+    /// The plan's classes in pieces, and those that never reach the sample.
+    fn pieces(&self, plan: &Plan, most: impl Fn(&Class) -> usize) -> (Vec<Class>, VecDeque<Piece>) {
+        let devices = self.dealer.speeds();
+        let cut = Cut { devices: &devices, least: self.least, software: self.report.software() };
+        let (free, stepped): (Vec<Class>, Vec<Class>) =
+            plan.classes().into_iter().partition(|class| class.steps == 0);
+        let all = stepped.iter().enumerate();
+        let mut pieces: Vec<Piece> =
+            all.flat_map(|(group, class)| cut.pieces(plan, (group, class), most(class))).collect();
+        if self.devices.len() > 1 {
+            // The largest first, so that none is left over for the end.
+            pieces.sort_by_key(|piece| std::cmp::Reverse(piece.work(plan)));
+        }
+        (free, pieces.into())
     }
 
     /// Opens what was never opened. That no device can be opened is an error before anything is computed; later runs go on
@@ -246,9 +283,19 @@ impl Engine for Gpu {
         format!("gpu {} beside {}", self.report.title(), cpu::Cpu::default().kind())
     }
 
-    // The shader has no slopes: the processor that rounds as it does tells them.
-    fn slopes(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
-        Cpu { strict: true }.return_map(plan, instances)
+    fn tells_slopes(&self) -> bool {
+        true
+    }
+
+    fn slopes(&self, plan: &Plan, least: &[f64], progress: &Progress) -> Result<Slopes, EngineError> {
+        let mut slopes = Slopes::none(plan);
+        slopes.notes = self.open(plan.precision)?;
+        let _entered = self.dealer.enter();
+        let (_, pieces) = self.pieces(plan, |class| self.slope_capacity(plan, class));
+        let errand = Periods { plan, least, binding: self.binding() };
+        let notes = Deal::new(self, &errand, progress).all(pieces, &mut slopes)?;
+        slopes.notes.extend(notes);
+        Ok(slopes)
     }
 
     fn double(&self) -> bool {
@@ -278,20 +325,10 @@ impl Engine for Gpu {
         let mut outcome = Outcome::of(plan);
         outcome.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
-        let devices = self.dealer.speeds();
-        let cut = Cut { devices: &devices, least: self.least, software: self.report.software() };
-        let mut pieces = Vec::new();
-        for (group, class) in plan.classes().iter().enumerate() {
-            match class.steps {
-                0 => outcome.put(&class.instances, cpu::free_class(plan, class)),
-                _ => pieces.extend(cut.pieces(plan, (group, class), self.capacity(plan, class))),
-            }
-        }
-        if self.devices.len() > 1 {
-            // The largest first, so that none is left over for the end.
-            pieces.sort_by_key(|piece| std::cmp::Reverse(piece.work(plan)));
-        }
-        Deal::new(self, plan, progress).all(pieces.into(), &mut outcome)?;
+        let (free, pieces) = self.pieces(plan, |class| self.capacity(plan, class));
+        free.iter().for_each(|class| outcome.put(&class.instances, cpu::free_class(plan, class)));
+        let notes = Deal::new(self, &Runs(plan), progress).all(pieces, &mut outcome)?;
+        outcome.notes.extend(notes);
         Ok(outcome)
     }
 }

@@ -2,9 +2,14 @@
 
 use crate::engine::member::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::saved::Saved;
+use crate::engine::slopes::begun;
 use crate::engine::start;
-use crate::kernel::{HARMONICS, MODES_MAX, RunSums, ShaderSpec};
-use crate::plan::{Class, Plan, Precision};
+use crate::kernel::{
+    Entry, HARMONICS, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers,
+};
+use crate::observe::Wants;
+use crate::plan::{Class, Plan, Precision, Station};
+use crate::scene::Start;
 use rayon::prelude::*;
 
 /// Numbers of the shader's precision.
@@ -63,36 +68,67 @@ pub(super) struct Tables {
 /// What the shader of a class is made for; the measured part's.
 pub(super) fn spec(plan: &Plan, class: &Class) -> ShaderSpec {
     ShaderSpec {
+        entry: Entry::Sweep,
         law: class.law.shader(),
         modes: class.modes,
         wants: plan.wants,
         measured: true,
-        decay: plan.run.start == crate::scene::Start::Rest,
+        decay: plan.run.start == Start::Rest,
         double: plan.precision == Precision::F64,
+    }
+}
+
+/// What the shader is made for that tells the slopes of a class's kicks.
+pub(super) fn slope_spec(plan: &Plan, class: &Class) -> ShaderSpec {
+    ShaderSpec {
+        entry: Entry::Kicks,
+        wants: Wants::FUNDAMENTAL,
+        measured: false,
+        decay: false,
+        ..spec(plan, class)
+    }
+}
+
+/// Instances by their drives, which are in order.
+struct Driven<'a> {
+    members: Vec<Member<'a>>,
+    drives: Vec<u32>,
+    /// An instance of each drive.
+    first_of: Vec<Member<'a>>,
+    /// Places among the drives, by instance.
+    drive_of: Vec<u32>,
+}
+
+impl<'a> Driven<'a> {
+    fn new(plan: &'a Plan, instances: &[u32]) -> Self {
+        let members: Vec<Member> = instances.iter().map(|instance| member(plan, *instance)).collect();
+        let (mut drives, mut first_of): (Vec<u32>, Vec<Member>) = (Vec::new(), Vec::new());
+        let drive_of = members
+            .iter()
+            .map(|one| {
+                // Instances of a class are ordered by their drive.
+                if drives.last() != Some(&one.0.drive) {
+                    drives.push(one.0.drive);
+                    first_of.push(*one);
+                }
+                drives.len() as u32 - 1
+            })
+            .collect();
+        Self { members, drives, first_of, drive_of }
+    }
+
+    /// The table of the drives.
+    fn table(&self, spec: &ShaderSpec, start: Start) -> Numbers {
+        let rows: Vec<Vec<f64>> = self.first_of.iter().map(|one| drive_row(spec, *one, start)).collect();
+        Numbers::new(spec.double, transposed(&rows, |row| row))
     }
 }
 
 /// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
 pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
     let spec = spec(plan, class);
-    let members: Vec<Member> = instances.iter().map(|instance| member(plan, *instance)).collect();
-    let mut drives: Vec<u32> = Vec::new();
-    let mut first_of: Vec<Member> = Vec::new();
-    let drive_of: Vec<u32> = members
-        .iter()
-        .map(|one| {
-            // Instances of a class are ordered by their drive.
-            if drives.last() != Some(&one.0.drive) {
-                drives.push(one.0.drive);
-                first_of.push(*one);
-            }
-            drives.len() as u32 - 1
-        })
-        .collect();
-    let rows: Vec<Vec<f64>> = first_of.iter().map(|one| drive_row(plan, &spec, *one)).collect();
-    let columns: Vec<(Vec<f64>, Vec<f64>)> = members
-        .par_iter()
-        .enumerate()
+    let driven = Driven::new(plan, instances);
+    let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
         .map(|(i, one)| {
             let place = saved.map_or_else(|| begin(*one, plan.run.start), |saved| saved[i]);
             (gap_and_law(*one).collect(), write(&spec, &place))
@@ -105,13 +141,93 @@ pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Optio
     }
     Tables {
         instances: instances.to_vec(),
-        waves: Numbers::new(spec.double, waves(plan, class.steps)),
-        drive_table: Numbers::new(spec.double, transposed(&rows, |row| row)),
+        waves: Numbers::new(spec.double, waves(plan.wants.harmonics, class.steps)),
+        drive_table: driven.table(&spec, plan.run.start),
         cases: Numbers::new(spec.double, transposed(&columns, |column| &column.0)),
         states: Numbers::new(spec.double, transposed(&columns, |column| &column.1)),
-        drives,
-        drive_of,
+        drives: driven.drives,
+        drive_of: driven.drive_of,
         marks,
+    }
+}
+
+/// What a piece of a class needs on the device for a period with its slope.
+pub(super) struct SlopeTables {
+    pub spec: ShaderSpec,
+    pub steps: u32,
+    /// How many there are.
+    pub drives: u32,
+    pub waves: Numbers,
+    pub drive_table: Numbers,
+    pub cases: Numbers,
+    pub drive_of: Vec<u32>,
+    pub states: Numbers,
+    /// [`powers`] of each drive's lever.
+    pub flows: Numbers,
+}
+
+impl SlopeTables {
+    pub fn count(&self) -> u32 {
+        self.drive_of.len() as u32
+    }
+
+    /// Bytes of the slopes.
+    pub fn column_bytes(&self) -> u64 {
+        self.spec.bytes() * (2 * self.spec.modes as u64).pow(2) * u64::from(self.count())
+    }
+}
+
+/// The tables for a period with its slope from where the plan says; `least` is by instance of the plan.
+pub(super) fn slope_tables(plan: &Plan, class: &Class, least: &[f64]) -> SlopeTables {
+    let spec = slope_spec(plan, class);
+    let driven = Driven::new(plan, &class.instances);
+    let levers: Vec<Lever> = driven.first_of.iter().map(|one| lever(*one, spec.modes)).collect();
+    let rounded = |value: f64| if spec.double { value } else { f64::from(value as f32) };
+    let of = |i: usize, instance: u32| {
+        let lands =
+            &levers[driven.drive_of[i] as usize].motion[LANDS.start * spec.modes..LANDS.end * spec.modes];
+        let lands = lands.iter().map(|value| rounded(*value));
+        let little = little(lands, class.steps as usize, least[instance as usize]);
+        let case = gap_and_law(driven.members[i]).chain([little]).collect();
+        (case, slope_state(&spec, &begun(plan, instance)))
+    };
+    let columns: Vec<(Vec<f64>, Vec<f64>)> =
+        (class.instances.par_iter().enumerate()).map(|(i, instance)| of(i, *instance)).collect();
+    let flows: Vec<Vec<f64>> = levers.iter().map(|lever| flows(&spec, lever, class.steps)).collect();
+    SlopeTables {
+        steps: class.steps,
+        drives: driven.drives.len() as u32,
+        waves: Numbers::new(spec.double, waves(1, class.steps)),
+        drive_table: driven.table(&spec, Start::Steady),
+        cases: Numbers::new(spec.double, transposed(&columns, |column| &column.0)),
+        states: Numbers::new(spec.double, transposed(&columns, |column| &column.1)),
+        flows: Numbers::new(spec.double, transposed(&flows, |row| row)),
+        drive_of: driven.drive_of,
+        spec,
+    }
+}
+
+/// Travel and rate of each mode, contact, and no step seen.
+fn slope_state(spec: &ShaderSpec, station: &Station) -> Vec<f64> {
+    let modes = (0..spec.modes).flat_map(|k| [station.x[k] / LENGTH, station.u[k] / LENGTH]);
+    let mut state: Vec<f64> = modes.chain([f64::from(u8::from(station.touching))]).collect();
+    state.resize(spec.state_fields().len(), 0.0);
+    state
+}
+
+/// `[power][m00, m01, m11][mode]`, in the arithmetic of the shader.
+fn flows(spec: &ShaderSpec, lever: &Lever, steps: u32) -> Vec<f64> {
+    fn of<E: Lane<Element = E>>(motion: &[f64], modes: usize, steps: u32) -> Vec<f64> {
+        let motion: Vec<E> = motion.iter().map(|value| E::element(*value)).collect();
+        let mut all = Vec::new();
+        powers(&motion, modes, steps, &mut all);
+        let field =
+            |power: &[[E; 3]], field: usize| power.iter().map(|one| one[field].lane(0)).collect::<Vec<_>>();
+        all.chunks(modes).flat_map(|power| (0..3).flat_map(|n| field(power, n)).collect::<Vec<_>>()).collect()
+    }
+    match spec.double {
+        true => of::<f64>(&lever.motion, spec.modes, steps),
+        false => of::<f32>(&lever.motion, spec.modes, steps),
     }
 }
 
@@ -125,17 +241,17 @@ fn transposed<T>(rows: &[T], values: impl Fn(&T) -> &Vec<f64>) -> Vec<f64> {
     out
 }
 
-fn waves(plan: &Plan, steps: u32) -> Vec<f64> {
-    let waves = start::waves::<f64>(steps, plan.wants.harmonics);
+fn waves(harmonics: usize, steps: u32) -> Vec<f64> {
+    let waves = start::waves::<f64>(steps, harmonics);
     waves.iter().flatten().flat_map(|wave| [wave.cosine, wave.sine]).collect()
 }
 
 /// In the order of [`ShaderSpec::drive_fields`].
-fn drive_row(plan: &Plan, spec: &ShaderSpec, member: Member) -> Vec<f64> {
+fn drive_row(spec: &ShaderSpec, member: Member, start: Start) -> Vec<f64> {
     let lever = lever(member, spec.modes);
     let mut row = lever.motion;
     row.extend(lever.energy);
-    row.extend(free(member, plan.run.start));
+    row.extend(free(member, start));
     row
 }
 

@@ -36,6 +36,19 @@ pub(super) struct Session {
     trouble: Arc<Mutex<Option<Failure>>>,
 }
 
+/// What one dispatch does; `Job` of shaders/job.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Job {
+    pub instances: u32,
+    pub drives: u32,
+    pub steps: u32,
+    pub first: u32,
+    pub count: u32,
+    /// Workgroups side by side; known when it is dispatched.
+    pub width: u32,
+}
+
 /// Keeps the first thing that went wrong, since what follows is its echo; but a lost device explains all.
 fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
     if let Ok(mut slot) = trouble.lock()
@@ -118,13 +131,14 @@ impl Session {
     fn compile(&self, spec: &ShaderSpec) -> Result<ComputePipeline, Failure> {
         let text = spec.compose();
         let text = self.edit.map_or_else(|| text.clone(), |edit| edit(text.clone()));
-        let module = if self.strict { self.strict_module(&text)? } else { self.module(text) };
+        let name = spec.entry.name();
+        let module = if self.strict { self.strict_module(name, &text)? } else { self.module(name, text) };
         let layout = self.layout(spec);
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("sweep"),
+            label: Some(spec.entry.name()),
             layout: Some(&layout),
             module: &module,
-            entry_point: Some("sweep"),
+            entry_point: Some(spec.entry.name()),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
@@ -132,19 +146,20 @@ impl Session {
         Ok(pipeline)
     }
 
-    fn module(&self, text: String) -> ShaderModule {
+    fn module(&self, name: &str, text: String) -> ShaderModule {
         let source = ShaderSource::Wgsl(Cow::Owned(text));
-        let descriptor = ShaderModuleDescriptor { label: Some("sweep"), source };
-        // SAFETY: the text is our own. Every index is below the buffers' lengths once the instance's number
-        // is, which the entry point checks; its one loop ends after `job.count` turns.
+        let descriptor = ShaderModuleDescriptor { label: Some(name), source };
+        // SAFETY: the text is our own. Every index is below the buffers' lengths once the thread's number
+        // is, which the entry point checks; its loops end after `job.count` turns, one more, and 32 for each.
         unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) }
     }
 
-    fn strict_module(&self, text: &str) -> Result<ShaderModule, Failure> {
+    fn strict_module(&self, name: &str, text: &str) -> Result<ShaderModule, Failure> {
         let words = strict::compile(text)?;
-        let point = PassthroughShaderEntryPoint { name: "sweep".into(), workgroup_size: (WORKGROUP, 1, 1) };
+        let point =
+            PassthroughShaderEntryPoint { name: name.to_owned().into(), workgroup_size: (WORKGROUP, 1, 1) };
         let descriptor = ShaderModuleDescriptorPassthrough {
-            label: Some("sweep"),
+            label: Some(name),
             entry_points: Cow::Owned(vec![point]),
             spirv: Some(Cow::Owned(words)),
             ..Default::default()
@@ -153,7 +168,7 @@ impl Session {
         Ok(unsafe { self.device.create_shader_module_passthrough(descriptor) })
     }
 
-    /// The bindings of `sweep.wgsl`, in order.
+    /// The bindings, in order.
     fn layout(&self, spec: &ShaderSpec) -> PipelineLayout {
         let bindings = spec.bindings();
         let entries: Vec<BindGroupLayoutEntry> = bindings
@@ -176,12 +191,42 @@ impl Session {
             .collect();
         let bindings = self
             .device
-            .create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some("sweep"), entries: &entries });
+            .create_bind_group_layout(&BindGroupLayoutDescriptor { label: None, entries: &entries });
         self.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-            label: Some("sweep"),
+            label: None,
             bind_group_layouts: &[Some(&bindings)],
             ..Default::default()
         })
+    }
+
+    /// Does a job with these buffers, the job's own first, in the order of the bindings.
+    pub fn dispatch(
+        &self,
+        spec: ShaderSpec,
+        job: Job,
+        threads: u32,
+        buffers: &[&Buffer],
+    ) -> Result<SubmissionIndex, Failure> {
+        let groups = threads.div_ceil(WORKGROUP);
+        let job = Job { width: groups.min(1 << 15), ..job };
+        self.queue.write_buffer(buffers[0], 0, bytemuck::bytes_of(&job));
+        let (pipeline, layout) = self.pipeline(spec)?;
+        let resources = buffers.iter().map(|buffer| buffer.as_entire_binding());
+        let entries: Vec<wgpu::BindGroupEntry> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+        let bindings = self.device.create_bind_group(&descriptor);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bindings, &[]);
+        pass.dispatch_workgroups(job.width, groups.div_ceil(job.width), 1);
+        drop(pass);
+        let submitted = self.queue.submit([encoder.finish()]);
+        self.check()?;
+        Ok(submitted)
     }
 
     /// A buffer that holds `bytes`.

@@ -12,8 +12,8 @@ const HEADER: usize = 5;
 // SPIR-V specification, section 3: instructions and the decoration.
 const DECORATE: u32 = 71;
 const NO_CONTRACTION: u32 = 42;
-/// FNegate, FAdd, FSub, FMul, FDiv.
-const ARITHMETIC: [u32; 5] = [127, 129, 131, 133, 136];
+/// FNegate, FAdd, FSub, FMul, FDiv, VectorTimesScalar.
+const ARITHMETIC: [u32; 6] = [127, 129, 131, 133, 136, 142];
 
 /// The text compiled, with every result of float arithmetic decorated `NoContraction`.
 pub(super) fn compile(text: &str) -> Result<Vec<u32>, Failure> {
@@ -55,7 +55,11 @@ mod tests {
     #[test]
     fn every_sum_and_product_is_decorated() {
         let text = "@group(0) @binding(0) var<storage, read_write> a: array<f32>;
-            @compute @workgroup_size(1) fn sweep() { a[0] = a[1] * a[2] + a[3] - a[4] / -a[5]; }";
+            @compute @workgroup_size(1) fn sweep() {
+                let both = a[6] * vec3<f32>(a[7], a[8], a[9]);
+                a[0] = a[1] * a[2] + a[3] - a[4] / -a[5];
+                a[1] = both.x;
+            }";
         let words = compile(text).unwrap();
         let (mut results, mut targets, mut at) = (Vec::new(), Vec::new(), HEADER);
         while at < words.len() {
@@ -67,7 +71,7 @@ mod tests {
             at += (words[at] >> 16) as usize;
         }
         assert_eq!(at, words.len());
-        assert_eq!(results.len(), 5);
+        assert_eq!(results.len(), 6);
         assert_eq!(targets, results);
     }
 }

@@ -1,0 +1,227 @@
+//! Periods with their slopes on devices.
+
+use super::errand::Errand;
+use super::pace::Pace;
+use super::pack::{self, Numbers, SlopeTables};
+use super::piece::Piece;
+use super::session::{Job, Session};
+use super::{Drill, Failure};
+use crate::engine::slopes::{begun, ended, kept, of_class};
+use crate::engine::{EngineError, Progress, Sloped, Slopes};
+use crate::kernel::{Entry, Rounding, ShaderSpec};
+use crate::plan::{Class, Plan};
+use rayon::prelude::*;
+use std::time::Instant;
+use wgpu::{Buffer, BufferUsages, SubmissionIndex};
+
+/// Most bytes of the kicks' slopes that one dispatch leaves for the next.
+const PARTIAL_BYTES: u64 = 64 << 20;
+
+/// One period of a plan's instances each, and its slope.
+pub(super) struct Periods<'a> {
+    pub plan: &'a Plan,
+    /// By instance, about as much as may be left out of the slope.
+    pub least: &'a [f64],
+    /// Most bytes of a binding.
+    pub binding: u64,
+}
+
+/// What a device leaves of a piece: states and columns by field.
+pub(super) struct Left {
+    states: Numbers,
+    columns: Numbers,
+}
+
+impl Errand for Periods<'_> {
+    type Tables = SlopeTables;
+    type Done = Left;
+    type Out = Slopes;
+
+    fn plan(&self) -> &Plan {
+        self.plan
+    }
+
+    fn tables(&self, piece: &Piece) -> SlopeTables {
+        pack::slope_tables(self.plan, &piece.class, self.least)
+    }
+
+    fn on(
+        &self,
+        session: &Session,
+        drill: &Drill,
+        (piece, tables): (&mut Piece, &SlopeTables),
+        progress: &Progress,
+    ) -> Result<Option<Left>, Failure> {
+        let longest = self.longest(&piece.class);
+        SlopeChunk::new(session, drill, tables, longest)?.run(&mut piece.pace, progress)
+    }
+
+    fn finish(&self, class: &Class, left: Left, out: &mut Slopes) {
+        let (count, modes) = (class.instances.len(), class.modes);
+        let one = |(i, instance): (usize, &u32)| {
+            let field = |field: usize| left.states.get(field * count + i);
+            // The shader has each mode's travel and rate side by side.
+            let number = |row: usize| match row {
+                row if row < modes => field(2 * row),
+                row if row < 2 * modes => field(2 * (row - modes) + 1),
+                row => field(row),
+            };
+            let end = ended(&begun(self.plan, *instance), modes, number);
+            let own = self.plan.driven(*instance).kept.modes.len();
+            let at = |row: usize, column: usize| left.columns.get((row * 2 * modes + column) * count + i);
+            Some(Sloped { end, slope: kept((own, modes), at) })
+        };
+        let told = class.instances.par_iter().enumerate().map(one).collect();
+        out.put(&class.instances, told);
+    }
+
+    fn on_the_cpu(
+        &self,
+        piece: &Piece,
+        rounding: Rounding,
+        progress: &Progress,
+        out: &mut Slopes,
+    ) -> Result<(), EngineError> {
+        let told = of_class(self.plan, &piece.class, self.least, rounding, progress)?;
+        out.put(&piece.class.instances, told);
+        Ok(())
+    }
+}
+
+impl Periods<'_> {
+    /// Most steps of a dispatch that the room for its kicks allows.
+    fn longest(&self, class: &Class) -> u32 {
+        let spec = pack::slope_spec(self.plan, class);
+        let kick = spec.bytes() * spec.partials() as u64 * class.instances.len() as u64;
+        // One more than steps: the last of the dispatch before is decided on by the first.
+        let kicks = PARTIAL_BYTES.min(self.binding) / kick;
+        (kicks.saturating_sub(1).max(1)).min(u64::from(class.steps)) as u32
+    }
+}
+
+/// A piece on a device.
+struct SlopeChunk<'a> {
+    session: &'a Session,
+    drill: &'a Drill,
+    tables: &'a SlopeTables,
+    /// Most steps of a dispatch.
+    longest: u32,
+    /// Of each part.
+    jobs: [Buffer; 2],
+    waves: Buffer,
+    drives: Buffer,
+    cases: Buffer,
+    drive_of: Buffer,
+    states: Buffer,
+    marks: Buffer,
+    partials: Buffer,
+    flows: Buffer,
+    columns: Buffer,
+}
+
+impl<'a> SlopeChunk<'a> {
+    fn new(
+        session: &'a Session,
+        drill: &'a Drill,
+        tables: &'a SlopeTables,
+        longest: u32,
+    ) -> Result<Self, Failure> {
+        let count = tables.count();
+        if drill.memory_for.is_some_and(|most| count as usize > most) {
+            return Err(Failure::Memory);
+        }
+        let spec = &tables.spec;
+        let (read, write) = (BufferUsages::STORAGE, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+        let (count, kicks) = (u64::from(count), u64::from(longest) + 1);
+        let job = || {
+            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+            session.empty("job", size_of::<Job>() as u64, usage)
+        };
+        Ok(Self {
+            jobs: [job()?, job()?],
+            waves: session.buffer("waves", tables.waves.bytes(), read)?,
+            drives: session.buffer("drives", tables.drive_table.bytes(), read)?,
+            cases: session.buffer("cases", tables.cases.bytes(), read)?,
+            drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
+            states: session.buffer("states", tables.states.bytes(), write)?,
+            // Of zeros, as every new one.
+            marks: session.empty("marks", 4 * (3 + kicks) * count, write)?,
+            partials: session.empty(
+                "partials",
+                kicks * spec.partials() as u64 * count * spec.bytes(),
+                read,
+            )?,
+            flows: session.buffer("flows", tables.flows.bytes(), read)?,
+            columns: session.empty("columns", tables.column_bytes(), write)?,
+            session,
+            drill,
+            tables,
+            longest,
+        })
+    }
+
+    fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
+        let steps = self.tables.steps;
+        let mut at = 0;
+        let mut pending: Option<(SubmissionIndex, u64)> = None;
+        let mut clock = Instant::now();
+        while at < steps {
+            if progress.stopped() {
+                return Ok(None);
+            }
+            let count = pace.steps(steps, at, self.longest).min(u64::from(steps - at));
+            let submitted = self.dispatch(at, count as u32)?;
+            at += count as u32;
+            // One dispatch runs while the next is prepared.
+            if let Some((before, count)) = pending.replace((submitted, count)) {
+                self.session.wait(Some(before))?;
+                pace.took(count, clock.elapsed());
+                clock = Instant::now();
+            }
+        }
+        let left = self.left()?;
+        progress.add(u64::from(steps) * u64::from(self.tables.count()));
+        Ok(Some(left))
+    }
+
+    /// So many steps, and what they make of the columns.
+    fn dispatch(&self, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
+        self.drill.strike(self.session);
+        let Self { jobs: [kicks, carry], tables, session, .. } = self;
+        let (instances, drives, steps) = (tables.count(), tables.drives, tables.steps);
+        let job = Job { instances, drives, steps, first, count, width: 0 };
+        let buffers = [
+            kicks,
+            &self.waves,
+            &self.drives,
+            &self.cases,
+            &self.drive_of,
+            &self.states,
+            &self.marks,
+            &self.partials,
+        ];
+        session.dispatch(tables.spec, job, instances, &buffers)?;
+        let buffers =
+            [carry, &self.drives, &self.drive_of, &self.flows, &self.marks, &self.partials, &self.columns];
+        let spec = ShaderSpec { entry: Entry::Carry, ..tables.spec };
+        session.dispatch(spec, job, 2 * spec.modes as u32 * instances, &buffers)
+    }
+
+    /// Waits, reads what is left, and checks that each instance did its steps.
+    fn left(&self) -> Result<Left, Failure> {
+        let (tables, double) = (self.tables, self.tables.spec.double);
+        let states = tables.states.bytes().len() as u64;
+        let marks = 4 * u64::from(tables.count());
+        let wanted = [(&self.states, states), (&self.marks, marks), (&self.columns, tables.column_bytes())];
+        let bytes = self.session.read(&wanted)?;
+        let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
+        let expected = tables.steps;
+        match marks.iter().find(|done| **done != expected) {
+            Some(done) => Err(Failure::Steps { done: *done, expected }),
+            None => Ok(Left {
+                states: Numbers::read(double, &bytes[0]),
+                columns: Numbers::read(double, &bytes[2]),
+            }),
+        }
+    }
+}

@@ -1,0 +1,21 @@
+// The job, and which thread of it one is.
+// Names in capitals come from the generated head (crates/kernel/src/shader.rs).
+
+// What one dispatch does.
+struct Job {
+    // Instances, and rows of the table of drives.
+    instances: u32,
+    drives: u32,
+    // Steps per period; the first step of this dispatch within its period; steps of this dispatch.
+    steps: u32,
+    first: u32,
+    count: u32,
+    // Workgroups side by side in x.
+    width: u32,
+}
+
+@group(0) @binding(0) var<uniform> job: Job;
+
+fn thread(group: vec3<u32>, local: u32) -> u32 {
+    return (group.y * job.width + group.x) * WORKGROUP + local;
+}

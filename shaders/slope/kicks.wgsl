@@ -1,0 +1,157 @@
+// A period's slope, first part: one thread takes one instance through a dispatch's steps and writes down those of its kicks
+// that may have a slope. Twin: crates/kernel/src/tangent.rs
+// Whether a step's kick is one of them, the steps before and after it tell: each is decided on when the next is done.
+
+// Cosine and sine of the drive's phase: [step][2].
+@group(0) @binding(1) var<storage, read> waves: array<real>;
+// Constants of each driven instrument: [field][drive].
+@group(0) @binding(2) var<storage, read> drives: array<real>;
+// Constants of each instance: [field][instance].
+@group(0) @binding(3) var<storage, read> cases: array<real>;
+// Which drive each instance has.
+@group(0) @binding(4) var<storage, read> drive_of: array<u32>;
+// Where each instance is, and what the last two steps saw: [field][instance].
+@group(0) @binding(5) var<storage, read_write> states: array<real>;
+// Steps done, steps since the last kick written down, kicks of this dispatch, and steps before each of these without one:
+// [3 + kick][instance].
+@group(0) @binding(6) var<storage, read_write> marks: array<u32>;
+// What they change by with each number of their approach: [kick][the impulse's three, the shift's three][instance].
+@group(0) @binding(7) var<storage, read_write> partials: array<real>;
+
+// What a step's kick was given, and what it did: the size of its impulse and the share of the step in contact.
+struct Seen {
+    at: Approach,
+    touching: real,
+    size: real,
+    contact: real,
+}
+
+fn see(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: real) -> Seen {
+    var decay: Decay;
+    let touching = (*state).touching;
+    let met = meet(lever, *state, cosine, sine, decay);
+    let kick = $law_kick(law, met.at, touching);
+    (*state).touching = kick.touching;
+    fly(lever, state, kick);
+    return Seen(met.at, touching, abs(kick.impulse), kick.contact);
+}
+
+// Whether a kick's size changes by less than `little` of the way from one step to the other.
+fn flat(a: Seen, b: Seen, little: real) -> bool {
+    return abs(a.size - b.size) < little * abs(a.at.indentation - b.at.indentation);
+}
+
+fn acts(here: Seen, before: Seen, after: Seen, little: real) -> bool {
+    let steep = !(flat(here, before, little) && flat(here, after, little));
+    return ZERO < here.contact || (ZERO < here.size && steep);
+}
+
+fn slope_of(law: Law, here: Seen) -> DualKick {
+    let at = DualApproach(
+        Dual(here.at.indentation, vec3<real>(ONE, ZERO, ZERO)),
+        Dual(here.at.speed, vec3<real>(ZERO, ONE, ZERO)),
+        Dual(here.at.acceleration, vec3<real>(ZERO, ZERO, ONE)),
+    );
+    return dual_$law_kick(law, at, dual_of(here.touching));
+}
+
+// Something that is not zero.
+fn some(by: vec3<real>) -> bool {
+    return by.x != ZERO || by.y != ZERO || by.z != ZERO;
+}
+
+fn write_down(i: u32, kick: u32, by: DualKick) {
+    let first = kick * PARTIALS;
+    partials[at(first, i)] = by.impulse.by.x;
+    partials[at(first + 1u, i)] = by.impulse.by.y;
+    partials[at(first + 2u, i)] = by.impulse.by.z;
+    //% if shifts
+    partials[at(first + 3u, i)] = by.shift.by.x;
+    partials[at(first + 4u, i)] = by.shift.by.y;
+    partials[at(first + 5u, i)] = by.shift.by.z;
+    //% end
+}
+
+// The last step seen, and of the one before it what its neighbour asks.
+fn here_of(i: u32) -> Seen {
+    let indentation = states[at(HERE_INDENTATION, i)];
+    let at_sample = Approach(indentation, states[at(HERE_SPEED, i)], states[at(HERE_ACCELERATION, i)]);
+    return Seen(
+        at_sample,
+        states[at(HERE_TOUCHING, i)],
+        states[at(HERE_SIZE, i)],
+        states[at(HERE_CONTACT, i)],
+    );
+}
+
+fn before_of(i: u32) -> Seen {
+    var before: Seen;
+    before.at.indentation = states[at(BEFORE_INDENTATION, i)];
+    before.size = states[at(BEFORE_SIZE, i)];
+    return before;
+}
+
+fn store_seen(i: u32, here: Seen, before: Seen) {
+    states[at(HERE_INDENTATION, i)] = here.at.indentation;
+    states[at(HERE_SPEED, i)] = here.at.speed;
+    states[at(HERE_ACCELERATION, i)] = here.at.acceleration;
+    states[at(HERE_TOUCHING, i)] = here.touching;
+    states[at(HERE_SIZE, i)] = here.size;
+    states[at(HERE_CONTACT, i)] = here.contact;
+    states[at(BEFORE_INDENTATION, i)] = before.at.indentation;
+    states[at(BEFORE_SIZE, i)] = before.size;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn kicks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let i = thread(group, local);
+    if i >= job.instances {
+        return;
+    }
+    let lever = case_of(i);
+    let law = law_of(i);
+    let little = cases[at(CASE_LITTLE, i)];
+    var state = state_of(i);
+    var here = here_of(i);
+    var before = before_of(i);
+    var since = marks[at(1u, i)];
+    var kicks = 0u;
+    let end = job.first + job.count;
+    // The period's last step has no next one, and is decided on when all are done.
+    let last = select(end, end + 1u, end == job.steps);
+    var index = job.first;
+    loop {
+        if index >= last {
+            break;
+        }
+        var after = here;
+        if index < end {
+            after = see(lever, law, &state, waves[2u * index], waves[2u * index + 1u]);
+        }
+        if index == 0u {
+            // Nothing was before the first step.
+            here = after;
+        } else {
+            var by: DualKick;
+            if acts(here, before, after, little) {
+                by = slope_of(law, here);
+            }
+            if some(by.impulse.by) || some(by.shift.by) {
+                write_down(i, kicks, by);
+                marks[at(3u + kicks, i)] = since;
+                kicks += 1u;
+                since = 0u;
+            } else {
+                since += 1u;
+            }
+        }
+        before = here;
+        here = after;
+        index += 1u;
+    }
+    store_state(i, state);
+    store_seen(i, here, before);
+    marks[i] = marks[i] + job.count;
+    marks[at(1u, i)] = since;
+    marks[at(2u, i)] = kicks;
+}
