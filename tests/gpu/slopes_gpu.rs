@@ -9,6 +9,8 @@ use crate::shader::{self, gpu, laws, scene};
 use afmsweep::engine::gpu::{AdapterReport, Gpu};
 use afmsweep::engine::{Cpu, Engine, Progress, Sloped, Slopes};
 use afmsweep::plan::{Plan, Precision, StartState, Station};
+use afmsweep::scene::{QualityFactor, Steady};
+use afmsweep::steady::{self, PeriodicState};
 use libtest_mimic::{Failed, Trial};
 use std::time::Duration;
 
@@ -244,6 +246,29 @@ fn every_fault_is_seen() -> Result<(), Failed> {
     Ok(())
 }
 
+/// A search's slopes are those of the device: where these are wrong, its multipliers are.
+fn searches_take_them_on_the_device() -> Result<(), Failed> {
+    let mut scene = scene("jkr", "steady", 2, 128, 300);
+    scene.run.steady = Steady::Search;
+    scene.base.instrument.cantilever.quality_factor = QualityFactor::All(200.0);
+    let plan = checks::plan_in(&scene, None, Precision::F64);
+    let multipliers = |engine: &dyn Engine| -> Vec<Option<u64>> {
+        let settled = steady::run(&plan, &[], engine, &Progress::default()).expect("it runs");
+        let one = |state: &PeriodicState| state.spectrum.multiplier.to_bits();
+        settled.found.iter().map(|state| state.as_deref().map(one)).collect()
+    };
+    let theirs = multipliers(&Cpu { strict: true });
+    assert!(multipliers(&gpu()) == theirs, "other multipliers than the CPU's");
+    let mut faulty = gpu();
+    faulty.drill.edit = Some(|text| text.replace("if job.first + job.count == job.steps {", "if false {"));
+    let ours = multipliers(&faulty);
+    let other = ours.iter().zip(&theirs).filter(|(a, b)| a != b).count();
+    let found = theirs.iter().flatten().count();
+    println!("{other} of {found} multipliers are others where the device's slopes are wrong");
+    assert!(found > 10 && other > found / 2);
+    Ok(())
+}
+
 /// The tests of this file, of which those run that the adapters found can run.
 pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     let (any, exact) = (!found.is_empty(), shader::exact(found));
@@ -264,6 +289,7 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     add("pieces_change_no_bit", exact && double, Box::new(pieces_change_no_bit));
     add("long_periods_go_in_parts", exact && double, Box::new(long_periods_go_in_parts));
     add("a_lost_device_changes_no_bit", exact && double, Box::new(a_lost_device_changes_no_bit));
+    add("are_the_devices_in_searches", exact && double, Box::new(searches_take_them_on_the_device));
     add("every_fault_is_seen", exact, Box::new(every_fault_is_seen));
     tests
 }
