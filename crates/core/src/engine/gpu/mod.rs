@@ -118,6 +118,9 @@ impl Drill {
     }
 }
 
+/// Most bytes of slopes that are read back at once.
+const SLOPE_BYTES: u64 = 256 << 20;
+
 /// GPUs of one kind, or a driver that plays one. Of several each run is cut by how fast they have been, and whoever is free
 /// takes the next piece; no result hangs on which of them took it.
 pub struct Gpu {
@@ -198,7 +201,8 @@ impl Gpu {
         let spec = pack::slope_spec(plan, class);
         let (columns, fields) = ((2 * spec.modes).pow(2), spec.state_fields().len());
         // Kicks of two steps at the least.
-        self.at_most(spec.bytes() * columns.max(fields).max(2 * spec.partials()) as u64)
+        let bytes = spec.bytes() * columns.max(fields).max(2 * spec.partials()) as u64;
+        self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
     }
 
     /// The plan's classes in pieces, and those that never reach the sample.
