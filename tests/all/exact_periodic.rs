@@ -14,6 +14,7 @@ const OPTIONS: Options = Options {
     near: false,
     carried: false,
     clearly: 0.99,
+    certainly: 0.99,
     stable: true,
 };
 

@@ -29,7 +29,7 @@ fn runs_to_an_accuracy_take_as_many_steps_as_before() {
         ("adhesion_1", [67_344.0, 96.0, 61.0]),
         ("soft_0.5_hertz", [67_584.0, 6144.0, 2.0]),
         ("tip_mass_jkr", [56_832.0, 3072.0, 2.0]),
-        ("q_1e5_search", [16_416.0, 64.0, 15.0]),
+        ("q_1e5_search", [15_648.0, 64.0, 3.0]),
     ] {
         let progress = Progress::default();
         let run = control::run(&plan(name), &Cpu { strict: true }, &progress).unwrap();

@@ -14,9 +14,10 @@ pub struct Options {
     /// Step of the central differences that make the slope at the end; without one the slope on one side will do there,
     /// unless it leaves the state's stability in doubt.
     pub last_step: Option<f64>,
-    /// A multiplier by one-sided differences, or by those of a map that differs little, that is below this leaves no doubt
-    /// of the state's stability.
+    /// A multiplier by one-sided differences that is below this leaves no doubt of the state's stability.
     pub clearly: f64,
+    /// The same of one that is known well, of a map that differs little.
+    pub certainly: f64,
     /// Where the map tells its slope itself: how many columns by differences cost as much. Beyond so many no differences are
     /// taken.
     pub tangent: Option<usize>,

@@ -66,7 +66,7 @@ where
         step: OVector<f64, D>,
         shorter: u32,
     },
-    /// The slope by central differences: the end.
+    /// The slope by central differences, or as the map tells it: the end.
     Last,
     Done(Verdict<D>),
 }
@@ -195,6 +195,7 @@ where
             Stage::Slope { whole } if self.tells(*whole) => 1,
             Stage::Slope { whole: true } => self.size(),
             Stage::Slope { whole: false } => self.columns.len(),
+            Stage::Last if self.tells_last() => 1,
             Stage::Last => 2 * self.size(),
             Stage::Done(_) => 0,
         }
@@ -205,6 +206,7 @@ where
         match &self.stage {
             Stage::Begin | Stage::Done(_) => {}
             Stage::Slope { whole } if self.tells(*whole) => {}
+            Stage::Last if self.tells_last() => {}
             Stage::Stride { step, .. } => state += step,
             Stage::Slope { whole } => {
                 let k = if *whole { self.moved(n) } else { self.columns[n] };

@@ -3,7 +3,7 @@
 use super::options::Options;
 use super::search::{Lost, Search, Stage, Taken, Verdict};
 use super::size::{Memory, Size};
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, factors};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
 /// Where the map leads from a state, and its slope there.
@@ -23,6 +23,11 @@ where
         self.options.tangent.is_some_and(|worth| self.instead(whole) > worth)
     }
 
+    /// Whether the slope at the end is to be told by the map.
+    pub(super) fn tells_last(&self) -> bool {
+        self.options.tangent.is_some_and(|worth| 2 * self.size() > worth)
+    }
+
     /// Evaluations that differences would take for all of the slope, or for as much of it as will do on the way.
     fn instead(&self, whole: bool) -> usize {
         match (whole, self.options.last_step) {
@@ -37,7 +42,8 @@ where
         match &self.stage {
             Stage::Begin => self.known.is_none() && !self.options.carried && self.tells(false),
             Stage::Slope { whole } => self.tells(*whole),
-            Stage::Stride { .. } | Stage::Last | Stage::Done(_) => false,
+            Stage::Last => self.tells_last(),
+            Stage::Stride { .. } | Stage::Done(_) => false,
         }
     }
 
@@ -46,9 +52,14 @@ where
         self.evaluations += 1;
         self.spent += match self.stage {
             Stage::Slope { whole } => self.instead(whole) as u32,
+            Stage::Last => 2 * self.size() as u32,
             _ => 1 + self.instead(false) as u32,
         };
         let next = match answer {
+            Some((_, slope)) if matches!(self.stage, Stage::Last) => {
+                self.slope = slope;
+                self.found(Spectrum::new(&self.slope, &factors(&self.slope, 1.0)))
+            }
             Some((value, slope)) => {
                 (self.change, self.slope) = (value - &self.state, slope);
                 // What was known led astray.
@@ -62,13 +73,14 @@ where
 
     /// Where Newton's last step leads; `newton` are the factors that it is by.
     pub(super) fn ended(&mut self, step: OVector<f64, D>, newton: &LU<f64, D, D>) -> Stage<D> {
-        let Options { stable, near, clearly, .. } = self.options;
+        let Options { stable, near, clearly, certainly, .. } = self.options;
         let tells = self.tells(true);
         let central = self.options.last_step.is_some() && !tells;
         if !central && self.known.is_none() && stable && self.taken != Taken::Whole {
             return Stage::Slope { whole: true };
         }
-        let sure = |at: &Spectrum| !stable || at.multiplier < clearly;
+        let below = if self.known.is_some() { certainly } else { clearly };
+        let sure = |at: &Spectrum| !stable || at.multiplier < below;
         if tells {
             if self.known.is_some_and(|at| !sure(&at)) {
                 return Stage::Slope { whole: true };

@@ -79,6 +79,7 @@ pub(super) fn options(plan: &Plan, instance: u32) -> (bool, Options) {
         carried: false,
         tangent: None,
         clearly: clearly(plan, instance),
+        certainly: certainly(plan, instance),
         stable: true,
     };
     (remembers, options)

@@ -77,6 +77,7 @@ pub fn solve_near(
         near: true,
         carried: false,
         clearly: 0.99,
+        certainly: 0.99,
         // Of undamped modes that the stepped engine does not keep the multipliers are 1.
         stable: false,
     };
