@@ -5,69 +5,108 @@ use super::solved::{Solved, Weighted};
 use crate::steady::{Hint, Lead, Neighbour, Node, PeriodicState};
 use rayon::prelude::*;
 
-/// Of some instances what others rest on.
+/// Of some instances of a block what their searches may begin at.
 pub(super) struct Around<'a> {
-    /// By instance of the whole plan.
+    /// By instance of the whole block.
     solved: &'a [Solved],
-    /// By instance of the portion.
-    lines: Vec<Vec<Weighted>>,
-    /// Whether they lie around it, not along a line.
-    scattered: bool,
+    ground: Ground,
+}
+
+/// What instances rest on, by their number in the portion.
+enum Ground {
+    /// Nothing: these are searched for.
+    Scouts,
+    /// Solved ones on a line, or around them.
+    Lines { lines: Vec<Vec<Weighted>>, scattered: bool },
+    /// Any of those next to them.
+    Each(Vec<Vec<u32>>),
+    /// Nothing else has led to them: they are waited for.
+    Last,
 }
 
 impl<'a> Around<'a> {
+    /// For instances that are searched for.
+    pub fn scouts(solved: &'a [Solved]) -> Self {
+        Self { solved, ground: Ground::Scouts }
+    }
+
     /// For these instances of a level of the block.
-    pub fn new((order, level): (&Order, usize), instances: &[u32], solved: &'a [Solved]) -> Self {
+    pub fn level((order, level): (&Order, usize), instances: &[u32], solved: &'a [Solved]) -> Self {
         let lines = instances.par_iter().map(|i| order.ground(level, *i, solved)).collect();
-        Self { solved, lines, scattered: order.scattered() }
+        Self { solved, ground: Ground::Lines { lines, scattered: order.scattered() } }
+    }
+
+    /// For instances that no search has found.
+    pub fn each(order: &Order, instances: &[u32], solved: &'a [Solved]) -> Self {
+        let beside = instances.par_iter().map(|i| order.beside(*i)).collect();
+        Self { solved, ground: Ground::Each(beside) }
+    }
+
+    /// For instances that nothing else has led to.
+    pub fn last(solved: &'a [Solved]) -> Self {
+        Self { solved, ground: Ground::Last }
+    }
+
+    /// Whether what is not found is waited for, in the first run and in the second: much begins at a scout's state, and
+    /// which of its states that is, is not to be left to others.
+    pub fn waits(&self) -> [bool; 2] {
+        [matches!(self.ground, Ground::Scouts), matches!(self.ground, Ground::Scouts | Ground::Last)]
+    }
+
+    /// Whether all that is found begins at neighbours.
+    pub fn leads_all(&self) -> bool {
+        matches!(self.ground, Ground::Each(_))
     }
 
     /// For the first run of each of these instances of the portion: where its neighbours' first runs lead to.
     pub fn first(&self, instances: &[u32]) -> Vec<Lead<'a>> {
-        let of = |i: &u32| {
-            let hint = |weighted: &Weighted, [first, _]: &'a [Node; 2]| neighbour(weighted, first, None);
-            match self.line(*i, hint) {
-                Some(neighbours) => Lead::Hint(Hint { neighbours, own: None, scattered: self.scattered }),
-                None if self.in_vain(*i) => Lead::Vain,
-                None => Lead::None,
-            }
+        let hint = |weighted: &Weighted, [first, _]: &'a [Node; 2]| neighbour(weighted, first, None);
+        let of = |i: &u32| match &self.ground {
+            Ground::Scouts => Lead::None,
+            Ground::Lines { lines, scattered } => self.lead(&lines[*i as usize], None, *scattered, hint),
+            Ground::Each(beside) => Lead::each(self.known(&beside[*i as usize]).map(|[first, _]| first)),
+            Ground::Last => Lead::Vain,
         };
         instances.iter().map(of).collect()
     }
 
     /// For the second run: from the instance's own state in the first, by how far the two are apart at its neighbours.
     pub fn second(&self, found: &[Option<&'a PeriodicState>]) -> Vec<Lead<'a>> {
-        let of = |(i, own): (usize, &Option<&'a PeriodicState>)| {
-            let Some(own) = *own else {
-                return if self.in_vain(i as u32) { Lead::Vain } else { Lead::None };
-            };
-            let hint = |weighted: &Weighted, [first, second]: &'a [Node; 2]| {
-                neighbour(weighted, second, Some(first))
-            };
-            match self.line(i as u32, hint) {
-                Some(neighbours) => {
-                    Lead::Hint(Hint { own: Some(own), neighbours, scattered: self.scattered })
-                }
-                None => Lead::None,
-            }
+        let hint =
+            |weighted: &Weighted, [first, second]: &'a [Node; 2]| neighbour(weighted, second, Some(first));
+        let of = |(i, own): (usize, &Option<&'a PeriodicState>)| match (&self.ground, *own) {
+            (_, None) => Lead::Vain,
+            (Ground::Lines { lines, scattered }, own) => self.lead(&lines[i], own, *scattered, hint),
+            // Next to its own state.
+            (Ground::Scouts | Ground::Each(_) | Ground::Last, Some(_)) => Lead::None,
         };
         found.iter().enumerate().map(of).collect()
     }
 
-    /// Whether both of the nearest two were searched for in vain.
-    fn in_vain(&self, i: u32) -> bool {
-        let mut nearest = self.lines[i as usize].iter().filter(|one| one.2 != 0.0);
-        nearest.all(|one| matches!(self.solved[one.0 as usize], Solved::Vain))
+    /// Where a line leads to.
+    fn lead(
+        &self,
+        line: &[Weighted],
+        own: Option<&'a PeriodicState>,
+        scattered: bool,
+        hint: impl Fn(&Weighted, &'a [Node; 2]) -> Neighbour<'a>,
+    ) -> Lead<'a> {
+        match self.line(line, hint) {
+            Some(neighbours) => Hint { neighbours, own, scattered }.into(),
+            None => Lead::None,
+        }
     }
 
-    /// The neighbours of an instance; where one of the farther ones is not known, the nearest two. None where one of these
+    /// The solved ones of these.
+    fn known(&self, some: &[u32]) -> impl Iterator<Item = &'a [Node; 2]> {
+        let solved = self.solved;
+        some.iter().filter_map(move |i| solved[*i as usize].nodes())
+    }
+
+    /// The neighbours of a line; where one of the farther ones is not known, the nearest two. None where one of these
     /// is not.
-    fn line<T>(&self, i: u32, hint: impl Fn(&Weighted, &'a [Node; 2]) -> T) -> Option<Vec<T>> {
-        let line = &self.lines[i as usize];
-        let node = |weighted: &Weighted| match &self.solved[weighted.0 as usize] {
-            Solved::States(both) => Some(&**both),
-            Solved::Unknown | Solved::Vain => None,
-        };
+    fn line<T>(&self, line: &[Weighted], hint: impl Fn(&Weighted, &'a [Node; 2]) -> T) -> Option<Vec<T>> {
+        let node = |weighted: &Weighted| self.solved[weighted.0 as usize].nodes();
         let all = |line: &[Weighted]| -> Option<Vec<T>> {
             line.iter().map(|one| Some(hint(one, node(one)?))).collect()
         };

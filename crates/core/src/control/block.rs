@@ -7,18 +7,31 @@ use super::order::Order;
 use super::solved::Solved;
 use super::{Part, unfinished};
 use crate::engine::{Engine, EngineError, Progress};
+use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::steady::Linear;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Instances that may be taken to their ends in any order, once those of the batches before them are.
-struct Batch<'a> {
+struct Batch {
     instances: Vec<u32>,
-    /// Where they stand among those before.
-    level: Option<(&'a Order<'a>, usize)>,
-    /// Whether later ones begin at their states.
+    from: Begins,
+    /// Whether others may begin at their states.
     leads_on: bool,
+}
+
+/// Where the instances of a batch begin.
+#[derive(Clone, Copy)]
+enum Begins {
+    /// Where a search of its own does.
+    Scouts,
+    /// At those that stand around them, by the number of their level.
+    Level(usize),
+    /// At any of those next to them.
+    Each,
+    /// Nothing else has led to them.
+    Last,
 }
 
 /// A block, and what was chosen for it; see [`First`].
@@ -29,72 +42,116 @@ pub(super) struct Block<'a> {
     pub choices: &'a Choices,
 }
 
-/// Takes a block to its end, batch after batch, each in pieces of the engine's size, some of them at once. Whoever stops a
-/// run keeps the pieces that are done.
+/// Takes a block to its end, batch after batch. What no search finds is left until all batches are through: then it
+/// begins at the states next to it, and only what these do not lead to is waited for. Whoever stops a run keeps the pieces that
+/// are done.
 pub(super) fn run(
     block: Block,
     order: &Order,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Part, EngineError> {
-    let (size, at_once) = engine.portions();
     let mut whole = Part::not_begun(block.plan.clone(), block.choices);
     whole.left_out.clone_from(&block.left_out);
     whole.solved = vec![Solved::Unknown; whole.plan.len()];
     whole.neighbour_started = vec![false; whole.plan.len()];
-    'batches: for batch in batches(&block.plan, order) {
+    let mut filling = Filling { block: &block, order, whole, engine, progress };
+    for batch in batches(&block.plan, order) {
+        filling.carry_out(&batch)?;
+    }
+    filling.fill_from_known()?;
+    let last = filling.open();
+    filling.carry_out(&Batch { instances: last, from: Begins::Last, leads_on: false })?;
+    // Nobody begins at them any more.
+    Ok(Part { solved: Vec::new(), ..filling.whole })
+}
+
+fn batches(plan: &Plan, order: &Order) -> Vec<Batch> {
+    let scouts = Batch { instances: alike(plan, order.scouts()), from: Begins::Scouts, leads_on: true };
+    let level = |n| Batch { instances: alike(plan, order.level(n)), from: Begins::Level(n), leads_on: true };
+    std::iter::once(scouts).chain((0..order.levels()).map(level)).collect()
+}
+
+/// Those of one shape together, in the order in which they stand in the sweep: their neighbours' states are then met one after
+/// the other in memory, too.
+fn alike(plan: &Plan, mut points: Vec<u32>) -> Vec<u32> {
+    points.sort_by_cached_key(|i| plan.shape(*i));
+    points
+}
+
+/// A block on its way.
+struct Filling<'a> {
+    block: &'a Block<'a>,
+    order: &'a Order<'a>,
+    whole: Part,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+}
+
+impl Filling<'_> {
+    /// Takes a batch to its end in pieces of the engine's size, some of them at once.
+    fn carry_out(&mut self, batch: &Batch) -> Result<(), EngineError> {
+        let (size, at_once) = self.engine.portions();
         let pieces: Vec<&[u32]> = batch.instances.chunks(size).collect();
         for some in pieces.chunks(at_once.max(1)) {
-            if progress.stopped() {
-                break 'batches;
+            if self.progress.stopped() {
+                break;
             }
-            let one = |piece: &&[u32]| piece_of(&block, (&batch, piece), &whole, engine, progress);
+            let one = |piece: &&[u32]| self.piece(batch, piece);
             let done: Vec<_> = match some {
                 [piece] => vec![one(piece)],
                 _ => some.par_iter().map(one).collect(),
             };
             for (piece, part) in some.iter().zip(done) {
-                whole.take(piece, part?);
+                self.whole.take(piece, part?);
             }
         }
+        Ok(())
     }
-    // Nobody begins at them any more.
-    whole.solved = Vec::new();
-    Ok(whole)
-}
 
-/// Within a batch those of one shape stand together, in the order in which they stand in the sweep: their neighbours' states
-/// are then met one after the other in memory, too.
-fn batches<'a>(plan: &Plan, order: &'a Order<'a>) -> Vec<Batch<'a>> {
-    let alike = |mut points: Vec<u32>| -> Vec<u32> {
-        points.sort_by_cached_key(|i| plan.shape(*i));
-        points
-    };
-    let scouts = Batch { instances: alike(order.scouts()), level: None, leads_on: true };
-    let later = (0..order.levels()).map(|n| Batch {
-        instances: alike(order.level(n)),
-        level: Some((order, n)),
-        leads_on: n + 1 < order.levels(),
-    });
-    std::iter::once(scouts).chain(later).collect()
-}
+    /// Takes a piece of a batch to its end.
+    fn piece(&self, batch: &Batch, piece: &[u32]) -> Result<Part, EngineError> {
+        let Self { block, order, whole, .. } = self;
+        let part = block.plan.part(piece);
+        let stepped = part.stepped();
+        let left_out = piece.iter().map(|i| block.left_out[*i as usize]).collect();
+        let poorer = block.poorer.as_ref().map(|all| piece.iter().map(|i| all[*i as usize]).collect());
+        let around = match batch.from {
+            Begins::Scouts => Around::scouts(&whole.solved),
+            Begins::Level(n) => Around::level((order, n), piece, &whole.solved),
+            Begins::Each => Around::each(order, piece, &whole.solved),
+            Begins::Last => Around::last(&whole.solved),
+        };
+        let alone = First::alone(poorer, left_out, &block.choices.precision);
+        let first = First { around: Some(around), leads_on: batch.leads_on, ..alone };
+        unfinished::marked(part, &stepped, first, self.engine, self.progress)
+    }
 
-/// Takes a piece of a batch to its end.
-fn piece_of(
-    block: &Block,
-    (batch, piece): (&Batch, &[u32]),
-    whole: &Part,
-    engine: &dyn Engine,
-    progress: &Progress,
-) -> Result<Part, EngineError> {
-    let part = whole.plan.part(piece);
-    let stepped = part.stepped();
-    let left_out = piece.iter().map(|i| block.left_out[*i as usize]).collect();
-    let poorer = block.poorer.as_ref().map(|all| piece.iter().map(|i| all[*i as usize]).collect());
-    let around = batch.level.map(|level| Around::new(level, piece, &whole.solved));
-    let alone = First::alone(poorer, left_out, &block.choices.precision);
-    let first = First { around, leads_on: batch.leads_on, ..alone };
-    unfinished::marked(part, &stepped, first, engine, progress)
+    /// Instances without a result, in the order of their numbers.
+    fn open(&self) -> Vec<u32> {
+        let open = |i: &u32| {
+            let status = self.whole.outcome.results[*i as usize].status;
+            status == Status::NotRun && self.block.plan.steps(*i) > 0
+        };
+        self.block.plan.instances().filter(open).collect()
+    }
+
+    /// Open instances begin at the states next to them, round after round: each where one of these is new.
+    fn fill_from_known(&mut self) -> Result<(), EngineError> {
+        let mut fresh: Option<HashSet<u32>> = None;
+        loop {
+            let new = |i: &u32| fresh.as_ref().is_none_or(|fresh| fresh.contains(i));
+            let known = |i: &u32| self.whole.solved[*i as usize].nodes().is_some();
+            let beside = |i: &u32| self.order.beside(*i).iter().any(|other| new(other) && known(other));
+            let instances: Vec<u32> = self.open().into_iter().filter(beside).collect();
+            if instances.is_empty() || self.progress.stopped() {
+                return Ok(());
+            }
+            self.carry_out(&Batch { instances: instances.clone(), from: Begins::Each, leads_on: true })?;
+            let led = |i: &u32| self.whole.solved[*i as usize].nodes().is_some();
+            fresh = Some(instances.into_iter().filter(led).collect());
+        }
+    }
 }
 
 impl Part {

@@ -117,12 +117,15 @@ fn two_runs(
         let settled = steady::again(fine, &near, engine, progress)?;
         return Ok((rough, settled, Vec::new()));
     };
-    // What no search finds is waited for in the second run, and only where it settles in the first one.
-    let leads = around.first(stepped);
-    let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], false), engine, progress)?;
+    // What is waited for is so in the second run, and only where it settles in the first one.
+    let (leads, waits) = (around.first(stepped), around.waits());
+    let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], waits[0]), engine, progress)?;
     let near = steady::among(&rough.found, stepped, fine.len());
     let leads = around.second(&near);
-    let (settled, begun) = steady::from_neighbours(fine, &leads, (&near, true), engine, progress)?;
+    let (settled, mut begun) = steady::from_neighbours(fine, &leads, (&near, waits[1]), engine, progress)?;
+    if around.leads_all() {
+        begun = settled.found.iter().map(Option::is_some).collect();
+    }
     let settles = |place: &u32| {
         let fine = &settled.outcome.results[stepped[*place as usize] as usize];
         rough.outcome.results[*place as usize].status == Status::NotRun && fine.status.is_steady()

@@ -59,6 +59,8 @@ impl Slabs {
 pub(super) struct Levels<'a> {
     pub scouts: Vec<u32>,
     pub later: Vec<Level<'a>>,
+    /// Axes along which values are ordered, each with the rank of each of its places.
+    ordered: Vec<(&'a GridAxis, Vec<u32>)>,
 }
 
 /// Instances that stand between known ones along one axis.
@@ -94,7 +96,20 @@ impl<'a> Levels<'a> {
                 later.push(Level { axis, rank: ranks(axis), known: before, points });
             }
         }
-        Self { scouts, later }
+        let ordered = grid.axes.iter().filter(|axis| !axis.order.is_empty());
+        Self { scouts, later, ordered: ordered.map(|axis| (axis, ranks(axis))).collect() }
+    }
+
+    /// Those one step away along one axis.
+    pub fn beside(&self, point: u32) -> Vec<u32> {
+        let along = |(axis, ranks): &(&GridAxis, Vec<u32>)| {
+            let place = point / axis.stride % axis.length;
+            let (base, rank) = (point - place * axis.stride, ranks[place as usize]);
+            let next = [rank.checked_sub(1), (rank + 1 < axis.length).then_some(rank + 1)];
+            let there = next.into_iter().flatten();
+            there.map(|rank| base + axis.order[rank as usize] * axis.stride).collect::<Vec<u32>>()
+        };
+        self.ordered.iter().flat_map(along).collect()
     }
 }
 
@@ -208,7 +223,7 @@ mod tests {
             let slabs = Slabs::over(&whole, most);
             assert_eq!(slabs.grids.iter().map(Grid::len).collect::<Vec<_>>(), sizes);
             for (n, size) in sizes.iter().enumerate() {
-                let Levels { scouts, later } = Levels::over(&slabs.grids[n]);
+                let Levels { scouts, later, .. } = Levels::over(&slabs.grids[n]);
                 let mut all: Vec<u32> = scouts;
                 all.extend(later.iter().flat_map(|level| level.points.iter().copied()));
                 all.sort_unstable();
@@ -218,6 +233,18 @@ mod tests {
             all.sort_unstable();
             assert!(all.into_iter().eq(0..whole.len() as u32), "{lengths:?}");
         }
+    }
+
+    #[test]
+    fn instances_beside_one_are_a_step_away_by_the_values() {
+        let mut grid = grid(&[(5, true), (3, false), (4, true)]);
+        // Values that rise as places 2, 0, 3, 1, 4 do.
+        grid.axes[0].order = vec![2, 0, 3, 1, 4];
+        let levels = Levels::over(&grid);
+        // Place 0 of the first axis stands between 2 and 3, place 3 of the last, turned round, at its lower end.
+        assert_eq!(levels.beside(4 + 3), [2 * 12 + 7, 3 * 12 + 7, 4 + 2]);
+        let mutual = |i: u32| levels.beside(i).iter().all(|j| levels.beside(*j).contains(&i));
+        assert!((0..60).all(mutual));
     }
 
     /// Lagrange's weights hold cubics, those of the nearest hold lines, of the rank as of the place.

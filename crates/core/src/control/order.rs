@@ -104,6 +104,14 @@ impl Order<'_> {
         }
     }
 
+    /// The instances next to one.
+    pub fn beside(&self, instance: u32) -> Vec<u32> {
+        match self {
+            Self::Grid(levels) => levels.beside(instance),
+            Self::Scattered(all) => all.beside(instance),
+        }
+    }
+
     /// Whether instances rest on others around them, not along a line.
     pub fn scattered(&self) -> bool {
         matches!(self, Self::Scattered(_))

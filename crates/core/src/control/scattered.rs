@@ -6,7 +6,6 @@ use super::tree::Tree;
 use crate::contact::KernelUnits;
 use crate::kernel::LENGTH;
 use crate::plan::Plan;
-use crate::steady::Node;
 use rayon::prelude::*;
 
 /// Depths of the tree whose instances are scouts: one in 2^SCOUTED of all, at least 2^FEWEST.
@@ -14,6 +13,8 @@ const SCOUTED: u32 = 7;
 const FEWEST: u32 = 6;
 /// Neighbours that a guess rests on, at least and for each dimension.
 const NEAREST: (usize, usize) = (4, 2);
+/// Instances next to one, at one of whose states it may begin where no search finds its own.
+const BESIDE: usize = 4;
 /// Modes of an instrument that are compared: what is faster follows from the same lever.
 const MODES: usize = 4;
 /// Instances of two laws are so many spreads apart.
@@ -63,26 +64,23 @@ impl Scattered {
         &self.coordinates[instance as usize * self.dimensions..][..self.dimensions]
     }
 
-    /// The nearest solved instances that move as the very nearest does, with their weights. None where these are too few;
-    /// where the nearest were all searched for in vain, these.
+    /// The instances next to this one.
+    pub fn beside(&self, instance: u32) -> Vec<u32> {
+        let near = self.tree.nearest(self.place(instance), self.tree.depth(), BESIDE + 1);
+        near.into_iter().map(|one| one.0).filter(|other| *other != instance).take(BESIDE).collect()
+    }
+
+    /// The nearest solved instances that move as the very nearest does, with their weights. None where these are too few.
     pub fn ground(&self, level: usize, instance: u32, solved: &[Solved]) -> Vec<Weighted> {
         let (at, least) = (self.place(instance), self.dimensions + 2);
         let near =
             self.tree.nearest(at, self.scouted + level as u32, NEAREST.0 + NEAREST.1 * self.dimensions);
-        let node = |i: u32| -> Option<&Node> {
-            match &solved[i as usize] {
-                Solved::States(both) => Some(&both[1]),
-                Solved::Unknown | Solved::Vain => None,
-            }
-        };
+        let node = |i: u32| solved[i as usize].nodes().map(|[_, second]| second);
         let first = near.first().and_then(|one| node(one.0));
         let alike: Vec<&(u32, f64)> =
             near.iter().filter(|one| first.zip(node(one.0)).is_some_and(|(a, b)| a.moves_as(b))).collect();
         if alike.len() < least || 2 * alike.len() < near.len() {
-            let next = &near[..near.len().min(least)];
-            let vain = next.iter().all(|one| matches!(solved[one.0 as usize], Solved::Vain));
-            let share = 1.0 / next.len().max(1) as f64;
-            return next.iter().filter(|_| vain).map(|one| (one.0, share, share)).collect();
+            return Vec::new();
         }
         let squares: Vec<f64> = alike.iter().take(least).map(|one| one.1).collect();
         let mut nearest = blend::by_distance(&squares);

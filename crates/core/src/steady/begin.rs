@@ -17,6 +17,10 @@ pub(super) enum Begin<'a> {
     Still,
     /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
     Near(&'a [Option<&'a PeriodicState>]),
+    /// The same, but that the search is not repeated from later places; and these repetitions, from the places where the
+    /// first search began.
+    Brief(&'a [Option<&'a PeriodicState>]),
+    Later(&'a [Station]),
     /// At states with other steps or levers alone. What has none, and is like others that were searched for in vain, is
     /// stepped on for a while.
     Aside(&'a [Option<&'a PeriodicState>]),
@@ -49,12 +53,13 @@ impl Begin<'_> {
     pub fn known(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
             Self::Near(near)
+            | Self::Brief(near)
             | Self::Aside(near)
             | Self::Followed(near)
             | Self::Along(Along { states: near, .. }) => {
                 near.get(instance as usize).copied().flatten().filter(|place| place.linear.is_known())
             }
-            Self::Still | Self::At(_) | Self::Late(_) => None,
+            Self::Still | Self::At(_) | Self::Late(_) | Self::Later(_) => None,
         }
     }
 
@@ -62,6 +67,8 @@ impl Begin<'_> {
     pub fn warm(&self) -> &'static [(u32, bool)] {
         match self {
             Self::Along(..) | Self::Late(_) => &[],
+            Self::Brief(_) => &WARM[..1],
+            Self::Later(_) => &WARM[1..],
             Self::Aside(_) => &ASIDE,
             _ => &WARM,
         }
@@ -70,11 +77,12 @@ impl Begin<'_> {
     /// Where the instance begins without one.
     pub fn place(&self, plan: &Plan, instance: u32) -> Station {
         match self {
-            Self::Near(_) | Self::Aside(_) => Station::free(plan, instance),
+            Self::Near(_) | Self::Brief(_) | Self::Aside(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
-            Self::At(places) | Self::Late(places) | Self::Along(Along { places, .. }) => {
-                places[instance as usize]
-            }
+            Self::At(places)
+            | Self::Late(places)
+            | Self::Later(places)
+            | Self::Along(Along { places, .. }) => places[instance as usize],
             Self::Followed(states) => match states[instance as usize] {
                 Some(state) => own(plan, instance, state),
                 None => Station::free(plan, instance),

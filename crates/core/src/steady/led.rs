@@ -1,19 +1,19 @@
 //! A run whose instances begin at their neighbours' states, and what these do not lead to.
 
-use super::begin::Begin;
+use super::begin::{Begin, Left};
 use super::map::apart;
-use super::node::{Hint, Lead};
-use super::{PeriodicState, Settled, beside, searched};
+use super::node::{Hint, Lead, Neighbour};
+use super::{PeriodicState, Settled, beside, found, searched};
 use crate::engine::{Engine, EngineError, Finished, Progress};
-use crate::plan::{Plan, Precision};
+use crate::plan::{Plan, Precision, Station};
 
 /// Two states that are no farther apart, in free amplitudes, are one.
 const SAME: f64 = 1e-3;
 
 /// As [`run`](super::run) with `near`, but that instances with a hint begin where their neighbours lead to, and are
-/// searched for where that is no periodic state; where neighbours were searched for in vain, not before they come to rest.
-/// What is not found is waited for if `waits` says so; else it is left as not run, and where neighbours were in vain nothing
-/// is tried. Which of them began at their neighbours and ended there comes, too.
+/// searched for where that is no periodic state; where each neighbour alone may lead to it, that alone is tried. What is not
+/// found is waited for if `waits` says so, what is not to be searched for not before it has come to rest; else it is left as
+/// not run. Which of them began at their neighbours and ended there comes, too.
 ///
 /// # Errors
 /// What the engine says.
@@ -33,12 +33,14 @@ pub fn from_neighbours(
         unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
         led.retain(|i| settled.found[*i as usize].is_some());
     }
+    settled.by_each_of(plan, leads, engine, progress)?;
     let mut begun = vec![false; plan.len()];
     led.into_iter().for_each(|i| begun[i as usize] = true);
-    let rest: Vec<u32> = plan.instances().filter(|i| !begun[*i as usize]).collect();
-    let vain = |i: &u32| matches!(leads[*i as usize], Lead::Vain);
-    let (mut vain, others): (Vec<u32>, Vec<u32>) = rest.into_iter().partition(vain);
-    vain.retain(|_| waits);
+    let rest = |of: fn(&Lead) -> bool| -> Vec<u32> {
+        plan.instances().filter(|i| !begun[*i as usize] && of(&leads[*i as usize])).collect()
+    };
+    let others = rest(|lead| matches!(lead, Lead::Hint(_) | Lead::None));
+    let vain = if waits { rest(|lead| matches!(lead, Lead::Vain)) } else { Vec::new() };
     for (some, aside) in [(others, false), (vain, true)] {
         if some.is_empty() {
             continue;
@@ -47,7 +49,11 @@ pub fn from_neighbours(
             true => Vec::new(),
             false => some.iter().map(|i| near[*i as usize]).collect(),
         };
-        let begin = if aside { Begin::Aside(&near) } else { Begin::Near(&near) };
+        let begin = match waits {
+            true if aside => Begin::Aside(&near),
+            true => Begin::Near(&near),
+            false => Begin::Brief(&near),
+        };
         let own: Vec<Lead> = some.iter().map(|i| leads[*i as usize].clone()).collect();
         let rest = searched(&plan.part(&some), begin, (&own, waits), engine, progress)?;
         settled.take(&some, rest);
@@ -56,44 +62,91 @@ pub fn from_neighbours(
 }
 
 impl Settled {
-    /// What a search of its own has not found begins at either of the nearest two on its line: across the end of a branch both
-    /// together lead nowhere, and states are like one of the two. What both lead to in different ways is left alone.
-    pub(super) fn by_one_of_two(
+    /// [`Settled::by_each`] for those of which nothing else is tried.
+    fn by_each_of(
         &mut self,
         plan: &Plan,
         leads: &[Lead],
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
-        let ends = |i: u32| leads.get(i as usize)?.hint().filter(|hint| hint.own.is_none())?.nearest_two();
-        let lost = |i: &u32| self.found[*i as usize].is_none() && ends(*i).is_some();
+        let each: Vec<Lead> = leads
+            .iter()
+            .map(|lead| if matches!(lead, Lead::Each(_)) { lead.clone() } else { Lead::None })
+            .collect();
+        self.by_each(plan, &each, engine, progress)
+    }
+
+    /// What a search of its own has not found begins at each neighbour alone: across the end of a branch several together lead
+    /// nowhere, and states are like one of them. It is there if all that lead somewhere lead to one state, and a search that
+    /// takes the map's own slope there finds that state, too.
+    pub(super) fn by_each(
+        &mut self,
+        plan: &Plan,
+        leads: &[Lead],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let alone = |i: u32| leads.get(i as usize).map(Lead::alone).unwrap_or_default();
+        let lost = |i: &u32| self.found[*i as usize].is_none() && !alone(*i).is_empty();
         let instances: Vec<u32> = plan.instances().filter(lost).collect();
         if instances.is_empty() || progress.stopped() {
             return Ok(());
         }
         let part = plan.part(&instances);
-        let from = |n: usize| {
-            let lead = |i: &u32| ends(*i).map_or(Lead::None, |two| Lead::Hint(Hint::alone(two[n])));
-            let leads: Vec<Lead> = instances.iter().map(lead).collect();
-            beside::all(&part, &leads, engine, progress)
+        let each: Vec<Vec<Neighbour>> = instances.iter().map(|i| alone(*i)).collect();
+        let mut met: Vec<Option<Station>> = vec![None; instances.len()];
+        let mut differ = vec![false; instances.len()];
+        let apart = |i: usize, a: &Station, b: &Station| {
+            apart(a, b) > SAME * part.driven(i as u32).free_amplitude().max(1e-15)
         };
-        let (mut one, mut other) = (from(0)?, from(1)?);
-        one.outcome.notes.append(&mut other.outcome.notes);
-        for place in 0..instances.len() {
-            one.periods[place] += other.periods[place];
-            let both = one.found[place].as_ref().zip(other.found[place].as_ref());
-            let differ = both.is_some_and(|(one, other)| {
-                let amplitude = part.driven(place as u32).free_amplitude().max(1e-15);
-                apart(&one.station, &other.station) > SAME * amplitude
-            });
-            if differ {
-                (one.found[place], one.outcome.results[place]) = (None, Finished::NOT_RUN);
-            } else if one.found[place].is_none() {
-                one.found[place] = other.found[place].take();
-                one.outcome.results[place] = other.outcome.results[place];
+        for n in 0..each.iter().map(Vec::len).max().unwrap_or(0) {
+            let leads: Vec<Lead> = each
+                .iter()
+                .map(|all| all.get(n).map_or(Lead::None, |one| Hint::alone(*one).into()))
+                .collect();
+            let led = beside::all(&part, &leads, engine, progress)?;
+            for (i, state) in led.found.iter().enumerate() {
+                self.periods[instances[i] as usize] += led.periods[i];
+                let Some(there) = state.as_ref().map(|state| state.station) else { continue };
+                differ[i] |= met[i].is_some_and(|other| apart(i, &other, &there));
+                met[i] = met[i].or(Some(there));
+            }
+            self.outcome.notes.extend(led.outcome.notes);
+        }
+        let place = |i: usize| met[i].filter(|_| !differ[i]);
+        let agreed: Vec<usize> = (0..instances.len()).filter(|i| place(*i).is_some()).collect();
+        let numbers: Vec<u32> = agreed.iter().map(|i| instances[*i]).collect();
+        let places: Vec<Station> = agreed.iter().filter_map(|i| place(*i)).collect();
+        let part = plan.part(&numbers);
+        let all: Vec<u32> = part.instances().collect();
+        let (mut own, _) = found(&part, &all, Begin::At(&places), engine, progress)?;
+        for (n, (i, place)) in agreed.into_iter().zip(&places).enumerate() {
+            if own.state(n).is_some_and(|state| apart(i, &state.station, place)) {
+                (own.found[n], own.outcome.results[n]) = (None, Finished::NOT_RUN);
             }
         }
-        self.take(&instances, one);
+        self.take(&numbers, own);
+        Ok(())
+    }
+
+    /// Searches for instances that a brief search has not found from later places.
+    pub(super) fn search_on(
+        &mut self,
+        plan: &Plan,
+        left: Vec<Left>,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let (numbers, places): (Vec<u32>, Vec<Station>) =
+            left.into_iter().map(|one| (one.instance, one.place)).unzip();
+        if numbers.is_empty() || progress.stopped() {
+            return Ok(());
+        }
+        let part = plan.part(&numbers);
+        let all: Vec<u32> = part.instances().collect();
+        let (found, _) = found(&part, &all, Begin::Later(&places), engine, progress)?;
+        self.take(&numbers, found);
         Ok(())
     }
 

@@ -100,6 +100,29 @@ pub fn run(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
+    begun(plan, near, true, engine, progress)
+}
+
+/// As [`run`], but that nothing is waited for where states are searched for: what no search finds is left as not run.
+///
+/// # Errors
+/// What the engine says.
+pub fn sought(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    begun(plan, near, false, engine, progress)
+}
+
+fn begun(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    waits: bool,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
     progress.part();
     if plan.run.steady == Steady::Wait || plan.stepped().is_empty() {
         return wait::run(plan, engine, progress);
@@ -108,7 +131,7 @@ pub fn run(
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
-    searched(plan, begin, (&[], true), engine, progress)
+    searched(plan, begin, (&[], waits), engine, progress)
 }
 
 /// As [`run`], but that a search begins at these states themselves, of whose slopes nothing need be known: it looks for the
@@ -139,8 +162,12 @@ fn searched(
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     let (mut settled, mut left) = found(plan, &plan.stepped(), begin, engine, progress)?;
-    settled.by_one_of_two(plan, leads, engine, progress)?;
+    settled.by_each(plan, leads, engine, progress)?;
     left.retain(|one| settled.found[one.instance as usize].is_none());
+    if matches!(begin, Begin::Brief(_)) {
+        settled.search_on(plan, left, engine, progress)?;
+        return Ok(settled);
+    }
     let left = match begin {
         Begin::Near(_) | Begin::Aside(_) if waits && plan.run.start == Start::Steady => {
             late::run(plan, left, &mut settled, engine, progress)?

@@ -214,17 +214,33 @@ pub struct Neighbour<'a> {
 #[derive(Clone, Debug)]
 pub enum Lead<'a> {
     Hint(Hint<'a>),
-    /// They were searched for in vain.
+    /// A search has found nothing: each of them alone may lead to it.
+    Each(Vec<Neighbour<'a>>),
+    /// No search is to be tried.
     Vain,
     /// They are no guide.
     None,
 }
 
 impl<'a> Lead<'a> {
+    /// Each of these alone.
+    pub fn each(nodes: impl Iterator<Item = &'a Node>) -> Self {
+        Self::Each(nodes.map(|node| Neighbour { node, before: None, weight: 1.0, nearest: 1.0 }).collect())
+    }
+
     pub(super) fn hint(&self) -> Option<&Hint<'a>> {
         match self {
             Self::Hint(hint) => Some(hint),
-            Self::Vain | Self::None => None,
+            Self::Each(_) | Self::Vain | Self::None => None,
+        }
+    }
+
+    /// Those of which each alone may lead to it where a search does not.
+    pub(super) fn alone(&self) -> Vec<Neighbour<'a>> {
+        match self {
+            Self::Hint(hint) if hint.own.is_none() => hint.nearest_two().into_iter().flatten().collect(),
+            Self::Each(neighbours) => neighbours.clone(),
+            _ => Vec::new(),
         }
     }
 }
@@ -249,6 +265,12 @@ where
     pub undoes: OMatrix<f64, D, D>,
     pub multiplier: f64,
     pub touching: bool,
+}
+
+impl<'a> From<Hint<'a>> for Lead<'a> {
+    fn from(hint: Hint<'a>) -> Self {
+        Self::Hint(hint)
+    }
 }
 
 impl<'a> Hint<'a> {
