@@ -1,11 +1,16 @@
 //! Bases on trial: what each costs a sample of the instances.
 
+use super::coarse::quartered;
 use super::difference::difference;
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{KeptMode, Plan, Precision, RICHEST};
-use crate::steady;
+use crate::scene::{Start, Steady};
+use crate::steady::{self, Settled};
 use serde::{Deserialize, Serialize};
+
+/// Where more than one in so many of the sample is without a state that a search finds, the sample is waited for.
+const LEFT_OUT: usize = 4;
 
 /// One basis on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -51,14 +56,10 @@ pub(super) fn run(
     let open = sample.precision_settled().is_none() && engine.double();
     let precision = if open { Precision::F64 } else { sample.precision };
     let mut trials = Trials::default();
-    let mut run = |accuracy: f64| {
-        let trial = sample.clone().with_shares(accuracy).in_precision(precision);
-        let settled = steady::run(&trial, &[], engine, progress)?;
-        trials.notes.extend(settled.outcome.notes);
-        Ok::<_, EngineError>(settled.outcome.results)
-    };
     let richest = RICHEST * sample.run.accuracy;
-    let truths = run(richest)?;
+    let with = |accuracy: f64| sample.clone().with_shares(accuracy).in_precision(precision);
+    let mut truths = truths(&with(richest), engine, progress)?;
+    trials.notes.append(&mut truths.outcome.notes);
     let mut tried = vec![modes(&sample.clone().with_shares(richest))];
     // A point of a curve on trial, alone, may end on another branch than its curve comes along: it speaks for no basis that
     // is poorer than the accuracy asked for.
@@ -71,8 +72,9 @@ pub(super) fn run(
             continue;
         }
         tried.push(basis);
-        let results = run(accuracy)?;
-        let apart = |i: u32| apart(sample, i, &results, &truths);
+        let mut run = with_basis(&with(accuracy), &truths, engine, progress)?;
+        trials.notes.append(&mut run.outcome.notes);
+        let apart = |i: u32| apart(sample, i, &run.outcome.results, &truths.outcome.results);
         let trial = Trial { accuracy, differences: sample.instances().map(apart).collect() };
         let below = |trial: &Trial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
         let first = policy.first_basis_share * sample.run.accuracy;
@@ -86,8 +88,73 @@ pub(super) fn run(
     Ok(trials)
 }
 
+/// Whether the sample's states are searched for one by one.
+fn searches(sample: &Plan) -> bool {
+    let led = sample.ensemble.curves.is_some() || sample.has_setpoints();
+    sample.run.steady == Steady::Search && sample.run.start == Start::Steady && !led
+}
+
+/// The sample with the richest basis, searched for with a quarter of the steps, and then next to what that found. What no
+/// search finds is left out, unless that is much of the sample.
+fn truths(rich: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Settled, EngineError> {
+    if !searches(rich) {
+        return steady::run(rich, &[], engine, progress);
+    }
+    let rough = steady::sought(&quartered(rich.clone()), &[], engine, progress)?;
+    let all: Vec<u32> = rich.instances().collect();
+    let lost = all.iter().filter(|i| rough.state(**i as usize).is_none()).count();
+    if lost > all.len() / LEFT_OUT {
+        return steady::run(rich, &steady::of(&rough.found, &all), engine, progress);
+    }
+    let mut settled = next_to(rich, (&rough, None), engine, progress)?;
+    settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    Ok(settled)
+}
+
+/// The sample with another basis than the richest: each member searched for with a quarter of the steps, so that it is
+/// seen where another basis ends in another state.
+fn with_basis(
+    plan: &Plan,
+    truths: &Settled,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let waited =
+        |i: u32| truths.outcome.results[i as usize].status.is_steady() && truths.state(i as usize).is_none();
+    if !searches(plan) || plan.instances().any(waited) {
+        return steady::run(plan, &[], engine, progress);
+    }
+    let known: Vec<u32> = plan.instances().filter(|i| truths.state(*i as usize).is_some()).collect();
+    let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
+    let mut rough = Settled { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    rough.take(&known, steady::sought(&quartered(plan.part(&known)), &[], engine, progress)?);
+    let mut settled = next_to(plan, (&rough, Some(truths)), engine, progress)?;
+    settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    Ok(settled)
+}
+
+/// The sample's members next to the states that a run has found, or else another one; what neither has is left out.
+fn next_to(
+    plan: &Plan,
+    (first, second): (&Settled, Option<&Settled>),
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let state = |i: &u32| first.state(*i as usize).or_else(|| second?.state(*i as usize));
+    let members: Vec<u32> = plan.instances().filter(|i| state(i).is_some()).collect();
+    let near: Vec<_> = members.iter().map(state).collect();
+    let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
+    let mut all = Settled { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    all.take(&members, steady::sought(&plan.part(&members), &near, engine, progress)?);
+    Ok(all)
+}
+
 fn apart(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 {
     let (a, b) = (&results[i as usize], &truths[i as usize]);
+    // A basis that has no such state at all does not serve it.
+    if b.status == Status::Ok && a.status == Status::NotRun {
+        return f64::INFINITY;
+    }
     // What does not repeat has no difference to speak of.
     let ok = a.status == Status::Ok && b.status == Status::Ok;
     if ok { difference(plan, i, a, b) } else { 0.0 }
