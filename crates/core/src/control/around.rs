@@ -93,8 +93,16 @@ impl<'a> Around<'a> {
     ) -> Lead<'a> {
         match self.line(line, hint) {
             Some(neighbours) => Hint { neighbours, own, scattered }.into(),
+            None if self.in_vain(line) => Lead::Vain,
             None => Lead::None,
         }
+    }
+
+    /// Whether all of the nearest on a line were searched for in vain: then its own search would be, too, before all else
+    /// that may lead to it is known.
+    fn in_vain(&self, line: &[Weighted]) -> bool {
+        let mut nearest = line.iter().filter(|one| one.2 != 0.0);
+        nearest.all(|one| matches!(self.solved[one.0 as usize], Solved::Vain))
     }
 
     /// The solved ones of these.

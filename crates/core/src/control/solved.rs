@@ -10,6 +10,8 @@ pub(super) enum Solved {
     /// Nothing.
     #[default]
     Unknown,
+    /// Neither of its first two runs has found a state.
+    Vain,
     /// The states of its first two runs.
     States(Box<[Node; 2]>),
 }
@@ -19,7 +21,7 @@ impl Solved {
     pub fn nodes(&self) -> Option<&[Node; 2]> {
         match self {
             Self::States(both) => Some(both),
-            Self::Unknown => None,
+            Self::Unknown | Self::Vain => None,
         }
     }
 }
@@ -32,7 +34,10 @@ pub(super) fn solved(
     (first, i, before, rough): (&Plan, u32, &Finished, Option<&PeriodicState>),
     (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),
 ) -> Solved {
-    let (Some(rough), Some(fine)) = (rough, fine) else { return Solved::Unknown };
+    let (Some(rough), Some(fine)) = (rough, fine) else {
+        let neither = rough.is_none() && fine.is_none() && second.steps(there) > 0;
+        return if neither { Solved::Vain } else { Solved::Unknown };
+    };
     match (Node::new(first, i, rough, before), Node::new(second, there, fine, after)) {
         (Some(rough), Some(fine)) => Solved::States(Box::new([rough, fine])),
         _ => Solved::Unknown,
