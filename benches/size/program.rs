@@ -110,8 +110,8 @@ fn told(text: &str, told: Value, (outside, memory_mb): (f64, Option<f64>)) -> Ru
     Run {
         instances: number(before("instances", first).or(before("instance", first))) as usize,
         wall: number(before("s", closing)),
-        stepping: number(before("stepping", closing)),
-        rate: number(before("instance-steps/s)", closing)),
+        stepping: number(told["stepping_time_s"].as_f64()),
+        rate: number(told["instance_steps_per_second"].as_f64()),
         outside,
         memory_mb,
         told,
