@@ -17,8 +17,6 @@ use std::collections::{HashMap, HashSet};
 struct Batch {
     instances: Vec<u32>,
     from: Begins,
-    /// Whether others may begin at their states.
-    leads_on: bool,
 }
 
 /// Where the instances of a batch begin.
@@ -61,14 +59,14 @@ pub(super) fn run(
     }
     filling.fill_from_known()?;
     let last = filling.open();
-    filling.carry_out(&Batch { instances: last, from: Begins::Last, leads_on: false })?;
+    filling.carry_out(&Batch { instances: last, from: Begins::Last })?;
     // Nobody begins at them any more.
     Ok(Part { solved: Vec::new(), ..filling.whole })
 }
 
 fn batches(plan: &Plan, order: &Order) -> Vec<Batch> {
-    let scouts = Batch { instances: alike(plan, order.scouts()), from: Begins::Scouts, leads_on: true };
-    let level = |n| Batch { instances: alike(plan, order.level(n)), from: Begins::Level(n), leads_on: true };
+    let scouts = Batch { instances: alike(plan, order.scouts()), from: Begins::Scouts };
+    let level = |n| Batch { instances: alike(plan, order.level(n)), from: Begins::Level(n) };
     std::iter::once(scouts).chain((0..order.levels()).map(level)).collect()
 }
 
@@ -123,7 +121,8 @@ impl Filling<'_> {
             Begins::Last => Around::last(&whole.solved),
         };
         let alone = First::alone(poorer, left_out, &block.choices.precision);
-        let first = First { around: Some(around), leads_on: batch.leads_on, ..alone };
+        let leads_on = !matches!(batch.from, Begins::Last);
+        let first = First { around: Some(around), leads_on, ..alone };
         unfinished::marked(part, &stepped, first, self.engine, self.progress)
     }
 
@@ -147,9 +146,10 @@ impl Filling<'_> {
             if instances.is_empty() || self.progress.stopped() {
                 return Ok(());
             }
-            self.carry_out(&Batch { instances: instances.clone(), from: Begins::Each, leads_on: true })?;
+            let batch = Batch { instances, from: Begins::Each };
+            self.carry_out(&batch)?;
             let led = |i: &u32| self.whole.solved[*i as usize].nodes().is_some();
-            fresh = Some(instances.into_iter().filter(led).collect());
+            fresh = Some(batch.instances.into_iter().filter(led).collect());
         }
     }
 }

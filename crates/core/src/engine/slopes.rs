@@ -2,8 +2,9 @@
 
 use super::compiled::Sloping;
 use super::member::{Levers, Member, member, motion};
+use super::station::put;
 use super::{Busy, EngineError, Progress, start, station};
-use crate::kernel::{LENGTH, Room, Rounding, Tangent, Wave};
+use crate::kernel::{Room, Rounding, Tangent, Wave};
 use crate::plan::{Class, Plan, Precision, Station};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -37,15 +38,11 @@ impl Slopes {
     }
 }
 
-/// Where an instance that began at `start` is, by the kernel's numbers: travels, rates, contact.
+/// Where an instance that began at `start` is, by the kernel's numbers: see [`put`].
 pub(super) fn ended(start: &Station, modes: usize, number: impl Fn(usize) -> f64) -> Station {
     let mut end = *start;
-    for k in 0..modes {
-        (end.x[k], end.u[k]) = (number(k) * LENGTH, number(modes + k) * LENGTH);
-        // Beyond f32 counts as none, as in a run.
-        end.finite &= (number(k) as f32).is_finite() && (number(modes + k) as f32).is_finite();
-    }
-    end.touching = number(2 * modes) > 0.0;
+    let (touching, finite) = put((modes, modes), number, (&mut end.x, &mut end.u));
+    (end.touching, end.finite) = (touching, start.finite && finite);
     end
 }
 

@@ -38,6 +38,21 @@ pub(super) fn indentation(case: &Case, (driven, start): (&Driven, Start), beyond
     -(case.gap + (cosine * half.cos() + sine * half.sin() + beyond)) / LENGTH
 }
 
+/// Puts travels and rates of an instance's `own` modes, m, by the kernel's numbers: those of `all` modes that are stepped, then
+/// contact. Tells whether there is contact, and whether all of its own are numbers: beyond f32 counts as none.
+pub(super) fn put(
+    (own, all): (usize, usize),
+    number: impl Fn(usize) -> f64,
+    (x, u): (&mut [f64], &mut [f64]),
+) -> (bool, bool) {
+    let mut finite = true;
+    for k in 0..own {
+        (x[k], u[k]) = (number(k) * LENGTH, number(all + k) * LENGTH);
+        finite &= (number(k) as f32).is_finite() && (number(all + k) as f32).is_finite();
+    }
+    (number(2 * all) > 0.0, finite)
+}
+
 /// Where an instance was left.
 #[cfg(feature = "gpu")]
 pub(super) fn station(saved: &Saved) -> Station {

@@ -6,7 +6,7 @@ use super::measure::{Sums, finish};
 use super::member::{free, gap_and_law, lever, lever_key, member};
 use super::slopes::kept;
 use super::station::indentation;
-use super::{EngineError, Finished, start};
+use super::{EngineError, Finished, start, station};
 use crate::kernel::{LENGTH, Lever, Room, Rounding, RunSums, Span, Stepper, Tangent, Wave};
 use crate::plan::{Case, Class, Plan, Shape, Station};
 use crate::scene::Start;
@@ -188,17 +188,10 @@ impl Table {
         self.stepper.measure(&rows.constants, &mut rows.state, &mut rows.sums, &span);
     }
 
-    /// Tells where the instance in a lane is: contact, and whether all are numbers.
-    pub fn put(&self, lane: usize, (x, u): (&mut [f64], &mut [f64]), rows: &Buffers) -> (bool, bool) {
-        let (width, modes) = (rows.width, self.stepper.modes);
-        let number = |row: usize| rows.state[row * width + lane];
-        let mut finite = true;
-        for k in 0..self.modes {
-            (x[k], u[k]) = (number(k) * LENGTH, number(modes + k) * LENGTH);
-            // Beyond f32 counts as none, as in a run.
-            finite &= (number(k) as f32).is_finite() && (number(modes + k) as f32).is_finite();
-        }
-        (number(2 * modes) > 0.0, finite)
+    /// Tells where the instance in a lane is; see [`station::put`].
+    pub fn put(&self, lane: usize, place: (&mut [f64], &mut [f64]), rows: &Buffers) -> (bool, bool) {
+        let number = |row: usize| rows.state[row * rows.width + lane];
+        station::put((self.modes, self.stepper.modes), number, place)
     }
 
     /// What was measured of the instance in a lane; its row here comes with it.
