@@ -28,6 +28,8 @@ constants! {
     TWENTY_FOURTH = 1.0 / 24.0;
     /// Beyond any indentation, within f32.
     FAR = 1e30;
+    /// The longest stride towards a periodic state, in free amplitudes: what is farther off is another motion.
+    FARTHEST = 0.1;
     /// Keeps 0/0 out: outside, at JKR's fold, in times of touch and of letting go; far below any root of an indentation.
     LEAST = 1e-30;
     /// Factor of Hertz's energy, (2/5) d^2.5.

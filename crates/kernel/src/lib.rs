@@ -17,6 +17,7 @@
 //! This is a crate of its own because it takes long to compile and changes least: [`Stepper`] is all that the CPU
 //! engine calls of it, and the one place where lanes, laws and numbers of modes meet.
 
+pub mod broyden;
 mod constants;
 pub mod contact;
 mod derived;

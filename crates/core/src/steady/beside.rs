@@ -7,16 +7,13 @@ use super::node::{Guess, Lead, Turns};
 use super::sizes::{Sized, by_size, with_size};
 use super::{Linear, PeriodicState, Settled};
 use crate::engine::{Busy, Cpu, Engine, EngineError, Finished, Outcome, Passing, Progress};
+use crate::kernel::broyden::{self, Arrival, Goal, Phase, ROUNDS, Standing};
 use crate::periodic::{Memory, Size, Spectrum};
 use crate::plan::{Plan, Precision, Station};
 use nalgebra::{DefaultAllocator, DimName, OVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Most periods: what is not there by then is searched for.
-const MOST: u32 = 6;
-/// The longest step from a guess, in free amplitudes: what is farther off is another motion.
-const FAR: f64 = 0.1;
 /// Instances that one thread takes along together, where the engine leaves the threads to its callers.
 const PART: usize = 512;
 
@@ -97,7 +94,12 @@ impl Sized for Several<'_> {
         progress.timed(Busy::Algebra, || {
             for &i in some {
                 match leads[i as usize].hint().and_then(|hint| hint.guess(plan, i, &mut turns)) {
-                    Some(guess) => all.push(One { instance: i, guess, stride: None }),
+                    Some(guess) => all.push(One {
+                        instance: i,
+                        guess,
+                        stride: OVector::<f64, D>::zeros(),
+                        strode: false,
+                    }),
                     None => ended.ends.push((i, 0, None)),
                 }
             }
@@ -106,7 +108,7 @@ impl Sized for Several<'_> {
         let numbers: Vec<u32> = all.iter().map(|one| one.instance).collect();
         let map = progress.timed(Busy::Constants, || engine.return_map(plan, &numbers))?;
         let mut room = vec![0.0; all.len() * D::DIM];
-        for round in 1..=MOST {
+        for round in 1..=ROUNDS {
             if left.is_empty() || progress.stopped() {
                 break;
             }
@@ -120,16 +122,16 @@ impl Sized for Several<'_> {
             let arrived = |n: &usize| {
                 let (one, Some(passed)) = (&mut all[*n], passed.next()) else { return false };
                 let found = match one.arrived(plan, passed) {
-                    Next::On => return true,
-                    Next::Found => Some((passed.finished, one.state(plan))),
-                    Next::Lost => None,
+                    Phase::On => return true,
+                    Phase::Found => Some((passed.finished, one.state(plan))),
+                    Phase::Lost => None,
                 };
                 ended.ends.push((one.instance, round, found));
                 false
             };
             progress.timed(Busy::Algebra, || left.retain(arrived));
         }
-        ended.ends.extend(left.into_iter().map(|n| (all[n].instance, MOST, None)));
+        ended.ends.extend(left.into_iter().map(|n| (all[n].instance, ROUNDS, None)));
         Ok(ended)
     }
 }
@@ -166,13 +168,6 @@ impl Several<'_> {
     }
 }
 
-/// What becomes of an instance after a period.
-enum Next {
-    Found,
-    Lost,
-    On,
-}
-
 /// An instance on its way.
 struct One<D: Size>
 where
@@ -181,8 +176,9 @@ where
     instance: u32,
     /// Where it stands, and what is thought of the map there.
     guess: Guess<D>,
-    /// The last stride.
-    stride: Option<OVector<f64, D>>,
+    /// The last stride, and whether there was one.
+    stride: OVector<f64, D>,
+    strode: bool,
 }
 
 impl<D: Size + DimName> One<D>
@@ -198,40 +194,24 @@ where
     }
 
     /// Takes in where a period has led to. Where that is no end, it stands at the next place to try.
-    fn arrived(&mut self, plan: &Plan, end: &Passing) -> Next {
+    fn arrived(&mut self, plan: &Plan, end: &Passing) -> Phase {
         let same_contact = !plan.law(self.instance).has_memory() || end.touching == self.guess.touching;
-        if !end.finite || !same_contact {
-            return Next::Lost;
-        }
-        let numbers = end.x.iter().chain(&*end.u).copied();
-        let change = OVector::<f64, D>::from_iterator(numbers) - &self.guess.state;
-        if let Some(stride) = self.stride.take() {
-            self.learn(&stride, &change);
-        }
-        let stride = &self.guess.undoes * &change;
+        let arrival = Arrival { strode: self.strode, sound: end.finite && same_contact };
         let (scale, near) = goal(plan, self.instance);
-        let left = stride.norm() / scale;
-        let bound = change.norm() * self.guess.undoes.norm() / scale;
-        if left <= near && bound <= SURE * plan.run.accuracy {
-            return if end.finished.status.is_steady() { Next::Found } else { Next::Lost };
+        let goal = Goal { scale, near, sure: SURE * plan.run.accuracy };
+        let Self { guess: Guess { state, undoes, .. }, stride, .. } = self;
+        let mut there = OVector::<f64, D>::zeros();
+        end.x.iter().chain(&*end.u).zip(there.as_mut_slice()).for_each(|(end, place)| *place = *end);
+        let here = Standing {
+            place: state.as_mut_slice(),
+            stride: stride.as_mut_slice(),
+            undoes: undoes.as_mut_slice(),
+        };
+        self.strode = true;
+        match broyden::stride(there.as_slice(), &goal, arrival, here) {
+            Phase::Found if !end.finished.status.is_steady() => Phase::Lost,
+            phase => phase,
         }
-        if left.is_nan() || left > FAR {
-            return Next::Lost;
-        }
-        self.guess.state += &stride;
-        self.stride = Some(stride);
-        Next::On
-    }
-
-    /// Broyden's update of the inverse of one minus the slope, by Sherman and Morrison: after a stride that was to undo all
-    /// of the change before it, the map's change is still `missed`.
-    fn learn(&mut self, stride: &OVector<f64, D>, missed: &OVector<f64, D>) {
-        let undoes = &mut self.guess.undoes;
-        // One minus the slope loses `missed` times the stride over its square.
-        let by = &*undoes * missed;
-        let along = undoes.tr_mul(stride);
-        let divisor = stride.norm_squared() - along.dot(missed);
-        undoes.ger(1.0 / divisor, &by, &along, 1.0);
     }
 
     fn state(&self, plan: &Plan) -> Box<PeriodicState> {

@@ -1,13 +1,9 @@
 //! Sizes of states: what is done for many numbers of modes is compiled for some, and done for the next larger of these.
 
-use crate::kernel::MODES_MAX;
+use crate::kernel::broyden::STATE_MODES;
 use crate::periodic::{Memory, Size};
 use crate::plan::Plan;
 use nalgebra::{Const, DefaultAllocator, DimName};
-
-/// Numbers of modes that searches are compiled for: each costs about a second of compiling. Between them a state is larger
-/// than it need be, but no period is stepped for what is at rest in it.
-const SIZES: [usize; 9] = [1, 2, 3, 4, 6, 8, 12, 16, MODES_MAX];
 
 /// What is done with states of one size.
 pub(super) trait Sized {
@@ -36,10 +32,10 @@ pub(super) fn with_size<W: Sized>(modes: usize, work: W) -> W::Output {
 /// These instances by the number of modes that their states are taken to have, in their order. Where a lever has fewer,
 /// the others are at rest.
 pub(super) fn by_size(plan: &Plan, instances: &[u32]) -> Vec<(usize, Vec<u32>)> {
-    let mut groups = SIZES.map(|size| (size, Vec::new()));
+    let mut groups = STATE_MODES.map(|size| (size, Vec::new()));
     for i in instances {
         let modes = plan.driven(*i).kept.modes.len();
-        let place = SIZES.iter().position(|size| modes <= *size).unwrap_or(SIZES.len() - 1);
+        let place = STATE_MODES.iter().position(|size| modes <= *size).unwrap_or(STATE_MODES.len() - 1);
         groups[place].1.push(*i);
     }
     groups.into_iter().filter(|(_, group)| !group.is_empty()).collect()
