@@ -209,7 +209,9 @@ pub(super) fn waits(plan: &Plan, begin: Begin, left: Vec<Left>, waits: bool, set
     let mut all = vec![Wait { instances: anew, periods: plan.run.periods, starts, goes_on }];
     let mut groups: BTreeMap<u32, (Vec<u32>, Vec<Station>)> = BTreeMap::new();
     for one in left {
-        let periods = if one.wanders { plan.run.measure + 1 } else { plan.run.periods - one.waited };
+        // So many at least as are measured, however few are left.
+        let left = if one.wanders { 0 } else { plan.run.periods - one.waited };
+        let periods = left.max(plan.run.measure + 1);
         let group = groups.entry(periods).or_default();
         group.0.push(one.instance);
         group.1.push(one.place);
@@ -258,6 +260,39 @@ impl Settled {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::Outcome;
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// Looks may have taken all but a few periods.
+    #[test]
+    fn what_is_waited_for_can_be_measured() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }]
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            free_amplitude = "20 nm"
+            [approach]
+            gap = "15 nm"
+            [run]
+            periods = 300
+            measure = 20
+        "#;
+        let scene = Scene::parse(Path::new("late.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("it can be planned");
+        let outcome = Outcome::of(&plan);
+        let settled = Settled { outcome, found: vec![None], periods: vec![0], jumps: Vec::new() };
+        for (waited, wanders, periods) in
+            [(297, false, 21), (300, false, 21), (100, false, 200), (300, true, 21)]
+        {
+            let left = vec![Left { instance: 0, place: Station::FREE, waited, wanders }];
+            let all = waits(&plan, Begin::Near(&[]), left, true, &settled);
+            assert_eq!(all.last().map(|wait| wait.periods), Some(periods), "{waited} waited");
+        }
+    }
 
     /// A look at a motion of which the first number is so after so many periods.
     fn look(of: impl Fn(f64) -> f64) -> Unrest {
