@@ -1,4 +1,4 @@
-// The job, and which thread of it one is.
+// The job, which thread of it one is, and where fields are.
 // Names in capitals come from the generated head (crates/kernel/src/shader.rs).
 
 // What one dispatch does.
@@ -12,10 +12,17 @@ struct Job {
     count: u32,
     // Workgroups side by side in x.
     width: u32,
+    // The round of a search, from 0.
+    round: u32,
 }
 
 @group(0) @binding(0) var<uniform> job: Job;
 
 fn thread(group: vec3<u32>, local: u32) -> u32 {
     return (group.y * job.width + group.x) * WORKGROUP + local;
+}
+
+// Where a field of an instance is in a table.
+fn at(field: u32, i: u32) -> u32 {
+    return field * job.instances + i;
 }

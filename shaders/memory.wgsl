@@ -1,9 +1,5 @@
 // What a thread reads of its instance when a dispatch begins, and where that is when it ends.
 
-fn at(field: u32, i: u32) -> u32 {
-    return field * job.instances + i;
-}
-
 fn case_of(i: u32) -> Case {
     let row = drive_of[i];
     var lever: Case;

@@ -17,17 +17,13 @@
 @group(0) @binding(7) var<storage, read> decays: array<real>;
 //% end
 
-// A number by its exponent's bits: comparisons with NaN are not to be trusted.
-fn finite(value: real) -> bool {
-    return (bitcast<u32>(f32(value)) & EXPONENT) != EXPONENT;
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let i = thread(group, local);
-    if i >= job.instances {
+    let number = thread(group, local);
+    if number >= under_way() {
         return;
     }
+    let i = instance_of(number);
     let lever = case_of(i);
     let law = law_of(i);
     var state = state_of(i);

@@ -20,10 +20,6 @@ struct Column {
     //% end
 }
 
-fn at(field: u32, i: u32) -> u32 {
-    return field * job.instances + i;
-}
-
 fn flow(power: u32, field: u32, mode: u32, row: u32) -> real {
     return flows[((3u * power + field) * MODES + mode) * job.drives + row];
 }

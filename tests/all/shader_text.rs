@@ -10,7 +10,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
 
 /// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
-/// precisions; and both parts of a period with its slope.
+/// precisions; both parts of a period with its slope; and both of a search, of every set of observables.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
     let entry = Entry::Sweep;
@@ -20,6 +20,9 @@ fn every_spec() -> Vec<ShaderSpec> {
                 for kind in 0..8 {
                     let (measured, decay, double) = (kind & 1 != 0, kind & 2 != 0, kind & 4 != 0);
                     all.push(ShaderSpec { entry, law, modes, wants, measured, decay, double });
+                }
+                for (entry, double) in SEARCH {
+                    all.push(ShaderSpec { entry, law, modes, wants, measured: true, decay: false, double });
                 }
             }
             let wants = Wants::FUNDAMENTAL;
@@ -33,6 +36,9 @@ fn every_spec() -> Vec<ShaderSpec> {
 
 const SLOPES: [(Entry, bool); 4] =
     [(Entry::Kicks, false), (Entry::Kicks, true), (Entry::Carry, false), (Entry::Carry, true)];
+
+const SEARCH: [(Entry, bool); 4] =
+    [(Entry::Period, false), (Entry::Period, true), (Entry::Stride, false), (Entry::Stride, true)];
 
 fn parsed(spec: &ShaderSpec) -> (String, Module) {
     let text = spec.compose();
@@ -122,8 +128,8 @@ fn every_combination_passes_naga_and_the_lint() {
         }
     });
     println!("{} shaders", all.len());
-    assert_eq!(all.len(), Law::ALL.len() * 7 * (Wants::every().len() * 8 + SLOPES.len()));
-    assert!(all.len() >= 4 * 7 * (8 * 2 * 8 + 4));
+    assert_eq!(all.len(), Law::ALL.len() * 7 * (Wants::every().len() * (8 + SEARCH.len()) + SLOPES.len()));
+    assert!(all.len() >= 4 * 7 * (8 * 2 * 12 + 4));
 }
 
 #[test]
@@ -170,7 +176,9 @@ fn bindings_are_those_of_the_parsed_shader() {
                 };
                 let width = match &module.types[variable.ty].inner {
                     TypeInner::Array { base, .. } => match module.types[*base].inner {
-                        TypeInner::Scalar(Scalar { width, .. }) => Some(width),
+                        TypeInner::Scalar(Scalar { width, .. }) | TypeInner::Atomic(Scalar { width, .. }) => {
+                            Some(width)
+                        }
                         ref inner => panic!("{inner:?}"),
                     },
                     _ => None,
@@ -181,12 +189,14 @@ fn bindings_are_those_of_the_parsed_shader() {
         found.sort_by_key(|(binding, ..)| *binding);
         let kinds: Vec<Binding> = found.iter().map(|(_, kind, _)| *kind).collect();
         assert_eq!(kinds, spec.bindings(), "{spec:?}");
-        // Numbers have the precision's width, but for the job, which drive and the marks.
+        // Numbers have the precision's width, but for the job, which drive, the marks and who is under way.
         let (real, whole) = (Some(spec.bytes() as u8), Some(4));
         let mut widths = match spec.entry {
             Entry::Sweep => vec![None, real, real, real, whole, real, whole],
             Entry::Kicks => vec![None, real, real, real, whole, real, whole, real],
             Entry::Carry => vec![None, real, whole, real, whole, real, real],
+            Entry::Period => vec![None, real, real, real, whole, real, whole, whole],
+            Entry::Stride => vec![None, real, whole, real, whole, real, real],
         };
         widths.extend(spec.decay.then_some(real));
         assert_eq!(found.iter().map(|(.., width)| *width).collect::<Vec<_>>(), widths, "{spec:?}");
@@ -209,6 +219,7 @@ fn the_job_lies_as_the_shader_reads_it() {
         ("first", std::mem::offset_of!(Job, first)),
         ("count", std::mem::offset_of!(Job, count)),
         ("width", std::mem::offset_of!(Job, width)),
+        ("round", std::mem::offset_of!(Job, round)),
     ];
     let theirs: Vec<(&str, usize)> =
         members.iter().map(|one| (one.name.as_deref().unwrap(), one.offset as usize)).collect();

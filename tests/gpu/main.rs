@@ -1,6 +1,7 @@
 //! The shader against the CPU, on whatever GPU adapter there is: whole runs (`agree_gpu`), slopes of periods (`slopes_gpu`),
-//! each law's kick by itself (`kicks_gpu`), and what the comparison of bits is worth (`faults_gpu`); and runs on several
-//! devices (`several_gpu`), for which a software driver gets a twin (`twin`).
+//! searches that begin near their states (`strides_gpu`, `stride_faults_gpu`), each law's kick by itself (`kicks_gpu`), and
+//! what the comparison of bits is worth (`faults_gpu`); and runs on several devices (`several_gpu`), for which a software
+//! driver gets a twin (`twin`).
 //!
 //! Tests that the adapters found cannot run list themselves as ignored.
 
@@ -17,6 +18,8 @@ mod program;
 mod several_gpu;
 mod shader;
 mod slopes_gpu;
+mod stride_faults_gpu;
+mod strides_gpu;
 #[allow(dead_code)]
 #[path = "../support/mod.rs"]
 mod support;
@@ -33,6 +36,8 @@ fn main() {
         kicks_gpu::tests(&found),
         several_gpu::tests(&found),
         slopes_gpu::tests(&found),
+        strides_gpu::tests(&found),
+        stride_faults_gpu::tests(&found),
     ];
     let conclusion = libtest_mimic::run(&arguments, tests.into_iter().flatten().collect());
     twin::remove();

@@ -13,6 +13,7 @@
 //!
 //! What tells the slopes of kicks is made of the law's own files ([`derived`](super::derived)).
 
+use super::broyden::{ROUNDS, state_modes};
 use super::constants;
 use super::contact::LawShader;
 use super::derived::derived;
@@ -33,17 +34,28 @@ pub enum Entry {
     Kicks,
     /// The second: what these make of the slope's columns.
     Carry,
+    /// A measured period of those instances that a search has under way.
+    Period,
+    /// The stride of each of them after it.
+    Stride,
 }
 
 impl Entry {
-    pub const ALL: [Self; 3] = [Self::Sweep, Self::Kicks, Self::Carry];
+    pub const ALL: [Self; 5] = [Self::Sweep, Self::Kicks, Self::Carry, Self::Period, Self::Stride];
 
     pub fn name(self) -> &'static str {
         match self {
-            Self::Sweep => "sweep",
+            // One text, for all instances or for some.
+            Self::Sweep | Self::Period => "sweep",
             Self::Kicks => "kicks",
             Self::Carry => "carry",
+            Self::Stride => "stride",
         }
+    }
+
+    /// Whether it belongs to a period with its slope.
+    fn of_slopes(self) -> bool {
+        matches!(self, Self::Kicks | Self::Carry)
     }
 }
 
@@ -84,6 +96,12 @@ const TALLY_MEMORY: &str = include_str!("../../../shaders/observe/memory.wgsl");
 const DUAL: &str = include_str!("../../../shaders/slope/dual.wgsl");
 const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
 const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
+const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
+const EVERY: &str = include_str!("../../../shaders/every.wgsl");
+const LISTS: &str = include_str!("../../../shaders/broyden/lists.wgsl");
+const GOING: &str = include_str!("../../../shaders/broyden/going.wgsl");
+const BEGIN: &str = include_str!("../../../shaders/observe/begin.wgsl");
+const STRIDE: &str = include_str!("../../../shaders/broyden/stride.wgsl");
 
 impl ShaderSpec {
     /// Bytes of a number.
@@ -109,6 +127,8 @@ impl ShaderSpec {
             Entry::Sweep => vec![Uniform, Read, Read, Read, Read, Write, Write],
             Entry::Kicks => vec![Uniform, Read, Read, Read, Read, Write, Write, Write],
             Entry::Carry => vec![Uniform, Read, Read, Read, Read, Read, Write],
+            Entry::Period => vec![Uniform, Read, Read, Read, Read, Write, Write, Read],
+            Entry::Stride => vec![Uniform, Read, Write, Write, Write, Write, Write],
         }
     }
 
@@ -128,8 +148,13 @@ impl ShaderSpec {
     /// Fields of an instance's constants, in order.
     pub fn case_fields(&self) -> Vec<String> {
         let law = self.law.fields.iter().map(|name| format!("law_{name}"));
-        let little = (self.entry == Entry::Kicks).then(|| "little".to_owned());
-        std::iter::once("gap".to_owned()).chain(law).chain(little).collect()
+        let more: &[&str] = match self.entry {
+            Entry::Kicks => &["little"],
+            Entry::Period | Entry::Stride => &["scale", "near", "sure", "still", "memory", "touching"],
+            Entry::Sweep | Entry::Carry => &[],
+        };
+        let more = more.iter().map(|name| (*name).to_owned());
+        std::iter::once("gap".to_owned()).chain(law).chain(more).collect()
     }
 
     /// Fields of an instance's state, tally and run sums, in order; beside slopes those of its state and of the steps seen.
@@ -137,7 +162,7 @@ impl ShaderSpec {
         let mut fields: Vec<String> =
             (0..self.modes).flat_map(|k| [format!("state_x_{k}"), format!("state_u_{k}")]).collect();
         fields.push("state_touching".into());
-        if self.entry != Entry::Sweep {
+        if self.entry.of_slopes() {
             let here = ["indentation", "speed", "acceleration", "touching", "size", "contact"];
             fields.extend(here.map(|name| format!("here_{name}")));
             fields.extend(["indentation", "size"].map(|name| format!("before_{name}")));
@@ -175,8 +200,13 @@ impl ShaderSpec {
     pub fn compose(&self) -> String {
         let files: &[&str] = match self.entry {
             Entry::Carry => return self.head() + &self.expanded(JOB) + &self.expanded(CARRY),
+            Entry::Stride => {
+                let files = [JOB, NUMBER, LISTS, BEGIN, STRIDE].map(|file| self.expanded(file));
+                return self.head() + &files.concat();
+            }
             Entry::Kicks => &[DUAL],
-            Entry::Sweep => &[],
+            Entry::Period => &[LISTS, GOING, NUMBER],
+            Entry::Sweep => &[EVERY, NUMBER],
         };
         let mut text = self.law_text();
         let mut add = |file: &str| text += &self.expanded(file);
@@ -207,6 +237,7 @@ impl ShaderSpec {
             match self.entry {
                 Entry::Sweep if self.measured => "measured",
                 Entry::Sweep => "settling",
+                Entry::Period => "under way",
                 entry => entry.name(),
             },
             if self.double { "f64" } else { "f32" }
@@ -219,6 +250,10 @@ impl ShaderSpec {
         let _ = writeln!(head, "const EXPONENT: u32 = {:#x}u;", f32::INFINITY.to_bits());
         let _ = writeln!(head, "const MODES: u32 = {}u;", self.modes);
         let _ = writeln!(head, "const PARTIALS: u32 = {}u;", self.partials());
+        let numbers = 2 * state_modes(self.modes);
+        let _ =
+            writeln!(head, "const NUMBERS: u32 = {numbers}u;\nconst HALF_NUMBERS: u32 = {}u;", numbers / 2);
+        let _ = writeln!(head, "const ROUNDS: u32 = {ROUNDS}u;");
         let tables =
             [("DRIVE_", self.drive_fields()), ("CASE_", self.case_fields()), ("", self.state_fields())];
         for (prefix, fields) in &tables {

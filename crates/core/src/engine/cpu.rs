@@ -7,8 +7,8 @@ use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::saved::Saved;
 use super::{
-    Busy, Ended, Engine, EngineError, Outcome, Progress, ReturnMap, Slopes, return_map, slopes, start,
-    station, threads,
+    Arrivals, Busy, Ended, Engine, EngineError, Guesses, Outcome, Progress, ReturnMap, Slopes, broyden,
+    return_map, slopes, start, station, threads,
 };
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
@@ -82,6 +82,16 @@ impl Engine for Cpu {
             slopes.put(&class.instances, told);
         }
         Ok(slopes)
+    }
+
+    fn broyden(
+        &self,
+        plan: &Plan,
+        guesses: &mut Guesses,
+        progress: &Progress,
+    ) -> Result<Arrivals, EngineError> {
+        let all = broyden::all(plan, guesses, Rounding::new(self.strict), progress)?;
+        Ok(Arrivals { all, notes: Vec::new() })
     }
 
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {

@@ -1,6 +1,7 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
+mod broyden;
 mod busy;
 mod columns;
 mod compiled;
@@ -23,13 +24,14 @@ mod table;
 mod threads;
 mod trace;
 
+pub use broyden::{Arrivals, Arrived, Guessed, Guesses, TOGETHER};
 pub use busy::Busy;
 pub use columns::Columns;
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::{Passing, ReturnMap, SlopeStart};
+pub use return_map::{ReturnMap, SlopeStart};
 pub use slopes::{Sloped, Slopes};
 pub use threads::on_threads;
 pub use trace::{Between, Trace, TraceSample, trace};
@@ -105,6 +107,21 @@ pub trait Engine: Send + Sync {
     /// What the engine says.
     fn slopes(&self, plan: &Plan, _least: &[f64], _progress: &Progress) -> Result<Slopes, EngineError> {
         Ok(Slopes::none(plan))
+    }
+
+    /// Takes each of these guesses at periodic states of instances of the plan to its end, in f64: one measured period after
+    /// another, each from where a stride from the last one has led, [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most. It is
+    /// stepped with the plan's steps, from steady free motion. An engine without a way of its own leaves this to the CPU.
+    ///
+    /// # Errors
+    /// What the engine says.
+    fn broyden(
+        &self,
+        plan: &Plan,
+        guesses: &mut Guesses,
+        progress: &Progress,
+    ) -> Result<Arrivals, EngineError> {
+        Cpu::default().broyden(plan, guesses, progress)
     }
 
     /// Runs the plan. A failed instance is data, not an error.

@@ -4,7 +4,7 @@
 use super::slopes::Sloped;
 use super::table::{Buffers, Place, Table};
 use super::{Busy, EngineError, Finished, Progress};
-use crate::kernel::{Room, Rounding};
+use crate::kernel::{LENGTH, Room, Rounding};
 use crate::plan::{Plan, Station};
 use std::collections::BTreeMap;
 
@@ -21,25 +21,19 @@ pub trait ReturnMap: Send + Sync {
     /// `room` is for the work, to be used again.
     fn sloped(&self, starts: &[SlopeStart], room: &mut Room<f64>, progress: &Progress)
     -> Vec<Option<Sloped>>;
-
-    /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. Whether they are
-    /// steady is not judged. A run that was stopped leaves the others as not run.
-    fn measured(&self, plan: &Plan, passing: &mut [Passing], progress: &Progress);
 }
 
 /// An instance on its way through one measured period.
 #[derive(Debug)]
-pub struct Passing<'a> {
+pub(super) struct Passing<'a> {
     /// A number in the list of instances that the map was made for.
     pub instance: u32,
-    /// Travels of the kept modes where it begins, then where it ends, m; what lies beyond its modes stays.
-    pub x: &'a mut [f64],
-    /// Rates over the modes' angular frequencies, m.
-    pub u: &'a mut [f64],
+    /// Travels of the kept modes where it begins, then where it ends, and as many rates over the modes' angular frequencies,
+    /// kernel units; what lies beyond its modes stays.
+    pub state: &'a mut [f64],
     pub touching: bool,
     /// Whether all numbers of the end are numbers.
     pub finite: bool,
-    pub finished: Finished,
 }
 
 /// Where the slope of a period is asked for.
@@ -76,6 +70,50 @@ impl Map {
 }
 
 impl Map {
+    /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. What was measured
+    /// comes of those of which `wanted` says so, which is told where each one ends. Whether they are steady is not judged. A
+    /// run that was stopped leaves the others where they are.
+    pub fn measured(
+        &self,
+        plan: &Plan,
+        passing: &mut [Passing],
+        mut wanted: impl FnMut(&Passing) -> bool,
+        progress: &Progress,
+    ) -> Vec<(u32, Finished)> {
+        let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
+        let (mut finished, mut chosen) = (Vec::new(), Vec::new());
+        for (table, own) in self.by_table(instances.iter().copied()) {
+            let mut rows = table.buffers(table.stepper.width);
+            for places in own.chunks(table.stepper.width) {
+                if progress.stopped() {
+                    return finished;
+                }
+                let place = |n: usize| {
+                    let (x, u) = passing[n].state.split_at(passing[n].state.len() / 2);
+                    Place { x, u, touching: passing[n].touching, unit: 1.0 }
+                };
+                table.gather(places, place, &mut rows);
+                progress.timed(Busy::Steps, || table.measure(places, plan, &mut rows));
+                progress.timed(Busy::Algebra, || {
+                    for (lane, (n, row)) in places.iter().enumerate() {
+                        let one = &mut passing[*n];
+                        let (x, u) = one.state.split_at_mut(one.state.len() / 2);
+                        (one.touching, one.finite) = table.put(lane, (x, u), 1.0, &rows);
+                        if wanted(one) {
+                            chosen.push((one.instance, (lane, *row), one.finite));
+                        }
+                    }
+                });
+                let measured = chosen
+                    .drain(..)
+                    .map(|(instance, place, finite)| (instance, table.finished(place, finite, plan, &rows)));
+                finished.extend(measured);
+                progress.add(places.len() as u64 * table.steps());
+            }
+        }
+        finished
+    }
+
     /// The starts of each table that has any: their places in the list, and their rows there.
     fn by_table<'a>(
         &'a self,
@@ -137,36 +175,12 @@ impl ReturnMap for Map {
         }
         out
     }
-
-    fn measured(&self, plan: &Plan, passing: &mut [Passing], progress: &Progress) {
-        let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
-        for (table, own) in self.by_table(instances.iter().copied()) {
-            let mut rows = table.buffers(table.stepper.width);
-            for places in own.chunks(table.stepper.width) {
-                if progress.stopped() {
-                    return;
-                }
-                let place = |n: usize| {
-                    let Passing { x, u, touching, .. } = &passing[n];
-                    Place { x, u, touching: *touching }
-                };
-                table.gather(places, place, &mut rows);
-                progress.timed(Busy::Steps, || table.measure(places, plan, &mut rows));
-                for (lane, (n, row)) in places.iter().enumerate() {
-                    let Passing { x, u, touching, finite, finished, .. } = &mut passing[*n];
-                    (*touching, *finite) = table.put(lane, (x, u), &rows);
-                    *finished = table.finished((lane, *row), *finite, plan, &rows);
-                }
-                progress.add(places.len() as u64 * table.steps());
-            }
-        }
-    }
 }
 
 /// Where the instance in a lane is, that began at `start`.
 fn end(table: &Table, lane: usize, start: &Station, rows: &Buffers) -> Station {
     let mut end = *start;
-    let (touching, finite) = table.put(lane, (&mut end.x, &mut end.u), rows);
+    let (touching, finite) = table.put(lane, (&mut end.x, &mut end.u), LENGTH, rows);
     (end.touching, end.finite) = (touching, start.finite && finite);
     end
 }

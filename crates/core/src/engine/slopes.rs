@@ -4,7 +4,7 @@ use super::compiled::Sloping;
 use super::member::{Levers, Member, member, motion};
 use super::station::put;
 use super::{Busy, EngineError, Progress, start, station};
-use crate::kernel::{Room, Rounding, Tangent, Wave};
+use crate::kernel::{LENGTH, Room, Rounding, Tangent, Wave};
 use crate::plan::{Class, Plan, Precision, Station};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ impl Slopes {
 /// Where an instance that began at `start` is, by the kernel's numbers: see [`put`].
 pub(super) fn ended(start: &Station, modes: usize, number: impl Fn(usize) -> f64) -> Station {
     let mut end = *start;
-    let (touching, finite) = put((modes, modes), number, (&mut end.x, &mut end.u));
+    let (touching, finite) = put((modes, modes), number, (&mut end.x, &mut end.u), LENGTH);
     (end.touching, end.finite) = (touching, start.finite && finite);
     end
 }

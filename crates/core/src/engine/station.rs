@@ -18,10 +18,11 @@ pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<Saved>> {
 
 pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
     let (case, driven) = member(plan, instance);
-    let last = indentation(&case, (driven, plan.run.start), station.x.iter().sum());
+    let x = station.x.map(|x| x / LENGTH);
+    let last = indentation(&case, (driven, plan.run.start), x.iter().sum());
     let touching = f64::from(u8::from(station.touching));
     Saved {
-        x: station.x.map(|x| x / LENGTH),
+        x,
         u: station.u.map(|u| u / LENGTH),
         touching,
         last: [last; 2],
@@ -31,23 +32,29 @@ pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
     }
 }
 
-/// Indentation half a step into a period, kernel units, where the tip is so far (m) beyond its free motion.
-pub(super) fn indentation(case: &Case, (driven, start): (&Driven, Start), beyond: f64) -> f64 {
-    let (cosine, sine) = start::amplitudes(driven, start);
-    let half = PI / f64::from(case.steps);
-    -(case.gap + (cosine * half.cos() + sine * half.sin() + beyond)) / LENGTH
+/// Indentation half a step into a period where the tip is so far beyond its free motion, kernel units.
+pub(super) fn indentation(case: &Case, driven: (&Driven, Start), beyond: f64) -> f64 {
+    -(still(case, driven) + beyond)
 }
 
-/// Puts travels and rates of an instance's `own` modes, m, by the kernel's numbers: those of `all` modes that are stepped, then
-/// contact. Tells whether there is contact, and whether all of its own are numbers: beyond f32 counts as none.
+/// How far from the sample free motion is there, kernel units.
+pub(super) fn still(case: &Case, (driven, start): (&Driven, Start)) -> f64 {
+    let (cosine, sine) = start::amplitudes(driven, start);
+    let half = PI / f64::from(case.steps);
+    (case.gap + (cosine * half.cos() + sine * half.sin())) / LENGTH
+}
+
+/// Puts travels and rates of an instance's `own` modes, in units of so many of the kernel's, by its numbers: those of `all` modes
+/// that are stepped, then contact. Tells whether there is contact, and whether all of its own are numbers: beyond f32 counts as none.
 pub(super) fn put(
     (own, all): (usize, usize),
     number: impl Fn(usize) -> f64,
     (x, u): (&mut [f64], &mut [f64]),
+    unit: f64,
 ) -> (bool, bool) {
     let mut finite = true;
     for k in 0..own {
-        (x[k], u[k]) = (number(k) * LENGTH, number(all + k) * LENGTH);
+        (x[k], u[k]) = (number(k) * unit, number(all + k) * unit);
         finite &= (number(k) as f32).is_finite() && (number(all + k) as f32).is_finite();
     }
     (number(2 * all) > 0.0, finite)

@@ -15,15 +15,17 @@ use std::collections::HashMap;
 /// Where an instance begins a period.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
-    /// Travels of the kept modes and rates over their angular frequencies, m; what is not there is at rest.
+    /// Travels of the kept modes and rates over their angular frequencies; what is not there is at rest.
     pub x: &'a [f64],
     pub u: &'a [f64],
     pub touching: bool,
+    /// What these are divided by to be in kernel units.
+    pub unit: f64,
 }
 
 impl<'a> Place<'a> {
     pub fn of(station: &'a Station) -> Self {
-        Self { x: &station.x, u: &station.u, touching: station.touching }
+        Self { x: &station.x, u: &station.u, touching: station.touching, unit: LENGTH }
     }
 }
 
@@ -54,7 +56,7 @@ pub(super) struct Buffers {
     constants: Vec<f64>,
     state: Vec<f64>,
     sums: Vec<f64>,
-    /// Travel beyond the free motion where each begins, m.
+    /// Travel beyond the free motion where each begins, kernel units.
     travel: Vec<f64>,
 }
 
@@ -144,12 +146,12 @@ impl Table {
             for (n, number) in own.iter().enumerate() {
                 rows.constants[(motion + n) * width + lane] = *number;
             }
-            let Place { x, u, touching } = place(start);
-            rows.travel[lane] = x.iter().sum();
+            let Place { x, u, touching, unit } = place(start);
             for k in 0..self.modes {
-                rows.state[k * width + lane] = x[k] / LENGTH;
-                rows.state[(modes + k) * width + lane] = u[k] / LENGTH;
+                rows.state[k * width + lane] = x[k] / unit;
+                rows.state[(modes + k) * width + lane] = u[k] / unit;
             }
+            rows.travel[lane] = x[..self.modes].iter().map(|x| x / unit).sum();
             rows.state[2 * modes * width + lane] = f64::from(u8::from(touching));
         }
     }
@@ -189,9 +191,15 @@ impl Table {
     }
 
     /// Tells where the instance in a lane is; see [`station::put`].
-    pub fn put(&self, lane: usize, place: (&mut [f64], &mut [f64]), rows: &Buffers) -> (bool, bool) {
+    pub fn put(
+        &self,
+        lane: usize,
+        place: (&mut [f64], &mut [f64]),
+        unit: f64,
+        rows: &Buffers,
+    ) -> (bool, bool) {
         let number = |row: usize| rows.state[row * rows.width + lane];
-        station::put((self.modes, self.stepper.modes), number, place)
+        station::put((self.modes, self.stepper.modes), number, place, unit)
     }
 
     /// What was measured of the instance in a lane; its row here comes with it.

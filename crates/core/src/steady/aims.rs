@@ -37,9 +37,14 @@ pub(super) fn certainly(plan: &Plan, instance: u32) -> f64 {
     (1.0 - DOUBTED * (1.0 - free_multiplier(plan, instance))).max(CLEARLY.0)
 }
 
-/// Length of a state that is not small, m, and the distance to the periodic state that is aimed at in units of it.
-pub(super) fn goal(plan: &Plan, instance: u32) -> (f64, f64) {
-    (plan.driven(instance).free_amplitude().max(1e-15), NEAR * plan.run.accuracy)
+/// Length of a state that is not small, m.
+pub(super) fn scale(plan: &Plan, instance: u32) -> f64 {
+    plan.driven(instance).free_amplitude().max(1e-15)
+}
+
+/// The distance to the periodic state that is aimed at, in units of that.
+pub(super) fn near(plan: &Plan) -> f64 {
+    NEAR * plan.run.accuracy
 }
 
 /// What may be left out of a period's slope: so small a share of the distance to 1 that the free lever's largest multiplier has.
@@ -67,10 +72,9 @@ pub(super) fn options(plan: &Plan, instance: u32) -> (bool, Options) {
     let case = plan.case(instance);
     let remembers = case.contact.law.has_memory();
     let (step, last_step) = if remembers { ROUGH } else { SMOOTH };
-    let (scale, tolerance) = goal(plan, instance);
     let options = Options {
-        scale,
-        tolerance,
+        scale: scale(plan, instance),
+        tolerance: near(plan),
         enough: ENOUGH * plan.run.accuracy,
         step,
         last_step,

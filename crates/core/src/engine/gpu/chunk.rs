@@ -137,7 +137,7 @@ impl<'a> Chunk<'a> {
         let (instances, drives) = (self.tables.instances.len() as u32, self.tables.drives.len() as u32);
         let steps = self.class.steps;
         let first = (at % u64::from(steps)) as u32;
-        let job = Job { instances, drives, steps, first, count, width: 0 };
+        let job = Job { instances, drives, steps, first, count, width: 0, round: 0 };
         let mut buffers = vec![
             &self.job,
             &self.waves,

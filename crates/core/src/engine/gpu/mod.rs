@@ -13,12 +13,15 @@ mod runs;
 mod session;
 mod slopes;
 mod strict;
+mod stride_tables;
+mod strides;
 
 pub use adapter::{AdapterReport, adapters, alike};
 pub use session::Job;
 
 use super::cpu;
-use super::{Engine, EngineError, Outcome, Progress, Slopes};
+use super::{Arrivals, Arrived, Engine, EngineError, Guesses, Outcome, Progress, Slopes};
+use crate::kernel::broyden::state_modes;
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
 use dealer::Dealer;
@@ -30,6 +33,8 @@ use slopes::Periods;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
+use stride_tables::stride_spec;
+use strides::{Strides, Ways};
 use thiserror::Error;
 
 /// Why no GPU can run the plan.
@@ -205,6 +210,15 @@ impl Gpu {
         self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
     }
 
+    /// The same of searches.
+    fn stride_capacity(&self, plan: &Plan, class: &Class) -> usize {
+        let spec = stride_spec(plan, class);
+        let size = (2 * state_modes(spec.modes)).pow(2);
+        let fields = spec.state_fields().len().max(spec.case_fields().len());
+        let bytes = spec.bytes() * size.max(fields) as u64;
+        self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
+    }
+
     /// The plan's classes in pieces, and those that never reach the sample.
     fn pieces(&self, plan: &Plan, most: impl Fn(&Class) -> usize) -> (Vec<Class>, VecDeque<Piece>) {
         let devices = self.dealer.speeds();
@@ -300,6 +314,26 @@ impl Engine for Gpu {
         let notes = Deal::new(self, &errand, progress).all(pieces, &mut slopes)?;
         slopes.notes.extend(notes);
         Ok(slopes)
+    }
+
+    fn broyden(
+        &self,
+        plan: &Plan,
+        guesses: &mut Guesses,
+        progress: &Progress,
+    ) -> Result<Arrivals, EngineError> {
+        let mut notes = self.open(Precision::F64)?;
+        let _entered = self.dealer.enter();
+        let instances: Vec<u32> = guesses.all.iter().map(|one| one.instance).collect();
+        let mut part = plan.part(&instances).in_precision(Precision::F64);
+        (part.run.periods, part.run.measure) = (1, 1);
+        let (_, pieces) = self.pieces(&part, |class| self.stride_capacity(&part, class));
+        let arrived = vec![Arrived::NOT_RUN; instances.len()];
+        let mut ways = Ways { arrived, places: guesses.places.clone(), undoes: guesses.undoes.clone() };
+        let errand = Strides { plan: &part, guesses };
+        notes.extend(Deal::new(self, &errand, progress).all(pieces, &mut ways)?);
+        (guesses.places, guesses.undoes) = (ways.places, ways.undoes);
+        Ok(Arrivals { all: ways.arrived, notes })
     }
 
     fn double(&self) -> bool {

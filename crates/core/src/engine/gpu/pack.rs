@@ -90,17 +90,17 @@ pub(super) fn slope_spec(plan: &Plan, class: &Class) -> ShaderSpec {
 }
 
 /// Instances by their drives, which are in order.
-struct Driven<'a> {
-    members: Vec<Member<'a>>,
-    drives: Vec<u32>,
+pub(super) struct Driven<'a> {
+    pub members: Vec<Member<'a>>,
+    pub drives: Vec<u32>,
     /// An instance of each drive.
     first_of: Vec<Member<'a>>,
     /// Places among the drives, by instance.
-    drive_of: Vec<u32>,
+    pub drive_of: Vec<u32>,
 }
 
 impl<'a> Driven<'a> {
-    fn new(plan: &'a Plan, instances: &[u32]) -> Self {
+    pub fn new(plan: &'a Plan, instances: &[u32]) -> Self {
         let members: Vec<Member> = instances.iter().map(|instance| member(plan, *instance)).collect();
         let (mut drives, mut first_of): (Vec<u32>, Vec<Member>) = (Vec::new(), Vec::new());
         let drive_of = members
@@ -118,7 +118,7 @@ impl<'a> Driven<'a> {
     }
 
     /// The table of the drives.
-    fn table(&self, spec: &ShaderSpec, start: Start) -> Numbers {
+    pub fn table(&self, spec: &ShaderSpec, start: Start) -> Numbers {
         let rows: Vec<Vec<f64>> = self.first_of.iter().map(|one| drive_row(spec, *one, start)).collect();
         Numbers::new(spec.double, transposed(&rows, |row| row))
     }
@@ -232,7 +232,7 @@ fn flows(spec: &ShaderSpec, lever: &Lever, steps: u32) -> Vec<f64> {
 }
 
 /// `[field][row]` from rows of fields.
-fn transposed<T>(rows: &[T], values: impl Fn(&T) -> &Vec<f64>) -> Vec<f64> {
+pub(super) fn transposed<T>(rows: &[T], values: impl Fn(&T) -> &Vec<f64>) -> Vec<f64> {
     let fields = rows.first().map_or(0, |row| values(row).len());
     let mut out = Vec::with_capacity(fields * rows.len());
     for field in 0..fields {
@@ -241,7 +241,7 @@ fn transposed<T>(rows: &[T], values: impl Fn(&T) -> &Vec<f64>) -> Vec<f64> {
     out
 }
 
-fn waves(harmonics: usize, steps: u32) -> Vec<f64> {
+pub(super) fn waves(harmonics: usize, steps: u32) -> Vec<f64> {
     let waves = start::waves::<f64>(steps, harmonics);
     waves.iter().flatten().flat_map(|wave| [wave.cosine, wave.sine]).collect()
 }
@@ -261,7 +261,7 @@ fn tally_sums(spec: &ShaderSpec) -> usize {
 }
 
 /// In the order of [`ShaderSpec::state_fields`]; the tally's own sums begin anew with a period.
-fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
+pub(super) fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
     let run_sums = &place.run_sums;
     let wants = spec.wants;
     let mut out = Vec::new();

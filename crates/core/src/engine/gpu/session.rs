@@ -36,6 +36,13 @@ pub(super) struct Session {
     trouble: Arc<Mutex<Option<Failure>>>,
 }
 
+/// Bytes of a buffer that a device was asked for.
+pub(super) struct Later {
+    copy: Buffer,
+    size: u64,
+    submitted: SubmissionIndex,
+}
+
 /// What one dispatch does; `Job` of shaders/job.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -47,6 +54,8 @@ pub struct Job {
     pub count: u32,
     /// Workgroups side by side; known when it is dispatched.
     pub width: u32,
+    /// The round of a search.
+    pub round: u32,
 }
 
 /// Keeps the first thing that went wrong, since what follows is its echo; but a lost device explains all.
@@ -150,7 +159,8 @@ impl Session {
         let source = ShaderSource::Wgsl(Cow::Owned(text));
         let descriptor = ShaderModuleDescriptor { label: Some(name), source };
         // SAFETY: the text is our own. Every index is below the buffers' lengths once the thread's number
-        // is, which the entry point checks; its loops end after `job.count` turns, one more, and 32 for each.
+        // is, which the entry point checks; its loops end after `job.count` turns, one more, and 32 for each, or after as
+        // many as a state has numbers, or their square.
         unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) }
     }
 
@@ -244,6 +254,24 @@ impl Session {
         let buffer = self.device.create_buffer(&descriptor);
         self.check()?;
         Ok(buffer)
+    }
+
+    /// Asks for bytes of a buffer that can be copied from, as they are by now.
+    pub fn later(&self, buffer: &Buffer, first: u64, size: u64) -> Result<Later, Failure> {
+        let copy = self.empty("readback", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, first, &copy, 0, Some(size));
+        let submitted = self.queue.submit([encoder.finish()]);
+        // What goes wrong shows when the range is asked for.
+        copy.slice(..).map_async(MapMode::Read, |_| ());
+        Ok(Later { copy, size, submitted })
+    }
+
+    /// Waits for what was asked for.
+    pub fn now(&self, later: &Later) -> Result<Vec<u8>, Failure> {
+        self.wait(Some(later.submitted.clone()))?;
+        let view = later.copy.slice(..later.size).get_mapped_range();
+        view.map(|view| view.to_vec()).map_err(|error| Failure::Lost(error.to_string()))
     }
 
     /// Waits until everything up to that submission is done.

@@ -189,7 +189,7 @@ impl<'a> SlopeChunk<'a> {
         self.drill.strike(self.session);
         let Self { jobs: [kicks, carry], tables, session, .. } = self;
         let (instances, drives, steps) = (tables.count(), tables.drives, tables.steps);
-        let job = Job { instances, drives, steps, first, count, width: 0 };
+        let job = Job { instances, drives, steps, first, count, width: 0, round: 0 };
         let buffers = [
             kicks,
             &self.waves,

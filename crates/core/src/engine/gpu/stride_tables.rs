@@ -1,0 +1,106 @@
+//! Guesses at periodic states as the shader's tables.
+
+use super::Failure;
+use super::pack::{self, Driven, Numbers, transposed, waves, write};
+use crate::engine::member::gap_and_law;
+use crate::engine::saved::Saved;
+use crate::engine::station::still;
+use crate::engine::{Guessed, Guesses};
+use crate::kernel::broyden::{Phase, ROUNDS};
+use crate::kernel::{Entry, LENGTH, MODES_MAX, RunSums, ShaderSpec};
+use crate::plan::{Class, Plan};
+use crate::scene::Start;
+use rayon::prelude::*;
+
+/// What a piece of a class needs on the device for a search.
+pub(super) struct StrideTables {
+    /// Of the periods.
+    pub spec: ShaderSpec,
+    pub steps: u32,
+    /// How many there are.
+    pub drives: u32,
+    pub waves: Numbers,
+    pub drive_table: Numbers,
+    pub cases: Numbers,
+    pub drive_of: Vec<u32>,
+    pub states: Numbers,
+    /// How many instances are under way in each round and after the last; then these, in two lists that take turns.
+    pub going: Vec<u32>,
+    /// Places, and strides.
+    pub places: Numbers,
+    pub undoes: Numbers,
+}
+
+impl StrideTables {
+    pub fn count(&self) -> u32 {
+        self.drive_of.len() as u32
+    }
+
+    /// What became of an instance that did so many steps, and its periods.
+    pub fn end(&self, done: u32, phase: u32) -> Result<(Phase, u32), Failure> {
+        let phase = [Phase::On, Phase::Found, Phase::Lost].into_iter().find(|one| *one as u32 == phase);
+        let periods = done / self.steps;
+        // Who is under way to the last has done all of its periods.
+        let least = if phase == Some(Phase::On) { ROUNDS } else { 1 };
+        match phase {
+            Some(phase) if done.is_multiple_of(self.steps) && (least..=ROUNDS).contains(&periods) => {
+                Ok((phase, periods))
+            }
+            _ => Err(Failure::Steps { done, expected: least * self.steps }),
+        }
+    }
+}
+
+/// What the shader is made for that steps a class in a search.
+pub(super) fn stride_spec(plan: &Plan, class: &Class) -> ShaderSpec {
+    ShaderSpec { entry: Entry::Period, measured: true, decay: false, ..pack::spec(plan, class) }
+}
+
+/// The tables of a class whose instances are numbers of guesses.
+pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> StrideTables {
+    let spec = stride_spec(plan, class);
+    let driven = Driven::new(plan, &class.instances);
+    let numbers = guesses.numbers;
+    let of = |i: usize, instance: u32| {
+        let (member, n) = (driven.members[i], instance as usize);
+        let guessed = guesses.all[n];
+        let place: Vec<f64> = guesses.place(n).iter().map(|number| number / LENGTH).collect();
+        let still = still(&member.0, (member.1, Start::Steady));
+        let memory = f64::from(u8::from(class.law.has_memory()));
+        let state = begun(&guessed, &place, (spec.modes, still));
+        let goal = guesses.goal(&guessed);
+        let own = [goal.scale, goal.near, goal.sure, still, memory, state.touching];
+        let case = gap_and_law(member).chain(own).collect();
+        let strides = std::iter::repeat_n(0.0, numbers);
+        let place = place.iter().copied().chain(strides).collect();
+        [case, write(&spec, &state), place, guesses.undoes(n).to_vec()]
+    };
+    let columns: Vec<[Vec<f64>; 4]> =
+        class.instances.par_iter().enumerate().map(|(i, instance)| of(i, *instance)).collect();
+    let table = |which: usize| Numbers::new(spec.double, transposed(&columns, |column| &column[which]));
+    let count = class.instances.len() as u32;
+    let counts = std::iter::once(count).chain(std::iter::repeat_n(0, ROUNDS as usize));
+    StrideTables {
+        steps: class.steps,
+        waves: Numbers::new(spec.double, waves(plan.wants.harmonics, class.steps)),
+        drive_table: driven.table(&spec, Start::Steady),
+        cases: table(0),
+        states: table(1),
+        going: counts.chain(0..count).chain(0..count).collect(),
+        places: table(2),
+        undoes: table(3),
+        drives: driven.drives.len() as u32,
+        drive_of: driven.drive_of,
+        spec,
+    }
+}
+
+/// An instance at its place, kernel units, with nothing measured; `still` is how far from the sample free motion is there.
+fn begun(guessed: &Guessed, place: &[f64], (modes, still): (usize, f64)) -> Saved {
+    let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
+    x[..modes].copy_from_slice(&place[..modes]);
+    u[..modes].copy_from_slice(&place[place.len() / 2..][..modes]);
+    let touching = f64::from(u8::from(guessed.touching));
+    let last = -(still + x[..modes].iter().sum::<f64>());
+    Saved { x, u, touching, last: [last; 2], touched: touching, run_sums: RunSums::new(), finite: true }
+}

@@ -1,0 +1,263 @@
+//! Searches that begin where something is known of the period map, on devices: a measured period of all that are under way, a
+//! stride of each, and so on. The host hears how many are left, and at the end where all are.
+
+use super::errand::Errand;
+use super::pace::Pace;
+use super::pack::{self, Numbers};
+use super::piece::Piece;
+use super::session::{Job, Later, Session};
+use super::stride_tables::{StrideTables, stride_tables};
+use super::{Drill, Failure};
+use crate::engine::measure::{Sums, finish};
+use crate::engine::member::member;
+use crate::engine::saved::Saved;
+use crate::engine::{Arrived, EngineError, Finished, Guesses, Progress, broyden};
+use crate::kernel::broyden::{Phase, ROUNDS};
+use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};
+use crate::plan::{Case, Class, Plan};
+use rayon::prelude::*;
+use std::time::Instant;
+use wgpu::{Buffer, BufferUsages, SubmissionIndex};
+
+/// Guesses at the states of a plan's instances, one for each, in their order.
+pub(super) struct Strides<'a> {
+    /// In f64, of one measured period.
+    pub plan: &'a Plan,
+    pub guesses: &'a Guesses,
+}
+
+/// Where guesses have led, in their order.
+pub(super) struct Ways {
+    pub arrived: Vec<Arrived>,
+    pub places: Vec<f64>,
+    pub undoes: Vec<f64>,
+}
+
+/// What a device leaves of a piece.
+pub(super) struct Left {
+    /// By field.
+    places: Numbers,
+    undoes: Numbers,
+    saved: Vec<Saved>,
+    /// Of each instance what became of it, and its periods.
+    ends: Vec<(Phase, u32)>,
+}
+
+impl Errand for Strides<'_> {
+    type Tables = StrideTables;
+    type Done = Left;
+    type Out = Ways;
+
+    fn plan(&self) -> &Plan {
+        self.plan
+    }
+
+    fn tables(&self, piece: &Piece) -> StrideTables {
+        stride_tables(self.plan, &piece.class, self.guesses)
+    }
+
+    fn on(
+        &self,
+        session: &Session,
+        drill: &Drill,
+        (piece, tables): (&mut Piece, &StrideTables),
+        progress: &Progress,
+    ) -> Result<Option<Left>, Failure> {
+        StrideChunk::new(session, drill, tables)?.run(&mut piece.pace, progress)
+    }
+
+    fn finish(&self, class: &Class, left: Left, out: &mut Ways) {
+        let (count, numbers) = (class.instances.len(), self.guesses.numbers);
+        let size = numbers * numbers;
+        let one = |(i, instance): (usize, &u32)| {
+            let (phase, periods) = left.ends[i];
+            let finished = match phase {
+                Phase::Found => self.finished(class, *instance, &left.saved[i]),
+                Phase::On | Phase::Lost => Finished::NOT_RUN,
+            };
+            let of = |table: &Numbers, fields: usize| -> Vec<f64> {
+                (0..fields).map(|field| table.get(field * count + i)).collect()
+            };
+            let place = of(&left.places, numbers).iter().map(|number| number * LENGTH).collect::<Vec<f64>>();
+            (Arrived { phase, periods, finished }, place, of(&left.undoes, size))
+        };
+        let told: Vec<_> = class.instances.par_iter().enumerate().map(one).collect();
+        for (instance, (arrived, place, undoes)) in class.instances.iter().zip(told) {
+            let n = *instance as usize;
+            out.arrived[n] = arrived;
+            out.places[n * numbers..][..numbers].copy_from_slice(&place);
+            out.undoes[n * size..][..size].copy_from_slice(&undoes);
+        }
+    }
+
+    fn on_the_cpu(
+        &self,
+        piece: &Piece,
+        rounding: Rounding,
+        progress: &Progress,
+        out: &mut Ways,
+    ) -> Result<(), EngineError> {
+        let instances = &piece.class.instances;
+        let mut some = self.guesses.some(instances);
+        some.all.iter_mut().zip(instances).for_each(|(one, instance)| one.instance = *instance);
+        let arrived = broyden::all(self.plan, &mut some, rounding, progress)?;
+        let (numbers, size) = (some.numbers, some.numbers * some.numbers);
+        for (k, (instance, arrived)) in instances.iter().zip(arrived).enumerate() {
+            let n = *instance as usize;
+            out.arrived[n] = arrived;
+            out.places[n * numbers..][..numbers].copy_from_slice(some.place(k));
+            out.undoes[n * size..][..size].copy_from_slice(some.undoes(k));
+        }
+        Ok(())
+    }
+}
+
+impl Strides<'_> {
+    /// What the last period has measured.
+    fn finished(&self, class: &Class, instance: u32, saved: &Saved) -> Finished {
+        let plan = self.plan;
+        let (case, driven) = member(plan, instance);
+        // Of no change, however large, anything is left: of one period nothing could be said.
+        let case = Case { least_change: Some(f64::INFINITY), ..case };
+        let sums = Sums::new(saved.run_sums, saved.finite, 1, class.steps);
+        finish(&sums, &case, driven, &plan.run, plan.wants)
+    }
+}
+
+/// A piece on a device.
+struct StrideChunk<'a> {
+    session: &'a Session,
+    drill: &'a Drill,
+    tables: &'a StrideTables,
+    /// Of each part.
+    jobs: [Buffer; 2],
+    waves: Buffer,
+    drives: Buffer,
+    cases: Buffer,
+    drive_of: Buffer,
+    states: Buffer,
+    marks: Buffer,
+    going: Buffer,
+    places: Buffer,
+    undoes: Buffer,
+}
+
+impl<'a> StrideChunk<'a> {
+    fn new(session: &'a Session, drill: &'a Drill, tables: &'a StrideTables) -> Result<Self, Failure> {
+        let count = tables.count();
+        if drill.memory_for.is_some_and(|most| count as usize > most) {
+            return Err(Failure::Memory);
+        }
+        let (read, write) = (BufferUsages::STORAGE, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+        let job = || {
+            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+            session.empty("job", size_of::<Job>() as u64, usage)
+        };
+        Ok(Self {
+            jobs: [job()?, job()?],
+            waves: session.buffer("waves", tables.waves.bytes(), read)?,
+            drives: session.buffer("drives", tables.drive_table.bytes(), read)?,
+            cases: session.buffer("cases", tables.cases.bytes(), read)?,
+            drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
+            states: session.buffer("states", tables.states.bytes(), write)?,
+            // Of zeros, as every new one.
+            marks: session.empty("marks", 12 * u64::from(count), write)?,
+            going: session.buffer("going", bytemuck::cast_slice(&tables.going), write)?,
+            places: session.buffer("places", tables.places.bytes(), write)?,
+            undoes: session.buffer("undoes", tables.undoes.bytes(), write)?,
+            session,
+            drill,
+            tables,
+        })
+    }
+
+    /// Rounds until none is under way. While a round is enqueued the one before it runs, and how many that one leaves is not
+    /// known: at most one round is enqueued in vain, and its threads end at once.
+    fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
+        let steps = self.tables.steps;
+        let mut pending: Option<(SubmissionIndex, u64)> = None;
+        let mut left: Option<Later> = None;
+        for round in 0..ROUNDS {
+            let mut clock = Instant::now();
+            let mut at = 0;
+            while at < steps {
+                if progress.stopped() {
+                    return Ok(None);
+                }
+                let count = pace.steps(steps, at, u32::MAX).min(u64::from(steps - at));
+                let submitted = self.period(round, at, count as u32)?;
+                at += count as u32;
+                // One dispatch runs while the next is prepared.
+                if let Some((before, count)) = pending.replace((submitted, count)) {
+                    self.session.wait(Some(before))?;
+                    pace.took(count, clock.elapsed());
+                    clock = Instant::now();
+                }
+            }
+            self.stride(round)?;
+            let next = self.session.later(&self.going, 4 * u64::from(round + 1), 4)?;
+            // By now the round before has been waited for.
+            if let Some(before) = left.replace(next)
+                && bytemuck::pod_collect_to_vec::<u8, u32>(&self.session.now(&before)?) == [0]
+            {
+                break;
+            }
+        }
+        let left = self.left()?;
+        let periods: u64 = left.ends.iter().map(|(_, periods)| u64::from(*periods)).sum();
+        progress.add(u64::from(steps) * periods);
+        Ok(Some(left))
+    }
+
+    fn job(&self, round: u32, first: u32, count: u32) -> Job {
+        let (instances, drives, steps) = (self.tables.count(), self.tables.drives, self.tables.steps);
+        Job { instances, drives, steps, first, count, width: 0, round }
+    }
+
+    /// So many steps of all that are under way.
+    fn period(&self, round: u32, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
+        self.drill.strike(self.session);
+        let buffers = [
+            &self.jobs[0],
+            &self.waves,
+            &self.drives,
+            &self.cases,
+            &self.drive_of,
+            &self.states,
+            &self.marks,
+            &self.going,
+        ];
+        let job = self.job(round, first, count);
+        self.session.dispatch(self.tables.spec, job, self.tables.count(), &buffers)
+    }
+
+    /// A stride of each of them.
+    fn stride(&self, round: u32) -> Result<SubmissionIndex, Failure> {
+        self.drill.strike(self.session);
+        let buffers =
+            [&self.jobs[1], &self.cases, &self.going, &self.states, &self.marks, &self.places, &self.undoes];
+        let spec = ShaderSpec { entry: Entry::Stride, ..self.tables.spec };
+        self.session.dispatch(spec, self.job(round, 0, 0), self.tables.count(), &buffers)
+    }
+
+    /// Waits, reads what is left, and checks that each instance did its steps.
+    fn left(&self) -> Result<Left, Failure> {
+        let (tables, double) = (self.tables, self.tables.spec.double);
+        let (count, size) = (tables.count() as usize, |numbers: &Numbers| numbers.bytes().len() as u64);
+        let wanted = [
+            (&self.states, size(&tables.states)),
+            (&self.marks, 12 * count as u64),
+            (&self.places, size(&tables.places) / 2),
+            (&self.undoes, size(&tables.undoes)),
+        ];
+        let bytes = self.session.read(&wanted)?;
+        let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
+        let ends = (0..count).map(|i| tables.end(marks[i], marks[2 * count + i]));
+        Ok(Left {
+            ends: ends.collect::<Result<_, _>>()?,
+            saved: pack::saved(&tables.spec, &Numbers::read(double, &bytes[0]), &marks[..2 * count]),
+            places: Numbers::read(double, &bytes[2]),
+            undoes: Numbers::read(double, &bytes[3]),
+        })
+    }
+}
