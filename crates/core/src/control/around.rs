@@ -2,7 +2,7 @@
 
 use super::order::Order;
 use super::solved::{Solved, Weighted};
-use crate::steady::{Hint, Lead, Neighbour, Node, PeriodicState};
+use crate::steady::{Hint, Lead, Neighbour, Node, Patience, PeriodicState};
 use rayon::prelude::*;
 
 /// Of some instances of a block what their searches may begin at.
@@ -47,10 +47,14 @@ impl<'a> Around<'a> {
         Self { solved, ground: Ground::Last }
     }
 
-    /// Whether what is not found is waited for, in the first run and in the second: much begins at a scout's state, and
-    /// which of its states that is, is not to be left to others.
-    pub fn waits(&self) -> [bool; 2] {
-        [matches!(self.ground, Ground::Scouts), matches!(self.ground, Ground::Scouts | Ground::Last)]
+    /// What becomes of those that are not found, in the first run and in the second. Much begins at scouts: for these searches are
+    /// repeated. Nothing is waited for before all else is known.
+    pub fn patience(&self) -> [Patience; 2] {
+        match self.ground {
+            Ground::Scouts => [Patience::Later; 2],
+            Ground::Lines { .. } | Ground::Each(_) => [Patience::One; 2],
+            Ground::Last => [Patience::One, Patience::Waits],
+        }
     }
 
     /// Whether all that is found begins at neighbours.

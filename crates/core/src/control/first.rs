@@ -118,11 +118,11 @@ fn two_runs(
         return Ok((rough, settled, Vec::new()));
     };
     // What is waited for is so in the second run, and only where it settles in the first one.
-    let (leads, waits) = (around.first(stepped), around.waits());
-    let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], waits[0]), engine, progress)?;
+    let (leads, patience) = (around.first(stepped), around.patience());
+    let (mut rough, _) = steady::from_neighbours(coarse, &leads, (&[], patience[0]), engine, progress)?;
     let near = steady::among(&rough.found, stepped, fine.len());
     let leads = around.second(&near);
-    let (settled, mut begun) = steady::from_neighbours(fine, &leads, (&near, waits[1]), engine, progress)?;
+    let (settled, mut begun) = steady::from_neighbours(fine, &leads, (&near, patience[1]), engine, progress)?;
     if around.leads_all() {
         begun = settled.found.iter().map(Option::is_some).collect();
     }

@@ -28,6 +28,8 @@ pub(super) enum Begin<'a> {
     Late(&'a [Station]),
     /// At these places, by instance, which are thought to be next to a state.
     At(&'a [Station]),
+    /// The same, but that nothing else is looked for.
+    NextTo(&'a [Station]),
     /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
     Followed(&'a [Option<&'a PeriodicState>]),
     /// At places that a curve's last states lead to: what is not next to them is not looked for.
@@ -59,14 +61,14 @@ impl Begin<'_> {
             | Self::Along(Along { states: near, .. }) => {
                 near.get(instance as usize).copied().flatten().filter(|place| place.linear.is_known())
             }
-            Self::Still | Self::At(_) | Self::Late(_) | Self::Later(_) => None,
+            Self::Still | Self::At(_) | Self::NextTo(_) | Self::Late(_) | Self::Later(_) => None,
         }
     }
 
     /// Periods to be stepped, and whether a search follows.
     pub fn warm(&self) -> &'static [(u32, bool)] {
         match self {
-            Self::Along(..) | Self::Late(_) => &[],
+            Self::Along(..) | Self::Late(_) | Self::NextTo(_) => &[],
             Self::Brief(_) => &WARM[..1],
             Self::Later(_) => &WARM[1..],
             Self::Aside(_) => &ASIDE,
@@ -80,6 +82,7 @@ impl Begin<'_> {
             Self::Near(_) | Self::Brief(_) | Self::Aside(_) => Station::free(plan, instance),
             Self::Still => still(plan, instance),
             Self::At(places)
+            | Self::NextTo(places)
             | Self::Late(places)
             | Self::Later(places)
             | Self::Along(Along { places, .. }) => places[instance as usize],

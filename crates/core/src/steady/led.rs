@@ -10,17 +10,28 @@ use crate::plan::{Plan, Precision, Station};
 /// Two states that are no farther apart, in free amplitudes, are one.
 const SAME: f64 = 1e-3;
 
-/// As [`run`](super::run) with `near`, but that instances with a hint begin where their neighbours lead to, and are
-/// searched for where that is no periodic state; where each neighbour alone may lead to it, that alone is tried. What is not
-/// found is waited for if `waits` says so, what is not to be searched for not before it has come to rest; else it is left as
-/// not run. Which of them began at their neighbours and ended there comes, too.
+/// What becomes of an instance that no neighbour has led to its state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patience {
+    /// One search; what that does not find is left as not run.
+    One,
+    /// The same, but that the search is repeated from later places.
+    Later,
+    /// What searches do not find is waited for, what is not to be searched for not before it has come to rest.
+    Waits,
+}
+
+/// As [`run`](super::run) with `near`, but that instances with a hint begin where their neighbours lead to, or between these,
+/// or where both lead alone; they are searched for where that is no periodic state. Where each neighbour alone may lead to it,
+/// that alone is tried. What becomes of those that are not found `patience` says. Which of them began at their neighbours and
+/// ended there comes, too.
 ///
 /// # Errors
 /// What the engine says.
 pub fn from_neighbours(
     plan: &Plan,
     leads: &[Lead],
-    (near, waits): (&[Option<&PeriodicState>], bool),
+    (near, patience): (&[Option<&PeriodicState>], Patience),
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(Settled, Vec<bool>), EngineError> {
@@ -33,13 +44,17 @@ pub fn from_neighbours(
         unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
         led.retain(|i| settled.found[*i as usize].is_some());
     }
-    settled.by_each_of(plan, leads, engine, progress)?;
+    settled.by_each_of(plan, leads, (|lead| matches!(lead, Lead::Each(_)), 1), engine, progress)?;
+    settled.between(plan, leads, engine, progress)?;
+    settled.by_each_of(plan, leads, (|lead| matches!(lead, Lead::Hint(_)), 2), engine, progress)?;
     let mut begun = vec![false; plan.len()];
     led.into_iter().for_each(|i| begun[i as usize] = true);
     let rest = |of: fn(&Lead) -> bool| -> Vec<u32> {
-        plan.instances().filter(|i| !begun[*i as usize] && of(&leads[*i as usize])).collect()
+        let open = |i: &u32| !begun[*i as usize] && settled.found[*i as usize].is_none();
+        plan.instances().filter(|i| open(i) && of(&leads[*i as usize])).collect()
     };
     let others = rest(|lead| matches!(lead, Lead::Hint(_) | Lead::None));
+    let waits = patience == Patience::Waits;
     let vain = if waits { rest(|lead| matches!(lead, Lead::Vain)) } else { Vec::new() };
     for (some, aside) in [(others, false), (vain, true)] {
         if some.is_empty() {
@@ -55,35 +70,35 @@ pub fn from_neighbours(
             false => Begin::Brief(&near),
         };
         let own: Vec<Lead> = some.iter().map(|i| leads[*i as usize].clone()).collect();
-        let rest = searched(&plan.part(&some), begin, (&own, waits), engine, progress)?;
+        let rest = searched(&plan.part(&some), begin, (&own, patience), engine, progress)?;
         settled.take(&some, rest);
     }
     Ok((settled, begun))
 }
 
 impl Settled {
-    /// [`Settled::by_each`] for those of which nothing else is tried.
+    /// [`Settled::by_each`] for those with such a lead.
     fn by_each_of(
         &mut self,
         plan: &Plan,
         leads: &[Lead],
+        (such, least): (fn(&Lead) -> bool, u32),
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
-        let each: Vec<Lead> = leads
-            .iter()
-            .map(|lead| if matches!(lead, Lead::Each(_)) { lead.clone() } else { Lead::None })
-            .collect();
-        self.by_each(plan, &each, engine, progress)
+        let each: Vec<Lead> =
+            leads.iter().map(|lead| if such(lead) { lead.clone() } else { Lead::None }).collect();
+        self.by_each(plan, &each, least, engine, progress)
     }
 
     /// What a search of its own has not found begins at each neighbour alone: across the end of a branch several together lead
-    /// nowhere, and states are like one of them. It is there if all that lead somewhere lead to one state, and a search that
-    /// takes the map's own slope there finds that state, too.
+    /// nowhere, and states are like one of them. It is there if all that lead somewhere, `least` of them or more, lead to one
+    /// state, and a search that takes the map's own slope there finds that state, too.
     pub(super) fn by_each(
         &mut self,
         plan: &Plan,
         leads: &[Lead],
+        least: u32,
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
@@ -96,7 +111,7 @@ impl Settled {
         let part = plan.part(&instances);
         let each: Vec<Vec<Neighbour>> = instances.iter().map(|i| alone(*i)).collect();
         let mut met: Vec<Option<Station>> = vec![None; instances.len()];
-        let mut differ = vec![false; instances.len()];
+        let (mut led_there, mut differ) = (vec![0; instances.len()], vec![false; instances.len()]);
         let apart = |i: usize, a: &Station, b: &Station| {
             apart(a, b) > SAME * part.driven(i as u32).free_amplitude().max(1e-15)
         };
@@ -111,16 +126,17 @@ impl Settled {
                 let Some(there) = state.as_ref().map(|state| state.station) else { continue };
                 differ[i] |= met[i].is_some_and(|other| apart(i, &other, &there));
                 met[i] = met[i].or(Some(there));
+                led_there[i] += 1;
             }
             self.outcome.notes.extend(led.outcome.notes);
         }
-        let place = |i: usize| met[i].filter(|_| !differ[i]);
+        let place = |i: usize| met[i].filter(|_| !differ[i] && led_there[i] >= least);
         let agreed: Vec<usize> = (0..instances.len()).filter(|i| place(*i).is_some()).collect();
         let numbers: Vec<u32> = agreed.iter().map(|i| instances[*i]).collect();
         let places: Vec<Station> = agreed.iter().filter_map(|i| place(*i)).collect();
         let part = plan.part(&numbers);
         let all: Vec<u32> = part.instances().collect();
-        let (mut own, _) = found(&part, &all, Begin::At(&places), engine, progress)?;
+        let (mut own, _) = found(&part, &all, Begin::NextTo(&places), engine, progress)?;
         for (n, (i, place)) in agreed.into_iter().zip(&places).enumerate() {
             if own.state(n).is_some_and(|state| apart(i, &state.station, place)) {
                 (own.found[n], own.outcome.results[n]) = (None, Finished::NOT_RUN);

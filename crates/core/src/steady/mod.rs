@@ -4,6 +4,7 @@ mod aims;
 mod approach;
 mod begin;
 mod beside;
+mod between;
 mod carried;
 mod feedback;
 mod follow;
@@ -23,7 +24,7 @@ mod wait;
 
 pub use carried::carried;
 pub use follow::jumps_moved;
-pub use led::from_neighbours;
+pub use led::{Patience, from_neighbours};
 pub use linear::Linear;
 pub use node::{Hint, Lead, Neighbour, Node};
 pub use states::States;
@@ -100,7 +101,7 @@ pub fn run(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    begun(plan, near, true, engine, progress)
+    begun(plan, near, Patience::Waits, engine, progress)
 }
 
 /// As [`run`], but that nothing is waited for where states are searched for: what no search finds is left as not run.
@@ -113,13 +114,13 @@ pub fn sought(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
-    begun(plan, near, false, engine, progress)
+    begun(plan, near, Patience::One, engine, progress)
 }
 
 fn begun(
     plan: &Plan,
     near: &[Option<&PeriodicState>],
-    waits: bool,
+    patience: Patience,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
@@ -131,7 +132,7 @@ fn begun(
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { Begin::Followed(near) } else { Begin::Near(near) };
-    searched(plan, begin, (&[], waits), engine, progress)
+    searched(plan, begin, (&[], patience), engine, progress)
 }
 
 /// As [`run`], but that a search begins at these states themselves, of whose slopes nothing need be known: it looks for the
@@ -149,7 +150,7 @@ pub fn beside_states(
         return run(plan, states, engine, progress);
     }
     progress.part();
-    searched(plan, Begin::Followed(states), (&[], true), engine, progress)
+    searched(plan, Begin::Followed(states), (&[], Patience::Waits), engine, progress)
 }
 
 /// The plan's instances as a search from there finds them, or where neighbours lead, one by one, if they have `leads`; what is
@@ -157,17 +158,20 @@ pub fn beside_states(
 fn searched(
     plan: &Plan,
     begin: Begin,
-    (leads, waits): (&[Lead], bool),
+    (leads, patience): (&[Lead], Patience),
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     let (mut settled, mut left) = found(plan, &plan.stepped(), begin, engine, progress)?;
-    settled.by_each(plan, leads, engine, progress)?;
+    settled.by_each(plan, leads, 1, engine, progress)?;
     left.retain(|one| settled.found[one.instance as usize].is_none());
     if matches!(begin, Begin::Brief(_)) {
-        settled.search_on(plan, left, engine, progress)?;
+        if patience == Patience::Later {
+            settled.search_on(plan, left, engine, progress)?;
+        }
         return Ok(settled);
     }
+    let waits = patience == Patience::Waits;
     let left = match begin {
         Begin::Near(_) | Begin::Aside(_) if waits && plan.run.start == Start::Steady => {
             late::run(plan, left, &mut settled, engine, progress)?

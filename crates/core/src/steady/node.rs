@@ -341,6 +341,29 @@ impl Hint<'_> {
         (self.own.is_some() || self.scattered || apart <= ASTRAY).then_some(guess)
     }
 
+    /// The place between the nearest two on a line, how far they are from it, m, and whether they touch the sample there; none
+    /// where one of the two alone does, or where the instance's own state is known.
+    pub(super) fn middle<D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        turns: &mut Turns<D>,
+    ) -> Option<(OVector<f64, D>, f64, bool)>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let two = self.nearest_two().filter(|_| self.own.is_none())?;
+        let [a, b] = two.map(|one| one.node);
+        let one_contact = a.touching == b.touching || !a.law.has_memory();
+        if !one_contact || [a, b].iter().any(|node| node.law != plan.law(instance)) {
+            return None;
+        }
+        let states = [a, b].map(|node| turns.state(plan, instance, node));
+        let middle = &states[0] * two[0].nearest + &states[1] * two[1].nearest;
+        let far = states.iter().map(|state| (state - &middle).norm()).fold(0.0, f64::max);
+        Some((middle, far, a.touching))
+    }
+
     /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is
     /// drawn to the sample and the other is not.
     fn jumps<D: Size>(&self, states: &[OVector<f64, D>], scale: f64) -> bool

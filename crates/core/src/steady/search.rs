@@ -122,7 +122,7 @@ impl Batch<'_> {
                     close.push(Box::new(One::along(plan, slot, instance(slot), known, along)));
                 }
                 Some(place) => close.push(Box::new(One::beside(plan, slot, instance(slot), place))),
-                None if matches!(from, Begin::At(_)) => {
+                None if matches!(from, Begin::At(_) | Begin::NextTo(_)) => {
                     close.push(Box::new(One::next_to(plan, slot, instance(slot), begin(slot))));
                 }
                 None if matches!(from, Begin::Late(_)) => {
