@@ -6,13 +6,14 @@ struct Job {
     // Instances, and rows of the table of drives.
     instances: u32,
     drives: u32,
-    // Steps per period; the first step of this dispatch within its period; steps of this dispatch.
+    // Steps per period; the first step of this dispatch within its period; steps of this dispatch, or the
+    // numbers of a state.
     steps: u32,
     first: u32,
     count: u32,
     // Workgroups side by side in x.
     width: u32,
-    // The round of a search, from 0.
+    // The round of a search, from 0; a run is one.
     round: u32,
 }
 
@@ -20,6 +21,11 @@ struct Job {
 
 fn thread(group: vec3<u32>, local: u32) -> u32 {
     return (group.y * job.width + group.x) * WORKGROUP + local;
+}
+
+// Where a round's list of the instances under way has its `number`.
+fn listed(round: u32, number: u32) -> u32 {
+    return ROUNDS + 1u + (round & 1u) * job.instances + number;
 }
 
 // Where a field of an instance is in a table.

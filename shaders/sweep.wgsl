@@ -12,18 +12,20 @@
 @group(0) @binding(5) var<storage, read_write> states: array<real>;
 // Steps done, and whether the state stopped being a number: [2][instance].
 @group(0) @binding(6) var<storage, read_write> marks: array<u32>;
+// How many instances are under way in each round and after the last; then which these are, in lists that take turns.
+@group(0) @binding(7) var<storage, read> going: array<u32>;
 //% if decay
 // Decaying free motion at this dispatch's steps: [drive][step][3].
-@group(0) @binding(7) var<storage, read> decays: array<real>;
+@group(0) @binding(8) var<storage, read> decays: array<real>;
 //% end
 
 @compute @workgroup_size(WORKGROUP)
 fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let number = thread(group, local);
-    if number >= under_way() {
+    if number >= going[job.round] {
         return;
     }
-    let i = instance_of(number);
+    let i = going[listed(job.round, number)];
     let lever = case_of(i);
     let law = law_of(i);
     var state = state_of(i);

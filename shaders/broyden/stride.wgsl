@@ -1,5 +1,7 @@
 // After a period of the instances under way: one thread takes in where one of them was led to, and puts it down where its next
 // period begins, if there is one. Twin: crates/kernel/src/broyden.rs
+// A state's numbers, NUMBERS, are counted up to `job.count`, which says the same: where loops have constant bounds, drivers write
+// out each of their turns, and compile a second for what takes microseconds.
 
 // Constants of each instance: [field][instance].
 @group(0) @binding(1) var<storage, read> cases: array<real>;
@@ -31,7 +33,7 @@ fn product(a: ptr<function, Numbers>, b: ptr<function, Numbers>) -> real {
     var odd = ZERO;
     var k = 0u;
     loop {
-        if k >= NUMBERS {
+        if k >= job.count {
             break;
         }
         even = (*a)[k] * (*b)[k] + even;
@@ -47,7 +49,7 @@ fn squares(i: u32) -> real {
     var odd = ZERO;
     var k = 0u;
     loop {
-        if k >= NUMBERS * NUMBERS {
+        if k >= job.count * job.count {
             break;
         }
         let first = undoes[at(k, i)];
@@ -74,7 +76,7 @@ fn taken_of(i: u32) -> Numbers {
     var taken: Numbers;
     var k = 0u;
     loop {
-        if k >= NUMBERS {
+        if k >= job.count {
             break;
         }
         taken[k] = places[at(NUMBERS + k, i)];
@@ -93,7 +95,7 @@ fn multiply(
 ) {
     var j = 0u;
     loop {
-        if j >= NUMBERS {
+        if j >= job.count {
             break;
         }
         let by = (*change)[j];
@@ -101,7 +103,7 @@ fn multiply(
         var odd = ZERO;
         var k = 0u;
         loop {
-            if k >= NUMBERS {
+            if k >= job.count {
                 break;
             }
             let first = undoes[entry(j, k, i)];
@@ -121,13 +123,13 @@ fn multiply(
 fn correct(i: u32, undone: ptr<function, Numbers>, along: ptr<function, Numbers>) {
     var j = 0u;
     loop {
-        if j >= NUMBERS {
+        if j >= job.count {
             break;
         }
         let times = (*along)[j];
         var k = 0u;
         loop {
-            if k >= NUMBERS {
+            if k >= job.count {
                 break;
             }
             undoes[entry(j, k, i)] = (*undone)[k] * times + undoes[entry(j, k, i)];
@@ -140,7 +142,7 @@ fn correct(i: u32, undone: ptr<function, Numbers>, along: ptr<function, Numbers>
 fn scale(list: ptr<function, Numbers>, times: real) {
     var k = 0u;
     loop {
-        if k >= NUMBERS {
+        if k >= job.count {
             break;
         }
         (*list)[k] = (*list)[k] * times;
@@ -179,7 +181,7 @@ fn led(i: u32) -> u32 {
     }
     var k = 0u;
     loop {
-        if k >= NUMBERS {
+        if k >= job.count {
             break;
         }
         places[at(k, i)] = places[at(k, i)] + next[k];

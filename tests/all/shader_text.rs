@@ -10,7 +10,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
 
 /// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
-/// precisions; both parts of a period with its slope; and both of a search, of every set of observables.
+/// precisions; both parts of a period with its slope; and the strides of a search.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
     let entry = Entry::Sweep;
@@ -37,8 +37,7 @@ fn every_spec() -> Vec<ShaderSpec> {
 const SLOPES: [(Entry, bool); 4] =
     [(Entry::Kicks, false), (Entry::Kicks, true), (Entry::Carry, false), (Entry::Carry, true)];
 
-const SEARCH: [(Entry, bool); 4] =
-    [(Entry::Period, false), (Entry::Period, true), (Entry::Stride, false), (Entry::Stride, true)];
+const SEARCH: [(Entry, bool); 2] = [(Entry::Stride, false), (Entry::Stride, true)];
 
 fn parsed(spec: &ShaderSpec) -> (String, Module) {
     let text = spec.compose();
@@ -129,7 +128,7 @@ fn every_combination_passes_naga_and_the_lint() {
     });
     println!("{} shaders", all.len());
     assert_eq!(all.len(), Law::ALL.len() * 7 * (Wants::every().len() * (8 + SEARCH.len()) + SLOPES.len()));
-    assert!(all.len() >= 4 * 7 * (8 * 2 * 12 + 4));
+    assert!(all.len() >= 4 * 7 * (8 * 2 * 10 + 4));
 }
 
 #[test]
@@ -192,10 +191,9 @@ fn bindings_are_those_of_the_parsed_shader() {
         // Numbers have the precision's width, but for the job, which drive, the marks and who is under way.
         let (real, whole) = (Some(spec.bytes() as u8), Some(4));
         let mut widths = match spec.entry {
-            Entry::Sweep => vec![None, real, real, real, whole, real, whole],
+            Entry::Sweep => vec![None, real, real, real, whole, real, whole, whole],
             Entry::Kicks => vec![None, real, real, real, whole, real, whole, real],
             Entry::Carry => vec![None, real, whole, real, whole, real, real],
-            Entry::Period => vec![None, real, real, real, whole, real, whole, whole],
             Entry::Stride => vec![None, real, whole, real, whole, real, real],
         };
         widths.extend(spec.decay.then_some(real));

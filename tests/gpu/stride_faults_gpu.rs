@@ -51,11 +51,11 @@ const FAULTS: &[Fault] = &[
         text.replace("finite(bound) && !(cases[at(CASE_SURE, i)] < bound)", "true")
     }),
     ("dmt", "all stepped in each round", |text| {
-        text.replace("return going[job.round];", "return job.instances;")
-            .replace("return going[listed(job.round, number)];", "return number;")
+        text.replace("if number >= going[job.round] {", "if number >= job.instances {")
+            .replace("let i = going[listed(job.round, number)];", "let i = number;")
     }),
     ("dmt", "one left out in the second round", |text| {
-        text.replace("return going[job.round];", "return going[job.round] - min(job.round, 1u);")
+        text.replace("number >= going[job.round]", "number >= going[job.round] - min(job.round, 1u)")
     }),
 ];
 
@@ -65,8 +65,8 @@ const HARMLESS: &[Fault] = &[
     ("dmt", "factors swapped", |text| text.replace("(*undone)[k] * times", "times * (*undone)[k]")),
     ("hertz", "a list in the order of the threads", |text| {
         text.replace(
-            "return going[listed(job.round, number)];",
-            "return going[listed(job.round, going[job.round] - 1u - number)];",
+            "let i = going[listed(job.round, number)];",
+            "let i = going[listed(job.round, going[job.round] - 1u - number)];",
         )
     }),
 ];

@@ -34,19 +34,16 @@ pub enum Entry {
     Kicks,
     /// The second: what these make of the slope's columns.
     Carry,
-    /// A measured period of those instances that a search has under way.
-    Period,
-    /// The stride of each of them after it.
+    /// After a measured period of the instances that a search has under way, the stride of each.
     Stride,
 }
 
 impl Entry {
-    pub const ALL: [Self; 5] = [Self::Sweep, Self::Kicks, Self::Carry, Self::Period, Self::Stride];
+    pub const ALL: [Self; 4] = [Self::Sweep, Self::Kicks, Self::Carry, Self::Stride];
 
     pub fn name(self) -> &'static str {
         match self {
-            // One text, for all instances or for some.
-            Self::Sweep | Self::Period => "sweep",
+            Self::Sweep => "sweep",
             Self::Kicks => "kicks",
             Self::Carry => "carry",
             Self::Stride => "stride",
@@ -97,9 +94,6 @@ const DUAL: &str = include_str!("../../../shaders/slope/dual.wgsl");
 const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
 const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
-const EVERY: &str = include_str!("../../../shaders/every.wgsl");
-const LISTS: &str = include_str!("../../../shaders/broyden/lists.wgsl");
-const GOING: &str = include_str!("../../../shaders/broyden/going.wgsl");
 const BEGIN: &str = include_str!("../../../shaders/observe/begin.wgsl");
 const STRIDE: &str = include_str!("../../../shaders/broyden/stride.wgsl");
 
@@ -123,11 +117,10 @@ impl ShaderSpec {
     pub fn bindings(&self) -> Vec<Binding> {
         use Binding::{Read, Uniform, Write};
         match self.entry {
-            Entry::Sweep if self.decay => vec![Uniform, Read, Read, Read, Read, Write, Write, Read],
-            Entry::Sweep => vec![Uniform, Read, Read, Read, Read, Write, Write],
+            Entry::Sweep if self.decay => vec![Uniform, Read, Read, Read, Read, Write, Write, Read, Read],
+            Entry::Sweep => vec![Uniform, Read, Read, Read, Read, Write, Write, Read],
             Entry::Kicks => vec![Uniform, Read, Read, Read, Read, Write, Write, Write],
             Entry::Carry => vec![Uniform, Read, Read, Read, Read, Read, Write],
-            Entry::Period => vec![Uniform, Read, Read, Read, Read, Write, Write, Read],
             Entry::Stride => vec![Uniform, Read, Write, Write, Write, Write, Write],
         }
     }
@@ -150,7 +143,7 @@ impl ShaderSpec {
         let law = self.law.fields.iter().map(|name| format!("law_{name}"));
         let more: &[&str] = match self.entry {
             Entry::Kicks => &["little"],
-            Entry::Period | Entry::Stride => &["scale", "near", "sure", "still", "memory", "touching"],
+            Entry::Stride => &["scale", "near", "sure", "still", "memory", "touching"],
             Entry::Sweep | Entry::Carry => &[],
         };
         let more = more.iter().map(|name| (*name).to_owned());
@@ -201,12 +194,11 @@ impl ShaderSpec {
         let files: &[&str] = match self.entry {
             Entry::Carry => return self.head() + &self.expanded(JOB) + &self.expanded(CARRY),
             Entry::Stride => {
-                let files = [JOB, NUMBER, LISTS, BEGIN, STRIDE].map(|file| self.expanded(file));
+                let files = [JOB, NUMBER, BEGIN, STRIDE].map(|file| self.expanded(file));
                 return self.head() + &files.concat();
             }
             Entry::Kicks => &[DUAL],
-            Entry::Period => &[LISTS, GOING, NUMBER],
-            Entry::Sweep => &[EVERY, NUMBER],
+            Entry::Sweep => &[NUMBER],
         };
         let mut text = self.law_text();
         let mut add = |file: &str| text += &self.expanded(file);
@@ -237,7 +229,6 @@ impl ShaderSpec {
             match self.entry {
                 Entry::Sweep if self.measured => "measured",
                 Entry::Sweep => "settling",
-                Entry::Period => "under way",
                 entry => entry.name(),
             },
             if self.double { "f64" } else { "f32" }

@@ -45,6 +45,7 @@ pub(super) struct Chunk<'a> {
     drive_of: Buffer,
     states: Buffer,
     marks: Buffer,
+    going: Buffer,
 }
 
 impl<'a> Chunk<'a> {
@@ -61,6 +62,7 @@ impl<'a> Chunk<'a> {
         }
         let read = BufferUsages::STORAGE;
         let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let going: Vec<u32> = pack::going(tables.instances.len() as u32).collect();
         let (name, uniform) = ("job", BufferUsages::UNIFORM | BufferUsages::COPY_DST);
         Ok(Self {
             job: session.empty(name, size_of::<Job>() as u64, uniform)?,
@@ -70,6 +72,7 @@ impl<'a> Chunk<'a> {
             drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
             states: session.buffer("states", tables.states.bytes(), write)?,
             marks: session.buffer("marks", bytemuck::cast_slice(&tables.marks), write)?,
+            going: session.buffer("going", bytemuck::cast_slice(&going), read)?,
             spec: pack::spec(plan, class),
             plan,
             class,
@@ -146,6 +149,7 @@ impl<'a> Chunk<'a> {
             &self.drive_of,
             &self.states,
             &self.marks,
+            &self.going,
         ];
         let table;
         if self.spec.decay {

@@ -4,6 +4,7 @@ use crate::engine::member::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::saved::Saved;
 use crate::engine::slopes::begun;
 use crate::engine::start;
+use crate::kernel::broyden::ROUNDS;
 use crate::kernel::{
     Entry, HARMONICS, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers,
 };
@@ -63,6 +64,13 @@ pub(super) struct Tables {
     pub drive_of: Vec<u32>,
     pub states: Numbers,
     pub marks: Vec<u32>,
+}
+
+/// How many instances are under way in each round of a search and after the last; then which these are. A run has one round, and
+/// all of them.
+pub(super) fn going(count: u32) -> impl Iterator<Item = u32> {
+    let counts = std::iter::once(count).chain(std::iter::repeat_n(0, ROUNDS as usize));
+    counts.chain(0..count)
 }
 
 /// What the shader of a class is made for; the measured part's.

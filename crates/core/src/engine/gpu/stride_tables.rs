@@ -1,7 +1,7 @@
 //! Guesses at periodic states as the shader's tables.
 
 use super::Failure;
-use super::pack::{self, Driven, Numbers, transposed, waves, write};
+use super::pack::{self, Driven, Numbers, going, transposed, waves, write};
 use crate::engine::member::gap_and_law;
 use crate::engine::saved::Saved;
 use crate::engine::station::still;
@@ -14,9 +14,11 @@ use rayon::prelude::*;
 
 /// What a piece of a class needs on the device for a search.
 pub(super) struct StrideTables {
-    /// Of the periods.
+    /// Of the strides.
     pub spec: ShaderSpec,
     pub steps: u32,
+    /// Of a state.
+    pub numbers: u32,
     /// How many there are.
     pub drives: u32,
     pub waves: Numbers,
@@ -51,9 +53,9 @@ impl StrideTables {
     }
 }
 
-/// What the shader is made for that steps a class in a search.
+/// What the shader is made for that takes the strides of a class.
 pub(super) fn stride_spec(plan: &Plan, class: &Class) -> ShaderSpec {
-    ShaderSpec { entry: Entry::Period, measured: true, decay: false, ..pack::spec(plan, class) }
+    ShaderSpec { entry: Entry::Stride, measured: true, decay: false, ..pack::spec(plan, class) }
 }
 
 /// The tables of a class whose instances are numbers of guesses.
@@ -79,14 +81,14 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> St
         class.instances.par_iter().enumerate().map(|(i, instance)| of(i, *instance)).collect();
     let table = |which: usize| Numbers::new(spec.double, transposed(&columns, |column| &column[which]));
     let count = class.instances.len() as u32;
-    let counts = std::iter::once(count).chain(std::iter::repeat_n(0, ROUNDS as usize));
     StrideTables {
         steps: class.steps,
+        numbers: numbers as u32,
         waves: Numbers::new(spec.double, waves(plan.wants.harmonics, class.steps)),
         drive_table: driven.table(&spec, Start::Steady),
         cases: table(0),
         states: table(1),
-        going: counts.chain(0..count).chain(0..count).collect(),
+        going: going(count).chain(0..count).collect(),
         places: table(2),
         undoes: table(3),
         drives: driven.drives.len() as u32,

@@ -227,8 +227,8 @@ impl<'a> StrideChunk<'a> {
             &self.marks,
             &self.going,
         ];
-        let job = self.job(round, first, count);
-        self.session.dispatch(self.tables.spec, job, self.tables.count(), &buffers)
+        let spec = ShaderSpec { entry: Entry::Sweep, ..self.tables.spec };
+        self.session.dispatch(spec, self.job(round, first, count), self.tables.count(), &buffers)
     }
 
     /// A stride of each of them.
@@ -236,8 +236,8 @@ impl<'a> StrideChunk<'a> {
         self.drill.strike(self.session);
         let buffers =
             [&self.jobs[1], &self.cases, &self.going, &self.states, &self.marks, &self.places, &self.undoes];
-        let spec = ShaderSpec { entry: Entry::Stride, ..self.tables.spec };
-        self.session.dispatch(spec, self.job(round, 0, 0), self.tables.count(), &buffers)
+        let job = self.job(round, 0, self.tables.numbers);
+        self.session.dispatch(self.tables.spec, job, self.tables.count(), &buffers)
     }
 
     /// Waits, reads what is left, and checks that each instance did its steps.
