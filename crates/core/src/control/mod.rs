@@ -30,6 +30,7 @@ mod precision;
 mod prescribed;
 mod ran;
 mod refine;
+mod rules;
 mod sample;
 mod scattered;
 mod second;

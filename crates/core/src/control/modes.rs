@@ -1,12 +1,13 @@
 //! Modes: each instance's basis, by a sample of instances with poorer and richer ones.
 
 use super::difference::is_fast;
+use super::rules::Rules;
 use super::sample::{by_stiffness, law_of, spread, stiffness};
 use super::trial::{self, Costs, Place, Trial};
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::{Measured, Observable};
-use crate::plan::{BasisRule, Plan, RICHEST};
+use crate::plan::{BasisRule, Plan, RICHEST, Rebasing};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -24,7 +25,7 @@ pub(super) struct Tried {
 pub(super) struct Choice {
     pub plan: Plan,
     /// By instance, what the next poorer basis is made by; none where all are in the sample themselves.
-    pub poorer: Option<Vec<BasisRule>>,
+    pub poorer: Option<Rules>,
     /// What the modes left out cost each instance, by the sample; empty where it is nothing.
     pub left_out: Vec<f64>,
 }
@@ -72,21 +73,24 @@ pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Cho
     let mut bases = Bases::new(plan);
     fast.iter().for_each(|i| bases.keep(*i));
     let mut laws: HashMap<u8, OfLaw> = HashMap::new();
-    for (i, law, stiffness) in plan.of_each(&usual, |part, n, i| (i, law_of(part, n), stiffness(part, n))) {
+    let of = |part: &Plan, n: u32, i: u32| (i, law_of(part, n), stiffness(part, n));
+    plan.for_each(&usual, of, |(i, law, stiffness)| {
         let of_law = laws.entry(law.code()).or_insert_with(|| OfLaw::new(plan, law, sample, trials));
         bases.choose(i, stiffness, of_law);
-    }
+    });
     // Of the sample itself all is known, but for those whose own difference has to tell.
-    let own = bases.wanted.iter().any(|(_, basis)| basis.poorer().is_some());
-    let poorer = (usual.len() > sample.len() || own).then_some(bases.poorer);
-    let left_out = bases.left_out;
-    Choice { plan: plan.with_bases(&bases.wanted), poorer, left_out }
+    let poorer = (usual.len() > sample.len() || bases.any_poorer).then_some(bases.poorer);
+    Choice { plan: bases.rebasing.plan, poorer, left_out: bases.left_out }
 }
 
 /// The bases that the plan has; the first run of fast contacts, if there are any, is with the next poorer ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> Choice {
     let count = plan.len();
-    let poorer = some_fast.then(|| (0..count as u32).map(|i| next_poorer(plan.basis_rule(i))).collect());
+    let poorer = some_fast.then(|| {
+        let mut poorer = Rules::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
+        (0..count as u32).for_each(|i| poorer.put(i, next_poorer(plan.basis_rule(i))));
+        poorer
+    });
     Choice { plan: plan.clone(), poorer, left_out: Vec::new() }
 }
 
@@ -128,17 +132,19 @@ impl OfLaw {
 /// Each instance's basis, while they are chosen.
 struct Bases<'a> {
     plan: &'a Plan,
-    wanted: Vec<(u32, BasisRule)>,
+    rebasing: Rebasing,
     /// By instance.
-    poorer: Vec<BasisRule>,
+    poorer: Rules,
     left_out: Vec<f64>,
+    /// Whether any of the bases has a poorer one.
+    any_poorer: bool,
 }
 
 impl<'a> Bases<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let count = plan.len();
-        let poorer = vec![BasisRule::Shares { accuracy: plan.run.accuracy }; count];
-        Self { plan, wanted: Vec::new(), poorer, left_out: vec![0.0; count] }
+        let poorer = Rules::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
+        let left_out = vec![0.0; plan.len()];
+        Self { plan, rebasing: Rebasing::new(plan), poorer, left_out, any_poorer: false }
     }
 
     /// The basis that the plan has for a fast contact.
@@ -169,8 +175,10 @@ impl<'a> Bases<'a> {
     }
 
     fn put(&mut self, i: u32, (own, poorer): (BasisRule, BasisRule), cost: f64) {
-        self.wanted.push((i, own));
-        (self.poorer[i as usize], self.left_out[i as usize]) = (poorer, cost);
+        self.rebasing.give(i, own);
+        self.any_poorer |= own.poorer().is_some();
+        self.poorer.put(i, poorer);
+        self.left_out[i as usize] = cost;
     }
 }
 

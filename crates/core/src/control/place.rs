@@ -1,28 +1,59 @@
 //! A periodic state as plain numbers.
 
+use crate::kernel::MODES_MAX;
 use crate::periodic::Spectrum;
 use crate::plan::{BasisRule, Plan, Station};
 use crate::steady::{Linear, PeriodicState};
 
-/// A periodic state without the slope of its map.
-#[derive(Clone, Copy, Debug)]
+/// A periodic state without the slope of its map. There are very many: of a station only the modes that move are held.
+#[derive(Clone, Debug)]
 pub struct Place {
-    pub station: Station,
+    /// Travels up to the last mode that moves, then rates; see [`Station`].
+    numbers: Box<[f64]>,
+    touching: bool,
+    finite: bool,
     pub spectrum: Spectrum,
     pub steps: u32,
     pub rule: BasisRule,
 }
 
 impl Place {
+    /// Of a state that stands there.
+    pub fn new(station: &Station, spectrum: Spectrum, steps: u32, rule: BasisRule) -> Self {
+        let Station { x, u, touching, finite } = station;
+        let moves = |mode: &usize| x[*mode].to_bits() | u[*mode].to_bits() != 0;
+        let modes = (0..MODES_MAX).rev().find(moves).map_or(0, |last| last + 1);
+        let numbers = x[..modes].iter().chain(&u[..modes]).copied().collect();
+        Self { numbers, touching: *touching, finite: *finite, spectrum, steps, rule }
+    }
+
     pub(super) fn of(state: &PeriodicState) -> Self {
-        let PeriodicState { station, spectrum, steps, ref kept, .. } = *state;
-        Self { station, spectrum, steps, rule: kept.rule }
+        Self::new(&state.station, state.spectrum, state.steps, state.kept.rule)
+    }
+
+    /// Where it stands.
+    pub fn station(&self) -> Station {
+        let (x, u) = self.numbers();
+        let mut station = Station { touching: self.touching, finite: self.finite, ..Station::FREE };
+        station.x[..x.len()].copy_from_slice(x);
+        station.u[..u.len()].copy_from_slice(u);
+        station
+    }
+
+    /// Its travels and rates; what is not there is at rest.
+    pub fn numbers(&self) -> (&[f64], &[f64]) {
+        self.numbers.split_at(self.numbers.len() / 2)
+    }
+
+    /// Whether it touches, and whether all of it are numbers.
+    pub fn marks(&self) -> [bool; 2] {
+        [self.touching, self.finite]
     }
 
     /// As the state of an instance.
-    pub(super) fn state(self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
-        let Self { station, spectrum, steps, rule } = self;
-        let kept = plan.basis_by(instance, rule);
-        Box::new(PeriodicState { station, spectrum, steps, kept, linear: Linear::Unknown })
+    pub(super) fn state(&self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
+        let kept = plan.basis_by(instance, self.rule);
+        let (spectrum, steps) = (self.spectrum, self.steps);
+        Box::new(PeriodicState { station: self.station(), spectrum, steps, kept, linear: Linear::Unknown })
     }
 }

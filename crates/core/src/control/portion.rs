@@ -36,7 +36,7 @@ pub struct Ended {
     pub neighbour_started: bool,
     pub precision: Precision,
     pub fineness: Fineness,
-    pub state: Option<Box<Place>>,
+    pub state: Option<Place>,
     /// What the search from rest found.
     pub from_rest: Option<Box<(Finished, Place)>>,
 }
@@ -130,11 +130,7 @@ impl Portion {
                 neighbour_started: run.neighbour_started.get(n).is_some_and(|begun| *begun),
                 precision: run.arithmetic.of[n],
                 fineness: run.plan.fineness(i),
-                state: run
-                    .found
-                    .get(n)
-                    .and_then(|state| state.as_deref())
-                    .map(|state| Box::new(Place::of(state))),
+                state: run.found.get(n).and_then(|state| state.as_deref()).map(Place::of),
                 from_rest: rest.map(|rest| Box::new((rest.finished, Place::of(&rest.place)))),
             }
         };

@@ -6,6 +6,7 @@ use super::division::Division;
 use super::first::First;
 use super::portion::{Keep, Portion};
 use super::ran::Ran;
+use super::rules::Rules;
 use super::{Part, branches, by_reference, modes, once, unfinished};
 use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::plan::{BasisRule, Plan};
@@ -19,7 +20,7 @@ struct Work<'a> {
     /// What the modes left out cost each instance of the plan; see [`modes::Choice`].
     left_out: Vec<f64>,
     /// By instance of the plan; see [`First`].
-    poorer: Option<Vec<BasisRule>>,
+    poorer: Option<Rules>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
     engine: &'a dyn Engine,
@@ -53,7 +54,7 @@ impl Work<'_> {
                 let stepped = part.stepped();
                 let left_out =
                     portion.iter().map(|i| self.left_out.get(*i as usize).copied().unwrap_or(0.0)).collect();
-                let of = |all: &Vec<BasisRule>| portion.iter().map(|i| all[*i as usize]).collect();
+                let of = |all: &Rules| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
                 let poorer = self.poorer.as_ref().map(of);
                 if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);

@@ -8,13 +8,14 @@ use super::place::Place;
 use super::portion::{Keep, Portion};
 use super::seconds::Seconds;
 use super::{Arithmetic, Controlled};
-use crate::contact::{Contact, Law};
+use crate::contact::{Compact, Contact};
 use crate::engine::{Columns, EngineError, Finished};
 use crate::observe::{Measured, Status};
 use crate::plan::{Fineness, Plan, Precision};
 use crate::steady::States;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 
 /// A run of all instances to the accuracy asked for. There may be very many: of each a byte lies in memory.
 pub struct Ran<'k> {
@@ -148,15 +149,22 @@ impl<'k> Ran<'k> {
         Ok(())
     }
 
+    /// Shows all portions with nothing but their plans and marks: what is kept of them is not read.
+    pub fn each_unread(&self, show: &mut dyn FnMut(&Piece)) {
+        for number in 0..self.division.len() {
+            show(&Piece::new(self, self.division.portion(number), None));
+        }
+    }
+
     fn shown<T>(&self, number: usize, show: &mut dyn FnMut(&Piece) -> T) -> Result<T, EngineError> {
         let instances = self.division.portion(number);
         if !self.kept[number] {
-            return Ok(show(&Piece { run: self, instances, view: None }));
+            return Ok(show(&Piece::new(self, instances, None)));
         }
         let bytes = self.keep.bytes(number).map_err(|why| EngineError::Unread { why })?;
         let view = View::of(&bytes, instances.len());
         let spoilt = || EngineError::Unread { why: format!("portion {number} is spoilt") };
-        Ok(show(&Piece { run: self, instances, view: Some(view.ok_or_else(spoilt)?) }))
+        Ok(show(&Piece::new(self, instances, Some(view.ok_or_else(spoilt)?))))
     }
 
     /// The estimates of the instances that are called ok, those that are numbers, the least first.
@@ -223,6 +231,14 @@ pub struct Piece<'a> {
     /// By their numbers in the run.
     pub instances: &'a [u32],
     view: Option<View<'a>>,
+    /// Their contacts, once one is asked for.
+    contacts: OnceLock<Vec<Compact>>,
+}
+
+impl<'a> Piece<'a> {
+    fn new(run: &'a Ran<'a>, instances: &'a [u32], view: Option<View<'a>>) -> Self {
+        Self { run, instances, view, contacts: OnceLock::new() }
+    }
 }
 
 impl Piece<'_> {
@@ -255,12 +271,12 @@ impl Piece<'_> {
 
     /// An instance's contact.
     pub fn contact(&self, n: usize) -> Contact {
-        self.run.plan.contact(self.instances[n])
+        self.compact(n).contact()
     }
 
-    /// The law of its contact.
-    pub fn law(&self, n: usize) -> Law {
-        self.run.plan.law(self.instances[n])
+    /// The same without the constants of its law.
+    pub fn compact(&self, n: usize) -> Compact {
+        self.contacts.get_or_init(|| self.run.plan.contacts_of(self.instances))[n]
     }
 
     /// The arithmetic of its last run.
@@ -341,10 +357,10 @@ impl Gathered {
     fn take_places(&mut self, view: &View, there: usize, n: usize) {
         let Some(one) = view.ended(there) else { return };
         let Controlled { plan, found, from_rest, .. } = &mut self.run;
-        let of = |place: Place| place.state(plan, n as u32);
-        found.put(n, one.state.map(|place| of(*place)).as_deref());
+        let of = |place: &Place| place.state(plan, n as u32);
+        found.put(n, one.state.as_ref().map(of).as_deref());
         if let Some((finished, place)) = one.from_rest.as_deref() {
-            from_rest.put(n, finished, &of(*place));
+            from_rest.put(n, finished, &of(place));
         }
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
 pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
     let case = plan.case(instance);
     let (contact, flexibility) = (&case.contact, plan.driven(instance).kept.flexibility);
-    let pressed = contact.stiffness(plan.expected_depth(instance), true).abs();
+    let pressed = contact.stiffness(plan.depth_of(&case), true).abs();
     pressed.max(contact.law().attraction_slope()) * flexibility
 }
 

@@ -134,15 +134,15 @@ pub(super) fn finish_free(gap: f64, driven: &Driven, wants: Wants) -> Finished {
 /// What follows from the fundamental of the tip's travel, its amplitude apart.
 pub(super) fn fundamental(measured: &mut Measured, travel: Complex<f64>, driven: &Driven) {
     let deflection = driven.free.deflection(travel);
-    measured.phase = lag(travel);
-    (measured.deflection_amplitude, measured.deflection_phase) = (deflection.norm(), lag(deflection));
-    measured.free_phase = lag(driven.free.tip);
+    measured.phase = lag(travel.arg());
+    (measured.deflection_amplitude, measured.deflection_phase) = (deflection.norm(), lag(deflection.arg()));
+    measured.free_phase = lag(driven.free.angle);
     measured.frequency_shift = driven.free.frequency_shift(travel);
 }
 
-/// Lag behind the drive's sine, degree, 0 to below 360.
-fn lag(travel: Complex<f64>) -> f64 {
-    let lag = (-travel.arg().to_degrees()).rem_euclid(360.0);
+/// Lag behind the drive's sine of a phasor with this argument (rad), degree, 0 to below 360.
+fn lag(angle: f64) -> f64 {
+    let lag = (-angle.to_degrees()).rem_euclid(360.0);
     // The remainder of a tiny negative number rounds up to the whole turn, and -0 is no phase.
     if lag < 360.0 { lag + 0.0 } else { 0.0 }
 }

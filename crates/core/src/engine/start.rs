@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 pub(super) fn phase(driven: &Driven, start: Start) -> f64 {
     match start {
         Start::Rest => 0.0,
-        Start::Steady => FRAC_PI_2 - driven.free.tip.arg(),
+        Start::Steady => FRAC_PI_2 - driven.free.angle,
     }
 }
 

@@ -3,10 +3,11 @@
 use super::coded::{Coded, Codes};
 use super::contacts::Shared;
 use super::ensemble::Gaps;
+use super::rate::Tip;
 use super::resolution::{Ids, Resolutions};
 use super::{
     Curves, Drive, Driven, Ensemble, Grid, GridAxis, InstanceId, Plan, Policy, Precision, ReducedBasis,
-    SetPoint, steps,
+    SetPoint, TOGETHER, steps,
 };
 use crate::contact::Contact;
 use crate::instrument::{Instrument, InstrumentError, Pattern};
@@ -43,9 +44,9 @@ impl Plan {
             false => HashMap::new(),
         };
         let mut resolution = Coded::new();
-        in_stretches(&ensemble, |id, contact| {
+        in_stretches(&ensemble, |tip, id, contact| {
             let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
-            let rung = (!made.is_empty()).then(|| drives[own as usize].rung(contact, gap));
+            let rung = (!made.is_empty()).then(|| tip.rung((own, &drives[own as usize]), contact, gap));
             let drive = rung.and_then(|rung| made.get(&(own, rung)).copied()).unwrap_or(own);
             (drive, steps_of(&scene.run, (contact, gap), &drives[drive as usize]))
         })
@@ -77,10 +78,24 @@ impl Plan {
     }
 }
 
+/// The drive of the last contact that was looked at, by its number: neighbours mostly have the same.
+#[derive(Default)]
+struct Last<'a>(Option<(u32, Tip<'a>)>);
+
+impl<'a> Last<'a> {
+    /// [`Driven::rung`] of a contact of this drive.
+    fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> u32 {
+        if self.0.as_ref().is_none_or(|(last, _)| *last != number) {
+            self.0 = None;
+        }
+        self.0.get_or_insert_with(|| (number, Tip::of(driven))).1.rung(contact, gap)
+    }
+}
+
 /// Something of each instance and its contact, of many of them at a time.
 fn in_stretches<'a, T: Send>(
     ensemble: &'a Ensemble,
-    of: impl Fn(InstanceId, &Contact) -> T + Sync + 'a,
+    of: impl Fn(&mut Last<'a>, InstanceId, &Contact) -> T + Sync + 'a,
 ) -> impl Iterator<Item = Vec<T>> + 'a {
     (0..ensemble.len()).step_by(AT_ONCE).map(move |from| {
         let to = ensemble.len().min(from + AT_ONCE);
@@ -90,7 +105,8 @@ fn in_stretches<'a, T: Send>(
             .map(|from| {
                 let ids = (from..to.min(from + TOGETHER)).map(|i| InstanceId(i as u32));
                 let contacts = ensemble.contacts_of(ids.clone());
-                ids.zip(contacts).map(|(id, contact)| of(id, &contact.contact())).collect()
+                let mut last = Last::default();
+                ids.zip(contacts).map(|(id, contact)| of(&mut last, id, &contact.contact())).collect()
             })
             .collect();
         pieces.into_iter().flatten().collect()
@@ -100,11 +116,13 @@ fn in_stretches<'a, T: Send>(
 /// Bases for instances whose contacts are too fast for the modes with the largest shares: they are added to the drives; by drive
 /// and rung, which.
 fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> HashMap<(u32, u32), u32> {
-    let rung = |id: InstanceId, contact: &Contact| {
+    let known = &*drives;
+    let distinct: BTreeSet<(u32, u32)> = in_stretches(ensemble, |tip, id, contact| {
         let drive = ensemble.drive_of.get(id.0 as usize);
-        (drive, drives[drive as usize].rung(contact, ensemble.gap(id)))
-    };
-    let distinct: BTreeSet<(u32, u32)> = in_stretches(ensemble, rung).flatten().collect();
+        (drive, tip.rung((drive, &known[drive as usize]), contact, ensemble.gap(id)))
+    })
+    .flatten()
+    .collect();
     let distinct: Vec<(u32, u32)> = distinct.into_iter().collect();
     let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
@@ -247,9 +265,8 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     Ok((all, drives.of))
 }
 
-/// Instances that are looked at together, of them those by one thread: what is held of each is more than what is kept.
+/// Instances that are looked at together: what is held of each is more than what is kept.
 const AT_ONCE: usize = 1 << 16;
-const TOGETHER: usize = 1 << 10;
 
 /// The scene's instances.
 fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {

@@ -117,7 +117,7 @@ impl Drive {
 
     /// Amplitude of the tip without a sample, m.
     pub fn free_amplitude(&self) -> f64 {
-        self.free.tip.norm()
+        self.free.amplitude
     }
 }
 

@@ -32,15 +32,19 @@ pub use policy::Policy;
 pub use precision::Precision;
 pub use steps::{STEPS_MAX, STEPS_MIN};
 pub use summary::Summary;
-pub use variants::Fineness;
+pub use variants::{Fineness, Rebasing};
 
 use crate::contact::{Compact, Contact, Law};
 use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
+use rayon::prelude::*;
 use resolution::{Ids, Resolution, Resolutions};
 use std::ops::Deref;
 use std::sync::Arc;
+
+/// Instances whose contacts one thread makes together.
+const TOGETHER: usize = 1 << 10;
 
 /// Some instances of an ensemble and how they are to run: what an engine is given. A scene's first plan has all
 /// instances; refinements, samples, portions and audits are plans of some of them, with steps, bases and starts of their
@@ -184,6 +188,16 @@ impl Plan {
         }
     }
 
+    /// The contacts of these instances, which takes less time than to ask for each.
+    pub fn contacts_of(&self, instances: &[u32]) -> Vec<Compact> {
+        let some = |some: &[u32]| match &self.contacts {
+            Some(contacts) => some.iter().map(|i| contacts[*i as usize]).collect(),
+            None => self.ensemble.contacts_of(some.iter().map(|i| self.id(*i))),
+        };
+        let all: Vec<Vec<Compact>> = instances.par_chunks(TOGETHER).map(some).collect();
+        all.concat()
+    }
+
     /// Whether its contacts are held, and need not be made when they are asked for.
     fn at_hand(&self) -> bool {
         self.contacts.is_some() || self.ensemble.holds_contacts()
@@ -234,7 +248,12 @@ impl Plan {
 
     /// Deepest indentation to expect of an instance, m.
     pub fn expected_depth(&self, instance: u32) -> f64 {
-        let (Case { contact, gap, .. }, driven) = (self.case(instance), self.driven(instance));
-        steps::deepest(&contact, driven.kept.inverse_mass(), driven.free.omega, driven.free_amplitude(), gap)
+        self.depth_of(&self.case(instance))
+    }
+
+    /// The same of a case of the plan.
+    pub fn depth_of(&self, Case { drive, contact, gap, .. }: &Case) -> f64 {
+        let driven = &self.drives[*drive as usize];
+        steps::deepest(contact, driven.kept.inverse_mass(), driven.free.omega, driven.free_amplitude(), *gap)
     }
 }

@@ -4,7 +4,7 @@ use super::compliance::compliance;
 use super::modes::{COUNTS, RICHEST};
 use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::Contact;
-use crate::instrument::Instrument;
+use crate::instrument::Mode;
 use std::sync::Arc;
 
 /// Rounds of the fixed point between the rate of a contact and the depth that it leads to: each leaves a tenth of the
@@ -16,16 +16,12 @@ const ROUNDS: usize = 4;
 /// contact's own angular frequency: about four over its duration, since a Hertzian collision of depth d and speed v
 /// lasts 2.94 d/v and has the rate 1.37 v/d. 0 where nothing pushes the tip.
 ///
-/// `omega` (rad/s) and `amplitude` (m) are of the free tip, `gap` in m.
+/// `omega` (rad/s) and `amplitude` (m) are of the free tip, `gap` in m, and `answer` tells the tip's compliance at a rate.
 pub(super) fn contact_rate(
     contact: &Contact,
-    instrument: &Instrument,
-    omega: f64,
-    amplitude: f64,
-    gap: f64,
+    (omega, amplitude, gap): (f64, f64, f64),
+    mut answer: impl FnMut(f64) -> f64,
 ) -> f64 {
-    let answer =
-        |s: f64| compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
     if !contact.law.acts() {
         return 0.0;
     }
@@ -36,7 +32,8 @@ pub(super) fn contact_rate(
         let depth = super::steps::deepest(contact, inverse_mass, omega, amplitude, gap);
         let stiffness = contact.stiffness(depth, true).abs().max(pull);
         let next = (inverse_mass * stiffness).sqrt();
-        if !next.is_finite() {
+        // From there on nothing changes.
+        if !next.is_finite() || next.max(omega) == rate {
             break;
         }
         rate = next.max(omega);
@@ -44,17 +41,66 @@ pub(super) fn contact_rate(
     rate
 }
 
+/// What [`Driven::rung`] needs of a drive, for very many contacts: the numbers of [`compliance`] side by side, whose quotients
+/// are then worked out together.
+pub(super) struct Tip<'a> {
+    driven: &'a Driven,
+    squares: Vec<f64>,
+    inverse_masses: Vec<f64>,
+    terms: Vec<f64>,
+    /// Where every contact's rounds begin.
+    at_omega: f64,
+}
+
+impl<'a> Tip<'a> {
+    pub fn of(driven: &'a Driven) -> Self {
+        let modes = &driven.instrument.modes;
+        let squares = modes.iter().map(|mode| mode.omega * mode.omega).collect();
+        let inverse_masses = modes.iter().map(Mode::inverse_mass).collect();
+        let terms = vec![0.0; modes.len()];
+        let mut tip = Self { driven, squares, inverse_masses, terms, at_omega: f64::NAN };
+        tip.at_omega = tip.answer(driven.free.omega);
+        tip
+    }
+
+    /// [`compliance`], to the bit.
+    fn answer(&mut self, s: f64) -> f64 {
+        if s == self.driven.free.omega && !self.at_omega.is_nan() {
+            return self.at_omega;
+        }
+        let numbers = self.squares.iter().zip(&self.inverse_masses);
+        for (term, (square, inverse_mass)) in self.terms.iter_mut().zip(numbers) {
+            *term = inverse_mass / (square + s * s);
+        }
+        self.terms.iter().sum()
+    }
+
+    /// [`Driven::rung`], to the bit.
+    pub fn rung(&mut self, contact: &Contact, gap: f64) -> u32 {
+        let driven = self.driven;
+        let free = (driven.free.omega, driven.free_amplitude(), gap);
+        driven.rung_of(contact_rate(contact, free, |s| self.answer(s)))
+    }
+}
+
 impl Driven {
     /// The rung of an instance's contact rate: it is at most 2 to this power times the drive's angular frequency. So
     /// neighbours have the same basis.
     pub(super) fn rung(&self, contact: &Contact, gap: f64) -> u32 {
-        (self.contact_rate(contact, gap) / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
+        self.rung_of(self.contact_rate(contact, gap))
+    }
+
+    /// The rung of a rate, rad/s.
+    fn rung_of(&self, rate: f64) -> u32 {
+        (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
     }
 
     /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about
     /// four over its duration.
     pub fn contact_rate(&self, contact: &Contact, gap: f64) -> f64 {
-        contact_rate(contact, &self.instrument, self.free.omega, self.free_amplitude(), gap)
+        let modes = &self.instrument.modes;
+        let answer = |s: f64| compliance(modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
+        contact_rate(contact, (self.free.omega, self.free_amplitude(), gap), answer)
     }
 
     /// The contact rate of a rung, rad/s.

@@ -118,32 +118,12 @@ impl Plan {
         self
     }
 
-    /// With these bases for these of its instances: as many more steps as richer modes need, as many fewer as the rule
-    /// gives for the modes of a poorer accuracy.
+    /// With these bases for these of its instances; see [`Rebasing::give`].
     #[must_use]
     pub fn with_bases(&self, wanted: &[(u32, BasisRule)]) -> Self {
-        let run = &self.run;
-        let mut plan = self.clone();
-        let mut bases = Bases::default();
-        // Neighbours mostly want the same.
-        let mut last = ((u32::MAX, BasisRule::Shares { accuracy: f64::NAN }), 0);
-        for &(i, basis) in wanted {
-            let drive = self.resolution.drive(i as usize);
-            if last.0 != (drive, basis) {
-                last = ((drive, basis), bases.number(&mut plan.drives, drive, basis, run));
-            }
-            let (driven, mut own) = (&plan.drives[last.1 as usize], plan.steps(i));
-            if run.steps_per_period.is_none() && own > 0 {
-                own = match basis {
-                    BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
-                        own.min(steps_of(&self.case(i), driven, run))
-                    }
-                    _ => own.max(steps::fewest(driven)),
-                };
-            }
-            plan.resolution.set(i as usize, (last.1, own));
-        }
-        plan
+        let mut rebasing = Rebasing::new(self);
+        wanted.iter().for_each(|(i, basis)| rebasing.give(*i, *basis));
+        rebasing.plan
     }
 
     /// These instances, first those that can have a richer basis, then the others.
@@ -262,16 +242,27 @@ impl Plan {
 
     /// Something of each of these instances, in their order: `of` is given a plan that has it, its number there, and here.
     pub fn of_each<T: Send>(&self, instances: &[u32], of: impl Fn(&Self, u32, u32) -> T + Sync) -> Vec<T> {
-        if self.at_hand() {
-            return instances.par_iter().map(|i| of(self, *i, *i)).collect();
-        }
         let mut all = Vec::with_capacity(instances.len());
-        for some in instances.chunks(STRETCH as usize) {
-            let part = self.part(some);
-            let one = |(n, i): (usize, &u32)| of(&part, n as u32, *i);
-            all.extend(some.par_iter().enumerate().map(one).collect::<Vec<T>>());
-        }
+        self.for_each(instances, of, |one| all.push(one));
         all
+    }
+
+    /// As [`Plan::of_each`], but that each is given to `take`, and not all are held.
+    pub fn for_each<T: Send>(
+        &self,
+        instances: &[u32],
+        of: impl Fn(&Self, u32, u32) -> T + Sync,
+        mut take: impl FnMut(T),
+    ) {
+        for some in instances.chunks(STRETCH as usize) {
+            let all: Vec<T> = if self.at_hand() {
+                some.par_iter().map(|i| of(self, *i, *i)).collect()
+            } else {
+                let part = self.part(some);
+                some.par_iter().enumerate().map(|(n, i)| of(&part, n as u32, *i)).collect()
+            };
+            all.into_iter().for_each(&mut take);
+        }
     }
 
     /// Its instances in parts of at most so many, each with the number of its first one.
@@ -295,6 +286,43 @@ pub struct Fineness {
     /// m; NaN where no gap holds its set-point.
     pub gap: f64,
     pub rule: BasisRule,
+}
+
+/// A plan whose instances are given other bases, one after the other.
+pub struct Rebasing {
+    pub plan: Plan,
+    bases: Bases,
+    /// The drive and the basis that were asked for last, and the drive that has both: neighbours mostly want the same.
+    last: ((u32, BasisRule), u32),
+}
+
+impl Rebasing {
+    /// Of a plan as it is.
+    pub fn new(plan: &Plan) -> Self {
+        let none = (u32::MAX, BasisRule::Shares { accuracy: f64::NAN });
+        Self { plan: plan.clone(), bases: Bases::default(), last: (none, 0) }
+    }
+
+    /// Gives an instance, which still has what it had, another basis: as many more steps as richer modes need, as many fewer as
+    /// the rule gives for the modes of a poorer accuracy.
+    pub fn give(&mut self, i: u32, basis: BasisRule) {
+        let Self { plan, bases, last } = self;
+        let drive = plan.resolution.drive(i as usize);
+        if last.0 != (drive, basis) {
+            *last = ((drive, basis), bases.number(&mut plan.drives, drive, basis, &plan.run));
+        }
+        let (driven, mut own) = (&plan.drives[last.1 as usize], plan.steps(i));
+        let run = &plan.run;
+        if run.steps_per_period.is_none() && own > 0 {
+            own = match basis {
+                BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
+                    own.min(steps_of(&plan.case(i), driven, run))
+                }
+                _ => own.max(steps::fewest(driven)),
+            };
+        }
+        plan.resolution.set(i as usize, (last.1, own));
+    }
 }
 
 /// Bases that a plan's drives were given, so that each is made once.

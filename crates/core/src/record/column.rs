@@ -87,11 +87,16 @@ impl Number {
         if let Self::Observable(observable) = self { observable.width() } else { 1 }
     }
 
+    /// Whether it tells more than the plan does.
+    pub fn is_read(self) -> bool {
+        self != Self::Tabor
+    }
+
     /// Writes those of an instance.
     pub fn write(self, some: &Shown, n: usize, row: &mut [f64]) {
         row[0] = match self {
             Self::Observable(observable) => return observable.write(&some.measured(n), row),
-            Self::Tabor => some.contact(n).tabor,
+            Self::Tabor => some.tabor(n),
             Self::DriveWork => match some.measured(n) {
                 measured if measured.phase.is_nan() => f64::NAN,
                 measured => Scales::of(some.plan(), n, &measured).work,
@@ -143,6 +148,11 @@ impl Code {
             bits: self == Self::Warnings,
             data: Vec::new(),
         }
+    }
+
+    /// Whether it tells more than the plan and the marks of a run do.
+    pub fn is_read(self) -> bool {
+        matches!(self, Self::Branch | Self::Jump)
     }
 
     /// That of an instance; warnings are known elsewhere.

@@ -43,9 +43,13 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Shows all instances.
-    pub fn each(&self, show: &mut dyn FnMut(&[u32], &Shown)) -> Result<(), EngineError> {
+    /// Shows all instances; of those of a run nothing but what their plan and marks tell, where no more `is_read`.
+    pub fn each(&self, is_read: bool, show: &mut dyn FnMut(&[u32], &Shown)) -> Result<(), EngineError> {
         match *self {
+            Self::Run(run) if !is_read => {
+                run.each_unread(&mut |piece| show(piece.instances, &Shown::Piece(piece, OnceLock::new())));
+                Ok(())
+            }
             Self::Run(run) => run.each(&mut |piece| {
                 show(piece.instances, &Shown::Piece(piece, OnceLock::new()));
                 ControlFlow::Continue(())
@@ -58,14 +62,14 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// So many numbers of each instance, as `write` has them, in the order of the instances.
+    /// So many numbers of each instance, as `write` has them, in the order of the instances; see [`Rows::each`].
     pub fn column<T: Copy + Default + Send + Sync>(
         &self,
-        width: usize,
+        (width, is_read): (usize, bool),
         write: &(dyn Fn(&Shown, usize, &mut [T]) + Sync),
     ) -> Result<Vec<T>, EngineError> {
         let mut all = vec![T::default(); width * self.count()];
-        self.each(&mut |instances, some| {
+        self.each(is_read, &mut |instances, some| {
             let mut rows = vec![T::default(); width * instances.len()];
             rows.par_chunks_exact_mut(width).enumerate().for_each(|(n, row)| write(some, n, row));
             for (i, row) in instances.iter().zip(rows.chunks_exact(width)) {
@@ -107,8 +111,16 @@ impl Shown<'_> {
     /// The law of its contact.
     pub fn law(&self, n: usize) -> Law {
         match self {
-            Self::Piece(piece, _) => piece.law(n),
+            Self::Piece(piece, _) => piece.compact(n).law(),
             Self::Plain { plan, .. } => plan.law(n as u32),
+        }
+    }
+
+    /// Tabor's parameter of its contact.
+    pub fn tabor(&self, n: usize) -> f64 {
+        match self {
+            Self::Piece(piece, _) => piece.compact(n).tabor(),
+            Self::Plain { plan, .. } => plan.contact(n as u32).tabor,
         }
     }
 

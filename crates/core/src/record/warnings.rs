@@ -5,7 +5,7 @@ use crate::contact::Warning;
 use crate::control::Ran;
 use crate::engine::EngineError;
 use crate::plan::Plan;
-use crate::scene::Scene;
+use crate::scene::{Cases, Params, Scene};
 use rayon::prelude::*;
 
 /// Words for the bits of `contact_warnings`.
@@ -35,13 +35,16 @@ impl Warned {
     /// Of all instances.
     pub(super) fn of(scene: &Scene, rows: &Rows) -> Result<Self, EngineError> {
         let (mut bits, mut steps) = (vec![0; rows.count()], 0);
-        rows.each(&mut |instances, some| {
-            let one = |n: usize| {
+        let cases = Cases::of(scene);
+        rows.each(true, &mut |instances, some| {
+            let one = |params: &mut Params, n: usize| {
+                cases.put(params, instances[n] as usize);
                 let depth = depth(some, n, some.measured(n).indentation_max);
-                let warnings = some.contact(n).warnings(&scene.instance(instances[n] as usize), depth);
+                let warnings = some.contact(n).warnings(params, depth);
                 warnings.iter().map(bit).fold(0, |all, one| all | one)
             };
-            let all: Vec<u8> = (0..instances.len()).into_par_iter().map(one).collect();
+            let numbers = (0..instances.len()).into_par_iter();
+            let all: Vec<u8> = numbers.map_init(|| cases.base(), one).collect();
             instances.iter().zip(all).for_each(|(i, one)| bits[*i as usize] = one);
             steps += (0..instances.len()).map(|n| u64::from(some.steps(n))).sum::<u64>();
         })?;

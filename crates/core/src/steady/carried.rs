@@ -48,7 +48,7 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
 
 /// Phase of the drive at which an instance's periods are told.
 pub(super) fn angle(driven: &Driven, steps: u32) -> f64 {
-    FRAC_PI_2 - driven.free.tip.arg() + PI / f64::from(steps)
+    FRAC_PI_2 - driven.free.angle + PI / f64::from(steps)
 }
 
 /// A mode's part of the free motion at that phase: travel as the imaginary part, its rate over the drive's angular

@@ -130,7 +130,7 @@ pub(super) fn still(plan: &Plan, instance: u32) -> Station {
     let driven = plan.driven(instance);
     let free = &driven.free;
     // The run begins at the top of the free swing; stations stand half a step later.
-    let angle = FRAC_PI_2 - free.tip.arg() + PI / f64::from(case.steps);
+    let angle = FRAC_PI_2 - free.angle + PI / f64::from(case.steps);
     let turn = Complex::from_polar(1.0, angle);
     let mut station = Station::FREE;
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
@@ -138,7 +138,7 @@ pub(super) fn still(plan: &Plan, instance: u32) -> Station {
         let swing = free.modes[index] * turn * driven.instrument.modes[index].tip;
         (station.x[k], station.u[k]) = (-swing.im, -swing.re * free.omega / mode.omega);
     }
-    let travel = free.tip.norm() * (PI / f64::from(case.steps)).cos() + station.x.iter().sum::<f64>();
+    let travel = free.amplitude * (PI / f64::from(case.steps)).cos() + station.x.iter().sum::<f64>();
     station.touching = case.contact.next_contact(-(case.gap + travel), false);
     station
 }

@@ -41,10 +41,10 @@ impl Bytes {
             Self::Memory(bytes) => Ok(bytes[from as usize..to as usize].to_vec()),
             Self::File(file) => {
                 let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
-                let mut bytes = vec![0; (to - from) as usize];
+                let mut bytes = Vec::with_capacity((to - from) as usize);
                 file.seek(SeekFrom::Start(from))?;
-                file.read_exact(&mut bytes)?;
-                Ok(bytes)
+                file.by_ref().take(to - from).read_to_end(&mut bytes)?;
+                if (bytes.len() as u64) < to - from { Err(gone()) } else { Ok(bytes) }
             }
             Self::Dataset(dataset) => {
                 let read = dataset.read_slice_1d::<u8, _>(from as usize..to as usize);

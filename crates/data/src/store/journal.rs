@@ -14,8 +14,8 @@ use std::path::Path;
 pub(super) const MAGIC: [u8; 13] = *b"afmjournal 1\n";
 
 /// Bytes of a record before and after its own.
-const HEAD: usize = 9;
-const TAIL: usize = 4;
+pub(super) const HEAD: usize = 9;
+pub(super) const TAIL: usize = 4;
 
 /// What a record holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -201,22 +201,21 @@ fn record(bytes: &Bytes, at: u64) -> std::io::Result<Option<Record>> {
     Ok(Some(Record { kind: kind.unwrap_or(Kind::Portion), range: start..start + length, own, good }))
 }
 
-/// Where the bytes of a record are that begins there and is so long as it is written.
-pub(super) fn own(at: u64, written: usize) -> Range<u64> {
-    at + HEAD as u64..at + (written - TAIL) as u64
+/// Where so many bytes of a record are that begins there.
+pub(super) fn own(at: u64, count: usize) -> Range<u64> {
+    let start = at + HEAD as u64;
+    start..start + count as u64
 }
 
-/// A record as it is written; none where it is too long for one.
-pub(super) fn written(kind: Kind, own: &[u8]) -> Option<Vec<u8>> {
-    let length = u32::try_from(own.len()).ok()?;
-    let mut bytes = Vec::with_capacity(own.len() + HEAD + TAIL);
-    bytes.extend(length.to_le_bytes());
-    bytes.push(kind as u8);
-    let sum = sum_of(&bytes, own);
-    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-    bytes.extend(own);
-    bytes.extend(sum);
-    Some(bytes)
+/// What is written before and after the bytes of a record; none where they are too many for one.
+pub(super) fn around(kind: Kind, own: &[u8]) -> Option<([u8; HEAD], [u8; TAIL])> {
+    let mut head = [0; HEAD];
+    let (told, sum) = head.split_at_mut(HEAD - 4);
+    told[..4].copy_from_slice(&u32::try_from(own.len()).ok()?.to_le_bytes());
+    told[4] = kind as u8;
+    sum.copy_from_slice(&crc32fast::hash(told).to_le_bytes());
+    let tail = sum_of(told, own);
+    Some((head, tail))
 }
 
 /// Of a record's bytes and of what its beginning tells of them: those of another kind do not pass for them.
@@ -241,7 +240,8 @@ mod tests {
             (Kind::Answers, b"third"),
         ];
         for (kind, own) in records {
-            bytes.extend(written(kind, own).expect("it is short"));
+            let (head, tail) = around(kind, own).expect("it is short");
+            bytes.extend([&head, own, &tail].concat());
         }
         bytes
     }

@@ -176,13 +176,14 @@ impl Writer {
         done
     }
 
-    /// Appends to the partial file, which then holds something if `holds` says so; what was not written whole is taken
+    /// Appends these to the partial file, which then holds something if `holds` says so; what was not written whole is taken
     /// away again. What was written outlasts the program at once, and a power cut a second later. Gives where it begins.
-    pub(super) fn append(&mut self, bytes: &[u8], holds: bool) -> Result<u64, StoreError> {
+    pub(super) fn append(&mut self, parts: &[&[u8]], holds: bool) -> Result<u64, StoreError> {
         let sync = self.synced.is_none_or(|last| last.elapsed() > SYNC);
         let put = |file: &mut File| {
             let end = file.seek(std::io::SeekFrom::End(0))?;
-            let put = file.write_all(bytes).and_then(|()| if sync { file.sync_data() } else { Ok(()) });
+            let put = parts.iter().try_for_each(|part| file.write_all(part));
+            let put = put.and_then(|()| if sync { file.sync_data() } else { Ok(()) });
             if put.is_err() {
                 let _ = file.set_len(end);
             }

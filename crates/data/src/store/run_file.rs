@@ -47,9 +47,8 @@ impl RunFile {
     /// What the disk says.
     pub fn begin(&mut self, header: &str) -> Result<(), StoreError> {
         self.writer.cut(0)?;
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(self.record(Kind::Header, header.as_bytes())?);
-        self.writer.append(&bytes, false).map(|_| ())
+        let (head, tail) = around(Kind::Header, header.as_bytes())?;
+        self.writer.append(&[&MAGIC, &head, header.as_bytes(), &tail], false).map(|_| ())
     }
 
     /// Appends a record: it outlasts the program at once, and a power cut a second later. Gives where its bytes are.
@@ -57,9 +56,9 @@ impl RunFile {
     /// # Errors
     /// What the disk says; then nothing of it was kept.
     pub fn append(&mut self, kind: Kind, own: &[u8]) -> Result<Range<u64>, StoreError> {
-        let bytes = self.record(kind, own)?;
-        let at = self.writer.append(&bytes, true)?;
-        Ok(journal::own(at, bytes.len()))
+        let (head, tail) = around(kind, own)?;
+        let at = self.writer.append(&[&head, own, &tail], true)?;
+        Ok(journal::own(at, own.len()))
     }
 
     /// The bytes of a record that was appended.
@@ -69,11 +68,6 @@ impl RunFile {
     pub fn appended(&self, at: &Range<u64>) -> Result<Vec<u8>, StoreError> {
         let spoilt = |why| StoreError::Journal { path: self.partial().to_path_buf(), why };
         journal::read_again(&self.journal, at).map_err(spoilt)
-    }
-
-    fn record(&self, kind: Kind, own: &[u8]) -> Result<Vec<u8>, StoreError> {
-        let long = || StoreError::inconsistent("a portion is too long for a record");
-        journal::written(kind, own).ok_or_else(long)
     }
 
     /// Puts the results in place and takes the journal away.
@@ -113,4 +107,9 @@ impl RunFile {
     pub fn made_folder(&self) -> Option<&Path> {
         self.writer.made_folder()
     }
+}
+
+/// See [`journal::around`].
+fn around(kind: Kind, own: &[u8]) -> Result<([u8; journal::HEAD], [u8; journal::TAIL]), StoreError> {
+    journal::around(kind, own).ok_or_else(|| StoreError::inconsistent("a portion is too long for a record"))
 }

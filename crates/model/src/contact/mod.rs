@@ -130,6 +130,12 @@ impl Compact {
         self.law
     }
 
+    /// Tabor's parameter.
+    #[inline]
+    pub fn tabor(&self) -> f64 {
+        self.tabor
+    }
+
     /// The contact, to the bit.
     #[inline]
     pub fn contact(self) -> Contact {

@@ -74,6 +74,8 @@ impl Instrument {
             omega,
             level,
             tip,
+            amplitude: tip.norm(),
+            angle: tip.arg(),
             top,
             top_per_tip,
             bending,

@@ -108,6 +108,9 @@ pub struct FreeMotion {
     pub level: f64,
     /// Phasor of the tip's travel, m.
     pub tip: Complex<f64>,
+    /// Its modulus (m) and argument (rad), worked out once: every instance asks for them.
+    pub amplitude: f64,
+    pub angle: f64,
     /// Phasor of the rod top's travel, m.
     pub top: Complex<f64>,
     /// How far the rod's top moves under a force on the tip at that frequency, per travel that the force gives the tip.

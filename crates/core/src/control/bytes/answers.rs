@@ -1,6 +1,6 @@
 //! What was asked of single instances after the run, and its answers, as bytes and back.
 
-use super::columns::{self, Rest};
+use super::columns::{self, Rest, Row};
 use super::portion::{STATE, finish, of_finished, place, stand};
 use crate::control::{Allowance, Answer, Question, What};
 
@@ -11,21 +11,16 @@ const WIDTH: usize = ASKED + STATE;
 /// Answers as bytes.
 pub fn to_bytes(all: &[(Question, Answer)]) -> Vec<u8> {
     let mut bytes = (all.len() as u32).to_le_bytes().to_vec();
-    let first = all.first().map_or([0; WIDTH], row);
-    columns::write(&mut bytes, (first, WIDTH), all.len(), |n| row(&all[n]));
+    let mut first = [0; WIDTH];
+    all.iter().take(1).for_each(|one| fill(one, Row(&mut first)));
+    columns::write(&mut bytes, (first, WIDTH), all.len(), |n, row| fill(&all[n], row));
     bytes
 }
 
-fn row((question, answer): &(Question, Answer)) -> [u64; WIDTH] {
-    let mut row = [0; WIDTH];
-    let mut places = row.iter_mut();
-    let mut put = |value: u64| places.next().map_or((), |place| *place = value);
-    put(question.what as u64);
-    put(u64::from(question.instance));
-    put(question.from);
-    finish(&answer.finished, &mut put);
-    stand(answer.place.as_deref(), &mut put);
-    row
+fn fill((question, answer): &(Question, Answer), mut row: Row) {
+    row.put([question.what as u64, u64::from(question.instance), question.from]);
+    finish(&answer.finished, &mut row);
+    stand(answer.place.as_deref(), &mut row);
 }
 
 /// The questions whose answers the bytes hold.
@@ -115,12 +110,8 @@ mod tests {
     fn some() -> Vec<(Question, Answer)> {
         let mut station = Station::FREE;
         (station.x[1], station.u[2]) = (-1e-9, f64::MIN_POSITIVE);
-        let place = Place {
-            station,
-            spectrum: Spectrum { multiplier: 0.5, least_change: f64::NAN },
-            steps: 128,
-            rule: BasisRule::Contact { rate: 1e6, count: 4 },
-        };
+        let spectrum = Spectrum { multiplier: 0.5, least_change: f64::NAN };
+        let place = Place::new(&station, spectrum, 128, BasisRule::Contact { rate: 1e6, count: 4 });
         let one = |n: u32| {
             let question = Question {
                 what: What::ALL[n as usize % 3],
@@ -128,7 +119,7 @@ mod tests {
                 from: u64::MAX / u64::from(n + 1),
             };
             let measured = Measured { phase: -0.0, gap: f64::from(n), ..Measured::NONE };
-            let place = n.is_multiple_of(2).then(|| Box::new(place));
+            let place = n.is_multiple_of(2).then(|| Box::new(place.clone()));
             (question, Answer { finished: Finished { measured, status: Status::Sensitive }, place })
         };
         (0..5).map(one).collect()
@@ -142,6 +133,11 @@ mod tests {
             let asked: Vec<Question> = all.iter().map(|(question, _)| *question).collect();
             assert_eq!(questions(&bytes), Some(asked.clone()));
             let back: Vec<_> = asked.into_iter().zip(from_bytes(&bytes).expect("they are whole")).collect();
+            let row = |one: &(Question, Answer)| {
+                let mut row = [0; WIDTH];
+                fill(one, Row(&mut row));
+                row
+            };
             assert_eq!(all.iter().map(row).collect::<Vec<_>>(), back.iter().map(row).collect::<Vec<_>>());
             assert!((0..bytes.len()).all(|end| from_bytes(&bytes[..end]).is_none()));
         }

@@ -1,6 +1,6 @@
 //! A portion of a run as bytes and back: every number by its bits, column by column.
 
-use super::columns::{self, Column, Rest};
+use super::columns::{self, Column, Rest, Row};
 use crate::control::{Ended, Place, Portion};
 use crate::engine::Finished;
 use crate::observe::{Measured, Status};
@@ -25,11 +25,12 @@ pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
     let notes = lines(notes.iter().map(String::as_str)).join("\n");
     bytes.extend((notes.len() as u32).to_le_bytes());
     bytes.extend(notes.as_bytes());
-    let first = instances.first().map_or([0; WIDTH], |one| row(one, WIDTH));
+    let mut first = [0; WIDTH];
+    instances.iter().take(1).for_each(|one| fill(one, Row(&mut first)));
     // Without searches from rest their columns are the same for all.
     let rests = instances.iter().any(|one| one.from_rest.is_some());
     let width = if rests { WIDTH } else { OWN };
-    columns::write(&mut bytes, (first, width), instances.len(), |n| row(&instances[n], width));
+    columns::write(&mut bytes, (first, width), instances.len(), |n, row| fill(&instances[n], row));
     bytes
 }
 
@@ -158,54 +159,41 @@ fn rule(one: BasisRule) -> [u64; 3] {
     }
 }
 
-/// An instance's numbers, by their bits: all, or its own.
-fn row(one: &Ended, width: usize) -> [u64; WIDTH] {
+/// An instance's numbers, by their bits: all, or its own where there is no room for more.
+fn fill(one: &Ended, mut row: Row) {
     let Ended { finished, estimate, left_out, periods, jump, .. } = one;
     let Ended { neighbour_started, precision, fineness, state, from_rest, .. } = one;
-    let mut row = [0; WIDTH];
-    let mut places = row.iter_mut();
-    let mut put = |value: u64| places.next().map_or((), |place| *place = value);
-    finish(finished, &mut put);
-    put(estimate.to_bits());
-    put(left_out.to_bits());
-    put(u64::from(*periods));
-    put(u64::from(*jump));
-    put(u64::from(*neighbour_started));
-    put(u64::from(*precision == Precision::F64));
-    put(u64::from(fineness.steps));
-    put(fineness.gap.to_bits());
-    rule(fineness.rule).into_iter().for_each(&mut put);
-    stand(state.as_deref(), &mut put);
-    if width == OWN {
-        return row;
+    finish(finished, &mut row);
+    row.floats([*estimate, *left_out]);
+    row.put([u64::from(*periods), u64::from(*jump), u64::from(*neighbour_started)]);
+    row.put([u64::from(*precision == Precision::F64)]);
+    row.put([u64::from(fineness.steps), fineness.gap.to_bits()]);
+    row.put(rule(fineness.rule));
+    stand(state.as_ref(), &mut row);
+    if row.0.is_empty() {
+        return;
     }
-    finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |rest| &rest.0), &mut put);
-    stand(from_rest.as_ref().map(|rest| &rest.1), &mut put);
-    row
+    finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |rest| &rest.0), &mut row);
+    stand(from_rest.as_ref().map(|rest| &rest.1), &mut row);
 }
 
-pub(super) fn finish(one: &Finished, put: &mut impl FnMut(u64)) {
-    one.measured.numbers().into_iter().for_each(|value| put(value.to_bits()));
-    put(one.status as u64);
+pub(super) fn finish(one: &Finished, row: &mut Row) {
+    row.floats(one.measured.numbers());
+    row.put([one.status as u64]);
 }
 
 /// Zeros where there is no state.
-pub(super) fn stand(state: Option<&Place>, put: &mut impl FnMut(u64)) {
-    put(u64::from(state.is_some()));
-    const NONE: &Place = &Place {
-        station: Station { finite: false, ..Station::FREE },
-        spectrum: Spectrum { multiplier: 0.0, least_change: 0.0 },
-        steps: 0,
-        rule: BasisRule::Shares { accuracy: 0.0 },
-    };
-    let Place { station, spectrum, steps, rule: of } = state.unwrap_or(NONE);
-    put(u64::from(station.touching));
-    put(u64::from(station.finite));
-    put(spectrum.multiplier.to_bits());
-    put(spectrum.least_change.to_bits());
-    put(u64::from(*steps));
-    rule(*of).into_iter().for_each(&mut *put);
-    station.x.iter().chain(&station.u).for_each(|value| put(value.to_bits()));
+pub(super) fn stand(state: Option<&Place>, row: &mut Row) {
+    let Some(place) = state else { return row.put([0; 1 + 8 + 2 * MODES]) };
+    let Place { spectrum, steps, rule: of, .. } = place;
+    let [touching, finite] = place.marks();
+    row.put([true, touching, finite].map(u64::from));
+    row.floats([spectrum.multiplier, spectrum.least_change]);
+    row.put([u64::from(*steps)]);
+    row.put(rule(*of));
+    let (x, u) = place.numbers();
+    row.part::<MODES>(x);
+    row.part::<MODES>(u);
 }
 
 /// The instance that these are the numbers of; none where they can be no instance's.
@@ -216,7 +204,7 @@ fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     let (jump, neighbour_started) = (numbers.next()? == 1, numbers.next()? == 1);
     let precision = if numbers.next()? == 1 { Precision::F64 } else { Precision::F32 };
     let fineness = fineness(numbers)?;
-    let state = place(numbers)?.map(Box::new);
+    let state = place(numbers)?;
     let rest = of_finished(numbers)?;
     let from_rest = place(numbers)?.map(|place| Box::new((rest, place)));
     Some(Ended {
@@ -265,8 +253,8 @@ pub(super) fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Option<Pl
     for place in station.x.iter_mut().chain(&mut station.u) {
         *place = f64::from_bits(numbers.next()?);
     }
-    let place = Place { station, spectrum: Spectrum { multiplier, least_change }, steps, rule };
-    Some(is_any.then_some(place))
+    let spectrum = Spectrum { multiplier, least_change };
+    Some(is_any.then(|| Place::new(&station, spectrum, steps, rule)))
 }
 
 #[cfg(test)]
@@ -291,7 +279,7 @@ mod tests {
         (station.x[1], station.u[23]) = (number(), number());
         let spectrum = Spectrum { multiplier: number(), least_change: number() };
         let rule = BasisRule::Contact { rate: number(), count: 7 };
-        let place = Place { station, spectrum, steps: 64, rule };
+        let place = Place::new(&station, spectrum, 64, rule);
         let finished = Finished { measured, status: Status::ALL[draw(state) as usize % 8] };
         Ended {
             finished,
@@ -302,7 +290,7 @@ mod tests {
             neighbour_started: draw(state).is_multiple_of(2),
             precision: [Precision::F32, Precision::F64][draw(state) as usize % 2],
             fineness: Fineness { steps: draw(state) as u32, gap: 0.0, rule },
-            state: draw(state).is_multiple_of(2).then(|| Box::new(place)),
+            state: draw(state).is_multiple_of(2).then(|| place.clone()),
             from_rest: draw(state).is_multiple_of(3).then(|| Box::new((finished, place))),
         }
     }
@@ -321,7 +309,12 @@ mod tests {
             let bytes = to_bytes(12, &one);
             assert_eq!(number(&bytes), Some((12, count)));
             let back = from_bytes(&bytes, count).expect("it is whole");
-            let rows = |one: &Portion| one.instances.iter().map(|one| row(one, WIDTH)).collect::<Vec<_>>();
+            let row = |one: &Ended| {
+                let mut row = [0; WIDTH];
+                fill(one, Row(&mut row));
+                row
+            };
+            let rows = |one: &Portion| one.instances.iter().map(row).collect::<Vec<_>>();
             assert_eq!((rows(&one), &one.notes), (rows(&back), &back.notes));
             assert_eq!((back.whole, back.searched, back.curves), (true, true, false));
             assert!(from_bytes(&bytes, count + 1).is_none());
