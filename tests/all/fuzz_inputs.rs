@@ -320,7 +320,7 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
 fn portions_of_any_bytes_come_back_or_are_none() {
     let spectrum = Spectrum { multiplier: 0.3, least_change: f64::NAN };
     let rule = BasisRule::Contact { rate: 2e6, count: 3 };
-    let place = Place { station: Station::FREE, spectrum, steps: 256, rule };
+    let place = Place::new(&Station::FREE, spectrum, 256, rule);
     let one = |n: u32| Ended {
         finished: Finished { status: Status::ALL[n as usize % 3], ..Finished::NOT_RUN },
         estimate: 1e-4 * f64::from(n),
@@ -330,8 +330,8 @@ fn portions_of_any_bytes_come_back_or_are_none() {
         neighbour_started: n > 1,
         precision: Precision::F64,
         fineness: Fineness { steps: 64 << n, gap: 1e-8, rule: BasisRule::Shares { accuracy: 1e-3 } },
-        state: (n > 0).then(|| Box::new(place)),
-        from_rest: (n == 3).then(|| Box::new((Finished::NOT_RUN, place))),
+        state: (n > 0).then(|| place.clone()),
+        from_rest: (n == 3).then(|| Box::new((Finished::NOT_RUN, place.clone()))),
     };
     let portion = Portion {
         whole: true,

@@ -12,7 +12,7 @@ use crate::plan::{Plan, Station};
 use nalgebra::{DefaultAllocator, DimName};
 
 /// The nearest two lie no farther from their middle, in free amplitudes: what is farther apart may be two branches. With 0.02
-/// in place of it, half as many are found so at quality factors of 1000 and 1e4; none of 20,000 ended on another branch.
+/// in place of it half as many are found so at quality factors of 1000 and 1e4.
 const NEAR: f64 = 0.1;
 /// A state lies between two where it is no farther from their middle than they are, times this.
 const WITHIN: f64 = 1.5;

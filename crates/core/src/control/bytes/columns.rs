@@ -50,11 +50,11 @@ pub(super) fn write<const W: usize>(
     let room = |column: usize| if differ[column] == 0 { 8 } else { width(column) * count };
     bytes.reserve_exact((0..W).map(|column| 1 + room(column)).sum());
     let mut places = Vec::new();
-    for column in 0..W {
+    for (column, first) in first.iter().enumerate() {
         let width = width(column);
         bytes.push(width as u8);
         if width == 0 {
-            bytes.extend(first[column].to_le_bytes());
+            bytes.extend(first.to_le_bytes());
             continue;
         }
         places.push((column, width, bytes.len()));
