@@ -9,8 +9,10 @@ use crate::scene::{Start, Steady};
 use crate::steady::{self, Settled};
 use serde::{Deserialize, Serialize};
 
-/// Where more than one in so many of the sample is without a state that a search finds, the sample is waited for.
+/// Where more than one in so many of the sample is without a state that a search finds, its members begin at one another's
+/// states, at those of so many that are found, the next in stiffness first; where that does not help, the sample is waited for.
 const LEFT_OUT: usize = 4;
+const OTHERS: usize = 6;
 
 /// One basis on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -94,21 +96,54 @@ fn searches(sample: &Plan) -> bool {
     sample.run.steady == Steady::Search && sample.run.start == Start::Steady && !led
 }
 
-/// The sample with the richest basis, searched for with a quarter of the steps, and then next to what that found. What no
-/// search finds is left out, unless that is much of the sample.
+/// The sample with the richest basis, searched for with a quarter of the steps, if need be from one another's states, and then next
+/// to what that found. What no search finds is left out, unless that is much of the sample.
 fn truths(rich: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<Settled, EngineError> {
     if !searches(rich) {
         return steady::run(rich, &[], engine, progress);
     }
-    let rough = steady::sought(&quartered(rich.clone()), &[], engine, progress)?;
+    let coarse = quartered(rich.clone());
+    let mut rough = steady::sought(&coarse, &[], engine, progress)?;
     let all: Vec<u32> = rich.instances().collect();
-    let lost = all.iter().filter(|i| rough.state(**i as usize).is_none()).count();
-    if lost > all.len() / LEFT_OUT {
+    let much = |rough: &Settled| lost(&coarse, rough).len() > all.len() / LEFT_OUT;
+    for turn in 0..OTHERS {
+        if !much(&rough) || progress.stopped() {
+            break;
+        }
+        from_others(&coarse, turn, &mut rough, engine, progress)?;
+    }
+    if much(&rough) {
         return steady::run(rich, &steady::of(&rough.found, &all), engine, progress);
     }
     let mut settled = next_to(rich, (&rough, None), engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
     Ok(settled)
+}
+
+/// Members without a state.
+fn lost(plan: &Plan, run: &Settled) -> Vec<u32> {
+    plan.instances().filter(|i| run.state(*i as usize).is_none()).collect()
+}
+
+/// Members without a state begin at that of another one: of those that are found the next in the order of the sample at the first
+/// turn, then the one after that.
+fn from_others(
+    plan: &Plan,
+    turn: usize,
+    run: &mut Settled,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(), EngineError> {
+    let found: Vec<u32> = plan.instances().filter(|i| run.state(*i as usize).is_some()).collect();
+    let place = |i: u32| {
+        let mut nearest = found.clone();
+        nearest.sort_by_key(|other| other.abs_diff(i));
+        Some((i, run.state(*nearest.get(turn)? as usize)?))
+    };
+    let (some, others): (Vec<u32>, Vec<_>) = lost(plan, run).into_iter().filter_map(place).unzip();
+    let new = steady::next_to(&plan.part(&some), &others, engine, progress)?;
+    run.take(&some, new);
+    Ok(())
 }
 
 /// The sample with another basis than the richest: each member searched for with a quarter of the steps, so that it is

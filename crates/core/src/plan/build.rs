@@ -3,7 +3,7 @@
 use super::coded::{Coded, Codes};
 use super::contacts::Shared;
 use super::ensemble::Gaps;
-use super::rate::Tip;
+use super::rate::Last;
 use super::resolution::{Ids, Resolutions};
 use super::{
     Curves, Drive, Driven, Ensemble, Grid, GridAxis, InstanceId, Plan, Policy, Precision, ReducedBasis,
@@ -75,20 +75,6 @@ impl Plan {
             waveforms: scene.output.waveforms.clone(),
             starts: None,
         })
-    }
-}
-
-/// The drive of the last contact that was looked at, by its number: neighbours mostly have the same.
-#[derive(Default)]
-struct Last<'a>(Option<(u32, Tip<'a>)>);
-
-impl<'a> Last<'a> {
-    /// [`Driven::rung`] of a contact of this drive.
-    fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> u32 {
-        if self.0.as_ref().is_none_or(|(last, _)| *last != number) {
-            self.0 = None;
-        }
-        self.0.get_or_insert_with(|| (number, Tip::of(driven))).1.rung(contact, gap)
     }
 }
 

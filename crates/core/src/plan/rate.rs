@@ -83,6 +83,20 @@ impl<'a> Tip<'a> {
     }
 }
 
+/// The drive of the last contact that was looked at, by its number: neighbours mostly have the same.
+#[derive(Default)]
+pub(super) struct Last<'a>(Option<(u32, Tip<'a>)>);
+
+impl<'a> Last<'a> {
+    /// [`Driven::rung`] of a contact of this drive.
+    pub fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> u32 {
+        if self.0.as_ref().is_none_or(|(last, _)| *last != number) {
+            self.0 = None;
+        }
+        self.0.get_or_insert_with(|| (number, Tip::of(driven))).1.rung(contact, gap)
+    }
+}
+
 impl Driven {
     /// The rung of an instance's contact rate: it is at most 2 to this power times the drive's angular frequency. So
     /// neighbours have the same basis.

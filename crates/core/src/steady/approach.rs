@@ -4,9 +4,10 @@
 use super::begin::{Along, Begin};
 use super::feedback::{Feedback, PAST, Place, between, far, seeds};
 use super::follow::{self, left, wherever};
+use super::found::alike;
 use super::missed::miss;
 use super::search::{self, Searched};
-use super::{PeriodicState, alike, map};
+use super::{PeriodicState, map};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, StartState, Station};
 use crate::scene::Branch;

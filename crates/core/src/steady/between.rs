@@ -1,11 +1,12 @@
 //! Instances whose neighbours lead nowhere together, though their states are near one another: where these move differently, a
 //! contact more or less in a period, the inverse that they hand on is no guide, and their states are one.
 
+use super::Settled;
 use super::begin::Begin;
+use super::found::found;
 use super::map::{apart, station};
 use super::node::{Lead, Turns};
 use super::sizes::{Sized, by_size, with_size};
-use super::{Settled, found};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, Station};

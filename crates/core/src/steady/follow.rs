@@ -1,8 +1,9 @@
 //! Curves: periodic states followed from point to point, many curves side by side.
 
 use super::begin::{Along, Begin};
+use super::found::alike;
 use super::search::{self, Searched};
-use super::{Linear, PeriodicState, alike, map, wait};
+use super::{Linear, PeriodicState, map, wait};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
 use crate::plan::{Plan, Station};

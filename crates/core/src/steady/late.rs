@@ -2,8 +2,9 @@
 //! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end.
 
 use super::begin::{Begin, Left};
+use super::found::found;
 use super::map::{PeriodMap, own};
-use super::{Settled, follow, found, wait};
+use super::{Settled, follow, wait};
 use crate::engine::{Cpu, Engine, EngineError, Progress};
 use crate::plan::{Plan, StartState, Station};
 use std::collections::{BTreeMap, HashSet};

@@ -1,9 +1,10 @@
 //! A run whose instances begin at their neighbours' states, and what these do not lead to.
 
 use super::begin::{Begin, Left};
+use super::found::found;
 use super::map::apart;
 use super::node::{Hint, Lead, Neighbour};
-use super::{PeriodicState, Settled, beside, found, searched};
+use super::{PeriodicState, Settled, beside, searched};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, Station};
 

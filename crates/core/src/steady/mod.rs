@@ -8,6 +8,7 @@ mod between;
 mod carried;
 mod feedback;
 mod follow;
+mod found;
 mod late;
 mod led;
 mod linear;
@@ -33,9 +34,10 @@ pub use wait::SETTLED;
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::periodic::Spectrum;
-use crate::plan::{Plan, Precision, ReducedBasis, StartState, Station};
+use crate::plan::{Plan, ReducedBasis, Station};
 use crate::scene::{Start, Steady};
-use begin::{Begin, Left};
+use begin::Begin;
+use found::{found, run_on};
 use std::sync::Arc;
 
 /// A periodic state that was found.
@@ -82,10 +84,6 @@ impl Settled {
         self.found.get(instance).and_then(Option::as_deref)
     }
 }
-
-/// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
-/// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
-const ON: u32 = 5;
 
 /// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
 /// same instances with other steps or levers, or nothing.
@@ -277,6 +275,22 @@ pub fn from_places(
     Ok(found(plan, &all, Begin::At(places), engine, progress)?.0)
 }
 
+/// States next to those of others, of one for each instance of the plan, as they are met with its steps and lever; nothing else is
+/// looked for.
+///
+/// # Errors
+/// What the engine says.
+pub fn next_to(
+    plan: &Plan,
+    others: &[&PeriodicState],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Settled, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    let places: Vec<Station> = all.iter().zip(others).map(|(i, other)| map::own(plan, *i, other)).collect();
+    Ok(found(plan, &all, Begin::NextTo(&places), engine, progress)?.0)
+}
+
 /// The states of these instances, for a plan of them alone; nothing where none were searched for.
 pub fn of<'a>(found: &'a [Option<Box<PeriodicState>>], instances: &[u32]) -> Vec<Option<&'a PeriodicState>> {
     match found.is_empty() {
@@ -294,110 +308,4 @@ pub fn among<'a>(
     let mut all = vec![None; if found.is_empty() { 0 } else { count }];
     instances.iter().zip(found).for_each(|(i, state)| all[*i as usize] = state.as_deref());
     all
-}
-
-/// What a search finds and running on confirms; and what it has not found.
-fn found(
-    plan: &Plan,
-    instances: &[u32],
-    begin: Begin,
-    engine: &dyn Engine,
-    progress: &Progress,
-) -> Result<(Settled, Vec<Left>), EngineError> {
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
-    progress.task("search", instances.len() as u64);
-    let alike = alike(plan, instances);
-    let searched = search::all(plan, &alike, begin, double, progress)?;
-    let is_found = |i: &u32| searched.found[*i as usize].is_some();
-    let chosen: Vec<u32> = instances.iter().copied().filter(is_found).collect();
-    let mut settled = Settled {
-        outcome: Outcome { notes: searched.notes, ..Outcome::of(plan) },
-        found: searched.found,
-        periods: searched.periods,
-        jumps: Vec::new(),
-    };
-    let unsure = settled.borne_out(plan, &chosen, engine, progress)?;
-    settled.run_on(&plan.part(&unsure), &unsure, engine, progress)?;
-    let left = |settled: &Settled| -> Vec<u32> {
-        let stays = |i: u32| settled.outcome.results[i as usize].status.is_steady();
-        chosen.iter().copied().filter(|i| !stays(*i)).collect()
-    };
-    let rough = left(&settled);
-    if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
-        // A weakly damped state drifts in f32 by more than it may.
-        settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
-    }
-    left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
-    Ok((settled, searched.left))
-}
-
-impl Settled {
-    /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
-    /// bears the state out. The others come back.
-    fn borne_out(
-        &mut self,
-        plan: &Plan,
-        chosen: &[u32],
-        engine: &dyn Engine,
-        progress: &Progress,
-    ) -> Result<Vec<u32>, EngineError> {
-        let place = |i: &u32| self.state(*i as usize).map_or(Station::FREE, |state| state.station);
-        progress.task("measuring", 0);
-        let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
-        self.outcome.notes.extend(once.notes);
-        let mut unsure = Vec::new();
-        for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
-            self.periods[*i as usize] += 1;
-            let state = self.state(*i as usize);
-            let sure = state.is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
-            match sure && finished.status.is_steady() {
-                true => self.outcome.results[*i as usize] = finished,
-                false => unsure.push(*i),
-            }
-        }
-        Ok(unsure)
-    }
-
-    /// Runs on from the states found of these instances, of which the plan is, and measures them.
-    fn run_on(
-        &mut self,
-        plan: &Plan,
-        instances: &[u32],
-        engine: &dyn Engine,
-        progress: &Progress,
-    ) -> Result<(), EngineError> {
-        let on = run_on(plan.clone(), &of(&self.found, instances), engine, progress)?;
-        self.outcome.notes.extend(on.notes);
-        for (i, finished) in instances.iter().zip(on.results) {
-            self.outcome.results[*i as usize] = finished;
-            self.periods[*i as usize] += ON;
-        }
-        Ok(())
-    }
-}
-
-/// These instances in the order of their classes: neighbours are alike, and searched for together.
-fn alike(plan: &Plan, instances: &[u32]) -> Vec<u32> {
-    plan.part(instances).by_class().into_iter().map(|place| instances[place as usize]).collect()
-}
-
-/// Measures the plan's instances from the states found of them.
-fn run_on(
-    plan: Plan,
-    found: &[Option<&PeriodicState>],
-    engine: &dyn Engine,
-    progress: &Progress,
-) -> Result<Outcome, EngineError> {
-    let start = |state: &Option<&PeriodicState>| match state {
-        Some(state) => StartState { station: state.station, least_change: Some(state.spectrum.least_change) },
-        None => Station::FREE.into(),
-    };
-    let mut from = plan.starting_at(found.iter().map(start).collect());
-    (from.run.periods, from.run.measure) = (ON, from.run.measure.min(ON - 1));
-    progress.task("running on", 0);
-    progress.foresee(from.instance_steps());
-    let mut outcome = engine.run(&from, progress)?;
-    outcome.ends = Vec::new();
-    Ok(outcome)
 }

@@ -1,0 +1,116 @@
+//! What searches find, measured: by one period that bears the state out, or by some that are run on from it.
+
+use super::begin::{Begin, Left};
+use super::{PeriodicState, Settled, measured, of, search};
+use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
+use crate::plan::{Plan, Precision, StartState, Station};
+
+/// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
+/// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
+const ON: u32 = 5;
+
+/// What a search finds and running on confirms; and what it has not found.
+pub(super) fn found(
+    plan: &Plan,
+    instances: &[u32],
+    begin: Begin,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(Settled, Vec<Left>), EngineError> {
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    progress.task("search", instances.len() as u64);
+    let alike = alike(plan, instances);
+    let searched = search::all(plan, &alike, begin, double, progress)?;
+    let is_found = |i: &u32| searched.found[*i as usize].is_some();
+    let chosen: Vec<u32> = instances.iter().copied().filter(is_found).collect();
+    let mut settled = Settled {
+        outcome: Outcome { notes: searched.notes, ..Outcome::of(plan) },
+        found: searched.found,
+        periods: searched.periods,
+        jumps: Vec::new(),
+    };
+    let unsure = settled.borne_out(plan, &chosen, engine, progress)?;
+    settled.run_on(&plan.part(&unsure), &unsure, engine, progress)?;
+    let left = |settled: &Settled| -> Vec<u32> {
+        let stays = |i: u32| settled.outcome.results[i as usize].status.is_steady();
+        chosen.iter().copied().filter(|i| !stays(*i)).collect()
+    };
+    let rough = left(&settled);
+    if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
+        // A weakly damped state drifts in f32 by more than it may.
+        settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
+    }
+    left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
+    Ok((settled, searched.left))
+}
+
+impl Settled {
+    /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
+    /// bears the state out. The others come back.
+    pub(super) fn borne_out(
+        &mut self,
+        plan: &Plan,
+        chosen: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<Vec<u32>, EngineError> {
+        let place = |i: &u32| self.state(*i as usize).map_or(Station::FREE, |state| state.station);
+        progress.task("measuring", 0);
+        let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
+        self.outcome.notes.extend(once.notes);
+        let mut unsure = Vec::new();
+        for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
+            self.periods[*i as usize] += 1;
+            let state = self.state(*i as usize);
+            let sure = state.is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
+            match sure && finished.status.is_steady() {
+                true => self.outcome.results[*i as usize] = finished,
+                false => unsure.push(*i),
+            }
+        }
+        Ok(unsure)
+    }
+
+    /// Runs on from the states found of these instances, of which the plan is, and measures them.
+    fn run_on(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let on = run_on(plan.clone(), &of(&self.found, instances), engine, progress)?;
+        self.outcome.notes.extend(on.notes);
+        for (i, finished) in instances.iter().zip(on.results) {
+            self.outcome.results[*i as usize] = finished;
+            self.periods[*i as usize] += ON;
+        }
+        Ok(())
+    }
+}
+
+/// These instances in the order of their classes: neighbours are alike, and searched for together.
+pub(super) fn alike(plan: &Plan, instances: &[u32]) -> Vec<u32> {
+    plan.part(instances).by_class().into_iter().map(|place| instances[place as usize]).collect()
+}
+
+/// Measures the plan's instances from the states found of them.
+pub(super) fn run_on(
+    plan: Plan,
+    found: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Outcome, EngineError> {
+    let start = |state: &Option<&PeriodicState>| match state {
+        Some(state) => StartState { station: state.station, least_change: Some(state.spectrum.least_change) },
+        None => Station::FREE.into(),
+    };
+    let mut from = plan.starting_at(found.iter().map(start).collect());
+    (from.run.periods, from.run.measure) = (ON, from.run.measure.min(ON - 1));
+    progress.task("running on", 0);
+    progress.foresee(from.instance_steps());
+    let mut outcome = engine.run(&from, progress)?;
+    outcome.ends = Vec::new();
+    Ok(outcome)
+}
