@@ -2,7 +2,7 @@
 
 use super::difference::is_fast;
 use super::rules::Rules;
-use super::sample::{by_stiffness, law_of, spread, stiffness};
+use super::sample::{Kind, by_stiffness, spread, stiffness};
 use super::trial::{self, Costs, Place, Trial};
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
@@ -64,7 +64,7 @@ pub(super) fn tried(
 
 /// Gives each of `stepped` the basis that the trials choose for it.
 ///
-/// The harder a contact presses the lever, the more modes it moves: within a law an instance has its place among the sample
+/// The harder a contact presses the lever, the more modes it moves: within a kind an instance has its place among the sample
 /// by its contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the first
 /// member of the sample that it fails.
 pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Choice {
@@ -72,11 +72,11 @@ pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Cho
     let Some(Tried { sample, trials }) = tried else { return as_planned(plan, !fast.is_empty()) };
     let mut bases = Bases::new(plan);
     fast.iter().for_each(|i| bases.keep(*i));
-    let mut laws: HashMap<u8, OfLaw> = HashMap::new();
-    let of = |part: &Plan, n: u32, i: u32| (i, law_of(part, n), stiffness(part, n));
-    plan.for_each(&usual, of, |(i, law, stiffness)| {
-        let of_law = laws.entry(law.code()).or_insert_with(|| OfLaw::new(plan, law, sample, trials));
-        bases.choose(i, stiffness, of_law);
+    let mut kinds: HashMap<Kind, OfKind> = HashMap::new();
+    let of = |part: &Plan, n: u32, i: u32| (i, Kind::of(part, n), stiffness(part, n));
+    plan.for_each(&usual, of, |(i, kind, stiffness)| {
+        let of_kind = kinds.entry(kind).or_insert_with(|| OfKind::new(plan, kind, sample, trials));
+        bases.choose(i, stiffness, of_kind);
     });
     // Of the sample itself all is known, but for those whose own difference has to tell.
     let poorer = (usual.len() > sample.len() || bases.any_poorer).then_some(bases.poorer);
@@ -98,17 +98,17 @@ fn next_poorer(basis: BasisRule) -> BasisRule {
     basis.poorer().unwrap_or(basis)
 }
 
-/// What the trials say of one law's contacts.
-struct OfLaw {
+/// What the trials say of one kind of contacts.
+struct OfKind {
     /// Stiffness of each member of the sample, softest first.
     places: Vec<f64>,
     /// Of each basis on trial, poorest first.
     costs: Vec<Costs>,
 }
 
-impl OfLaw {
-    fn new(plan: &Plan, law: crate::contact::Law, sample: &[u32], trials: &[Trial]) -> Self {
-        let known: Vec<usize> = (0..sample.len()).filter(|n| law_of(plan, sample[*n]) == law).collect();
+impl OfKind {
+    fn new(plan: &Plan, kind: Kind, sample: &[u32], trials: &[Trial]) -> Self {
+        let known: Vec<usize> = (0..sample.len()).filter(|n| Kind::of(plan, sample[*n]) == kind).collect();
         Self {
             places: known.iter().map(|n| stiffness(plan, sample[*n])).collect(),
             costs: trials.iter().map(|trial| Costs::new(trial, &known, plan)).collect(),
@@ -154,15 +154,15 @@ impl<'a> Bases<'a> {
     }
 
     /// The basis of an instance whose contact is so stiff.
-    fn choose(&mut self, i: u32, stiffness: f64, of_law: &OfLaw) {
+    fn choose(&mut self, i: u32, stiffness: f64, of_kind: &OfKind) {
         let asked = self.plan.run.accuracy;
         let least = RICHEST * asked;
-        let place = &Place::among(&of_law.places, stiffness);
-        let shares = |n: usize| BasisRule::Shares { accuracy: of_law.costs[n].accuracy };
-        if let Some((n, cost)) = of_law.basis(place) {
-            let before = n.checked_sub(1).filter(|n| of_law.costs[*n].begins(place));
+        let place = &Place::among(&of_kind.places, stiffness);
+        let shares = |n: usize| BasisRule::Shares { accuracy: of_kind.costs[n].accuracy };
+        if let Some((n, cost)) = of_kind.basis(place) {
+            let before = n.checked_sub(1).filter(|n| of_kind.costs[*n].begins(place));
             self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
-        } else if let Some((n, left)) = of_law.almost(place).filter(|(_, left)| *left <= asked) {
+        } else if let Some((n, left)) = of_kind.almost(place).filter(|(_, left)| *left <= asked) {
             // The richest of all serves, as the last one on trial does but for its bound, and vouches for it.
             let richest = BasisRule::Shares { accuracy: least };
             self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);

@@ -2,7 +2,8 @@
 
 use super::coarse::halved;
 use super::difference::difference;
-use super::{Arithmetic, Controlled, sample};
+use super::sample::{self, Kind};
+use super::{Arithmetic, Controlled};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
@@ -137,9 +138,9 @@ pub(super) fn cost_of_rounding(
     let mut next = 0;
     for i in order {
         let here = sample.get(next) == Some(&i);
-        let of_law = |n: &usize| sample::law_of(&run.plan, sample[*n]) == sample::law_of(&run.plan, i);
+        let of_kind = |n: &usize| Kind::of(&run.plan, sample[*n]) == Kind::of(&run.plan, i);
         let near = [next.checked_sub(1), (next < sample.len()).then_some(next)].into_iter().flatten();
-        let near = near.filter(of_law).map(|n| moved[n]).filter(|one| one.is_finite());
+        let near = near.filter(of_kind).map(|n| moved[n]).filter(|one| one.is_finite());
         added[i as usize] = if here { moved[next] } else { near.fold(0.0, f64::max) };
         next += usize::from(here);
     }

@@ -1,22 +1,21 @@
-//! A sample of the instances, from the softest to the stiffest contact of each law.
+//! A sample of the instances, from the softest to the stiffest contact of each kind.
 
-use crate::contact::Law;
 use crate::plan::Plan;
 use rayon::prelude::*;
 use std::iter::successors;
 
-/// A sample of `stepped`, from the softest to the stiffest contact of each law.
+/// A sample of `stepped`, from the softest to the stiffest contact of each kind.
 pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     spread(plan, &by_stiffness(plan, stepped))
 }
 
-/// Evenly spread over instances in their order, and ever closer towards the stiffest of each law: those are what a basis
+/// Evenly spread over instances in their order, and ever closer towards the stiffest of each kind: those are what a basis
 /// fails, and all that stand beyond the last member that it serves pay for a richer one.
 pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
     let every = order.len().div_ceil(plan.policy.sample).max(1);
     let mut places: Vec<usize> = (0..order.len()).step_by(every).collect();
     let mut end = 0;
-    for (_, members) in laws(plan, order) {
+    for members in kinds(plan, order) {
         end += members.len();
         let from_end = successors(Some(1), |distance| Some(2 * distance));
         let closer = from_end.take_while(|distance| *distance < every && *distance <= members.len());
@@ -36,30 +35,40 @@ pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
     pressed.max(contact.law().attraction_slope()) * flexibility
 }
 
-pub(super) fn law_of(plan: &Plan, instance: u32) -> Law {
-    plan.law(instance)
+/// What instances have in common that stand side by side in a sample: their law, and whether contact ends with a strong jump of
+/// its force, which moves modes that a contact as stiff without one leaves at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Kind {
+    law: u8,
+    jumps: bool,
 }
 
-/// By law, then stiffness.
+impl Kind {
+    pub fn of(plan: &Plan, instance: u32) -> Self {
+        Self { law: plan.law(instance).code(), jumps: plan.jumps(instance) }
+    }
+}
+
+/// By kind, then stiffness.
 pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
-    // Law, stiffness and number in one number that is ordered as they are.
+    // Kind, stiffness and number in one number that is ordered as they are.
     let key = |part: &Plan, n: u32, i: u32| -> u128 {
-        let bits = stiffness(part, n).to_bits();
+        let (kind, bits) = (Kind::of(part, n), stiffness(part, n).to_bits());
         let ordered = if bits >> 63 == 1 { !bits } else { bits | 1 << 63 };
-        u128::from(law_of(part, n).code()) << 96 | u128::from(ordered) << 32 | u128::from(i)
+        (u128::from(kind.law) << 1 | u128::from(kind.jumps)) << 96 | u128::from(ordered) << 32 | u128::from(i)
     };
     let mut keyed = plan.of_each(stepped, key);
     keyed.par_sort_unstable();
     keyed.into_iter().map(|key| key as u32).collect()
 }
 
-/// The instances of each law, which stand together.
-pub(super) fn laws<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = (Law, &'a [u32])> {
+/// The instances of each kind, which stand together.
+fn kinds<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = &'a [u32]> {
     let mut rest = order;
     std::iter::from_fn(move || {
-        let law = law_of(plan, *rest.first()?);
-        let (group, others) = rest.split_at(rest.partition_point(|i| law_of(plan, *i) == law));
+        let kind = Kind::of(plan, *rest.first()?);
+        let (group, others) = rest.split_at(rest.partition_point(|i| Kind::of(plan, *i) == kind));
         rest = others;
-        Some((law, group))
+        Some(group)
     })
 }

@@ -212,7 +212,7 @@ impl Place {
     }
 }
 
-/// What a basis costs the members of the sample under one law, softest contact first.
+/// What a basis costs the members of the sample of one kind, softest contact first.
 pub(super) struct Costs {
     pub accuracy: f64,
     differences: Vec<f64>,

@@ -56,6 +56,9 @@ policy! {
 
     /// Members of the sample that bases are tried on.
     sample: usize = 64,
+    /// The jump of force with which contact ends under JKR is strong from this share of the force at the deepest indentation to
+    /// expect. Bases are tried on contacts with a strong one by themselves.
+    strong_jump: f64 = 0.04,
     /// From so many instances on the poorest bases are tried too.
     many: usize = 256,
     /// The poorer bases on trial, by the accuracy whose modes they carry over the one asked for.
