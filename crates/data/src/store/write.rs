@@ -8,6 +8,7 @@ mod chunk;
 mod curves;
 mod filled;
 mod groups;
+mod packed;
 mod root;
 mod waveforms;
 
@@ -124,16 +125,20 @@ impl Layout {
         let mut builder = self.group.new_dataset::<T>().shape(shape.to_vec());
         builder = builder.obj_track_times(false).attr_creation_order(AttrOrder::Indexed);
         if size_of_val(data) < TINY {
-            builder = builder.layout(Storage::Compact);
-        } else {
-            builder = builder.chunk(chunk(shape)).shuffle();
-            if hdf5::filters::deflate_available() {
-                builder = builder.deflate(1);
-            }
-            builder = builder.fletcher32();
+            let dataset = builder.layout(Storage::Compact).create(name)?;
+            dataset.write_raw(data)?;
+            return Ok(dataset);
         }
-        let dataset = builder.create(name)?;
-        dataset.write_raw(data)?;
+        let (chunk, deflates) = (chunk(shape), hdf5::filters::deflate_available());
+        builder = builder.chunk(chunk.clone()).shuffle();
+        if deflates {
+            builder = builder.deflate(1);
+        }
+        let dataset = builder.fletcher32().create(name)?;
+        match deflates && packed::is_number::<T>() {
+            true => packed::write(&dataset, (shape, &chunk), data)?,
+            false => dataset.write_raw(data)?,
+        }
         Ok(dataset)
     }
 
