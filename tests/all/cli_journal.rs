@@ -179,6 +179,12 @@ fn a_journal_is_gone_on_with_only_by_its_own_run() {
     desk.refuses(&["report", "a.h5.partial"], &["journal of a run that is not whole", "export", "--resume"]);
     assert_eq!(std::fs::read(desk.path("a.h5.partial")).unwrap(), bytes, "it is as it was");
 
+    // Of another format.
+    std::fs::write(desk.path("a.h5.partial"), [&b"afmjournal 1\n"[..], &bytes[13..]].concat()).unwrap();
+    desk.refuses(&with(&["--resume"]), &["a.h5.partial", "another version of the program"]);
+    desk.refuses(&["export", "a.h5.partial", "-o", "b.h5"], &["another version of the program"]);
+    std::fs::write(desk.path("a.h5.partial"), &bytes).unwrap();
+
     // Of another kind of engine: the header says so.
     let other = altered(&bytes, "round once", "round 1.5 times");
     if other != bytes {

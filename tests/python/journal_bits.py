@@ -44,7 +44,7 @@ KINDS = {"portions": (SCENE, ["--no-audit"]), "audit": (BRANCHES, ["--audit", "1
 
 def records(bytes_):
     """The kinds of a journal's records."""
-    at, found = len(b"afmjournal 1\n"), []
+    at, found = len(b"afmjournal 2\n"), []
     while at + 13 <= len(bytes_):
         found.append(bytes_[at + 4])
         at += 13 + int.from_bytes(bytes_[at : at + 4], "little")

@@ -74,7 +74,7 @@ def has_later(partial):
     """Whether a journal has records of what is asked once all portions have ended."""
     if not partial.exists():
         return False
-    bytes_, at = partial.read_bytes(), len(b"afmjournal 1\n")
+    bytes_, at = partial.read_bytes(), len(b"afmjournal 2\n")
     while at + 9 <= len(bytes_):
         length, kind = int.from_bytes(bytes_[at : at + 4], "little"), bytes_[at + 4]
         if kind in LATER and at + 13 + length <= len(bytes_):

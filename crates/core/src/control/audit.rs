@@ -6,7 +6,7 @@ use super::ran::Ran;
 use super::{Controlled, truth};
 use crate::compare::{Ranking, Scales, error, ranked, worst};
 use crate::engine::{Columns, EngineError, Finished, Progress, Reference, TOLERANCE};
-use crate::observe::Status;
+use crate::observe::{Observable, Status};
 use crate::plan::Plan;
 use std::ops::ControlFlow;
 
@@ -137,12 +137,15 @@ pub fn contacts(run: &Ran) -> Result<Vec<u32>, EngineError> {
     let (wants, mut all) = (run.plan.wants, Vec::new());
     run.each(&mut |piece| {
         let plan = piece.plan();
+        let [times, depths] = [
+            wants.contact.then(|| piece.observed(Observable::ContactTime)),
+            wants.extremes.then(|| piece.observed(Observable::IndentationMax)),
+        ];
         for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| counts(run, **i)) {
-            let measured = piece.measured(n as usize);
-            let touches = match () {
-                () if wants.contact => measured.contact_time > 0.0,
-                () if wants.extremes => !measured.indentation_max.is_nan(),
-                () => plan.expected_depth(n) > 0.0,
+            let touches = match (&times, &depths) {
+                (Some(times), _) => times[n as usize] > 0.0,
+                (None, Some(depths)) => !depths[n as usize].is_nan(),
+                (None, None) => plan.expected_depth(n) > 0.0,
             };
             if touches {
                 all.push((plan.steps(n), *i));

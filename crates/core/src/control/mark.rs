@@ -1,12 +1,25 @@
 //! What is known of each instance of a run in a byte.
 
-use super::portion::Ended;
 use crate::observe::Status;
 use crate::plan::Precision;
 
 /// Status and a few marks of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark(u8);
+
+/// What a mark is made of.
+pub(super) struct Seen {
+    pub status: Status,
+    /// Whether it needed steps.
+    pub stepped: bool,
+    /// Whether anything was measured of it.
+    pub measured: bool,
+    pub estimate: f64,
+    /// Whether its periodic state was found.
+    pub found: bool,
+    /// The arithmetic of its last run.
+    pub precision: Precision,
+}
 
 const STATUS: u8 = 7;
 const STEPPED: u8 = 1 << 3;
@@ -25,17 +38,18 @@ impl Mark {
     }
 
     /// Of one that has ended. What is called ok and was estimated above the accuracy asked for is called so.
-    pub(super) fn of(one: &Ended, accuracy: f64) -> Self {
+    pub(super) fn of(seen: Seen, accuracy: f64) -> Self {
+        let Seen { status, stepped, measured, estimate, found, precision } = seen;
         let mark = Self(
-            one.finished.status as u8
-                | flag(STEPPED, one.fineness.steps > 0)
-                | flag(MEASURED, one.finished.measured.is_any())
-                | flag(ESTIMATED, !one.estimate.is_nan())
-                | flag(FOUND, one.state.is_some())
-                | flag(DOUBLE, one.precision == Precision::F64),
+            status as u8
+                | flag(STEPPED, stepped)
+                | flag(MEASURED, measured)
+                | flag(ESTIMATED, !estimate.is_nan())
+                | flag(FOUND, found)
+                | flag(DOUBLE, precision == Precision::F64),
         );
-        match mark.status() {
-            Status::Ok if mark.stepped() && one.estimate > accuracy => mark.called(Status::AccuracyNotMet),
+        match status {
+            Status::Ok if stepped && estimate > accuracy => mark.called(Status::AccuracyNotMet),
             _ => mark,
         }
     }

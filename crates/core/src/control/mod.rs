@@ -13,6 +13,7 @@ mod coarse;
 mod decide;
 mod difference;
 mod division;
+mod ended;
 mod first;
 mod in_memory;
 mod levels;
@@ -22,6 +23,7 @@ mod neighbours;
 mod order;
 mod other;
 mod part;
+mod piece;
 mod pieces;
 mod place;
 mod portion;
@@ -48,17 +50,20 @@ pub use audit::{Audited, audit, audit_of, audit_of_run, chosen, contacts};
 pub use branches::others;
 pub use bytes::{
     allowance_from_bytes, allowance_to_bytes, answers_from_bytes, answers_to_bytes, numbers_from_bytes,
-    numbers_question, numbers_to_bytes, portion_from_bytes, portion_number, portion_to_bytes, questions,
+    numbers_question, numbers_to_bytes, portion_number, portion_to_bytes, questions,
 };
 pub use choices::{Choices, Course, choose};
 pub use division::Division;
+pub use ended::{About, Ended};
 pub use in_memory::InMemory;
 pub use mark::Mark;
+use mark::Seen;
 pub use other::{Other, Others};
 pub use part::Part;
+pub use piece::Piece;
 pub use place::Place;
-pub use portion::{Ended, Keep, Portion};
-pub use ran::{Piece, Ran};
+pub use portion::{Keep, Portion};
+pub use ran::Ran;
 pub use truth::{Way, beside, by_reference, touches};
 pub use verdict::{Verdict, basis};
 

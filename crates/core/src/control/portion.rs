@@ -1,44 +1,23 @@
-//! What became of some instances of a run, as plain data apart from their plan: what a run writes down to go on from.
+//! Portions of a run that have ended, and who keeps them.
 
 use super::Part;
 use super::asked::{Allowance, Answer, Question};
+use super::bytes::{View, portion_to_bytes as to_bytes};
+use super::ended::{About, Ended};
+use super::mark::{Mark, Seen};
 use super::place::Place;
-use crate::engine::Finished;
-use crate::plan::{Fineness, Precision};
-use std::ops::ControlFlow;
-use std::sync::Arc;
+use crate::engine::{Finished, Wanted};
+use std::ops::{ControlFlow, Range};
 
-/// What became of the instances of a portion, in its order.
+/// A portion that has ended: what is held of it in memory, and the bytes that are kept.
 #[derive(Clone, Debug)]
 pub struct Portion {
-    /// Whether all that was to be done for it was; else what was not done is called not run.
-    pub whole: bool,
-    /// Whether its states were searched for.
-    pub searched: bool,
-    /// Whether its instances are points of curves.
-    pub curves: bool,
-    /// Whether it was searched from rest.
-    pub from_rest: bool,
-    pub instances: Vec<Ended>,
-    /// What a user should know of how it went: one line each.
-    pub notes: Vec<String>,
-}
-
-/// What became of one instance; see [`Part`].
-#[derive(Clone, Debug)]
-pub struct Ended {
-    pub finished: Finished,
-    pub estimate: f64,
-    pub left_out: f64,
-    pub periods: u32,
-    pub jump: bool,
-    /// Whether it began at its neighbours' states.
-    pub neighbour_started: bool,
-    pub precision: Precision,
-    pub fineness: Fineness,
-    pub state: Option<Place>,
-    /// What the search from rest found.
-    pub from_rest: Option<Box<(Finished, Place)>>,
+    pub about: About,
+    /// Of its instances, in its order.
+    pub marks: Vec<Mark>,
+    /// How many of their results began at their neighbours' states.
+    pub neighbour_started: usize,
+    pub bytes: Vec<u8>,
 }
 
 /// What is known of a run before it begins, of its portions and of what is asked after them, who is told of what ends, and
@@ -59,20 +38,20 @@ pub trait Keep: Sync {
         true
     }
 
-    /// What became of it, which has so many instances, in an earlier run. One that was not whole is shown and not gone on
-    /// with.
-    fn known(&self, _number: usize, _instances: usize) -> Option<Portion> {
+    /// Its bytes, if an earlier run has ended it with so many instances. One that was not whole is shown and not gone on with.
+    fn known(&self, _number: usize, _instances: usize) -> Option<Vec<u8>> {
         None
     }
 
-    /// A portion has ended, and is to be kept; a break ends the run.
-    fn ended(&self, number: usize, portion: &Portion) -> ControlFlow<()>;
+    /// A portion has ended, or a part of it where it is not whole, and its bytes are to be kept; a break ends the run.
+    fn ended(&self, number: usize, whole: bool, bytes: Vec<u8>) -> ControlFlow<()>;
 
-    /// The bytes of a portion that has ended in this run, or that was known before.
+    /// Some of the bytes of a portion that has ended in this run, or that was known before. Whether they are what was kept is
+    /// the reader's to know.
     ///
     /// # Errors
     /// In words, why they cannot be had.
-    fn bytes(&self, number: usize) -> Result<Arc<Vec<u8>>, String>;
+    fn bytes(&self, number: usize, range: Range<usize>) -> Result<Vec<u8>, String>;
 
     /// Whether what it is told outlasts the run: then it is told of pieces of the work.
     fn lasts(&self) -> bool {
@@ -116,36 +95,65 @@ pub trait Keep: Sync {
 }
 
 impl Portion {
-    /// Of a run of some instances.
-    pub(super) fn of(run: &Part, whole: bool) -> Self {
-        let one = |i: u32| {
-            let n = i as usize;
+    /// Of a run of some instances. What is measured in any case and was not asked for is not kept.
+    pub(super) fn of(run: &Part, number: usize, whole: bool) -> Self {
+        let (plan, results) = (&run.plan, &run.outcome.results);
+        let is_told = |all: &[bool], n: usize| all.get(n).is_some_and(|told| *told);
+        let wanted = Wanted::by(&plan.observables);
+        let instance = |n: usize| {
             let rest = run.from_rest.get(n).and_then(Option::as_ref);
             Ended {
-                finished: run.outcome.results[n],
+                finished: Finished { measured: wanted.only(&results[n].measured), ..results[n] },
                 estimate: run.estimates[n],
                 left_out: run.left_out[n],
                 periods: run.periods[n],
-                jump: run.jumps.get(n).is_some_and(|jump| *jump),
-                neighbour_started: run.neighbour_started.get(n).is_some_and(|begun| *begun),
+                jump: is_told(&run.jumps, n),
+                neighbour_started: is_told(&run.neighbour_started, n),
                 precision: run.arithmetic.of[n],
-                fineness: run.plan.fineness(i),
+                fineness: plan.fineness(n as u32),
                 state: run.found.get(n).and_then(|state| state.as_deref()).map(Place::of),
                 from_rest: rest.map(|rest| Box::new((rest.finished, Place::of(&rest.place)))),
             }
         };
-        Self {
+        let mark = |n: usize| {
+            let seen = Seen {
+                status: results[n].status,
+                stepped: plan.fineness(n as u32).steps > 0,
+                measured: results[n].measured.is_any(),
+                estimate: run.estimates[n],
+                found: run.found.get(n).is_some_and(Option::is_some),
+                precision: run.arithmetic.of[n],
+            };
+            Mark::of(seen, plan.run.accuracy)
+        };
+        let about = About {
             whole,
             searched: !run.found.is_empty(),
             curves: !run.jumps.is_empty(),
             from_rest: !run.from_rest.is_empty(),
-            instances: run.plan.instances().map(one).collect(),
             notes: run.outcome.notes.clone(),
+        };
+        let bytes = to_bytes(number, &about, plan.len(), instance);
+        let neighbour_started = run.neighbour_started.iter().filter(|begun| **begun).count();
+        Self { about, marks: (0..plan.len()).map(mark).collect(), neighbour_started, bytes }
+    }
+
+    /// Of its bytes; none where they are no such portion of so many instances. How many there are is the caller's to know:
+    /// bytes may tell of more than there is memory for.
+    pub fn of_bytes(bytes: Vec<u8>, (number, count): (usize, usize), accuracy: f64) -> Option<Self> {
+        let source = |range: Range<usize>| Ok(bytes.get(range).ok_or("it is cut off")?.to_vec());
+        let view = View::of(&source, number, count).ok()?;
+        let about = view.about().filter(|_| view.length() == bytes.len())?;
+        let (marks, neighbour_started) = view.marks(accuracy)?;
+        if view.failure().is_some() {
+            return None;
         }
+        drop(view);
+        Some(Self { about, marks, neighbour_started, bytes })
     }
 
     /// Whether it is whole, or anything was measured of its instances: else there is nothing to keep.
     pub fn is_any(&self) -> bool {
-        self.whole || self.instances.iter().any(|one| one.finished.measured.is_any())
+        self.about.whole || self.marks.iter().any(|mark| mark.measured())
     }
 }

@@ -125,11 +125,12 @@ pub(super) fn run<'k>(
     }
     let ended = AtomicBool::new(false);
     let one = |whole: &Ran, number: usize| {
-        let portion = Portion::of(&work.run(number, whole)?, !progress.stopped());
+        let mut portion = Portion::of(&work.run(number, whole)?, number, !progress.stopped());
         if let Some(held) = &held {
-            held.done(portion.instances.len() as u64);
+            held.done(portion.marks.len() as u64);
         }
-        if keep.ended(number, &portion).is_break() {
+        let bytes = std::mem::take(&mut portion.bytes);
+        if portion.is_any() && keep.ended(number, portion.about.whole, bytes).is_break() {
             ended.store(true, Ordering::Relaxed);
             progress.stop();
         }
@@ -158,8 +159,11 @@ fn take_known(whole: &mut Ran, keep: &dyn Keep) -> Vec<usize> {
     let mut wanted = Vec::new();
     for number in 0..whole.division().len() {
         let runs = keep.wanted(number);
+        let (count, accuracy) = (whole.portion(number).len(), whole.plan.run.accuracy);
+        let known = keep.known(number, count);
+        let known = known.and_then(|bytes| Portion::of_bytes(bytes, (number, count), accuracy));
         // What was cut short is run anew, from what was chosen.
-        let known = keep.known(number, whole.portion(number).len()).filter(|known| known.whole || !runs);
+        let known = known.filter(|known| known.about.whole || !runs);
         if let Some(known) = &known {
             whole.take(number, known);
         }

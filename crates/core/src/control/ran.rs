@@ -3,19 +3,18 @@
 use super::bytes::View;
 use super::choices::Choices;
 use super::division::Division;
+use super::ended::About;
 use super::mark::Mark;
+use super::piece::{Of, Piece};
 use super::place::Place;
 use super::portion::{Keep, Portion};
 use super::seconds::Seconds;
 use super::{Arithmetic, Controlled};
-use crate::contact::{Compact, Contact};
 use crate::engine::{Columns, EngineError, Finished};
-use crate::observe::{Measured, Status};
+use crate::observe::Status;
 use crate::plan::{Fineness, Plan, Precision};
 use crate::steady::States;
-use std::collections::HashMap;
 use std::ops::ControlFlow;
-use std::sync::OnceLock;
 
 /// A run of all instances to the accuracy asked for. There may be very many: of each a byte lies in memory.
 pub struct Ran<'k> {
@@ -75,15 +74,15 @@ impl<'k> Ran<'k> {
 
     /// Takes in a portion that is kept.
     pub(super) fn take(&mut self, number: usize, portion: &Portion) {
-        let accuracy = self.plan.run.accuracy;
-        for (i, one) in self.division.portion(number).iter().zip(&portion.instances) {
-            self.marks[*i as usize] = Mark::of(one, accuracy);
-            self.neighbour_started += usize::from(one.neighbour_started);
+        for (i, mark) in self.division.portion(number).iter().zip(&portion.marks) {
+            self.marks[*i as usize] = *mark;
         }
-        self.searched |= portion.searched;
-        self.curves |= portion.curves;
-        self.from_rest |= portion.from_rest;
-        self.notes.extend(portion.notes.iter().cloned());
+        self.neighbour_started += portion.neighbour_started;
+        let About { whole: _, searched, curves, from_rest, notes } = &portion.about;
+        self.searched |= searched;
+        self.curves |= curves;
+        self.from_rest |= from_rest;
+        self.notes.extend(notes.iter().cloned());
         self.kept[number] = true;
     }
 
@@ -152,19 +151,29 @@ impl<'k> Ran<'k> {
     /// Shows all portions with nothing but their plans and marks: what is kept of them is not read.
     pub fn each_unread(&self, show: &mut dyn FnMut(&Piece)) {
         for number in 0..self.division.len() {
-            show(&Piece::new(self, self.division.portion(number), None));
+            show(&Piece::new(self.told(), self.division.portion(number), None));
         }
+    }
+
+    /// What its portions are shown with.
+    fn told(&self) -> Of<'_> {
+        Of { plan: &self.plan, marks: &self.marks, added: &self.added }
     }
 
     fn shown<T>(&self, number: usize, show: &mut dyn FnMut(&Piece) -> T) -> Result<T, EngineError> {
         let instances = self.division.portion(number);
         if !self.kept[number] {
-            return Ok(show(&Piece::new(self, instances, None)));
+            return Ok(show(&Piece::new(self.told(), instances, None)));
         }
-        let bytes = self.keep.bytes(number).map_err(|why| EngineError::Unread { why })?;
-        let view = View::of(&bytes, instances.len());
-        let spoilt = || EngineError::Unread { why: format!("portion {number} is spoilt") };
-        Ok(show(&Piece::new(self, instances, Some(view.ok_or_else(spoilt)?))))
+        let source = |range| self.keep.bytes(number, range);
+        let unread = |why: &str| EngineError::Unread { why: why.to_owned() };
+        let view = View::of(&source, number, instances.len()).map_err(|why| unread(&why))?;
+        let piece = Piece::new(self.told(), instances, Some(view));
+        let shown = show(&piece);
+        match piece.view.as_ref().and_then(View::failure) {
+            Some(why) => Err(unread(why)),
+            None => Ok(shown),
+        }
     }
 
     /// The estimates of the instances that are called ok, those that are numbers, the least first.
@@ -174,9 +183,9 @@ impl<'k> Ran<'k> {
     pub fn estimates_of_ok(&self) -> Result<Vec<f64>, EngineError> {
         let mut known = Vec::new();
         self.each(&mut |piece| {
-            let ok = |n: &usize| self.status(piece.instances[*n]) == Status::Ok;
-            let all = (0..piece.instances.len()).filter(ok).map(|n| piece.estimate(n));
-            known.extend(all.filter(|estimate| estimate.is_finite()));
+            let all = piece.instances.iter().zip(piece.estimates());
+            let ok = all.filter(|(i, estimate)| self.status(**i) == Status::Ok && estimate.is_finite());
+            known.extend(ok.map(|(_, estimate)| estimate));
             ControlFlow::Continue(())
         })?;
         known.sort_unstable_by(f64::total_cmp);
@@ -188,13 +197,13 @@ impl<'k> Ran<'k> {
     /// # Errors
     /// As [`Ran::each`].
     pub fn some(&self, instances: &[u32]) -> Result<Controlled, EngineError> {
-        let places: HashMap<u32, usize> = instances.iter().enumerate().map(|(n, i)| (*i, n)).collect();
+        /// No place among them.
+        const NONE: u32 = u32::MAX;
+        let mut places = vec![NONE; self.len()];
+        instances.iter().enumerate().for_each(|(n, i)| places[*i as usize] = n as u32);
         let here = |number: usize| -> Vec<(usize, usize)> {
-            let all = self.portion(number).iter().enumerate();
-            match instances.len() == self.len() {
-                true => all.map(|(n, i)| (n, *i as usize)).collect(),
-                false => all.filter_map(|(n, i)| Some((n, *places.get(i)?))).collect(),
-            }
+            let all = self.portion(number).iter().map(|i| places[*i as usize]).enumerate();
+            all.filter(|(_, place)| *place != NONE).map(|(n, place)| (n, place as usize)).collect()
         };
         let show = |take: &mut dyn FnMut(&View, usize, usize, &Piece)| -> Result<(), EngineError> {
             for number in 0..self.division.len() {
@@ -222,93 +231,6 @@ impl<'k> Ran<'k> {
     /// As [`Ran::each`].
     pub fn gathered(&self) -> Result<Controlled, EngineError> {
         self.some(&self.plan.instances().collect::<Vec<u32>>())
-    }
-}
-
-/// A portion of a run that has ended, or what is known of one that has not.
-pub struct Piece<'a> {
-    run: &'a Ran<'a>,
-    /// By their numbers in the run.
-    pub instances: &'a [u32],
-    view: Option<View<'a>>,
-    /// Their contacts, once one is asked for.
-    contacts: OnceLock<Vec<Compact>>,
-}
-
-impl<'a> Piece<'a> {
-    fn new(run: &'a Ran<'a>, instances: &'a [u32], view: Option<View<'a>>) -> Self {
-        Self { run, instances, view, contacts: OnceLock::new() }
-    }
-}
-
-impl Piece<'_> {
-    /// The plan of its instances as it was carried out.
-    pub fn plan(&self) -> Plan {
-        let part = self.run.plan.part(self.instances);
-        let fineness = |view: &View| -> Option<Vec<Fineness>> {
-            (0..self.instances.len()).map(|n| view.fineness(n)).collect()
-        };
-        match self.view.as_ref().and_then(fineness) {
-            Some(fineness) => part.with_fineness(&fineness),
-            None => part,
-        }
-    }
-
-    /// What was measured of an instance, by its number in the portion.
-    pub fn measured(&self, n: usize) -> Measured {
-        self.view.as_ref().map_or(Measured::NONE, |view| view.measured(n))
-    }
-
-    /// What became of an instance.
-    pub fn finished(&self, n: usize) -> Finished {
-        Finished { measured: self.measured(n), status: self.status(n) }
-    }
-
-    /// The same in a word.
-    pub fn status(&self, n: usize) -> Status {
-        self.run.status(self.instances[n])
-    }
-
-    /// An instance's contact.
-    pub fn contact(&self, n: usize) -> Contact {
-        self.compact(n).contact()
-    }
-
-    /// The same without the constants of its law.
-    pub fn compact(&self, n: usize) -> Compact {
-        self.contacts.get_or_init(|| self.run.plan.contacts_of(self.instances))[n]
-    }
-
-    /// The arithmetic of its last run.
-    pub fn precision(&self, n: usize) -> Precision {
-        self.run.marks[self.instances[n] as usize].precision()
-    }
-
-    /// Its estimated error: see [`Controlled::estimates`].
-    pub fn estimate(&self, n: usize) -> f64 {
-        let added = self.run.added.get(self.instances[n] as usize).copied();
-        self.view.as_ref().map_or(f64::NAN, |view| view.estimate(n)) + added.unwrap_or(0.0)
-    }
-
-    /// The periods of its last run.
-    pub fn periods(&self, n: usize) -> u32 {
-        self.view.as_ref().map_or(0, |view| view.periods(n))
-    }
-
-    /// Whether its curve's state was not reached continuously from the point before.
-    pub fn jump(&self, n: usize) -> bool {
-        self.view.as_ref().is_some_and(|view| view.jump(n))
-    }
-
-    /// Its steps per period.
-    pub fn steps(&self, n: usize) -> u32 {
-        let planned = || self.run.plan.steps(self.instances[n]);
-        self.view.as_ref().map_or_else(planned, |view| view.steps(n))
-    }
-
-    /// The modulus of its map's largest multiplier; NaN where no state was found, or waiting found it.
-    pub fn multiplier(&self, n: usize) -> f64 {
-        self.view.as_ref().map_or(f64::NAN, |view| view.multiplier(n))
     }
 }
 

@@ -9,7 +9,7 @@ pub struct Columns {
     statuses: Vec<Status>,
     columns: [Column; Measured::WIDTH],
     /// Which numbers are held; the others are NaN whatever is set.
-    held: [bool; Measured::WIDTH],
+    held: Wanted,
 }
 
 /// A number of each instance, by its bits.
@@ -23,13 +23,13 @@ impl Columns {
     /// So many instances that were not run.
     pub fn not_run(count: usize) -> Self {
         let none = Finished::NOT_RUN.measured.numbers().map(f64::to_bits);
-        let held = [true; Measured::WIDTH];
+        let held = Wanted([true; Measured::WIDTH]);
         Self { statuses: vec![Status::NotRun; count], columns: none.map(Column::All), held }
     }
 
     /// The same; of what is measured whether it was asked for or not, only what these observables are made of is held.
     pub fn of_observables(count: usize, asked: &[Observable]) -> Self {
-        Self { held: held(asked), ..Self::not_run(count) }
+        Self { held: Wanted::by(asked), ..Self::not_run(count) }
     }
 
     /// Number of instances.
@@ -57,7 +57,7 @@ impl Columns {
     /// Says what became of an instance.
     pub fn set(&mut self, instance: usize, finished: &Finished) {
         let count = self.len();
-        let numbers = finished.measured.numbers().into_iter().zip(self.held);
+        let numbers = finished.measured.numbers().into_iter().zip(self.held.0);
         for ((number, _), column) in numbers.zip(&mut self.columns).filter(|((_, held), _)| *held) {
             let bits = number.to_bits();
             match column {
@@ -89,26 +89,43 @@ impl Columns {
     }
 }
 
-/// The numbers of which observables are made, and those by which branches, contacts and scales of errors are told.
-fn held(asked: &[Observable]) -> [bool; Measured::WIDTH] {
-    let mut held = Measured::of_numbers(&[1.0; Measured::WIDTH]);
-    let mut drop_unless = |of: &[Observable], number: &dyn Fn(&mut Measured) -> &mut f64| {
-        if !of.iter().any(|one| asked.contains(one)) {
-            *number(&mut held) = f64::NAN;
-        }
-    };
-    drop_unless(&[Observable::DeflectionAmplitude, Observable::DeflectionPhase], &|all| {
-        &mut all.deflection_amplitude
-    });
-    drop_unless(&[Observable::DeflectionPhase], &|all| &mut all.deflection_phase);
-    drop_unless(&[Observable::DeflectionMean], &|all| &mut all.deflection_mean);
-    drop_unless(&[Observable::FreePhase], &|all| &mut all.free_phase);
-    drop_unless(&[Observable::FrequencyShift], &|all| &mut all.frequency_shift);
-    drop_unless(&[Observable::Gap], &|all| &mut all.gap);
-    // The loss is a scale of the virial's errors.
-    drop_unless(&[Observable::Dissipation, Observable::Virial], &|all| &mut all.dissipation);
-    drop_unless(&[Observable::Virial], &|all| &mut all.virial);
-    held.numbers().map(|number| !number.is_nan())
+/// Which numbers of a measurement somebody may ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted([bool; Measured::WIDTH]);
+
+impl Wanted {
+    /// The numbers of which observables are made, and those by which branches, contacts and scales of errors are told.
+    pub fn by(asked: &[Observable]) -> Self {
+        let mut wanted = Measured::of_numbers(&[1.0; Measured::WIDTH]);
+        let mut drop_unless = |of: &[Observable], number: &dyn Fn(&mut Measured) -> &mut f64| {
+            if !of.iter().any(|one| asked.contains(one)) {
+                *number(&mut wanted) = f64::NAN;
+            }
+        };
+        drop_unless(&[Observable::DeflectionAmplitude, Observable::DeflectionPhase], &|all| {
+            &mut all.deflection_amplitude
+        });
+        drop_unless(&[Observable::DeflectionPhase], &|all| &mut all.deflection_phase);
+        drop_unless(&[Observable::DeflectionMean], &|all| &mut all.deflection_mean);
+        drop_unless(&[Observable::FreePhase], &|all| &mut all.free_phase);
+        drop_unless(&[Observable::FrequencyShift], &|all| &mut all.frequency_shift);
+        drop_unless(&[Observable::Gap], &|all| &mut all.gap);
+        // The loss is a scale of the virial's errors.
+        drop_unless(&[Observable::Dissipation, Observable::Virial], &|all| &mut all.dissipation);
+        drop_unless(&[Observable::Virial], &|all| &mut all.virial);
+        Self(wanted.numbers().map(|number| !number.is_nan()))
+    }
+
+    /// A measurement without the others.
+    pub fn only(self, measured: &Measured) -> Measured {
+        let mut numbers = measured.numbers();
+        numbers.iter_mut().zip(self.0).for_each(|(number, wanted)| {
+            if !wanted {
+                *number = f64::NAN;
+            }
+        });
+        Measured::of_numbers(&numbers)
+    }
 }
 
 impl From<&[Finished]> for Columns {

@@ -26,7 +26,7 @@ mod trace;
 
 pub use broyden::{Arrivals, Arrived, Guessed, Guesses, TOGETHER};
 pub use busy::Busy;
-pub use columns::Columns;
+pub use columns::{Columns, Wanted};
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
 pub use progress::{Held, Phase, Progress};

@@ -4,8 +4,7 @@ use super::rows::Shown;
 use super::warnings::WARNINGS;
 use crate::compare::Scales;
 use crate::contact::Law;
-use crate::engine::Finished;
-use crate::observe::Observable;
+use crate::observe::{Observable, Status};
 use crate::plan::Precision;
 use crate::store::{Flags, Variable};
 
@@ -17,9 +16,8 @@ pub const JUMPS: [&str; 2] = ["continuous", "jump"];
 
 /// The branch of a tapping point, by its mean force: attractive below zero, repulsive above (Garcia & San Paulo,
 /// Phys. Rev. B 60 (1999) 4961); none without a steady state or a force.
-pub(super) fn branch(one: &Finished) -> u8 {
-    let force = one.measured.force_mean;
-    match one.status {
+pub(super) fn branch(status: Status, force: f64) -> u8 {
+    match status {
         status if status.is_steady() && force < 0.0 => 1,
         status if status.is_steady() && force > 0.0 => 2,
         _ => 0,
@@ -92,19 +90,20 @@ impl Number {
         self != Self::Tabor
     }
 
-    /// Writes those of an instance.
-    pub fn write(self, some: &Shown, n: usize, row: &mut [f64]) {
-        row[0] = match self {
-            Self::Observable(observable) => return observable.write(&some.measured(n), row),
-            Self::Tabor => some.tabor(n),
-            Self::DriveWork => match some.measured(n) {
-                measured if measured.phase.is_nan() => f64::NAN,
-                measured => Scales::of(some.plan(), n, &measured).work,
-            },
-            Self::Estimate => some.estimate(n),
-            Self::Multiplier => some.multiplier(n),
-            Self::Periods => f64::from(some.periods(n)),
+    /// Those of some instances.
+    pub fn of(self, some: &Shown) -> Vec<f64> {
+        let work = |n: usize| match some.measured(n) {
+            measured if measured.phase.is_nan() => f64::NAN,
+            measured => Scales::of(some.plan(), n, &measured).work,
         };
+        match self {
+            Self::Observable(observable) => some.observed(observable),
+            Self::Tabor => some.map(|n| some.tabor(n)),
+            Self::DriveWork => some.map(work),
+            Self::Estimate => some.estimates(),
+            Self::Multiplier => some.multipliers(),
+            Self::Periods => some.periods().into_iter().map(f64::from).collect(),
+        }
     }
 }
 
@@ -155,14 +154,18 @@ impl Code {
         matches!(self, Self::Branch | Self::Jump)
     }
 
-    /// That of an instance; warnings are known elsewhere.
-    pub fn code(self, some: &Shown, n: usize) -> u8 {
+    /// Those of some instances; warnings are known elsewhere.
+    pub fn of(self, some: &Shown) -> Vec<u8> {
+        let precision = |n: usize| u8::from(some.precision(n) == Precision::F64);
         match self {
-            Self::Law => some.law(n).code(),
-            Self::Warnings => 0,
-            Self::Precision => u8::from(some.precision(n) == Precision::F64),
-            Self::Branch => branch(&some.finished(n)),
-            Self::Jump => u8::from(some.jump(n)),
+            Self::Law => some.map(|n| some.law(n).code()),
+            Self::Warnings => vec![0; some.count()],
+            Self::Precision => (0..some.count()).map(precision).collect(),
+            Self::Branch => {
+                let forces = some.observed(Observable::ForceMean).into_iter().enumerate();
+                forces.map(|(n, force)| branch(some.status(n), force)).collect()
+            }
+            Self::Jump => some.jumps().into_iter().map(u8::from).collect(),
         }
     }
 }

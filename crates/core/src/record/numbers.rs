@@ -60,8 +60,7 @@ impl store::Numbers for Numbers<'_> {
             return self.second().variable(number).map(Cow::from).ok_or_else(none);
         }
         let number = *self.frame.variables.get(number).ok_or_else(none)?;
-        let all =
-            self.rows.column((number.width(), number.is_read()), &|some, n, row| number.write(some, n, row));
+        let all = self.rows.column((number.width(), number.is_read()), &|some| number.of(some));
         all.map(Cow::from).map_err(unread)
     }
 
@@ -77,7 +76,7 @@ impl store::Numbers for Numbers<'_> {
         if of == States::Second {
             return Ok(self.second().steps().into());
         }
-        self.rows.column((1, true), &|some, n, row| row[0] = some.steps(n)).map(Cow::from).map_err(unread)
+        self.rows.column((1, true), &|some| some.steps()).map(Cow::from).map_err(unread)
     }
 
     fn flags(&self, of: States, number: usize) -> Result<Cow<'_, [u8]>, Unread> {
@@ -88,8 +87,7 @@ impl store::Numbers for Numbers<'_> {
             Code::Warnings if self.warned.bits.is_empty() => Ok(vec![0; self.count()].into()),
             Code::Warnings => Ok(self.warned.bits.as_slice().into()),
             code => {
-                let all = self.rows.column((1, code.is_read()), &|some, n, row| row[0] = code.code(some, n));
-                all.map(Cow::from).map_err(unread)
+                self.rows.column((1, code.is_read()), &|some| code.of(some)).map(Cow::from).map_err(unread)
             }
         }
     }

@@ -2,8 +2,8 @@
 
 use crate::contact::{Contact, Law};
 use crate::control::{Arithmetic, Piece, Ran};
-use crate::engine::{Columns, EngineError, Finished};
-use crate::observe::Measured;
+use crate::engine::{Columns, EngineError};
+use crate::observe::{Measured, Observable, Status};
 use crate::plan::{Plan, Precision};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -62,16 +62,18 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// So many numbers of each instance, as `write` has them, in the order of the instances; see [`Rows::each`].
-    pub fn column<T: Copy + Default + Send + Sync>(
+    /// So many numbers of each instance in the order of the instances, of `of` in that of those shown; see [`Rows::each`].
+    pub fn column<T: Copy + Default>(
         &self,
         (width, is_read): (usize, bool),
-        write: &(dyn Fn(&Shown, usize, &mut [T]) + Sync),
+        of: &dyn Fn(&Shown) -> Vec<T>,
     ) -> Result<Vec<T>, EngineError> {
         let mut all = vec![T::default(); width * self.count()];
         self.each(is_read, &mut |instances, some| {
-            let mut rows = vec![T::default(); width * instances.len()];
-            rows.par_chunks_exact_mut(width).enumerate().for_each(|(n, row)| write(some, n, row));
+            let rows = of(some);
+            if width == 1 {
+                return instances.iter().zip(rows).for_each(|(i, number)| all[*i as usize] = number);
+            }
             for (i, row) in instances.iter().zip(rows.chunks_exact(width)) {
                 all[*i as usize * width..][..width].copy_from_slice(row);
             }
@@ -132,19 +134,11 @@ impl Shown<'_> {
         }
     }
 
-    /// What became of it.
-    pub fn finished(&self, n: usize) -> Finished {
+    /// What became of it, in a word.
+    pub fn status(&self, n: usize) -> Status {
         match self {
-            Self::Piece(piece, _) => piece.finished(n),
-            Self::Plain { finished, .. } => finished.get(n),
-        }
-    }
-
-    /// Its steps per period.
-    pub fn steps(&self, n: usize) -> u32 {
-        match self {
-            Self::Piece(piece, _) => piece.steps(n),
-            Self::Plain { plan, .. } => plan.steps(n as u32),
+            Self::Piece(piece, _) => piece.status(n),
+            Self::Plain { finished, .. } => finished.statuses()[n],
         }
     }
 
@@ -156,28 +150,71 @@ impl Shown<'_> {
         }
     }
 
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Piece(piece, _) => piece.instances.len(),
+            Self::Plain { plan, .. } => plan.len(),
+        }
+    }
+
+    /// What `of` says of each.
+    pub fn map<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        (0..self.count()).into_par_iter().map(of).collect()
+    }
+
+    /// The numbers of an observable, those of an instance after those of the one before.
+    pub fn observed(&self, observable: Observable) -> Vec<f64> {
+        let (count, width) = (self.count(), observable.width());
+        let mut rows = vec![f64::NAN; count * width];
+        match self {
+            Self::Piece(piece, _) => {
+                let all = piece.observed(observable);
+                if width == 1 {
+                    return all;
+                }
+                let number = |place: usize| all[place % width * count + place / width];
+                rows.iter_mut().enumerate().for_each(|(place, row)| *row = number(place));
+            }
+            Self::Plain { finished, .. } => {
+                let write = |(n, row): (usize, &mut [f64])| observable.write(&finished.get(n).measured, row);
+                rows.chunks_exact_mut(width).enumerate().for_each(write);
+            }
+        }
+        rows
+    }
+
+    /// Their steps per period.
+    pub fn steps(&self) -> Vec<u32> {
+        let of = |n: usize| match self {
+            Self::Piece(piece, _) => piece.steps(n),
+            Self::Plain { plan, .. } => plan.steps(n as u32),
+        };
+        (0..self.count()).map(of).collect()
+    }
+
     /// What only a run with its portions knows.
-    fn piece<T>(&self, of: impl FnOnce(&Piece) -> T, none: T) -> T {
-        if let Self::Piece(piece, _) = self { of(piece) } else { none }
+    fn of_run<T: Clone>(&self, of: impl FnOnce(&Piece) -> Vec<T>, none: T) -> Vec<T> {
+        if let Self::Piece(piece, _) = self { of(piece) } else { vec![none; self.count()] }
     }
 
-    /// Its estimated error.
-    pub fn estimate(&self, n: usize) -> f64 {
-        self.piece(|piece| piece.estimate(n), f64::NAN)
+    /// Their estimated errors.
+    pub fn estimates(&self) -> Vec<f64> {
+        self.of_run(|piece| piece.estimates(), f64::NAN)
     }
 
-    /// The modulus of its map's largest multiplier.
-    pub fn multiplier(&self, n: usize) -> f64 {
-        self.piece(|piece| piece.multiplier(n), f64::NAN)
+    /// The moduli of their maps' largest multipliers.
+    pub fn multipliers(&self) -> Vec<f64> {
+        self.of_run(|piece| piece.multipliers(), f64::NAN)
     }
 
-    /// The periods of its last run.
-    pub fn periods(&self, n: usize) -> u32 {
-        self.piece(|piece| piece.periods(n), 0)
+    /// The periods of their last runs.
+    pub fn periods(&self) -> Vec<u32> {
+        self.of_run(|piece| (0..self.count()).map(|n| piece.periods(n)).collect(), 0)
     }
 
-    /// Whether its curve's state was not reached continuously.
-    pub fn jump(&self, n: usize) -> bool {
-        self.piece(|piece| piece.jump(n), false)
+    /// Whether their curves' states were not reached continuously.
+    pub fn jumps(&self) -> Vec<bool> {
+        self.of_run(|piece| (0..self.count()).map(|n| piece.jump(n)).collect(), false)
     }
 }

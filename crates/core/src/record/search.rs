@@ -60,6 +60,6 @@ impl Second<'_> {
     }
 
     pub fn branch(&self) -> Vec<u8> {
-        self.all(0, |other| branch(&other.finished))
+        self.all(0, |other| branch(other.finished.status, other.finished.measured.force_mean))
     }
 }

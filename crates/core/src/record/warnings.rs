@@ -4,6 +4,7 @@ use super::rows::{Rows, Shown};
 use crate::contact::Warning;
 use crate::control::Ran;
 use crate::engine::EngineError;
+use crate::observe::Observable;
 use crate::plan::Plan;
 use crate::scene::{Cases, Params, Scene};
 use rayon::prelude::*;
@@ -37,16 +38,17 @@ impl Warned {
         let (mut bits, mut steps) = (vec![0; rows.count()], 0);
         let cases = Cases::of(scene);
         rows.each(true, &mut |instances, some| {
+            let depths = some.observed(Observable::IndentationMax);
             let one = |params: &mut Params, n: usize| {
                 cases.put(params, instances[n] as usize);
-                let depth = depth(some, n, some.measured(n).indentation_max);
+                let depth = depth(some, n, depths[n]);
                 let warnings = some.contact(n).warnings(params, depth);
                 warnings.iter().map(bit).fold(0, |all, one| all | one)
             };
             let numbers = (0..instances.len()).into_par_iter();
             let all: Vec<u8> = numbers.map_init(|| cases.base(), one).collect();
             instances.iter().zip(all).for_each(|(i, one)| bits[*i as usize] = one);
-            steps += (0..instances.len()).map(|n| u64::from(some.steps(n))).sum::<u64>();
+            steps += some.steps().into_iter().map(u64::from).sum::<u64>();
         })?;
         if bits.iter().all(|bits| *bits == 0) {
             bits = Vec::new();

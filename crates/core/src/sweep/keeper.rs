@@ -3,13 +3,13 @@
 use super::recalled::Recalled;
 use super::{Error, Prepared};
 use crate::control::{
-    Allowance, Answer, Division, Keep, Portion, Question, allowance_to_bytes, answers_to_bytes,
-    numbers_to_bytes, portion_from_bytes, portion_number, portion_to_bytes,
+    Allowance, Answer, Division, Keep, Question, allowance_to_bytes, answers_to_bytes, numbers_to_bytes,
+    portion_number,
 };
 use crate::store::{Journal, Kind, RunFile};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::{ControlFlow, Range};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// A share of a run: the portions whose numbers leave this rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -270,33 +270,28 @@ impl Keep for Keeper {
     }
 
     /// Bytes that tell of another number of instances are none of this portion: no memory is asked for by their word.
-    fn known(&self, number: usize, instances: usize) -> Option<Portion> {
+    fn known(&self, number: usize, instances: usize) -> Option<Vec<u8>> {
         let known = self.known.get(&number).filter(|known| known.instances == instances)?;
-        let (_, bytes) = self.journals.get(known.journal)?.record(known.record).ok()?;
-        portion_from_bytes(&bytes, instances)
+        self.journals.get(known.journal)?.record(known.record).ok().map(|(_, bytes)| bytes)
     }
 
-    fn ended(&self, number: usize, portion: &Portion) -> ControlFlow<()> {
-        if !portion.is_any() {
-            return ControlFlow::Continue(());
-        }
-        let kind = if portion.whole { Kind::Portion } else { Kind::Unfinished };
-        let at = self.append(kind, &portion_to_bytes(number, portion))?;
+    fn ended(&self, number: usize, whole: bool, bytes: Vec<u8>) -> ControlFlow<()> {
+        let kind = if whole { Kind::Portion } else { Kind::Unfinished };
+        let at = self.append(kind, &bytes)?;
         let mut fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner);
         at.into_iter().for_each(|at| _ = fresh.insert(number, at));
         ControlFlow::Continue(())
     }
 
-    fn bytes(&self, number: usize) -> Result<Arc<Vec<u8>>, String> {
+    fn bytes(&self, number: usize, range: Range<usize>) -> Result<Vec<u8>, String> {
         let fresh = self.fresh.lock().unwrap_or_else(PoisonError::into_inner).get(&number).cloned();
         if let Some(at) = fresh {
             let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            let read = file.as_ref().map(|file| file.appended(&at));
-            return read.ok_or("its file is closed")?.map(Arc::new).map_err(|error| error.to_string());
+            let read = file.as_ref().map(|file| file.appended(&at, &range));
+            return read.ok_or("its file is closed")?.map_err(|error| error.to_string());
         }
         let known = self.known.get(&number).ok_or_else(|| format!("portion {number} is in no journal"))?;
-        let journal = self.journals.get(known.journal).ok_or("a journal is missing")?;
-        journal.record(known.record).map(|(_, bytes)| Arc::new(bytes))
+        self.journals.get(known.journal).ok_or("a journal is missing")?.part(known.record, &range)
     }
 
     fn lasts(&self) -> bool {

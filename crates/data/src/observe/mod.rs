@@ -24,6 +24,8 @@ mod virial;
 pub use crate::kernel::{HARMONICS, Wants};
 pub use status::Status;
 
+use std::ops::Range;
+
 /// A quantity a scene can ask for (`[output] observables`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Observable {
@@ -133,13 +135,24 @@ impl Measured {
             gap,
         } = *self;
         let mut numbers = [f64::NAN; Self::WIDTH];
-        let (first, rest) = numbers.split_at_mut(HARMONICS);
-        first.copy_from_slice(&harmonics);
-        let [contact, energies] = [[indentation_max, contact_time], [dissipation, virial]];
-        let deflection = [deflection_amplitude, deflection_phase, deflection_mean];
-        let all = [phase, force_max, force_min, force_mean].into_iter().chain(contact).chain(energies);
-        let all = all.chain([contacts]).chain(deflection).chain([free_phase, frequency_shift, gap]);
-        rest.iter_mut().zip(all).for_each(|(place, number)| *place = number);
+        numbers[..HARMONICS].copy_from_slice(&harmonics);
+        numbers[HARMONICS..].copy_from_slice(&[
+            phase,
+            force_max,
+            force_min,
+            force_mean,
+            indentation_max,
+            contact_time,
+            dissipation,
+            virial,
+            contacts,
+            deflection_amplitude,
+            deflection_phase,
+            deflection_mean,
+            free_phase,
+            frequency_shift,
+            gap,
+        ]);
         numbers
     }
 
@@ -306,6 +319,15 @@ impl Observable {
         }
     }
 
+    /// Where its numbers stand among all: see [`Measured::numbers`].
+    pub fn places(self) -> Range<usize> {
+        let counted = Measured::of_numbers(&std::array::from_fn(|place| place as f64));
+        let mut row = [0.0; HARMONICS];
+        self.write(&counted, &mut row[..self.width()]);
+        let first = row[0] as usize;
+        first..first + self.width()
+    }
+
     /// Writes this observable's numbers into `row`, which has [`Observable::width`] places.
     pub fn write(self, measured: &Measured, row: &mut [f64]) {
         match self.entry().value {
@@ -344,5 +366,15 @@ mod tests {
             assert_eq!(Observable::from_name(observable.name()), Some(observable));
         }
         assert_eq!(Observable::all().count(), 17);
+    }
+    /// An observable's numbers are some of those that are measured, as they are.
+    #[test]
+    fn every_observable_has_its_place() {
+        let numbers: [f64; Measured::WIDTH] = std::array::from_fn(|place| (place * place) as f64 - 0.5);
+        for observable in Observable::all() {
+            let mut row = vec![f64::NAN; observable.width()];
+            observable.write(&Measured::of_numbers(&numbers), &mut row);
+            assert_eq!(row, numbers[observable.places()], "{}", observable.name());
+        }
     }
 }

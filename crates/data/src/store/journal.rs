@@ -11,7 +11,10 @@ use std::ops::Range;
 use std::path::Path;
 
 /// What a journal begins with; the number is the format's.
-pub(super) const MAGIC: [u8; 13] = *b"afmjournal 1\n";
+pub(super) const MAGIC: [u8; 13] = *b"afmjournal 2\n";
+
+/// Bytes of it before the number: what journals of all formats begin with.
+const NAME: usize = 11;
 
 /// Bytes of a record before and after its own.
 pub(super) const HEAD: usize = 9;
@@ -72,7 +75,7 @@ impl Journal {
         let length = bytes.length().map_err(unread)?;
         let start = bytes.read(0..length.min(MAGIC.len() as u64)).map_err(unread)?;
         if start != MAGIC {
-            return Err(match start.starts_with(b"afmjournal ") {
+            return Err(match start.starts_with(&MAGIC[..NAME]) {
                 true => "it is a journal of another version of the program".into(),
                 false => "it is no journal of a run".into(),
             });
@@ -127,6 +130,15 @@ impl Journal {
         Ok((*kind, bytes.map_err(|error| error.to_string())?))
     }
 
+    /// Some of a record's own bytes, as they are now.
+    ///
+    /// # Errors
+    /// There is no such record, or it has no such bytes, or they cannot be read any more.
+    pub fn part(&self, number: usize, part: &Range<usize>) -> Result<Vec<u8>, String> {
+        let (_, range) = self.records.get(number).ok_or("has no such record")?;
+        read_part(&self.bytes, range, part)
+    }
+
     /// Bytes at its end that are no record: what was being written when its run ended.
     pub fn torn(&self) -> u64 {
         self.length - self.sound
@@ -147,6 +159,15 @@ pub(super) fn read_again(bytes: &Bytes, range: &Range<u64>) -> Result<Vec<u8>, S
     }
 }
 
+/// Some of the bytes of a record that lies there, whatever they are.
+pub(super) fn read_part(bytes: &Bytes, range: &Range<u64>, part: &Range<usize>) -> Result<Vec<u8>, String> {
+    let at = |place: usize| range.start + place as u64;
+    if part.start > part.end || at(part.end) > range.end {
+        return Err("a record is shorter than what is asked for".into());
+    }
+    bytes.read(at(part.start)..at(part.end)).map_err(|error| error.to_string())
+}
+
 /// What the store needs to know of a header.
 #[derive(serde::Deserialize)]
 struct Beginning {
@@ -160,10 +181,11 @@ impl Journal {
     }
 }
 
-/// Whether a file begins as a journal does.
+/// Whether a file begins as a journal does, of whatever format.
 pub(super) fn is_at(path: &Path) -> bool {
-    let mut start = [0; MAGIC.len()];
-    std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
+    let mut start = [0; NAME];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+    read.is_ok() && start == MAGIC[..NAME]
 }
 
 /// The journal in a file.

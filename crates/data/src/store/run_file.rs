@@ -61,13 +61,13 @@ impl RunFile {
         Ok(journal::own(at, own.len()))
     }
 
-    /// The bytes of a record that was appended.
+    /// Some of the bytes of a record that was appended, as they are now.
     ///
     /// # Errors
-    /// They cannot be read, or are not what was written.
-    pub fn appended(&self, at: &Range<u64>) -> Result<Vec<u8>, StoreError> {
-        let spoilt = |why| StoreError::Journal { path: self.partial().to_path_buf(), why };
-        journal::read_again(&self.journal, at).map_err(spoilt)
+    /// They cannot be read, or are none of the record's.
+    pub fn appended(&self, at: &Range<u64>, part: &Range<usize>) -> Result<Vec<u8>, StoreError> {
+        let unread = |why| StoreError::Journal { path: self.partial().to_path_buf(), why };
+        journal::read_part(&self.journal, at, part).map_err(unread)
     }
 
     /// Puts the results in place and takes the journal away.

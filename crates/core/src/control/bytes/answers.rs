@@ -1,12 +1,15 @@
 //! What was asked of single instances after the run, and its answers, as bytes and back.
 
-use super::columns::{self, Rest, Row};
-use super::portion::{STATE, finish, of_finished, place, stand};
+use super::columns::{self, Column, Rest, Row};
+use super::portion::{ALONE, STATE, finish, of_finished, place, stand};
 use crate::control::{Allowance, Answer, Question, What};
 
 /// Numbers of a question, and of it with its answer.
 const ASKED: usize = 3;
 const WIDTH: usize = ASKED + STATE;
+
+/// Bytes that tell how many there are.
+const COUNT: usize = 4;
 
 /// Answers as bytes.
 pub fn to_bytes(all: &[(Question, Answer)]) -> Vec<u8> {
@@ -20,21 +23,22 @@ pub fn to_bytes(all: &[(Question, Answer)]) -> Vec<u8> {
 fn fill((question, answer): &(Question, Answer), mut row: Row) {
     row.put([question.what as u64, u64::from(question.instance), question.from]);
     finish(&answer.finished, &mut row);
-    stand(answer.place.as_deref(), &mut row);
+    stand((answer.place.as_deref(), ALONE), &mut row);
 }
 
 /// The questions whose answers the bytes hold.
 pub fn questions(bytes: &[u8]) -> Option<Vec<Question>> {
-    let mut rest = Rest(bytes);
-    let count = count(&mut rest)?;
-    let columns = columns::read(&mut rest, ASKED, count)?;
+    let (columns, count) = columns(bytes)?;
     (0..count).map(|n| asked(columns[0].get(n), columns[1].get(n), columns[2].get(n))).collect()
 }
 
-/// How many there are. No answer takes less than a byte of its number.
-fn count(rest: &mut Rest) -> Option<usize> {
-    let count = rest.whole(4)? as usize;
-    (count <= rest.0.len()).then_some(count)
+/// The columns of answers, and how many answers there are; none where the bytes are no answers.
+fn columns(mut bytes: &[u8]) -> Option<(Vec<Column<'_>>, usize)> {
+    let count = Rest(bytes).whole(COUNT)? as usize;
+    let columns = columns::read((&mut bytes, COUNT), WIDTH, count)?;
+    // Where all numbers are the same, the bytes do not tell how many there could be.
+    let same = columns.iter().all(|column| matches!(column, Column::All(_)));
+    (bytes.is_empty() && !(same && count > 1)).then_some((columns, count))
 }
 
 fn asked(what: u64, instance: u64, from: u64) -> Option<Question> {
@@ -44,17 +48,12 @@ fn asked(what: u64, instance: u64, from: u64) -> Option<Question> {
 
 /// The answers that the bytes hold, in the order of their questions.
 pub fn from_bytes(bytes: &[u8]) -> Option<Vec<Answer>> {
-    let mut rest = Rest(bytes);
-    let count = count(&mut rest)?;
-    let columns = columns::read(&mut rest, WIDTH, count)?;
+    let (columns, count) = columns(bytes)?;
     let one = |n: usize| {
         let mut numbers = columns[ASKED..].iter().map(|column| column.get(n));
         let finished = of_finished(&mut numbers)?;
-        Some(Answer { finished, place: place(&mut numbers)?.map(Box::new) })
+        Some(Answer { finished, place: place(&mut numbers, ALONE)?.map(Box::new) })
     };
-    if !rest.0.is_empty() {
-        return None;
-    }
     (0..count).map(one).collect()
 }
 

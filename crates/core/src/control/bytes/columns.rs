@@ -1,4 +1,9 @@
-//! Rows of numbers as bytes and back, column by column: a column of one number as that, others in as few bytes as serve.
+//! Rows of numbers as bytes and back, column by column, so that one column can be read alone.
+//!
+//! First comes an entry for each column: how many bytes each of its numbers takes (1), and the CRC-32 of all of them (8, the
+//! lowest first); or 0 and the number that all rows have. Then the CRC-32 of all bytes so far (4), then the columns.
+
+use std::ops::Range;
 
 /// A row of numbers, filled from its beginning.
 pub(super) struct Row<'a>(pub &'a mut [u64]);
@@ -26,6 +31,13 @@ impl Row<'_> {
     }
 }
 
+/// Bytes of a column's entry, and of the sum behind all of them.
+pub(super) const ENTRY: usize = 9;
+pub(super) const SUM: usize = 4;
+
+/// Rows that are filled before their columns are gone through.
+const TILE: usize = 32;
+
 /// Writes so many rows, which `fill` fills in. `first` is the first one, from whose `varying` first columns alone the others may
 /// differ.
 pub(super) fn write<const W: usize>(
@@ -34,75 +46,156 @@ pub(super) fn write<const W: usize>(
     count: usize,
     fill: impl Fn(usize, Row),
 ) {
-    // Most columns are of one number.
-    let (mut differ, mut any, mut row) = ([0; W], [0; W], first);
-    for n in 0..count {
-        fill(n, Row(&mut row[..varying]));
-        for column in 0..W {
-            differ[column] |= row[column] ^ first[column];
-            any[column] |= row[column];
+    let columns = columns((first, varying), count, fill);
+    let at = bytes.len();
+    bytes.resize(at + W * ENTRY + SUM, 0);
+    bytes.reserve_exact(columns.iter().map(|column| 8 * column.len()).sum());
+    for (n, (column, first)) in columns.iter().zip(first).enumerate() {
+        let (width, word) = match column[..] {
+            [] => (0, first),
+            _ => append(column, bytes),
+        };
+        let entry = &mut bytes[at + n * ENTRY..][..ENTRY];
+        entry[0] = width;
+        entry[1..].copy_from_slice(&word.to_le_bytes());
+    }
+    let end = at + W * ENTRY;
+    let sum = crc32fast::hash(&bytes[..end]).to_le_bytes();
+    bytes[end..][..SUM].copy_from_slice(&sum);
+}
+
+/// The columns of these rows; a column that is of one number is empty.
+fn columns<const W: usize>(
+    (first, varying): ([u64; W], usize),
+    count: usize,
+    fill: impl Fn(usize, Row),
+) -> Vec<Vec<u64>> {
+    let mut columns = vec![Vec::new(); W];
+    let mut tile = vec![first; TILE.min(count)];
+    for from in (0..count).step_by(TILE) {
+        let rows = &mut tile[..TILE.min(count - from)];
+        // Most columns are of one number.
+        let mut differ = [0; W];
+        for (n, row) in rows.iter_mut().enumerate() {
+            fill(from + n, Row(&mut row[..varying]));
+            for ((differ, number), first) in differ.iter_mut().zip(&*row).zip(&first) {
+                *differ |= number ^ first;
+            }
+        }
+        for (n, column) in columns.iter_mut().enumerate() {
+            match (column.is_empty(), differ[n]) {
+                (true, 0) => continue,
+                (true, _) => {
+                    column.reserve_exact(count);
+                    column.resize(from, first[n]);
+                }
+                (false, _) => {}
+            }
+            column.extend(rows.iter().map(|row| row[n]));
         }
     }
-    let width = |column: usize| match differ[column] {
-        0 => 0,
-        _ => (8 - any[column].leading_zeros() / 8) as usize,
+    columns
+}
+
+/// Appends numbers, each in as few bytes as serve for all; how many these are, and their sum.
+fn append(column: &[u64], bytes: &mut Vec<u8>) -> (u8, u64) {
+    let (at, any) = (bytes.len(), column.iter().fold(0, |any, number| any | number));
+    let width = (8 - any.leading_zeros() / 8).max(1) as usize;
+    match width {
+        8 => column.iter().for_each(|number| bytes.extend(number.to_le_bytes())),
+        _ => column.iter().for_each(|number| bytes.extend(&number.to_le_bytes()[..width])),
+    }
+    (width as u8, u64::from(crc32fast::hash(&bytes[at..])))
+}
+
+/// What is known of a column before it is read.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    width: usize,
+    word: u64,
+    /// Where its numbers lie behind the entries.
+    pub range: Range<usize>,
+}
+
+/// The entries of so many columns of so many rows, which with their sum end the bytes; none where they are not what was written.
+pub(super) fn entries(bytes: &[u8], columns: usize, count: usize) -> Option<Vec<Entry>> {
+    let (told, sum) = bytes.split_last_chunk::<SUM>()?;
+    if crc32fast::hash(told).to_le_bytes() != *sum {
+        return None;
+    }
+    let mut end = 0usize;
+    let entry = |bytes: &[u8]| {
+        let (width, word) = (usize::from(bytes[0]), little(&bytes[1..]));
+        let start = end;
+        end = start.checked_add(width.checked_mul(count)?)?;
+        (width <= 8).then_some(Entry { width, word, range: start..end })
     };
-    let room = |column: usize| if differ[column] == 0 { 8 } else { width(column) * count };
-    bytes.reserve_exact((0..W).map(|column| 1 + room(column)).sum());
-    let mut places = Vec::new();
-    for (column, first) in first.iter().enumerate() {
-        let width = width(column);
-        bytes.push(width as u8);
-        if width == 0 {
-            bytes.extend(first.to_le_bytes());
-            continue;
-        }
-        places.push((column, width, bytes.len()));
-        bytes.resize(bytes.len() + width * count, 0);
+    told[told.len().checked_sub(columns * ENTRY)?..].chunks_exact(ENTRY).map(entry).collect()
+}
+
+impl Entry {
+    /// Whether all rows have the number that the entry tells.
+    pub fn is_one(&self) -> bool {
+        self.width == 0
     }
-    for n in 0..count {
-        fill(n, Row(&mut row[..varying]));
-        for (column, width, at) in &mut places {
-            put(&mut bytes[*at..][..*width], row[*column]);
-            *at += *width;
-        }
+
+    /// Whether these bytes of numbers are what was written.
+    pub fn is_of(&self, bytes: &[u8]) -> bool {
+        bytes.len() == self.range.len() && (self.is_one() || u64::from(crc32fast::hash(bytes)) == self.word)
+    }
+
+    /// The column whose numbers are these bytes.
+    pub fn column<'a>(&self, bytes: &'a [u8]) -> Column<'a> {
+        if self.is_one() { Column::All(self.word) } else { Column::Each(self.width, bytes) }
     }
 }
 
-/// As many of a number's bytes as there is room for, the lowest first.
-fn put(room: &mut [u8], number: u64) {
-    match <&mut [u8; 8]>::try_from(&mut *room) {
-        Ok(room) => *room = number.to_le_bytes(),
-        Err(_) => room.copy_from_slice(&number.to_le_bytes()[..room.len()]),
-    }
-}
-
-/// The columns of so many rows, where they lie; none where the bytes are not theirs.
-pub(super) fn read<'a>(rest: &mut Rest<'a>, width: usize, count: usize) -> Option<Vec<Column<'a>>> {
-    (0..width).map(|_| Column::next(rest, count)).collect()
+/// The columns of so many rows, where they lie, with the beginning of the bytes up to their sum; none where the bytes are not
+/// what was written. What follows is left.
+pub(super) fn read<'a>(
+    (bytes, head): (&mut &'a [u8], usize),
+    columns: usize,
+    count: usize,
+) -> Option<Vec<Column<'a>>> {
+    let (told, rest) = bytes.split_at_checked(head + columns * ENTRY + SUM)?;
+    let entries = entries(told, columns, count)?;
+    let end = entries.last().map_or(0, |last| last.range.end);
+    let (numbers, rest) = rest.split_at_checked(end)?;
+    *bytes = rest;
+    let column = |entry: &Entry| {
+        let own = &numbers[entry.range.clone()];
+        entry.is_of(own).then(|| entry.column(own))
+    };
+    entries.iter().map(column).collect()
 }
 
 /// A column of numbers: one that all rows have, or each in so many bytes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Column<'a> {
+pub(in crate::control) enum Column<'a> {
     All(u64),
     Each(usize, &'a [u8]),
 }
 
-impl<'a> Column<'a> {
-    fn next(rest: &mut Rest<'a>, count: usize) -> Option<Self> {
-        match rest.whole(1)? as usize {
-            0 => Some(Self::All(rest.whole(8)?)),
-            width @ 1..=8 => Some(Self::Each(width, rest.take(width.checked_mul(count)?)?)),
-            _ => None,
-        }
-    }
-
+impl Column<'_> {
     /// The number of a row.
     pub fn get(&self, row: usize) -> u64 {
         match *self {
             Self::All(value) => value,
             Self::Each(width, bytes) => little(&bytes[row * width..][..width]),
+        }
+    }
+
+    /// Shows the numbers of so many rows, one after the other.
+    pub fn each(&self, count: usize, mut show: impl FnMut(usize, u64)) {
+        match *self {
+            Self::All(value) => (0..count).for_each(|n| show(n, value)),
+            Self::Each(8, bytes) => {
+                let all = bytes.as_chunks::<8>().0.iter();
+                all.enumerate().for_each(|(n, number)| show(n, u64::from_le_bytes(*number)));
+            }
+            Self::Each(width, bytes) => {
+                bytes.chunks_exact(width).enumerate().for_each(|(n, number)| show(n, little(number)));
+            }
         }
     }
 }

@@ -1,45 +1,81 @@
 //! A portion of a run as bytes and back: every number by its bits, column by column.
 
-use super::columns::{self, Column, Rest, Row};
-use crate::control::{Ended, Place, Portion};
+use super::columns::{self, Rest, Row};
+use crate::control::{About, Ended, Place};
 use crate::engine::Finished;
 use crate::observe::{Measured, Status};
 use crate::periodic::Spectrum;
 use crate::plan::{BasisRule, Fineness, Precision, Station};
-use rayon::prelude::*;
 
 /// Modes that a station has room for.
 const MODES: usize = Station::FREE.x.len();
 /// Numbers of a result and its state; of an instance's own, and with what a search from rest found.
 pub(super) const STATE: usize = (Measured::WIDTH + 1) + (1 + 8 + 2 * MODES);
 const OWN: usize = STATE + 8 + 3;
-const WIDTH: usize = OWN + STATE;
+pub(super) const WIDTH: usize = OWN + STATE;
 
-/// A portion and its number as bytes.
-pub fn to_bytes(number: usize, portion: &Portion) -> Vec<u8> {
-    let Portion { whole, searched, curves, from_rest, instances, notes } = portion;
+// Where numbers of an instance stand among its own; what is measured comes first.
+pub(super) const STATUS: usize = Measured::WIDTH;
+pub(super) const ESTIMATE: usize = STATUS + 1;
+pub(super) const PERIODS: usize = ESTIMATE + 2;
+pub(super) const JUMP: usize = PERIODS + 1;
+pub(super) const NEIGHBOUR_STARTED: usize = JUMP + 1;
+pub(super) const PRECISION: usize = NEIGHBOUR_STARTED + 1;
+pub(super) const STEPS: usize = PRECISION + 1;
+pub(super) const FOUND: usize = STEPS + 5;
+pub(super) const MULTIPLIER: usize = FOUND + 3;
+
+/// Bytes before the entries of the columns.
+pub(super) const BEGINNING: usize = 8 + 4 + 4 + 4;
+
+/// A portion and its number as bytes: what is said of it as a whole, and its instances. Its notes come last.
+pub fn to_bytes(number: usize, about: &About, count: usize, instance: impl Fn(usize) -> Ended) -> Vec<u8> {
+    let About { whole, searched, curves, from_rest, notes } = about;
     let mut bytes = Vec::new();
     bytes.extend((number as u64).to_le_bytes());
     bytes.extend([*whole, *searched, *curves, *from_rest].map(u8::from));
-    bytes.extend((instances.len() as u32).to_le_bytes());
+    bytes.extend((count as u32).to_le_bytes());
     let notes = lines(notes.iter().map(String::as_str)).join("\n");
     bytes.extend((notes.len() as u32).to_le_bytes());
-    bytes.extend(notes.as_bytes());
     let mut first = [0; WIDTH];
-    instances.iter().take(1).for_each(|one| fill(one, Row(&mut first)));
+    if count > 0 {
+        fill(&instance(0), Row(&mut first));
+    }
     // Without searches from rest their columns are the same for all.
-    let rests = instances.iter().any(|one| one.from_rest.is_some());
-    let width = if rests { WIDTH } else { OWN };
-    columns::write(&mut bytes, (first, width), instances.len(), |n, row| fill(&instances[n], row));
+    let width = if *from_rest { WIDTH } else { OWN };
+    columns::write(&mut bytes, (first, width), count, |n, row| fill(&instance(n), row));
+    bytes.extend(notes.as_bytes());
     bytes
 }
 
 /// Notes as one line each, without empty ones: a driver's words may be many lines.
-fn lines<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<String> {
+pub(super) fn lines<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let line = |note: &str| -> Vec<String> {
         note.split(['\n', '\r']).filter(|part| !part.is_empty()).map(str::to_owned).collect()
     };
     notes.map(|note| line(note).join(" ")).filter(|note| !note.is_empty()).collect()
+}
+
+/// What the first bytes of a portion tell.
+pub(super) struct Beginning {
+    pub number: usize,
+    /// Whether it is whole, was searched for, is of curves, was searched for from rest.
+    pub flags: [bool; 4],
+    pub count: usize,
+    /// How long its notes are.
+    pub notes: usize,
+}
+
+/// What these first bytes tell; none where they are no portion's.
+pub(super) fn beginning(bytes: &[u8]) -> Option<Beginning> {
+    let mut rest = Rest(bytes);
+    let number = usize::try_from(rest.whole(8)?).ok()?;
+    let mut flag = || match rest.whole(1)? {
+        value @ 0..=1 => Some(value == 1),
+        _ => None,
+    };
+    let flags = [flag()?, flag()?, flag()?, flag()?];
+    Some(Beginning { number, flags, count: rest.whole(4)? as usize, notes: rest.whole(4)? as usize })
 }
 
 /// The number of the portion that the bytes hold, and how many instances it has.
@@ -50,103 +86,7 @@ pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
     Some((usize::try_from(number).ok()?, rest.whole(4)? as usize))
 }
 
-/// A portion of so many instances from its bytes; none where they are no such portion. How many there are is the caller's to
-/// know: bytes may tell of more than there is memory for.
-pub fn from_bytes(bytes: &[u8], count: usize) -> Option<Portion> {
-    let view = View::of(bytes, count)?;
-    let instances = (0..count).into_par_iter().map(|n| view.ended(n)).collect::<Option<_>>()?;
-    let View { flags: [whole, searched, curves, from_rest], notes, .. } = view;
-    Some(Portion { whole, searched, curves, from_rest, instances, notes: lines(notes.split('\n')) })
-}
-
-/// A portion in its bytes: numbers are read where they are asked for.
-#[derive(Debug)]
-pub(in crate::control) struct View<'a> {
-    /// Whether it is whole, was searched for, is of curves, was searched for from rest.
-    pub flags: [bool; 4],
-    notes: &'a str,
-    columns: Vec<Column<'a>>,
-}
-
-/// Where numbers of an instance stand among its own.
-const STATUS: usize = Measured::WIDTH;
-const ESTIMATE: usize = STATUS + 1;
-const LEFT_OUT: usize = ESTIMATE + 1;
-const PERIODS: usize = LEFT_OUT + 1;
-const JUMP: usize = PERIODS + 1;
-const STEPS: usize = JUMP + 3;
-const FOUND: usize = STEPS + 5;
-const MULTIPLIER: usize = FOUND + 3;
-
-impl<'a> View<'a> {
-    /// Of the bytes of a portion of so many instances; none where they are no such portion.
-    pub fn of(bytes: &'a [u8], count: usize) -> Option<Self> {
-        let mut rest = Rest(bytes);
-        rest.take(8)?;
-        let mut flag = || match rest.whole(1)? {
-            value @ 0..=1 => Some(value == 1),
-            _ => None,
-        };
-        let flags = [flag()?, flag()?, flag()?, flag()?];
-        // Before anything is asked for.
-        if rest.whole(4)? as usize != count {
-            return None;
-        }
-        let length = rest.whole(4)? as usize;
-        let notes = std::str::from_utf8(rest.take(length)?).ok()?;
-        let columns = columns::read(&mut rest, WIDTH, count)?;
-        rest.0.is_empty().then_some(Self { flags, notes, columns })
-    }
-
-    /// All that is known of an instance; none where its numbers can be no instance's.
-    pub fn ended(&self, n: usize) -> Option<Ended> {
-        ended(&mut self.columns.iter().map(|column| column.get(n)))
-    }
-
-    /// What was measured of an instance.
-    pub fn measured(&self, n: usize) -> Measured {
-        Measured::of_numbers(&std::array::from_fn(|column| self.number(column, n)))
-    }
-
-    fn number(&self, column: usize, n: usize) -> f64 {
-        f64::from_bits(self.columns[column].get(n))
-    }
-
-    /// Its estimated error, on the scale of the worst observable.
-    pub fn estimate(&self, n: usize) -> f64 {
-        self.number(ESTIMATE, n)
-    }
-
-    /// The periods of its last run.
-    pub fn periods(&self, n: usize) -> u32 {
-        self.columns[PERIODS].get(n) as u32
-    }
-
-    /// Whether its curve's state was not reached continuously.
-    pub fn jump(&self, n: usize) -> bool {
-        self.columns[JUMP].get(n) == 1
-    }
-
-    /// Its steps per period.
-    pub fn steps(&self, n: usize) -> u32 {
-        self.columns[STEPS].get(n) as u32
-    }
-
-    /// Its steps, gap and the rule of its basis; none where they can be no instance's.
-    pub fn fineness(&self, n: usize) -> Option<Fineness> {
-        fineness(&mut self.columns[STEPS..].iter().map(|column| column.get(n)))
-    }
-
-    /// The modulus of its map's largest multiplier; NaN where no state was found, or waiting found it.
-    pub fn multiplier(&self, n: usize) -> f64 {
-        match self.columns[FOUND].get(n) {
-            1 => self.number(MULTIPLIER, n),
-            _ => f64::NAN,
-        }
-    }
-}
-
-fn fineness(numbers: &mut impl Iterator<Item = u64>) -> Option<Fineness> {
+pub(super) fn fineness(numbers: &mut impl Iterator<Item = u64>) -> Option<Fineness> {
     let steps = u32::try_from(numbers.next()?).ok()?;
     let gap = f64::from_bits(numbers.next()?);
     Some(Fineness { steps, gap, rule: of_rule(numbers)? })
@@ -169,12 +109,29 @@ fn fill(one: &Ended, mut row: Row) {
     row.put([u64::from(*precision == Precision::F64)]);
     row.put([u64::from(fineness.steps), fineness.gap.to_bits()]);
     row.put(rule(fineness.rule));
-    stand(state.as_ref(), &mut row);
+    let like = lever(fineness.steps, fineness.rule);
+    stand((state.as_ref(), like), &mut row);
     if row.0.is_empty() {
         return;
     }
     finish(from_rest.as_ref().map_or(&Finished::NOT_RUN, |rest| &rest.0), &mut row);
-    stand(from_rest.as_ref().map(|rest| &rest.1), &mut row);
+    stand((from_rest.as_ref().map(|rest| &rest.1), like), &mut row);
+}
+
+/// Steps and the rule of a basis as numbers.
+type Lever = [u64; 4];
+
+/// Of a state that is told by itself.
+pub(super) const ALONE: Lever = [0; 4];
+
+fn lever(steps: u32, of: BasisRule) -> Lever {
+    let [kind, size, count] = rule(of);
+    [u64::from(steps), kind, size, count]
+}
+
+/// Where two differ, bit by bit; of that and one of them, the other.
+fn apart(one: Lever, other: Lever) -> Lever {
+    std::array::from_fn(|n| one[n] ^ other[n])
 }
 
 pub(super) fn finish(one: &Finished, row: &mut Row) {
@@ -182,31 +139,32 @@ pub(super) fn finish(one: &Finished, row: &mut Row) {
     row.put([one.status as u64]);
 }
 
-/// Zeros where there is no state.
-pub(super) fn stand(state: Option<&Place>, row: &mut Row) {
+/// A state; zeros where there is none. Most states were found with the steps and the basis of their instance, from which
+/// `like` they are told.
+pub(super) fn stand((state, like): (Option<&Place>, Lever), row: &mut Row) {
     let Some(place) = state else { return row.put([0; 1 + 8 + 2 * MODES]) };
     let Place { spectrum, steps, rule: of, .. } = place;
     let [touching, finite] = place.marks();
     row.put([true, touching, finite].map(u64::from));
     row.floats([spectrum.multiplier, spectrum.least_change]);
-    row.put([u64::from(*steps)]);
-    row.put(rule(*of));
+    row.put(apart(lever(*steps, *of), like));
     let (x, u) = place.numbers();
     row.part::<MODES>(x);
     row.part::<MODES>(u);
 }
 
 /// The instance that these are the numbers of; none where they can be no instance's.
-fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
+pub(super) fn ended(numbers: &mut impl Iterator<Item = u64>) -> Option<Ended> {
     let finished = of_finished(numbers)?;
     let (estimate, left_out) = (f64::from_bits(numbers.next()?), f64::from_bits(numbers.next()?));
     let periods = u32::try_from(numbers.next()?).ok()?;
     let (jump, neighbour_started) = (numbers.next()? == 1, numbers.next()? == 1);
     let precision = if numbers.next()? == 1 { Precision::F64 } else { Precision::F32 };
     let fineness = fineness(numbers)?;
-    let state = place(numbers)?;
+    let like = lever(fineness.steps, fineness.rule);
+    let state = place(numbers, like)?;
     let rest = of_finished(numbers)?;
-    let from_rest = place(numbers)?.map(|place| Box::new((rest, place)));
+    let from_rest = place(numbers, like)?.map(|place| Box::new((rest, place)));
     Some(Ended {
         finished,
         estimate,
@@ -241,14 +199,15 @@ fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
     }
 }
 
-/// A state, if there is one.
-pub(super) fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Option<Place>> {
+/// A state, if there is one; see [`stand`].
+pub(super) fn place(numbers: &mut impl Iterator<Item = u64>, like: Lever) -> Option<Option<Place>> {
     let is_any = numbers.next()? == 1;
     let (touching, finite) = (numbers.next()? == 1, numbers.next()? == 1);
     let multiplier = f64::from_bits(numbers.next()?);
     let least_change = f64::from_bits(numbers.next()?);
-    let steps = u32::try_from(numbers.next()?).ok()?;
-    let rule = of_rule(numbers)?;
+    let told = [numbers.next()?, numbers.next()?, numbers.next()?, numbers.next()?];
+    let [steps, rule @ ..] = apart(told, like);
+    let (steps, rule) = (u32::try_from(steps).ok()?, of_rule(&mut rule.into_iter())?);
     let mut station = Station { touching, finite, ..Station::FREE };
     for place in station.x.iter_mut().chain(&mut station.u) {
         *place = f64::from_bits(numbers.next()?);
@@ -259,7 +218,9 @@ pub(super) fn place(numbers: &mut impl Iterator<Item = u64>) -> Option<Option<Pl
 
 #[cfg(test)]
 mod tests {
+    use super::super::view::View;
     use super::*;
+    use std::ops::Range;
 
     /// SplitMix64 (Steele, Lea & Flood 2014).
     fn draw(state: &mut u64) -> u64 {
@@ -295,30 +256,80 @@ mod tests {
         }
     }
 
-    fn portion(count: usize, seed: u64) -> Portion {
+    fn portion(count: usize, seed: u64) -> (About, Vec<Ended>) {
         let mut state = seed;
         let instances = (0..count).map(|_| any(&mut state)).collect();
         let notes = vec!["a".into(), "b".into()];
-        Portion { whole: true, searched: true, curves: false, from_rest: true, instances, notes }
+        (About { whole: true, searched: true, curves: false, from_rest: true, notes }, instances)
+    }
+
+    fn written(number: usize, (about, instances): &(About, Vec<Ended>)) -> Vec<u8> {
+        to_bytes(number, about, instances.len(), |n| instances[n].clone())
+    }
+
+    /// A portion from all of its bytes.
+    fn read(bytes: &[u8], number: usize, count: usize) -> Option<(About, Vec<Ended>)> {
+        let source =
+            |range: Range<usize>| bytes.get(range).map(<[u8]>::to_vec).ok_or_else(|| "cut off".to_owned());
+        let view = View::of(&source, number, count).ok()?;
+        let about = view.about().filter(|_| view.length() == bytes.len())?;
+        let instances = (0..count).map(|n| view.ended(n)).collect::<Option<Vec<_>>>()?;
+        view.failure().is_none().then_some((about, instances))
     }
 
     #[test]
     fn a_portion_comes_back_by_its_bits() {
         for count in [0, 1, 2, 100] {
             let one = portion(count, count as u64);
-            let bytes = to_bytes(12, &one);
+            let bytes = written(12, &one);
             assert_eq!(number(&bytes), Some((12, count)));
-            let back = from_bytes(&bytes, count).expect("it is whole");
+            let back = read(&bytes, 12, count).expect("it is whole");
             let row = |one: &Ended| {
                 let mut row = [0; WIDTH];
                 fill(one, Row(&mut row));
                 row
             };
-            let rows = |one: &Portion| one.instances.iter().map(row).collect::<Vec<_>>();
-            assert_eq!((rows(&one), &one.notes), (rows(&back), &back.notes));
-            assert_eq!((back.whole, back.searched, back.curves), (true, true, false));
-            assert!(from_bytes(&bytes, count + 1).is_none());
-            assert!((0..bytes.len()).all(|end| from_bytes(&bytes[..end], count).is_none()));
+            let rows = |one: &(About, Vec<Ended>)| one.1.iter().map(row).collect::<Vec<_>>();
+            assert_eq!((rows(&one), &one.0.notes), (rows(&back), &back.0.notes));
+            assert_eq!((back.0.whole, back.0.searched, back.0.curves), (true, true, false));
+            assert!(read(&bytes, 12, count + 1).is_none() && read(&bytes, 13, count).is_none());
+            assert!((0..bytes.len()).all(|end| read(&bytes[..end], 12, count).is_none()));
+        }
+    }
+
+    /// Marks and counts are those of the instances, and a column is read without the others.
+    #[test]
+    fn columns_are_read_alone() {
+        let one = portion(70, 5);
+        let bytes = written(3, &one);
+        let read = std::sync::atomic::AtomicUsize::new(0);
+        let source = |range: Range<usize>| {
+            read.fetch_add(range.len(), std::sync::atomic::Ordering::Relaxed);
+            bytes.get(range).map(<[u8]>::to_vec).ok_or_else(|| "cut off".to_owned())
+        };
+        let view = View::of(&source, 3, 70).expect("it is whole");
+        let head = read.load(std::sync::atomic::Ordering::Relaxed);
+        let periods: Vec<u32> = (0..70).map(|n| view.periods(n)).collect();
+        assert_eq!(periods, one.1.iter().map(|one| one.periods).collect::<Vec<_>>());
+        assert_eq!(read.load(std::sync::atomic::Ordering::Relaxed), head + 4 * 70);
+        let bits = |all: Vec<f64>| all.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        let multiplier = |one: &Ended| one.state.as_ref().map_or(f64::NAN, |state| state.spectrum.multiplier);
+        assert_eq!(bits(view.multipliers()), bits(one.1.iter().map(multiplier).collect()));
+        let (marks, started) = view.marks(0.0).expect("they are instances");
+        assert_eq!(started, one.1.iter().filter(|one| one.neighbour_started).count());
+        assert!(marks.iter().zip(&one.1).all(|(mark, one)| mark.found() == one.state.is_some()));
+        assert!(marks.iter().zip(&one.1).all(|(mark, one)| mark.precision() == one.precision));
+    }
+
+    /// No bit of a column or of what comes before them turns over unnoticed, once it is asked for.
+    #[test]
+    fn every_bit_counts() {
+        let bytes = written(0, &portion(3, 2));
+        let notes = 3;
+        for bit in 0..8 * (bytes.len() - notes) {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(read(&damaged, 0, 3).is_none(), "bit {bit}");
         }
     }
 
@@ -326,22 +337,23 @@ mod tests {
     #[test]
     fn notes_come_back_one_line_each() {
         let notes = ["refused:\n\n  two\r\nthree\n", "", "\n\n", "a", "b\r"].map(str::to_owned).to_vec();
-        let one = Portion { notes, ..portion(1, 3) };
-        let back = from_bytes(&to_bytes(0, &one), 1).expect("it is whole");
-        assert_eq!(back.notes, ["refused:   two three", "a", "b"]);
-        let again = from_bytes(&to_bytes(0, &back), 1).expect("it is whole");
-        assert_eq!(again.notes, back.notes);
+        let (about, instances) = portion(1, 3);
+        let one = (About { notes, ..about.clone() }, instances);
+        let back = read(&written(0, &one), 0, 1).expect("it is whole");
+        assert_eq!(back.0.notes, ["refused:   two three", "a", "b"]);
+        let again = read(&written(0, &back), 0, 1).expect("it is whole");
+        assert_eq!(again.0.notes, back.0.notes);
         // Empty lines in bytes that somebody else has written are no notes.
-        let mut bytes = to_bytes(0, &Portion { notes: vec!["abcd".into()], ..one });
+        let mut bytes = written(0, &(About { notes: vec!["abcd".into()], ..about }, one.1));
         let place = bytes.windows(4).position(|four| four == b"abcd").expect("it is there");
         bytes[place + 1..place + 4].fill(b'\n');
-        assert_eq!(from_bytes(&bytes, 1).expect("it is whole").notes, ["a"]);
+        assert_eq!(read(&bytes, 0, 1).expect("it is whole").0.notes, ["a"]);
     }
 
     /// Whatever the bytes are, nothing panics and nothing large is asked for.
     #[test]
     fn damaged_bytes_are_no_portion_or_another_one() {
-        let bytes = to_bytes(0, &portion(30, 1));
+        let bytes = written(0, &portion(30, 1));
         let mut state = 7;
         for _ in 0..2000 {
             let mut damaged = bytes.clone();
@@ -349,8 +361,8 @@ mod tests {
                 let at = draw(&mut state) as usize % damaged.len();
                 damaged[at] ^= 1 << (draw(&mut state) % 8);
             }
-            if let Some(read) = from_bytes(&damaged, 30) {
-                assert_eq!(read.instances.len(), 30);
+            if let Some((_, instances)) = read(&damaged, 0, 30) {
+                assert_eq!(instances.len(), 30);
             }
         }
     }
