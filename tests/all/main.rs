@@ -84,6 +84,7 @@ mod fuzz_inputs;
 mod hard_cases;
 mod hard_contact;
 mod hard_instrument;
+mod hard_jumps;
 mod hard_steadiness;
 mod progress_phases;
 mod published_paper;
