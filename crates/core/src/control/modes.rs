@@ -2,7 +2,7 @@
 
 use super::difference::is_fast;
 use super::rules::Rules;
-use super::sample::{Kind, by_stiffness, spread, stiffness};
+use super::sample::{Kind, by_stiffness, spread, standing};
 use super::trial::{self, Costs, Place, Trial};
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
@@ -73,8 +73,8 @@ pub(super) fn chosen(plan: &Plan, stepped: &[u32], tried: Option<&Tried>) -> Cho
     let mut bases = Bases::new(plan);
     fast.iter().for_each(|i| bases.keep(*i));
     let mut kinds: HashMap<Kind, OfKind> = HashMap::new();
-    let of = |part: &Plan, n: u32, i: u32| (i, Kind::of(part, n), stiffness(part, n));
-    plan.for_each(&usual, of, |(i, kind, stiffness)| {
+    let of = |part: &Plan, n: u32, i: u32| (i, standing(part, n));
+    plan.for_each(&usual, of, |(i, (kind, stiffness))| {
         let of_kind = kinds.entry(kind).or_insert_with(|| OfKind::new(plan, kind, sample, trials));
         bases.choose(i, stiffness, of_kind);
     });
@@ -108,11 +108,10 @@ struct OfKind {
 
 impl OfKind {
     fn new(plan: &Plan, kind: Kind, sample: &[u32], trials: &[Trial]) -> Self {
-        let known: Vec<usize> = (0..sample.len()).filter(|n| Kind::of(plan, sample[*n]) == kind).collect();
-        Self {
-            places: known.iter().map(|n| stiffness(plan, sample[*n])).collect(),
-            costs: trials.iter().map(|trial| Costs::new(trial, &known, plan)).collect(),
-        }
+        let standings = sample.iter().map(|i| standing(plan, *i)).enumerate();
+        let (known, places): (Vec<usize>, Vec<f64>) =
+            standings.filter(|(_, (own, _))| *own == kind).map(|(n, (_, stiffness))| (n, stiffness)).unzip();
+        Self { places, costs: trials.iter().map(|trial| Costs::new(trial, &known, plan)).collect() }
     }
 
     /// The poorest basis that serves an instance at this place, and what it costs there.

@@ -2,8 +2,7 @@
 
 use super::coarse::halved;
 use super::difference::difference;
-use super::sample::{self, Kind};
-use super::{Arithmetic, Controlled};
+use super::{Arithmetic, Controlled, sample};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, Precision};
@@ -134,11 +133,13 @@ pub(super) fn cost_of_rounding(
         .map(|(i, double)| apart(&run.plan, *i, &single(*i), double))
         .collect();
     let rounding = moved.iter().copied().filter(|one| one.is_finite()).fold(0.0, f64::max);
+    let kinds: Vec<_> = sample.iter().map(|i| sample::kind(&run.plan, *i)).collect();
     let mut added = vec![0.0; run.plan.len()];
     let mut next = 0;
     for i in order {
         let here = sample.get(next) == Some(&i);
-        let of_kind = |n: &usize| Kind::of(&run.plan, sample[*n]) == Kind::of(&run.plan, i);
+        let kind = sample::kind(&run.plan, i);
+        let of_kind = |n: &usize| kinds[*n] == kind;
         let near = [next.checked_sub(1), (next < sample.len()).then_some(next)].into_iter().flatten();
         let near = near.filter(of_kind).map(|n| moved[n]).filter(|one| one.is_finite());
         added[i as usize] = if here { moved[next] } else { near.fold(0.0, f64::max) };

@@ -26,15 +26,6 @@ pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
     places.into_iter().map(|place| order[place]).collect()
 }
 
-/// The contact's stiffness at the deepest indentation to expect, over the lever's; under DMT at least the slope of the
-/// attraction just outside, which a tip feels that never touches.
-pub(super) fn stiffness(plan: &Plan, instance: u32) -> f64 {
-    let case = plan.case(instance);
-    let (contact, flexibility) = (&case.contact, plan.driven(instance).kept.flexibility);
-    let pressed = contact.stiffness(plan.depth_of(&case), true).abs();
-    pressed.max(contact.law().attraction_slope()) * flexibility
-}
-
 /// What instances have in common that stand side by side in a sample: their law, and whether contact ends with a strong jump of
 /// its force, which moves modes that a contact as stiff without one leaves at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,17 +34,27 @@ pub(super) struct Kind {
     jumps: bool,
 }
 
-impl Kind {
-    pub fn of(plan: &Plan, instance: u32) -> Self {
-        Self { law: plan.law(instance).code(), jumps: plan.jumps(instance) }
-    }
+/// Where an instance stands: its kind, and its contact's stiffness at the deepest indentation to expect, over the lever's; under
+/// DMT at least the slope of the attraction just outside, which a tip feels that never touches.
+pub(super) fn standing(plan: &Plan, instance: u32) -> (Kind, f64) {
+    let case = plan.case(instance);
+    let (contact, depth, law) = (&case.contact, plan.depth_of(&case), plan.law(instance));
+    let strong = || -contact.law().pull_off() >= plan.policy.strong_jump * contact.force(depth, true);
+    let kind = Kind { law: law.code(), jumps: law.has_memory() && strong() };
+    let pressed = contact.stiffness(depth, true).abs();
+    (kind, pressed.max(contact.law().attraction_slope()) * plan.driven(instance).kept.flexibility)
+}
+
+pub(super) fn kind(plan: &Plan, instance: u32) -> Kind {
+    standing(plan, instance).0
 }
 
 /// By kind, then stiffness.
 pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     // Kind, stiffness and number in one number that is ordered as they are.
     let key = |part: &Plan, n: u32, i: u32| -> u128 {
-        let (kind, bits) = (Kind::of(part, n), stiffness(part, n).to_bits());
+        let (kind, stiffness) = standing(part, n);
+        let bits = stiffness.to_bits();
         let ordered = if bits >> 63 == 1 { !bits } else { bits | 1 << 63 };
         (u128::from(kind.law) << 1 | u128::from(kind.jumps)) << 96 | u128::from(ordered) << 32 | u128::from(i)
     };
@@ -66,8 +67,8 @@ pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
 fn kinds<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = &'a [u32]> {
     let mut rest = order;
     std::iter::from_fn(move || {
-        let kind = Kind::of(plan, *rest.first()?);
-        let (group, others) = rest.split_at(rest.partition_point(|i| Kind::of(plan, *i) == kind));
+        let first = kind(plan, *rest.first()?);
+        let (group, others) = rest.split_at(rest.partition_point(|i| kind(plan, *i) == first));
         rest = others;
         Some(group)
     })

@@ -251,17 +251,7 @@ impl Plan {
         self.depth_of(&self.case(instance))
     }
 
-    /// Whether an instance's contact ends with a jump of its force, as JKR's does, that is strong beside the force at the deepest
-    /// indentation to expect.
-    pub fn jumps(&self, instance: u32) -> bool {
-        self.law(instance).has_memory() && {
-            let case = self.case(instance);
-            let largest = case.contact.force(self.depth_of(&case), true);
-            -case.contact.law().pull_off() >= self.policy.strong_jump * largest
-        }
-    }
-
-    /// Deepest indentation to expect of a case of the plan, m.
+    /// The same of a case of the plan.
     pub fn depth_of(&self, Case { drive, contact, gap, .. }: &Case) -> f64 {
         let driven = &self.drives[*drive as usize];
         steps::deepest(contact, driven.kept.inverse_mass(), driven.free.omega, driven.free_amplitude(), *gap)

@@ -116,42 +116,24 @@ impl Measured {
 
     /// All of its numbers, in an order that a run's journal has too.
     pub fn numbers(&self) -> [f64; Self::WIDTH] {
-        let Self {
-            harmonics,
-            phase,
-            force_max,
-            force_min,
-            force_mean,
-            indentation_max,
-            contact_time,
-            dissipation,
-            virial,
-            contacts,
-            deflection_amplitude,
-            deflection_phase,
-            deflection_mean,
-            free_phase,
-            frequency_shift,
-            gap,
-        } = *self;
         let mut numbers = [f64::NAN; Self::WIDTH];
-        numbers[..HARMONICS].copy_from_slice(&harmonics);
+        numbers[..HARMONICS].copy_from_slice(&self.harmonics);
         numbers[HARMONICS..].copy_from_slice(&[
-            phase,
-            force_max,
-            force_min,
-            force_mean,
-            indentation_max,
-            contact_time,
-            dissipation,
-            virial,
-            contacts,
-            deflection_amplitude,
-            deflection_phase,
-            deflection_mean,
-            free_phase,
-            frequency_shift,
-            gap,
+            self.phase,
+            self.force_max,
+            self.force_min,
+            self.force_mean,
+            self.indentation_max,
+            self.contact_time,
+            self.dissipation,
+            self.virial,
+            self.contacts,
+            self.deflection_amplitude,
+            self.deflection_phase,
+            self.deflection_mean,
+            self.free_phase,
+            self.frequency_shift,
+            self.gap,
         ]);
         numbers
     }
@@ -367,6 +349,7 @@ mod tests {
         }
         assert_eq!(Observable::all().count(), 17);
     }
+
     /// An observable's numbers are some of those that are measured, as they are.
     #[test]
     fn every_observable_has_its_place() {
