@@ -4,6 +4,7 @@
 //! Numbers come and go in rows, one number for each instance side by side; what is done once for an instance is done
 //! outside, by code that is compiled once.
 
+use super::constants::ZERO;
 use super::contact::{self, Interaction};
 use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
 use super::run_sums::RunSums;
@@ -224,18 +225,31 @@ fn store<L: Lane, const M: usize>(state: &State<L, M>, modes: usize, rows: &mut 
 }
 
 fn load_sums<L: Lane>(sums: &[L::Element]) -> (Tally<L>, RunSums<L>) {
-    let mut rows = sums.chunks_exact(L::WIDTH).map(L::load);
-    let mut next = || rows.next().unwrap_or(L::splat(0.0));
-    let (last, touched) = ([next(), next()], next());
-    let mut run_sums = RunSums::new();
-    run_sums.places().for_each(|place| *place = next());
-    (Tally::resume(last, touched), run_sums)
+    L::run(
+        #[inline(always)]
+        || {
+            let (mut carried, mut run_sums) = ([L::splat(ZERO); 3], RunSums::new());
+            let places = carried.iter_mut().chain(run_sums.places());
+            for (place, row) in places.zip(sums.chunks_exact(L::WIDTH)) {
+                *place = L::load(row);
+            }
+            let [first, middle, touched] = carried;
+            (Tally::resume([first, middle], touched), run_sums)
+        },
+    )
 }
 
 fn store_sums<L: Lane>(tally: &Tally<L>, run_sums: &RunSums<L>, sums: &mut [L::Element]) {
-    let carried = tally.carried();
-    let numbers = carried.iter().chain(run_sums.numbers());
-    numbers.zip(sums.chunks_exact_mut(L::WIDTH)).for_each(|(number, row)| number.store(row));
+    L::run(
+        #[inline(always)]
+        || {
+            let carried = tally.carried();
+            for (number, row) in carried.iter().chain(run_sums.numbers()).zip(sums.chunks_exact_mut(L::WIDTH))
+            {
+                number.store(row);
+            }
+        },
+    );
 }
 
 /// Takes the period into the run's sums.
