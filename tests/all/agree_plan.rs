@@ -78,7 +78,7 @@ fn survey(accuracy: f64, count: u64) -> Vec<Row> {
                 return None;
             }
             // The same lever: prescribed steps would bring the one that they can step.
-            let fine = plan.clone().with_steps(|case| 8 * case.steps);
+            let fine = plan.clone().with_steps(|steps| 8 * steps);
             let [own, best] = [checks::run(&plan)[0], checks::run(&fine)[0]];
             if own.status != Status::Ok || best.status != Status::Ok {
                 return None;

@@ -5,10 +5,10 @@ use crate::plan::Plan;
 /// With half of the plan's steps, which are on the safe side.
 pub(super) fn halved(plan: Plan) -> Plan {
     let fewest = 2 * plan.policy.fewest_steps;
-    plan.with_steps(|case| (case.steps / 2).max(fewest))
+    plan.with_steps(|steps| (steps / 2).max(fewest))
 }
 
 /// With a quarter of the plan's steps, for the first estimate.
 pub(super) fn quartered(plan: Plan) -> Plan {
-    halved(plan).with_steps(|case| case.steps / 2)
+    halved(plan).with_steps(|steps| steps / 2)
 }

@@ -59,7 +59,7 @@ impl Part {
         if instances.is_empty() || progress.stopped() {
             return Ok(());
         }
-        let mut other = self.plan.part(instances).with_steps(|case| steps(case.steps));
+        let mut other = self.plan.part(instances).with_steps(steps);
         let near = steady::of(&self.found, instances);
         let second = steady::again(&mut other, &near, engine, progress)?.outcome;
         let apart = differences(&self.plan, instances, &second.results, &self.outcome.results);

@@ -146,7 +146,7 @@ impl<'a> Refining<'a> {
         }
         let part = self.now.plan.part(instances).in_precision(precision);
         let mut other = match what {
-            Next::MoreSteps => part.with_steps(|case| 2 * case.steps),
+            Next::MoreSteps => part.with_steps(|steps| 2 * steps),
             Next::RicherBasis => part.with_richer_bases(),
             Next::Double | Next::Accept => part,
         };
@@ -290,7 +290,7 @@ mod tests {
         let whole = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let (engine, progress) = (Cpu::default(), Progress::default());
         let chosen = precision::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
-        let rich = whole.clone().with_shares(1e-2 * scene.run.accuracy).with_steps(|case| 4 * case.steps);
+        let rich = whole.clone().with_shares(1e-2 * scene.run.accuracy).with_steps(|steps| 4 * steps);
         let truth = steady::run(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
         let with = |accuracy| whole.with_bases(&[(0, BasisRule::Shares { accuracy })]);
         let run = |poorer| {

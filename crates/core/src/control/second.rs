@@ -6,7 +6,7 @@ use super::other::{Other, Second};
 use super::pieces::Pieces;
 use crate::engine::{EngineError, Finished};
 use crate::observe::Status;
-use crate::plan::{Case, Plan, STEPS_MAX, Station};
+use crate::plan::{Plan, STEPS_MAX, Station};
 use crate::steady::{self, PeriodicState};
 use std::collections::{BTreeMap, HashMap};
 
@@ -72,7 +72,7 @@ struct Sight {
 impl Sight {
     fn look(&mut self, known: &[u32], pieces: &Pieces) -> Result<(), EngineError> {
         let (fewest, left) = (self.plan.policy.fewest_steps, self.plan.policy.left_of_steps);
-        let halved = |case: &Case| (case.steps / 2).max(fewest.min(case.steps));
+        let halved = |steps: u32| (steps / 2).max(fewest.min(steps));
         let coarse = self.plan.part(known).with_steps(halved);
         for (n, found) in self.again(&coarse, known, pieces)? {
             self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
@@ -100,7 +100,7 @@ impl Sight {
             if rough.is_empty() {
                 break;
             }
-            let finer = self.plan.part(&rough).with_steps(|case| 2 * case.steps);
+            let finer = self.plan.part(&rough).with_steps(|steps| 2 * steps);
             let mut taken = HashMap::new();
             for (there, (n, found)) in self.again(&finer, &rough, pieces)?.into_iter().enumerate() {
                 let Some((apart, finished, place)) = found else { continue };

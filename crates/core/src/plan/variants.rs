@@ -48,13 +48,11 @@ impl Plan {
         }
     }
 
-    /// With another number of steps per period for each instance. Those that are free of the sample stay so.
+    /// With another number of steps per period for each instance, by its own. Those that are free of the sample stay so.
     #[must_use]
-    pub fn with_steps(mut self, steps: impl Fn(&Case) -> u32) -> Self {
-        for i in self.stepped() {
-            let steps = steps(&self.case(i));
-            self.each()[i as usize].steps = steps;
-        }
+    pub fn with_steps(mut self, steps: impl Fn(u32) -> u32) -> Self {
+        let stepped = self.each().iter_mut().filter(|own| own.steps > 0);
+        stepped.for_each(|own| own.steps = steps(own.steps));
         self
     }
 
