@@ -127,6 +127,16 @@ impl StaticLaw for Jkr {
         1.5 * self.modulus * a * (rise - 2.0) / rise
     }
 
+    /// Less than `3 K a/2`, with `y < 1.6 + x^(1/4)` for `y^4 - 4y = x >= 0`: its fourth power is more than `x + 4y`.
+    fn stiffness_at_most(&self, delta: f64) -> f64 {
+        let above = self.above_fold(delta);
+        if above > DEEP {
+            return self.stiffness(delta, true);
+        }
+        let y = 1.6 + (above - 3.0).max(0.0).sqrt().sqrt();
+        1.5 * self.modulus * self.radius_scale * y * y
+    }
+
     fn energy(&self, delta: f64, in_contact: bool) -> f64 {
         if !self.touching(delta, in_contact) {
             return 0.0;
@@ -268,6 +278,18 @@ mod tests {
             let above = e * e * (e * (e + 4.0) + 6.0);
             let back = excess(above);
             assert!((back / e - 1.0).abs() < 8.0 * f64::EPSILON, "e {e:e} back {back:e}");
+        }
+    }
+
+    #[test]
+    fn contact_stiffness_is_below_its_bound() {
+        for work in [0.0, 1e-6, 0.05, 10.0] {
+            let law = Jkr::new(1e9, 1e-8, work);
+            for step in -200..=2000 {
+                let delta = 1e-10 * f64::from(step);
+                let [stiffness, bound] = [law.stiffness(delta, true), law.stiffness_at_most(delta)];
+                assert!(stiffness <= bound, "{work} {delta:e}: {stiffness:e} {bound:e}");
+            }
         }
     }
 

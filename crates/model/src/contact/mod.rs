@@ -210,6 +210,11 @@ impl Contact {
         self.law().stiffness(delta, in_contact)
     }
 
+    /// What that does not exceed in contact; see [`StaticLaw::stiffness_at_most`].
+    pub fn stiffness_at_most(&self, delta: f64) -> f64 {
+        self.law().stiffness_at_most(delta)
+    }
+
     /// Energy, J; see [`StaticLaw::energy`].
     pub fn energy(&self, delta: f64, in_contact: bool) -> f64 {
         self.law().energy(delta, in_contact)
