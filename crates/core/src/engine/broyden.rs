@@ -165,7 +165,7 @@ impl Together<'_> {
                 let touching = guessed[*n].touching;
                 passing.push(Passing { instance: *n as u32, state, touching, finite: true });
             }
-            let found = |end: &Passing| {
+            let ended = |end: &Passing, finished: &dyn Fn() -> Finished| {
                 let n = end.instance as usize;
                 let same = !plan.law(instances[n]).has_memory() || end.touching == guessed[n].touching;
                 let arrival = Arrival { strode: round > 1, sound: end.finite && same };
@@ -176,11 +176,11 @@ impl Together<'_> {
                 };
                 let phase = stride(end.state, &goals[n], arrival, here);
                 (arrived[n].phase, arrived[n].periods) = (phase, round);
-                phase == Phase::Found
+                if phase == Phase::Found {
+                    arrived[n].finished = finished();
+                }
             };
-            for (n, finished) in map.measured(plan, &mut passing, found, progress) {
-                arrived[n as usize].finished = finished;
-            }
+            map.measured(plan, &mut passing, ended, progress);
             left.retain(|n| arrived[*n].phase == Phase::On);
         }
         places.iter_mut().for_each(|number| *number *= LENGTH);

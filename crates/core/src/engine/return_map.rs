@@ -70,23 +70,22 @@ impl Map {
 }
 
 impl Map {
-    /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. What was measured
-    /// comes of those of which `wanted` says so, which is told where each one ends. Whether they are steady is not judged. A
-    /// run that was stopped leaves the others where they are.
+    /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. `ended` is told where
+    /// each one ends, and asks of those that it wants what was measured. Whether they are steady is not judged. A run that was
+    /// stopped leaves the others where they are.
     pub fn measured(
         &self,
         plan: &Plan,
         passing: &mut [Passing],
-        mut wanted: impl FnMut(&Passing) -> bool,
+        mut ended: impl FnMut(&Passing, &dyn Fn() -> Finished),
         progress: &Progress,
-    ) -> Vec<(u32, Finished)> {
+    ) {
         let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
-        let (mut finished, mut chosen) = (Vec::new(), Vec::new());
         for (table, own) in self.by_table(instances.iter().copied()) {
             let mut rows = table.buffers(table.stepper.width);
             for places in own.chunks(table.stepper.width) {
                 if progress.stopped() {
-                    return finished;
+                    return;
                 }
                 let place = |n: usize| {
                     let (x, u) = passing[n].state.split_at(passing[n].state.len() / 2);
@@ -99,19 +98,12 @@ impl Map {
                         let one = &mut passing[*n];
                         let (x, u) = one.state.split_at_mut(one.state.len() / 2);
                         (one.touching, one.finite) = table.put(lane, (x, u), 1.0, &rows);
-                        if wanted(one) {
-                            chosen.push((one.instance, (lane, *row), one.finite));
-                        }
+                        ended(one, &|| table.finished((lane, *row), one.finite, plan, &rows));
                     }
                 });
-                let measured = chosen
-                    .drain(..)
-                    .map(|(instance, place, finite)| (instance, table.finished(place, finite, plan, &rows)));
-                finished.extend(measured);
                 progress.add(places.len() as u64 * table.steps());
             }
         }
-        finished
     }
 
     /// The starts of each table that has any: their places in the list, and their rows there.

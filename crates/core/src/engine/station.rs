@@ -19,7 +19,7 @@ pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<Saved>> {
 pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
     let (case, driven) = member(plan, instance);
     let x = station.x.map(|x| x / LENGTH);
-    let last = indentation(&case, (driven, plan.run.start), x.iter().sum());
+    let last = indentation(&case, (driven, plan.run.start), half_step(case.steps), x.iter().sum());
     let touching = f64::from(u8::from(station.touching));
     Saved {
         x,
@@ -32,16 +32,21 @@ pub(super) fn saved(plan: &Plan, instance: u32, station: &Station) -> Saved {
     }
 }
 
-/// Indentation half a step into a period where the tip is so far beyond its free motion, kernel units.
-pub(super) fn indentation(case: &Case, driven: (&Driven, Start), beyond: f64) -> f64 {
-    -(still(case, driven) + beyond)
+/// Cosine and sine of the phase half a step into a period of so many steps.
+pub(super) fn half_step(steps: u32) -> (f64, f64) {
+    let half = PI / f64::from(steps);
+    (half.cos(), half.sin())
 }
 
-/// How far from the sample free motion is there, kernel units.
-pub(super) fn still(case: &Case, (driven, start): (&Driven, Start)) -> f64 {
+/// Indentation half a step into a period where the tip is so far beyond its free motion, kernel units.
+pub(super) fn indentation(case: &Case, driven: (&Driven, Start), half: (f64, f64), beyond: f64) -> f64 {
+    -(still(case, driven, half) + beyond)
+}
+
+/// How far from the sample free motion is there, kernel units; `half` is [`half_step`] of the case's steps.
+pub(super) fn still(case: &Case, (driven, start): (&Driven, Start), half: (f64, f64)) -> f64 {
     let (cosine, sine) = start::amplitudes(driven, start);
-    let half = PI / f64::from(case.steps);
-    (case.gap + (cosine * half.cos() + sine * half.sin())) / LENGTH
+    (case.gap + (cosine * half.0 + sine * half.1)) / LENGTH
 }
 
 /// Puts travels and rates of an instance's `own` modes, in units of so many of the kernel's, by its numbers: those of `all` modes

@@ -45,6 +45,8 @@ pub(super) struct Table {
     /// Of each row the free motion's numbers, the gap and the law's constants, so many.
     own: usize,
     rows: Vec<f64>,
+    /// Cosine and sine of half a step.
+    half: (f64, f64),
     /// Run sums before the first period.
     none_yet: Vec<f64>,
 }
@@ -92,6 +94,7 @@ impl Table {
             own: rows.len() / cases.len().max(1),
             cases,
             rows,
+            half: station::half_step(steps),
             none_yet: RunSums::new().numbers().copied().collect(),
         })
     }
@@ -180,12 +183,13 @@ impl Table {
         for lane in 0..width {
             let (_, row) = places[lane.min(places.len() - 1)];
             let (i, case) = &self.cases[row as usize];
-            let last = indentation(case, (plan.driven(*i), Start::Steady), rows.travel[lane]);
+            let last = indentation(case, (plan.driven(*i), Start::Steady), self.half, rows.travel[lane]);
             let touched = rows.state[2 * modes * width + lane];
-            let first = [last, last, touched];
-            let numbers = first.iter().chain(&self.none_yet);
-            rows.sums.chunks_exact_mut(width).zip(numbers).for_each(|(row, number)| row[lane] = *number);
+            let first = rows.sums.chunks_exact_mut(width).zip([last, last, touched]);
+            first.for_each(|(row, number)| row[lane] = number);
         }
+        let sums = rows.sums.chunks_exact_mut(width).skip(3);
+        sums.zip(&self.none_yet).for_each(|(row, number)| row.fill(*number));
         let span = Span { waves: &self.waves, decay: None, wants: plan.wants, measured: true, periods: 1 };
         self.stepper.measure(&rows.constants, &mut rows.state, &mut rows.sums, &span);
     }

@@ -4,7 +4,7 @@ use super::Failure;
 use super::pack::{self, Driven, Numbers, going, transposed, waves, write};
 use crate::engine::member::gap_and_law;
 use crate::engine::saved::Saved;
-use crate::engine::station::still;
+use crate::engine::station::{half_step, still};
 use crate::engine::{Guessed, Guesses};
 use crate::kernel::broyden::{Phase, ROUNDS};
 use crate::kernel::{Entry, LENGTH, MODES_MAX, RunSums, ShaderSpec};
@@ -67,7 +67,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> St
         let (member, n) = (driven.members[i], instance as usize);
         let guessed = guesses.all[n];
         let place: Vec<f64> = guesses.place(n).iter().map(|number| number / LENGTH).collect();
-        let still = still(&member.0, (member.1, Start::Steady));
+        let still = still(&member.0, (member.1, Start::Steady), half_step(member.0.steps));
         let memory = f64::from(u8::from(class.law.has_memory()));
         let state = begun(&guessed, &place, (spec.modes, still));
         let goal = guesses.goal(&guessed);
