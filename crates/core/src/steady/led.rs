@@ -45,9 +45,9 @@ pub fn from_neighbours(
         unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
         led.retain(|i| settled.found[*i as usize].is_some());
     }
-    settled.by_each_of(plan, leads, (|lead| matches!(lead, Lead::Each(_)), 1), engine, progress)?;
+    settled.by_each(plan, leads, (|lead| matches!(lead, Lead::Each(_)), 1), engine, progress)?;
     settled.between(plan, leads, engine, progress)?;
-    settled.by_each_of(plan, leads, (|lead| matches!(lead, Lead::Hint(_)), 2), engine, progress)?;
+    settled.by_each(plan, leads, (|lead| matches!(lead, Lead::Hint(_)), 2), engine, progress)?;
     let mut begun = vec![false; plan.len()];
     led.into_iter().for_each(|i| begun[i as usize] = true);
     let rest = |of: fn(&Lead) -> bool| -> Vec<u32> {
@@ -78,8 +78,10 @@ pub fn from_neighbours(
 }
 
 impl Settled {
-    /// [`Settled::by_each`] for those with such a lead.
-    fn by_each_of(
+    /// What a search of its own has not found begins, where it has `such` a lead, at each neighbour alone: across the end of a
+    /// branch several together lead nowhere, and states are like one of them. It is there if all that lead somewhere, `least` of
+    /// them or more, lead to one state, and a search that takes the map's own slope there finds that state, too.
+    pub(super) fn by_each(
         &mut self,
         plan: &Plan,
         leads: &[Lead],
@@ -87,23 +89,8 @@ impl Settled {
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
-        let each: Vec<Lead> =
-            leads.iter().map(|lead| if such(lead) { lead.clone() } else { Lead::None }).collect();
-        self.by_each(plan, &each, least, engine, progress)
-    }
-
-    /// What a search of its own has not found begins at each neighbour alone: across the end of a branch several together lead
-    /// nowhere, and states are like one of them. It is there if all that lead somewhere, `least` of them or more, lead to one
-    /// state, and a search that takes the map's own slope there finds that state, too.
-    pub(super) fn by_each(
-        &mut self,
-        plan: &Plan,
-        leads: &[Lead],
-        least: u32,
-        engine: &dyn Engine,
-        progress: &Progress,
-    ) -> Result<(), EngineError> {
-        let alone = |i: u32| leads.get(i as usize).map(Lead::alone).unwrap_or_default();
+        let alone =
+            |i: u32| leads.get(i as usize).filter(|lead| such(lead)).map(Lead::alone).unwrap_or_default();
         let lost = |i: &u32| self.found[*i as usize].is_none() && !alone(*i).is_empty();
         let instances: Vec<u32> = plan.instances().filter(lost).collect();
         if instances.is_empty() || progress.stopped() {

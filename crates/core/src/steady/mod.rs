@@ -161,7 +161,7 @@ fn searched(
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
     let (mut settled, mut left) = found(plan, &plan.stepped(), begin, engine, progress)?;
-    settled.by_each(plan, leads, 1, engine, progress)?;
+    settled.by_each(plan, leads, (|_| true, 1), engine, progress)?;
     left.retain(|one| settled.found[one.instance as usize].is_none());
     if matches!(begin, Begin::Brief(_)) {
         if patience == Patience::Later {
