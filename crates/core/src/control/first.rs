@@ -8,7 +8,7 @@ use super::solved::{self, Solved};
 use super::{modes, precision};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{BasisRule, Case, Plan, Precision, STEPS_MAX};
+use crate::plan::{BasisRule, Plan, Precision, STEPS_MAX};
 use crate::steady::{self, PeriodicState, Settled};
 
 /// What is known before the steps are.
@@ -58,27 +58,29 @@ pub(super) fn run(
         None => plan.part(stepped),
         Some(bases) => poorer_plan(plan, stepped, bases),
     });
-    let (rough, mut settled, neighbour_started) =
+    let (mut rough, mut settled, neighbour_started) =
         two_runs(&mut coarse, &mut fine, stepped, around.as_ref(), (engine, progress))?;
-    let near = steady::among(&rough.found, stepped, plan.len());
     let kept = keep_curves(&mut settled, stepped, &rough, progress);
     settled.outcome.notes.splice(0..0, rough.outcome.notes.iter().cloned());
     if !rough.jumps.is_empty() {
         settled.jumps = vec![false; plan.len()];
         stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
+        let near = steady::among(&rough.found, stepped, plan.len());
         settled.outcome.notes.extend(moved(&fine, &settled, &near, engine, progress)?);
     }
-    let begin = |(case, of_modes): (Case, f64)| Refinement {
+    let begin = |(i, of_modes): (u32, f64)| Refinement {
         of_steps: 0.0,
         of_modes,
         untold: None,
-        most_steps: (case.steps << plan.policy.doublings).min(STEPS_MAX),
+        most_steps: (fine.steps(i) << plan.policy.doublings).min(STEPS_MAX),
         finer_before: false,
         in_vain: false,
     };
-    let known = fine.cases().zip(left_out).map(begin).collect();
-    let solved =
-        if leads_on { solved(plan.len(), stepped, (&coarse, &rough), (&fine, &settled)) } else { Vec::new() };
+    let known = fine.instances().zip(left_out).map(begin).collect();
+    let solved = match leads_on {
+        true => solved(plan.len(), stepped, (&coarse, &mut rough), (&fine, &settled)),
+        false => Vec::new(),
+    };
     let mut begun = Begun { plan: fine, settled, known, neighbour_started, solved };
     let apart = differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
     for ((place, rough), apart) in coarse.instances().zip(&rough.outcome.results).zip(apart) {
@@ -143,14 +145,14 @@ fn two_runs(
 fn solved(
     count: usize,
     stepped: &[u32],
-    (coarse, rough): (&Plan, &Settled),
+    (coarse, rough): (&Plan, &mut Settled),
     (fine, settled): (&Plan, &Settled),
 ) -> Vec<Solved> {
     let mut all = vec![Solved::Unknown; count];
     for (place, i) in coarse.instances().zip(stepped) {
         let (p, n) = (place as usize, *i as usize);
         all[n] = solved::solved(
-            (coarse, place, &rough.outcome.results[p], rough.state(p)),
+            (coarse, place, &rough.outcome.results[p], rough.found.get_mut(p).and_then(Option::take)),
             (fine, *i, &settled.outcome.results[n], settled.state(n)),
         );
     }

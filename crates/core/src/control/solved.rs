@@ -29,17 +29,22 @@ impl Solved {
 /// What an instance's guess rests on: another instance, its weight, and its weight where only the nearest count.
 pub(super) type Weighted = (u32, f64, f64);
 
-/// What later instances may rest on of one, by its first two runs: a plan, its number there, its result, and its state.
+/// What later instances may rest on of one, by its first two runs: a plan, its number there, its result, and its state, of which
+/// the first is not needed any more.
 pub(super) fn solved(
-    (first, i, before, rough): (&Plan, u32, &Finished, Option<&PeriodicState>),
+    (first, i, before, rough): (&Plan, u32, &Finished, Option<Box<PeriodicState>>),
     (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),
 ) -> Solved {
-    let (Some(rough), Some(fine)) = (rough, fine) else {
-        let neither = rough.is_none() && fine.is_none() && second.steps(there) > 0;
-        return if neither { Solved::Vain } else { Solved::Unknown };
+    let (mut rough, fine) = match (rough, fine) {
+        (Some(rough), Some(fine)) => (rough, fine),
+        (None, None) if second.steps(there) > 0 => return Solved::Vain,
+        _ => return Solved::Unknown,
     };
-    match (Node::new(first, i, rough, before), Node::new(second, there, fine, after)) {
-        (Some(rough), Some(fine)) => Solved::States(Box::new([rough, fine])),
-        _ => Solved::Unknown,
-    }
+    let mut both = || {
+        let of_rough = std::mem::take(&mut rough.linear).into_undoes()?;
+        let of_fine = fine.linear.undoes()?;
+        let rough = Node::new((first, i), &rough, of_rough, before)?;
+        Some([rough, Node::new((second, there), fine, of_fine, after)?])
+    };
+    both().map_or(Solved::Unknown, |both| Solved::States(Box::new(both)))
 }

@@ -1,10 +1,10 @@
 //! Periodic states from their neighbours': one measured period from where these lead to tells how far it still is.
 
 use super::aims::{near, scale};
-use super::map::station;
 use super::measured::SURE;
-use super::node::{Lead, Turns};
+use super::node::Lead;
 use super::sizes::{Sized, by_size, with_size};
+use super::turns::Turns;
 use super::{Linear, PeriodicState, Settled};
 use crate::engine::{
     Busy, Cpu, Engine, EngineError, Finished, Guessed, Guesses, Outcome, Progress, TOGETHER,
@@ -12,9 +12,8 @@ use crate::engine::{
 use crate::kernel::broyden::Phase;
 use crate::periodic::{Memory, Size, Spectrum};
 use crate::plan::Plan;
-use nalgebra::{DefaultAllocator, DimName, OVector};
+use nalgebra::{DefaultAllocator, DimName};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Tries to find the states of the instances that have a hint: results, states and periods of those whose hint led to
 /// one. Of the others only the periods are told; they are as not run.
@@ -100,7 +99,7 @@ impl Sized for Several<'_> {
         let found = |n: usize| {
             let (one, arrived) = (guesses.all[n], &arrivals.all[n]);
             let steady = arrived.phase == Phase::Found && arrived.finished.status.is_steady();
-            let state = || Box::new(state::<D>(plan, (&guesses, n), multipliers[n]));
+            let state = || state(plan, (&guesses, n), multipliers[n]);
             (one.instance, arrived.periods, steady.then(|| (arrived.finished, state())))
         };
         let told = (0..guesses.all.len()).into_par_iter().with_min_len(TOGETHER).map(found);
@@ -132,7 +131,7 @@ impl Several<'_> {
             guesses.reserve(some.len());
             for &i in some {
                 let hint = leads[i as usize].hint();
-                let Some(guess) = hint.and_then(|hint| hint.guess(plan, i, &mut turns)) else {
+                let Some(guess) = hint.and_then(|hint| hint.guess::<D>(plan, i, &mut turns)) else {
                     vain.push(i);
                     continue;
                 };
@@ -146,17 +145,17 @@ impl Several<'_> {
 }
 
 /// The state that a guess has led to.
-fn state<D: Size + DimName>(plan: &Plan, (guesses, n): (&Guesses, usize), multiplier: f64) -> PeriodicState
-where
-    DefaultAllocator: Memory<D>,
-{
+fn state(plan: &Plan, (guesses, n): (&Guesses, usize), multiplier: f64) -> Box<PeriodicState> {
     let (one, undoes) = (guesses.all[n], guesses.undoes(n));
     let norm = undoes.iter().map(|value| value * value).sum::<f64>().sqrt();
-    PeriodicState {
-        station: station(&OVector::<f64, D>::from_column_slice(guesses.place(n)), one.touching),
-        spectrum: Spectrum { multiplier, least_change: 1.0 / norm },
-        steps: plan.steps(one.instance),
-        kept: Arc::clone(&plan.driven(one.instance).kept),
-        linear: Linear::Undoes(undoes.iter().map(|value| *value as f32).collect()),
-    }
+    // A state is large: its numbers are put where it lies.
+    let (steps, kept) = (plan.steps(one.instance), &plan.driven(one.instance).kept);
+    let mut state = Box::new(PeriodicState::unknown(steps, kept));
+    let (x, u) = guesses.place(n).split_at(guesses.numbers / 2);
+    state.station.x[..x.len()].copy_from_slice(x);
+    state.station.u[..u.len()].copy_from_slice(u);
+    state.station.touching = one.touching;
+    state.spectrum = Spectrum { multiplier, least_change: 1.0 / norm };
+    state.linear = Linear::Undoes(undoes.iter().map(|value| *value as f32).collect());
+    state
 }

@@ -48,7 +48,7 @@ impl Linear {
     }
 
     /// The inverse of one minus the slope; none where nothing is known, or where a multiplier is 1.
-    pub(super) fn undoes(&self) -> Option<Arc<[f32]>> {
+    pub fn undoes(&self) -> Option<Arc<[f32]>> {
         let size = self.size();
         match self {
             Self::Unknown => None,
@@ -57,6 +57,14 @@ impl Linear {
                 let minus = DMatrix::identity(size, size) - DMatrix::from_column_slice(size, size, slope);
                 Some(minus.try_inverse()?.iter().map(|value| *value as f32).collect())
             }
+        }
+    }
+
+    /// The same of what nobody asks any more.
+    pub fn into_undoes(self) -> Option<Arc<[f32]>> {
+        match self {
+            Self::Undoes(undoes) => Some(undoes),
+            other => other.undoes(),
         }
     }
 }

@@ -146,12 +146,18 @@ pub(super) fn still(plan: &Plan, instance: u32) -> Station {
 /// How a state with other steps per period or another lever is met with an instance's own: stations stand half a step into
 /// the period.
 pub(super) struct Turned {
-    /// Of each of the instance's modes, its place among the other's; none where the other lever lacks it. The residual
-    /// oscillator of a poorer basis swings as the mode that a richer one has in its place.
-    known: Vec<Option<usize>>,
-    /// What the time between the two does to each mode, there and back.
-    there: Vec<Matrix2<f64>>,
-    back: Vec<Matrix2<f64>>,
+    /// Modes that both have.
+    modes: Vec<TurnedMode>,
+}
+
+/// The residual oscillator of a poorer basis swings as the mode that a richer one has in its place.
+struct TurnedMode {
+    /// Its place among the instance's modes, and among the other's.
+    own: usize,
+    other: usize,
+    /// What the time between the two does to it, there and back.
+    there: Matrix2<f64>,
+    back: Matrix2<f64>,
 }
 
 impl Turned {
@@ -179,20 +185,15 @@ impl Turned {
             let equal = theirs.modes.iter().position(|other| other.omega == mode.omega);
             equal.or_else(|| numbered(mode)).or_else(|| residual(mode))
         };
-        let turn = |time: f64| {
-            let of = |mode: &KeptMode| {
-                let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
-                Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
-            };
-            own.iter().map(of).collect::<Vec<_>>()
+        let turn = |mode: &KeptMode, time: f64| {
+            let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
+            Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
         };
-        let known = own.iter().map(same).collect();
-        Self { known, there: turn(later), back: turn(-later) }
-    }
-
-    /// Modes that both have: the instance's number and the other's.
-    fn both(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.known.iter().enumerate().filter_map(|(k, j)| Some((k, (*j)?)))
+        let both = |(own, mode): (usize, &KeptMode)| {
+            let (there, back) = (turn(mode, later), turn(mode, -later));
+            Some(TurnedMode { own, other: same(mode)?, there, back })
+        };
+        Self { modes: own.iter().enumerate().filter_map(both).collect() }
     }
 
     /// A state from the other's numbers: travels, then rates. A mode that the other lever lacks is at rest.
@@ -202,9 +203,9 @@ impl Turned {
     {
         let (modes, others) = (D::DIM / 2, theirs.len() / 2);
         let mut state = OVector::<f64, D>::zeros();
-        for (k, j) in self.both() {
-            let now = self.there[k] * Vector2::new(theirs[j], theirs[others + j]);
-            (state[k], state[modes + k]) = (now[0], now[1]);
+        for TurnedMode { own, other, there, .. } in &self.modes {
+            let now = there * Vector2::new(theirs[*other], theirs[others + other]);
+            (state[*own], state[modes + own]) = (now[0], now[1]);
         }
         state
     }
@@ -214,45 +215,39 @@ impl Turned {
     where
         DefaultAllocator: Memory<D>,
     {
-        let free = free_slope::<D>(plan, instance).0;
-        match theirs.slope() {
-            Some(theirs) => self.linear(&theirs, free),
-            None => free,
+        let mut slope = free_slope::<D>(plan, instance).0;
+        if let Some(theirs) = theirs.slope() {
+            self.linear(&theirs, &mut slope);
         }
+        slope
     }
 
-    /// The map's slope, or the inverse of one minus it, from the other's, column by column. Of modes that the other lever
-    /// lacks it is what it is `without` a sample.
-    pub(super) fn linear<D: Size + DimName>(
-        &self,
-        theirs: &[f64],
-        without: OMatrix<f64, D, D>,
-    ) -> OMatrix<f64, D, D>
+    /// Puts the map's slope, or the inverse of one minus it, from the other's, column by column, over what it is without a sample:
+    /// that is left of modes that the other lever lacks.
+    pub(super) fn linear<D: Size + DimName>(&self, theirs: &[f64], slope: &mut OMatrix<f64, D, D>)
     where
         DefaultAllocator: Memory<D>,
     {
         // There is a row and a column for each number of a state, of which many may be at rest.
         let (modes, others) = (D::DIM / 2, theirs.len().isqrt() / 2);
-        let mut slope = without;
-        for (k, j) in self.both() {
-            for (l, i) in self.both() {
-                let theirs = |row: usize, column: usize| theirs[column * 2 * others + row];
+        let theirs = |row: usize, column: usize| theirs[column * 2 * others + row];
+        for TurnedMode { own: k, other: j, there, .. } in &self.modes {
+            for TurnedMode { own: l, other: i, back, .. } in &self.modes {
                 let (n, m) = (others + j, others + i);
-                let block = Matrix2::new(theirs(j, i), theirs(j, m), theirs(n, i), theirs(n, m));
-                let block = self.there[k] * block * self.back[l];
-                (slope[(k, l)], slope[(k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
-                (slope[(modes + k, l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
+                let block = Matrix2::new(theirs(*j, *i), theirs(*j, m), theirs(n, *i), theirs(n, m));
+                let block = there * block * back;
+                (slope[(*k, *l)], slope[(*k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
+                (slope[(modes + k, *l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
             }
         }
-        slope
     }
 
     /// A mode that the other lever lacks is at rest and free.
     fn station(&self, place: &PeriodicState) -> Station {
         let mut moved = Station { touching: place.station.touching, ..Station::FREE };
-        for (k, j) in self.both() {
-            let now = self.there[k] * Vector2::new(place.station.x[j], place.station.u[j]);
-            (moved.x[k], moved.u[k]) = (now[0], now[1]);
+        for TurnedMode { own, other, there, .. } in &self.modes {
+            let now = there * Vector2::new(place.station.x[*other], place.station.u[*other]);
+            (moved.x[*own], moved.u[*own]) = (now[0], now[1]);
         }
         moved
     }

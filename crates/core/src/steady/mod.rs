@@ -9,6 +9,7 @@ mod carried;
 mod feedback;
 mod follow;
 mod found;
+mod guess;
 mod late;
 mod led;
 mod linear;
@@ -21,6 +22,7 @@ mod search;
 mod setpoint;
 mod sizes;
 mod states;
+mod turns;
 mod wait;
 
 pub use carried::carried;

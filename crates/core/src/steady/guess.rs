@@ -1,0 +1,134 @@
+//! What solved instances of a sweep say of one between them.
+
+use super::map::vector;
+use super::node::{Hint, Neighbour};
+use super::turns::{Guess, Meets, Turns};
+use crate::periodic::{Memory, Size};
+use crate::plan::Plan;
+use nalgebra::{DefaultAllocator, DimName, OVector};
+
+/// Two starts for one instance, by many of its neighbours and by the nearest alone, are farther apart than this share of
+/// the free amplitude only where its neighbours are no guide.
+const ASTRAY: f64 = 0.02;
+/// So many times farther apart than the neighbours beyond them, the nearest two are on different branches.
+const JUMP: f64 = 4.0;
+
+impl Hint<'_> {
+    /// What the neighbours lead to; none where they are no guide: they move differently, or say different things, or one
+    /// of them is not clearly stable.
+    pub(super) fn guess<'t, D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        turns: &'t mut Turns<D>,
+    ) -> Option<&'t Guess<D>>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let first = self.neighbours.first()?.node;
+        let stable = super::aims::certainly(plan, instance);
+        let counts = |one: &Neighbour| !self.scattered || one.nearest != 0.0;
+        let sound =
+            |one: &Neighbour| one.node.moves_as(first) && (!counts(one) || one.node.multiplier < stable);
+        if !self.neighbours.iter().all(sound) || first.law != plan.law(instance) {
+            return None;
+        }
+        let meets = Meets::new(plan, instance);
+        turns.meet(meets, &self.neighbours);
+        let mut states = std::mem::take(&mut turns.states);
+        states.clear();
+        let met = self.neighbours.iter().zip(&turns.met);
+        states.extend(met.map(|(one, [met, _])| turns.state(meets, one.node, *met)));
+        let scale = meets.driven.free_amplitude().max(1e-15);
+        let jumps = self.own.is_none() && !self.scattered && self.jumps(&states, scale);
+        let apart = if jumps { f64::NAN } else { self.weigh(meets, &mut states, turns) / scale };
+        turns.states = states;
+        if let Some(own) = self.own {
+            if own.station.touching != first.touching && first.law.has_memory() {
+                return None;
+            }
+            let met = turns.of(meets, (&own.kept, own.steps));
+            let own = turns.turned(vector::<D>(&own.station).as_slice(), met);
+            turns.guess.state += own;
+        }
+        if jumps || !(self.own.is_some() || self.scattered || apart <= ASTRAY) {
+            return None;
+        }
+        turns.undoes(&self.neighbours);
+        turns.guess.touching = first.touching;
+        Some(&turns.guess)
+    }
+
+    /// Takes the neighbours' states for a guess, or how far those are from where the same ones were before, and tells how far it is
+    /// from what the nearest alone say, m.
+    fn weigh<D: Size + DimName>(
+        &self,
+        meets: Meets,
+        states: &mut [OVector<f64, D>],
+        turns: &mut Turns<D>,
+    ) -> f64
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let (mut all, mut nearest) = (OVector::<f64, D>::zeros(), OVector::<f64, D>::zeros());
+        let mut multiplier = 0.0;
+        for ((one, state), [_, met]) in self.neighbours.iter().zip(states).zip(&turns.met) {
+            if let Some(before) = one.before {
+                *state -= turns.state(meets, before, *met);
+            }
+            all.axpy(one.weight, state, 1.0);
+            nearest.axpy(one.nearest, state, 1.0);
+            multiplier += one.nearest * one.node.multiplier;
+        }
+        let apart = (&all - nearest).norm();
+        (turns.guess.state, turns.guess.multiplier) = (all, multiplier);
+        apart
+    }
+
+    /// The place between the nearest two on a line, how far they are from it, m, and whether they touch the sample there; none
+    /// where one of the two alone does, or where the instance's own state is known.
+    pub(super) fn middle<D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        turns: &mut Turns<D>,
+    ) -> Option<(OVector<f64, D>, f64, bool)>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let two = self.nearest_two().filter(|_| self.own.is_none())?;
+        let [a, b] = two.map(|one| one.node);
+        let one_contact = a.touching == b.touching || !a.law.has_memory();
+        if !one_contact || [a, b].iter().any(|node| node.law != plan.law(instance)) {
+            return None;
+        }
+        let meets = Meets::new(plan, instance);
+        turns.meet(meets, &two);
+        let states = [(a, 0), (b, 1)].map(|(node, n)| turns.state(meets, node, turns.met[n][0]));
+        let middle = &states[0] * two[0].nearest + &states[1] * two[1].nearest;
+        let far = states.iter().map(|state| (state - &middle).norm()).fold(0.0, f64::max);
+        Some((middle, far, a.touching))
+    }
+
+    /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is
+    /// drawn to the sample and the other is not.
+    fn jumps<D: Size>(&self, states: &[OVector<f64, D>], scale: f64) -> bool
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let all = &self.neighbours;
+        let inner = |n: usize| all[n].nearest != 0.0 && all[n + 1].nearest != 0.0;
+        let (mut between, mut beyond) = (0.0f64, None::<f64>);
+        for n in 0..all.len().saturating_sub(1) {
+            let apart = (&states[n + 1] - &states[n]).norm();
+            match inner(n) {
+                true => between = between.max(apart),
+                false => beyond = Some(beyond.unwrap_or(0.0).max(apart)),
+            }
+        }
+        match beyond {
+            Some(beyond) => between > ASTRAY * scale && between > JUMP * beyond,
+            None => all.iter().any(|one| one.node.drawn != all[0].node.drawn),
+        }
+    }
+}
