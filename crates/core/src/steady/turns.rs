@@ -162,7 +162,8 @@ where
     /// Begins with an instance: how it meets each of these.
     pub fn meet(&mut self, meets: Meets, neighbours: &[Neighbour]) {
         if self.pairs.len() >= PAIRS {
-            (self.pairs.clear(), self.known.clear());
+            self.pairs.clear();
+            self.known.clear();
         }
         if self.known.len() >= KNOWN {
             self.known.clear();
@@ -199,7 +200,8 @@ where
     pub fn undoes(&mut self, neighbours: &[Neighbour]) {
         let all = &mut self.guess.undoes;
         all.fill(0.0);
-        (self.alike.clear(), self.sums.clear());
+        self.alike.clear();
+        self.sums.clear();
         for (Neighbour { node, weight, .. }, [met, _]) in neighbours.iter().zip(&self.met) {
             let sums = match met {
                 None => all.as_mut_slice(),
