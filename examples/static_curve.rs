@@ -24,7 +24,7 @@ free_amplitude = "10 nm"
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::parse(Path::new("static_curve.toml"), SCENE)?;
     let contact = Contact::new(&scene.instance(0));
-    println!("{}, Tabor's parameter {:.2}", contact.law, contact.tabor);
+    println!("{}, Tabor's parameter {:.2}", contact.law, contact.tabor());
     let indentations: Vec<f64> = (-6..=6).map(|n| f64::from(n) * 0.5e-9).collect();
     for curve in contact.curves_at(&indentations).curves {
         println!("\n{}\nindentation, nm   force, nN", curve.branch.name());

@@ -266,13 +266,13 @@ fn tabor_decides_and_warns() {
     let (soft, params) = case(1e7, 0.05, LawChoice::Auto);
     let reduced: f64 = 1e7 / 0.75;
     let mu = (30e-9 * 0.05f64.powi(2) / (reduced.powi(2) * 0.3e-9f64.powi(3))).cbrt();
-    assert!((soft.tabor / mu - 1.0).abs() < 1e-14 && mu > 5.0);
+    assert!((soft.tabor() / mu - 1.0).abs() < 1e-14 && mu > 5.0);
     assert_eq!(soft.law, Law::Jkr);
     assert_eq!(soft.warnings(&params, None), []);
 
     let (stiff, params) = case(2e11, 0.01, LawChoice::Auto);
     assert_eq!(stiff.law, Law::Dmt);
-    assert!(stiff.tabor < 0.1);
+    assert!(stiff.tabor() < 0.1);
     assert!(matches!(stiff.warnings(&params, None)[..], [Warning::RigidTip { .. }]));
 
     let (clean, _) = case(1e9, 0.0, LawChoice::Auto);
@@ -286,7 +286,7 @@ fn tabor_decides_and_warns() {
     let Some(Warning::LawDoesNotFit { law: Law::Jkr, fitting: Law::Dmt, tabor }) = warnings.first() else {
         panic!("{warnings:?}");
     };
-    assert_eq!(*tabor, wrong.tabor);
+    assert_eq!(*tabor, wrong.tabor());
     let (wrong, params) = case(1e7, 0.05, LawChoice::Dmt);
     assert!(matches!(wrong.warnings(&params, None)[..], [Warning::LawDoesNotFit { fitting: Law::Jkr, .. }]));
 
@@ -321,5 +321,5 @@ fn moduli_and_hamaker_constants_are_resolved() {
     assert!((combined_modulus(&params) / modulus - 1.0).abs() < 1e-14);
     let contact = Contact::new(&params);
     assert!((contact.work / 0.0424413181578388 - 1.0).abs() < 1e-14);
-    assert!((contact.tabor / tabor_parameter(modulus, 30e-9, contact.work, 0.2e-9) - 1.0).abs() < 1e-14);
+    assert!((contact.tabor() / tabor_parameter(modulus, 30e-9, contact.work, 0.2e-9) - 1.0).abs() < 1e-14);
 }

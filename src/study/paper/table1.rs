@@ -115,7 +115,7 @@ fn adhesion(numbers: &mut Numbers, params: &Params) {
     let contact = contact(params, LawChoice::Jkr);
     let unit = PI * contact.work * contact.radius;
     numbers.add("contact.modulus", "reduced modulus K", combined_modulus(params), "Pa");
-    numbers.add("contact.tabor", "Tabor's parameter, z0 = D0 = 0.3 nm", contact.tabor, "1");
+    numbers.add("contact.tabor", "Tabor's parameter, z0 = D0 = 0.3 nm", contact.tabor(), "1");
     numbers.add("dmt.pull_off", "pull-off force, DMT, 2πRw", 2.0 * unit, "N");
     let Some(jkr) = contact.jkr() else { return };
     numbers.add("jkr.pull_off", "largest pull, JKR, 3πRw/2", -jkr.pull_off(), "N");

@@ -149,13 +149,7 @@ fn lag(angle: f64) -> f64 {
 
 fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> Status {
     let deepest = sums.run_sums.sums.deepest * LENGTH;
-    // Mostly the bound tells already.
-    let unresolved = |stiffness: f64| stiffness * force * LENGTH > UNRESOLVED;
-    let contact = &case.contact;
-    if deepest > 0.0
-        && unresolved(contact.stiffness_at_most(deepest))
-        && unresolved(contact.stiffness(deepest, true))
-    {
+    if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED {
         return Status::OutOfRange;
     }
     if !settled(sums.change(), case.least_change, driven, run) {

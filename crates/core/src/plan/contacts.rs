@@ -13,7 +13,7 @@ const MOST: usize = 1 << 16;
 pub(super) struct Shared {
     all: Vec<Compact>,
     /// Their numbers by what they are made of.
-    known: HashMap<[u64; 5], Vec<u32>>,
+    known: HashMap<[u64; 4], Vec<u32>>,
     /// Of each instance so far; none where too many differ.
     of: Option<Codes>,
 }
@@ -28,9 +28,9 @@ impl Shared {
         if self.of.is_none() {
             return;
         }
-        let Contact { modulus, radius, work, decay_length, tabor, .. } = contact;
+        let Contact { modulus, radius, work, decay_length, .. } = contact;
         let contact = Compact::from(&contact);
-        let key = [modulus, radius, work, decay_length, tabor].map(f64::to_bits);
+        let key = [modulus, radius, work, decay_length].map(f64::to_bits);
         let same = self.known.entry(key).or_default();
         let number = match same.iter().find(|number| self.all[**number as usize] == contact) {
             Some(number) => *number,

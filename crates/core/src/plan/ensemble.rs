@@ -161,7 +161,7 @@ impl Ensemble {
                 let mut params = cases.base();
                 ids.map(|id| {
                     cases.put(&mut params, id.0 as usize);
-                    Compact::from(&Contact::new(&params))
+                    Compact::new(&params)
                 })
                 .collect()
             }

@@ -122,7 +122,7 @@ impl Shown<'_> {
     pub fn tabor(&self, n: usize) -> f64 {
         match self {
             Self::Piece(piece, _) => piece.compact(n).tabor(),
-            Self::Plain { plan, .. } => plan.contact(n as u32).tabor,
+            Self::Plain { plan, .. } => plan.contact(n as u32).tabor(),
         }
     }
 

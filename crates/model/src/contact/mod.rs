@@ -106,8 +106,6 @@ pub struct Contact {
     pub work: f64,
     /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
     pub decay_length: f64,
-    /// Tabor's parameter.
-    pub tabor: f64,
     model: Model,
 }
 
@@ -120,10 +118,30 @@ pub struct Compact {
     radius: f64,
     work: f64,
     decay_length: f64,
-    tabor: f64,
 }
 
 impl Compact {
+    /// Decides the law; see [`Contact::new`].
+    pub fn new(params: &Params) -> Self {
+        Self::for_load(params, f64::NAN)
+    }
+
+    fn for_load(params: &Params, load: f64) -> Self {
+        let modulus = combined_modulus(params);
+        let radius = params.instrument.tip.radius;
+        let decay_length = params.contact.decay_length;
+        let work = work_of_adhesion(params);
+        let choice = params.contact.law;
+        let negligible = 2.0 * PI * work * radius < NEGLIGIBLE_ADHESION * load;
+        let law = match choice.law() {
+            Some(Law::Jkr) if work == 0.0 => Law::Hertz,
+            Some(law) => law,
+            None if work == 0.0 || negligible => Law::Hertz,
+            None => tabor::fitting_law(tabor_parameter(modulus, radius, work, decay_length)),
+        };
+        Self { law, choice, modulus, radius, work, decay_length }
+    }
+
     /// Its law, for those who ask for nothing else.
     #[inline]
     pub fn law(&self) -> Law {
@@ -133,22 +151,22 @@ impl Compact {
     /// Tabor's parameter.
     #[inline]
     pub fn tabor(&self) -> f64 {
-        self.tabor
+        tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
     }
 
     /// The contact, to the bit.
     #[inline]
     pub fn contact(self) -> Contact {
-        let Self { law, choice, modulus, radius, work, decay_length, tabor } = self;
+        let Self { law, choice, modulus, radius, work, decay_length } = self;
         let model = Model::new(law, &Material { modulus, radius, work, decay_length });
-        Contact { law, choice, modulus, radius, work, decay_length, tabor, model }
+        Contact { law, choice, modulus, radius, work, decay_length, model }
     }
 }
 
 impl From<&Contact> for Compact {
     fn from(of: &Contact) -> Self {
-        let Contact { law, choice, modulus, radius, work, decay_length, tabor, model: _ } = *of;
-        Self { law, choice, modulus, radius, work, decay_length, tabor }
+        let Contact { law, choice, modulus, radius, work, decay_length, model: _ } = *of;
+        Self { law, choice, modulus, radius, work, decay_length }
     }
 }
 
@@ -166,20 +184,12 @@ impl Contact {
     ///
     /// A load that is not a number leaves that rule out.
     pub fn for_load(params: &Params, load: f64) -> Self {
-        let modulus = combined_modulus(params);
-        let radius = params.instrument.tip.radius;
-        let decay_length = params.contact.decay_length;
-        let work = work_of_adhesion(params);
-        let choice = params.contact.law;
-        let tabor = tabor_parameter(modulus, radius, work, decay_length);
-        let negligible = 2.0 * PI * work * radius < NEGLIGIBLE_ADHESION * load;
-        let law = match choice.law() {
-            Some(Law::Jkr) if work == 0.0 => Law::Hertz,
-            Some(law) => law,
-            None if work == 0.0 || negligible => Law::Hertz,
-            None => tabor::fitting_law(tabor),
-        };
-        Compact { law, choice, modulus, radius, work, decay_length, tabor }.contact()
+        Compact::for_load(params, load).contact()
+    }
+
+    /// Tabor's parameter.
+    pub fn tabor(&self) -> f64 {
+        Compact::from(self).tabor()
     }
 
     /// The law with its constants.
@@ -208,11 +218,6 @@ impl Contact {
     /// Slope of the force, N/m; see [`StaticLaw::stiffness`].
     pub fn stiffness(&self, delta: f64, in_contact: bool) -> f64 {
         self.law().stiffness(delta, in_contact)
-    }
-
-    /// What that does not exceed in contact; see [`StaticLaw::stiffness_at_most`].
-    pub fn stiffness_at_most(&self, delta: f64) -> f64 {
-        self.law().stiffness_at_most(delta)
     }
 
     /// Energy, J; see [`StaticLaw::energy`].

@@ -15,10 +15,6 @@ pub trait StaticLaw {
     fn force(&self, delta: f64, in_contact: bool) -> f64;
     /// Slope `df/d delta`, N/m; the contact's side of it at a kink. Minus infinity at JKR's fold.
     fn stiffness(&self, delta: f64, in_contact: bool) -> f64;
-    /// A bound, N/m, that the stiffness in contact does not exceed there, where that is quicker to tell.
-    fn stiffness_at_most(&self, delta: f64) -> f64 {
-        self.stiffness(delta, true)
-    }
     /// Energy `U`, J, with `dU/d delta = f` and `U = 0` far apart.
     fn energy(&self, delta: f64, in_contact: bool) -> f64;
     /// Contact radius `a`, m; 0 out of contact.

@@ -52,7 +52,7 @@ impl Contact {
 
     /// Whether the law fits Tabor's parameter.
     fn tabor_warning(&self) -> Option<Warning> {
-        let (law, tabor) = (self.law, self.tabor);
+        let (law, tabor) = (self.law, self.tabor());
         let wrong = match law.attraction() {
             Attraction::None => return None,
             Attraction::Contact => tabor < DMT_BELOW,

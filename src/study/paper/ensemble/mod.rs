@@ -84,7 +84,7 @@ fn regimes(numbers: &mut Numbers, runs: &[Ran]) {
     let jkr = &runs[2];
     let contacts: Vec<Contact> = jkr.plan.cases().map(|case| case.contact).collect();
     let share = |count: usize| count as f64 / contacts.len() as f64;
-    let of = |fits: &dyn Fn(f64) -> bool| share(contacts.iter().filter(|one| fits(one.tabor)).count());
+    let of = |fits: &dyn Fn(f64) -> bool| share(contacts.iter().filter(|one| fits(one.tabor())).count());
     numbers.add("regime.dmt", "share of the grid where DMT fits, μ < 0.1", of(&|mu| mu < DMT_BELOW), "1");
     let between = of(&|mu| (DMT_BELOW..=JKR_ABOVE).contains(&mu));
     numbers.add("regime.between", "share between DMT and JKR", between, "1");
