@@ -36,9 +36,9 @@ impl Hint<'_> {
         let meets = Meets::new(plan, instance);
         turns.meet(meets, &self.neighbours);
         let mut states = std::mem::take(&mut turns.states);
-        states.clear();
+        states.resize_with(self.neighbours.len(), OVector::<f64, D>::zeros);
         let met = self.neighbours.iter().zip(&turns.met);
-        states.extend(met.map(|(one, [met, _])| turns.state(meets, one.node, *met)));
+        met.zip(&mut states).for_each(|((one, [met, _]), state)| turns.state(meets, one.node, *met, state));
         let scale = meets.driven.free_amplitude().max(1e-15);
         let jumps = self.own.is_none() && !self.scattered && self.jumps(&states, scale);
         let apart = if jumps { f64::NAN } else { self.weigh(meets, &mut states, turns) / scale };
@@ -48,8 +48,9 @@ impl Hint<'_> {
                 return None;
             }
             let met = turns.of(meets, (&own.kept, own.steps));
-            let own = turns.turned(vector::<D>(&own.station).as_slice(), met);
-            turns.guess.state += own;
+            let mut moved = OVector::<f64, D>::zeros();
+            turns.turned(vector::<D>(&own.station).as_slice(), met, &mut moved);
+            turns.guess.state += moved;
         }
         if jumps || !(self.own.is_some() || self.scattered || apart <= ASTRAY) {
             return None;
@@ -71,10 +72,11 @@ impl Hint<'_> {
         DefaultAllocator: Memory<D>,
     {
         let (mut all, mut nearest) = (OVector::<f64, D>::zeros(), OVector::<f64, D>::zeros());
-        let mut multiplier = 0.0;
+        let (mut theirs, mut multiplier) = (OVector::<f64, D>::zeros(), 0.0);
         for ((one, state), [_, met]) in self.neighbours.iter().zip(states).zip(&turns.met) {
             if let Some(before) = one.before {
-                *state -= turns.state(meets, before, *met);
+                turns.state(meets, before, *met, &mut theirs);
+                *state -= &theirs;
             }
             all.axpy(one.weight, state, 1.0);
             nearest.axpy(one.nearest, state, 1.0);
@@ -104,7 +106,9 @@ impl Hint<'_> {
         }
         let meets = Meets::new(plan, instance);
         turns.meet(meets, &two);
-        let states = [(a, 0), (b, 1)].map(|(node, n)| turns.state(meets, node, turns.met[n][0]));
+        let mut states = [OVector::<f64, D>::zeros(), OVector::<f64, D>::zeros()];
+        let met = [a, b].into_iter().zip(&turns.met);
+        met.zip(&mut states).for_each(|((node, [met, _]), state)| turns.state(meets, node, *met, state));
         let middle = &states[0] * two[0].nearest + &states[1] * two[1].nearest;
         let far = states.iter().map(|state| (state - &middle).norm()).fold(0.0, f64::max);
         Some((middle, far, a.touching))

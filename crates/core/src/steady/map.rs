@@ -196,18 +196,17 @@ impl Turned {
         Self { modes: own.iter().enumerate().filter_map(both).collect() }
     }
 
-    /// A state from the other's numbers: travels, then rates. A mode that the other lever lacks is at rest.
-    pub(super) fn state<D: Size + DimName>(&self, theirs: &[f64]) -> OVector<f64, D>
+    /// Puts a state from the other's numbers: travels, then rates. A mode that the other lever lacks is at rest.
+    pub(super) fn state<D: Size + DimName>(&self, theirs: &[f64], state: &mut OVector<f64, D>)
     where
         DefaultAllocator: Memory<D>,
     {
         let (modes, others) = (D::DIM / 2, theirs.len() / 2);
-        let mut state = OVector::<f64, D>::zeros();
+        state.fill(0.0);
         for TurnedMode { own, other, there, .. } in &self.modes {
             let now = there * Vector2::new(theirs[*other], theirs[others + other]);
             (state[*own], state[modes + own]) = (now[0], now[1]);
         }
-        state
     }
 
     /// The map's slope from what is known of the other's map; without a sample where nothing is.

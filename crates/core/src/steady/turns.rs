@@ -176,22 +176,21 @@ where
         }
     }
 
-    /// A node's state with an instance's steps, lever and free amplitude.
-    pub fn state(&self, meets: Meets, node: &Node, met: Option<usize>) -> OVector<f64, D> {
-        let mut state = self.turned(&node.state, met);
+    /// Puts a node's state with an instance's steps, lever and free amplitude.
+    pub fn state(&self, meets: Meets, node: &Node, met: Option<usize>, state: &mut OVector<f64, D>) {
+        self.turned(&node.state, met, state);
         let drive = &meets.driven.drive;
         if !Arc::ptr_eq(drive, &node.drive) {
             let scale = drive.free_amplitude() / node.drive.free_amplitude();
-            state *= if scale.is_finite() { scale } else { 1.0 };
+            *state *= if scale.is_finite() { scale } else { 1.0 };
         }
-        state
     }
 
-    /// A state that is met so, without its free amplitude.
-    pub fn turned(&self, state: &[f64], met: Option<usize>) -> OVector<f64, D> {
+    /// Puts a state that is met so, without its free amplitude.
+    pub fn turned(&self, theirs: &[f64], met: Option<usize>, state: &mut OVector<f64, D>) {
         match met {
-            None => OVector::<f64, D>::from_column_slice(state),
-            Some(pair) => self.pairs[pair].turned.state::<D>(state),
+            None => state.copy_from_slice(theirs),
+            Some(pair) => self.pairs[pair].turned.state(theirs, state),
         }
     }
 
