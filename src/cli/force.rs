@@ -75,7 +75,11 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
 fn head(contact: &Contact, which: &str) -> String {
     format!(
         "law {}, K {:.6e} Pa, R {:.6e} m, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
-        contact.law, contact.modulus, contact.radius, contact.work, contact.tabor()
+        contact.law,
+        contact.modulus,
+        contact.radius,
+        contact.work,
+        contact.tabor()
     )
 }
 

@@ -21,7 +21,7 @@ enum Ground {
     /// Any of those next to them.
     Each(Vec<Vec<u32>>),
     /// Nothing else has led to them: they are waited for.
-    Last,
+    Wait,
 }
 
 impl<'a> Around<'a> {
@@ -43,8 +43,8 @@ impl<'a> Around<'a> {
     }
 
     /// For instances that nothing else has led to.
-    pub fn last(solved: &'a [Solved]) -> Self {
-        Self { solved, ground: Ground::Last }
+    pub fn waited_for(solved: &'a [Solved]) -> Self {
+        Self { solved, ground: Ground::Wait }
     }
 
     /// What becomes of those that are not found, in the first run and in the second. Much begins at scouts: for these searches are
@@ -53,7 +53,7 @@ impl<'a> Around<'a> {
         match self.ground {
             Ground::Scouts => [Patience::Later; 2],
             Ground::Lines { .. } | Ground::Each(_) => [Patience::One; 2],
-            Ground::Last => [Patience::One, Patience::Waits],
+            Ground::Wait => [Patience::One, Patience::Waits],
         }
     }
 
@@ -69,7 +69,7 @@ impl<'a> Around<'a> {
             Ground::Scouts => Lead::None,
             Ground::Lines { lines, scattered } => self.lead(&lines[*i as usize], None, *scattered, hint),
             Ground::Each(beside) => Lead::each(self.known(&beside[*i as usize]).map(|[first, _]| first)),
-            Ground::Last => Lead::Vain,
+            Ground::Wait => Lead::Vain,
         };
         instances.iter().map(of).collect()
     }
@@ -82,7 +82,7 @@ impl<'a> Around<'a> {
             (_, None) => Lead::Vain,
             (Ground::Lines { lines, scattered }, own) => self.lead(&lines[i], own, *scattered, hint),
             // Next to its own state.
-            (Ground::Scouts | Ground::Each(_) | Ground::Last, Some(_)) => Lead::None,
+            (Ground::Scouts | Ground::Each(_) | Ground::Wait, Some(_)) => Lead::None,
         };
         found.iter().enumerate().map(of).collect()
     }

@@ -11,7 +11,7 @@ use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::steady::Linear;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Instances that may be taken to their ends in any order, once those of the batches before them are.
 struct Batch {
@@ -28,8 +28,8 @@ enum Begins {
     Level(usize),
     /// At any of those next to them.
     Each,
-    /// Nothing else has led to them.
-    Last,
+    /// Nothing else has led to them: they are waited for.
+    Wait,
 }
 
 /// A block, and what was chosen for it; see [`First`].
@@ -41,8 +41,9 @@ pub(super) struct Block<'a> {
 }
 
 /// Takes a block to its end, batch after batch. What no search finds is left until all batches are through: then it
-/// begins at the states next to it, and only what these do not lead to is waited for. Whoever stops a run keeps the pieces that
-/// are done.
+/// begins at the states next to it, and only what these do not lead to is waited for. Such instances mostly stand together and
+/// are alike: some of them are waited for first, and the others begin at those. Whoever stops a run keeps the pieces that are
+/// done.
 pub(super) fn run(
     block: Block,
     order: &Order,
@@ -57,9 +58,11 @@ pub(super) fn run(
     for batch in batches(&block.plan, order) {
         filling.carry_out(&batch)?;
     }
-    filling.fill_from_known()?;
-    let last = filling.open();
-    filling.carry_out(&Batch { instances: last, from: Begins::Last })?;
+    filling.fill_from_known(None)?;
+    let foremost = filling.foremost();
+    filling.wait_for(foremost.clone())?;
+    filling.fill_from_known(Some(foremost))?;
+    filling.wait_for(filling.open())?;
     // Nobody begins at them any more.
     Ok(Part { solved: Vec::new(), ..filling.whole })
 }
@@ -118,11 +121,10 @@ impl Filling<'_> {
             Begins::Scouts => Around::scouts(&whole.solved),
             Begins::Level(n) => Around::level((order, n), piece, &whole.solved),
             Begins::Each => Around::each(order, piece, &whole.solved),
-            Begins::Last => Around::last(&whole.solved),
+            Begins::Wait => Around::waited_for(&whole.solved),
         };
         let alone = First::alone(poorer, left_out, &block.choices.precision);
-        let leads_on = !matches!(batch.from, Begins::Last);
-        let first = First { around: Some(around), leads_on, ..alone };
+        let first = First { around: Some(around), leads_on: true, ..alone };
         unfinished::marked(part, &stepped, first, self.engine, self.progress)
     }
 
@@ -135,9 +137,21 @@ impl Filling<'_> {
         self.block.plan.instances().filter(open).collect()
     }
 
-    /// Open instances begin at the states next to them, round after round: each where one of these is new.
-    fn fill_from_known(&mut self) -> Result<(), EngineError> {
-        let mut fresh: Option<HashSet<u32>> = None;
+    /// Of open instances that stand next to one another, those that come before all that are next to them.
+    fn foremost(&self) -> Vec<u32> {
+        let open: BTreeSet<u32> = self.open().into_iter().collect();
+        let first = |i: &u32| self.order.beside(*i).iter().all(|other| other >= i || !open.contains(other));
+        open.iter().copied().filter(first).collect()
+    }
+
+    fn wait_for(&mut self, instances: Vec<u32>) -> Result<(), EngineError> {
+        self.carry_out(&Batch { instances, from: Begins::Wait })
+    }
+
+    /// Open instances begin at the states next to them, round after round: each where one of these is new. In the first round
+    /// those of `latest` are, or all.
+    fn fill_from_known(&mut self, latest: Option<Vec<u32>>) -> Result<(), EngineError> {
+        let mut fresh: Option<HashSet<u32>> = latest.map(|latest| latest.into_iter().collect());
         loop {
             let new = |i: &u32| fresh.as_ref().is_none_or(|fresh| fresh.contains(i));
             let known = |i: &u32| self.whole.solved[*i as usize].nodes().is_some();
