@@ -1,7 +1,7 @@
 //! What beginning at neighbours' states costs and changes, against each case searched for by itself.
 //!
-//! `cargo bench --bench neighbours -- [--scene NAME] [--points N] [--audit N] [-o FOLDER]`; a line a scene, and a
-//! page in FOLDER.
+//! `cargo bench --bench neighbours -- [--scene NAME] [--points N] [--audit N] [-o FOLDER]`; a line a scene and a quality
+//! factor, and a page in FOLDER. The scene `quality` is that of all quality factors.
 
 #[path = "../common/page.rs"]
 mod page;
@@ -109,6 +109,45 @@ fn row(name: &str, ours: (&Swept, f64), cold: (&Swept, f64), apart: &Apart) -> V
     })
 }
 
+/// What a case costs with each quality factor.
+fn by_quality(points: usize) -> Vec<Value> {
+    let mut rows: Vec<Value> = Vec::new();
+    for (quality, text) in scenes::qualities(points) {
+        let scene = Scene::parse(Path::new("bench.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+        let (ours, seconds) = run(&scene, false);
+        let run = &ours.run;
+        let count = run.plan.len();
+        let each = |all: f64| all / count as f64;
+        let mut periods: Vec<f64> = run.periods.iter().map(|periods| f64::from(*periods)).collect();
+        periods.sort_by(f64::total_cmp);
+        let mean = each(periods.iter().sum());
+        let steps = each(ours.steps_taken as f64);
+        let over = |name: &str, value: f64| {
+            value / rows.first().map_or(value, |row| row[name].as_f64().unwrap_or(f64::NAN))
+        };
+        let row = json!({
+            "quality_factor": quality,
+            "instances": count,
+            "ok": (0..count).filter(|i| run.results.get(*i).status == Status::Ok).count(),
+            "median_periods": share(&periods, 0.5),
+            "p99_periods": share(&periods, 0.99),
+            "waited": periods.iter().filter(|periods| **periods > WAITED).count(),
+            "mean_periods": mean,
+            "periods_over_first": over("mean_periods", mean),
+            "steps": steps,
+            "steps_over_first": over("steps", steps),
+            "microseconds": each(1e6 * seconds),
+            "started": run.neighbour_started(),
+        });
+        println!("{row}");
+        rows.push(row);
+    }
+    rows
+}
+
+/// No search alone steps so many periods.
+const WAITED: f64 = 500.0;
+
 /// The scene once more, of which the reference engine redoes so many random instances.
 fn audited(name: &str, scene: &Scene, count: u32) -> Value {
     let sweep = Sweep::new(scene.clone()).backend(Backend::Cpu).audit(Audit::Instances(count));
@@ -159,13 +198,15 @@ fn main() {
             println!("  {}", audits[audits.len() - 1]);
         }
     }
+    let all = only.as_ref().is_none_or(|only| only == "quality");
+    let qualities = if all { by_quality(points) } else { Vec::new() };
     if let Some(output) = output {
         let command = format!("cargo bench --bench neighbours -- {}", given.join(" "));
-        write(&output, &command, [rows, audits, others]);
+        write(&output, &command, [rows, audits, others, qualities]);
     }
 }
 
-fn write(output: &str, command: &str, [rows, audits, others]: [Vec<Value>; 3]) {
+fn write(output: &str, command: &str, [rows, audits, others, qualities]: [Vec<Value>; 4]) {
     let costs = [
         ("scene", "scene"),
         ("instances", "instances"),
@@ -197,6 +238,20 @@ fn write(output: &str, command: &str, [rows, audits, others]: [Vec<Value>; 3]) {
         ("of", "of"),
         ("estimate", "its estimate"),
     ];
+    let by_quality = [
+        ("quality_factor", "quality factor"),
+        ("instances", "instances"),
+        ("ok", "ok"),
+        ("started", "share begun at neighbours"),
+        ("median_periods", "median periods"),
+        ("p99_periods", "99 %"),
+        ("waited", "waited for"),
+        ("mean_periods", "mean periods"),
+        ("periods_over_first", "over the first row's"),
+        ("steps", "instance-steps each"),
+        ("steps_over_first", "over the first row's"),
+        ("microseconds", "CPU microseconds each"),
+    ];
     let named = [
         ("scene", "scene"),
         ("instance", "instance"),
@@ -226,6 +281,15 @@ fn write(output: &str, command: &str, [rows, audits, others]: [Vec<Value>; 3]) {
             text: "Random instances of each scene, redone by the reference engine: errors on the scale of accuracy, asked 1e-3.",
             columns: &checked,
             rows: audits,
+        },
+        Part {
+            heading: "Against the quality factor",
+            text: "The first scene's grid once more, with other quality factors of the lever. Periods are those of the last run of \
+                   each case, as in the file's periods_stepped; instance-steps count all runs, trials and estimates too. A \
+                   lever that rings longer needs more steps a period for the same accuracy. Waited for are cases of more than 500 \
+                   periods: no search of theirs leads to a state before the motion has come near it.",
+            columns: &by_quality,
+            rows: qualities,
         },
         Part {
             heading: "Other states, one by one",

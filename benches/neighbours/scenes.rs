@@ -23,6 +23,12 @@ pub fn all(points: usize) -> Vec<(&'static str, String)> {
     ]
 }
 
+/// Quality factors of the first scene's lever, and its text with each.
+pub fn qualities(points: usize) -> Vec<(u32, String)> {
+    let soft = r#"from = "0.1 GPa", to = "10 GPa""#;
+    [100, 1000, 10_000, 100_000].map(|quality| (quality, tapping("dmt", quality, &cube(points, soft)))).into()
+}
+
 /// Work of adhesion, modulus, radius.
 fn cube(points: usize, modulus: &str) -> String {
     let counts = match points {
