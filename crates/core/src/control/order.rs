@@ -13,7 +13,7 @@ use crate::scene::{Start, Steady};
 const LEAST: usize = 1000;
 /// Most instances of a block. More: fewer scouts, and guesses that rest on more of the sweep. Less: less is lost where a run
 /// is killed, and more shares have work.
-const BLOCK: usize = 1 << 15;
+const BLOCK: usize = 1 << 14;
 
 /// The blocks of a plan.
 pub(super) struct Blocks {

@@ -9,7 +9,7 @@ use super::{
     Curves, Drive, Driven, Ensemble, Grid, GridAxis, InstanceId, Plan, Policy, Precision, ReducedBasis,
     SetPoint, TOGETHER, steps,
 };
-use crate::contact::Contact;
+use crate::contact::{Compact, Contact};
 use crate::instrument::{Instrument, InstrumentError, Pattern};
 use crate::observe::{Wants, wants};
 use crate::scene::{
@@ -38,19 +38,7 @@ impl Plan {
     pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
         let (mut drives, drive_of) = driven(scene)?;
         let ensemble = Arc::new(ensemble(scene, &drives, drive_of));
-        // Prescribed steps are for the modes that they can step.
-        let made = match scene.run.modes.is_none() && scene.run.steps_per_period.is_none() {
-            true => fast_contacts(&ensemble, &scene.run, &mut drives),
-            false => HashMap::new(),
-        };
-        let mut resolution = Coded::new();
-        in_stretches(&ensemble, |tip, id, contact| {
-            let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
-            let rung = (!made.is_empty()).then(|| tip.rung((own, &drives[own as usize]), contact, gap));
-            let drive = rung.and_then(|rung| made.get(&(own, rung)).copied()).unwrap_or(own);
-            (drive, steps_of(&scene.run, (contact, gap), &drives[drive as usize]))
-        })
-        .for_each(|some| some.into_iter().for_each(|one| resolution.push(one)));
+        let resolution = resolutions(&ensemble, &scene.run, &mut drives);
         let asked = wants(&scene.output.observables);
         let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
         Ok(Self {
@@ -99,16 +87,41 @@ fn in_stretches<'a, T: Send>(
     })
 }
 
-/// Bases for instances whose contacts are too fast for the modes with the largest shares: they are added to the drives; by drive
-/// and rung, which.
-fn fast_contacts(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> HashMap<(u32, u32), u32> {
+/// The drive with the modes, and the steps, of each instance. Those whose contacts are too fast for the modes with the largest
+/// shares have drives of their own, which are added.
+fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> Coded<(u32, u32)> {
+    // Prescribed steps are for the modes that they can step.
+    let told = run.modes.is_some() || run.steps_per_period.is_some();
     let known = &*drives;
-    let distinct: BTreeSet<(u32, u32)> = in_stretches(ensemble, |tip, id, contact| {
-        let drive = ensemble.drive_of.get(id.0 as usize);
-        (drive, tip.rung((drive, &known[drive as usize]), contact, ensemble.gap(id)))
-    })
-    .flatten()
-    .collect();
+    let all = in_stretches(ensemble, |tip, id, contact| {
+        let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
+        let driven = &known[own as usize];
+        let rung = if told { 0 } else { tip.rung((own, driven), contact, gap) };
+        (own, rung, steps_of(run, (contact, gap), driven))
+    });
+    let all: Vec<(u32, u32, u32)> = all.flatten().collect();
+    let made = if told { HashMap::new() } else { fast_contacts(&all, run, drives) };
+    let mut resolution = Coded::new();
+    for (i, (own, rung, steps)) in all.into_iter().enumerate() {
+        resolution.push(match made.get(&(own, rung)) {
+            None => (own, steps),
+            Some(drive) => {
+                let id = InstanceId(i as u32);
+                let (contact, driven) = (ensemble.contact(id), &drives[*drive as usize]);
+                (*drive, steps_of(run, (&contact, ensemble.gap(id)), driven))
+            }
+        });
+    }
+    resolution
+}
+
+/// Bases for instances whose contacts are too fast for the modes with the largest shares, by the drive and the rung of each: they
+/// are added to the drives; by drive and rung, which.
+fn fast_contacts(all: &[(u32, u32, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<(u32, u32), u32> {
+    // Neighbours mostly have the same.
+    let of_each =
+        all.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)).map(|same| (same[0].0, same[0].1));
+    let distinct: BTreeSet<(u32, u32)> = of_each.collect();
     let distinct: Vec<(u32, u32)> = distinct.into_iter().collect();
     let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
@@ -268,7 +281,7 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
             // A light tap, but for the lever's bending.
             Some(Held::Force(force)) => free - force * driven.kept.flexibility,
         };
-        (Contact::new(params), gap, held.map(|held| SetPoint { held, branch }))
+        (Compact::new(params), gap, held.map(|held| SetPoint { held, branch }))
     };
     let (mut contacts, mut gaps, mut setpoints) = (Shared::new(), Met::new(), Vec::new());
     for from in (0..drive_of.len()).step_by(AT_ONCE) {

@@ -2,7 +2,7 @@
 
 use super::coded::Codes;
 use super::ensemble::Contacts;
-use crate::contact::{Compact, Contact};
+use crate::contact::Compact;
 use crate::scene::Cases;
 use std::collections::HashMap;
 
@@ -24,13 +24,11 @@ impl Shared {
     }
 
     /// Adds the contact of one more instance.
-    pub fn push(&mut self, contact: Contact) {
+    pub fn push(&mut self, contact: Compact) {
         if self.of.is_none() {
             return;
         }
-        let Contact { modulus, radius, work, decay_length, .. } = contact;
-        let contact = Compact::from(&contact);
-        let key = [modulus, radius, work, decay_length].map(f64::to_bits);
+        let key = contact.constants().map(f64::to_bits);
         let same = self.known.entry(key).or_default();
         let number = match same.iter().find(|number| self.all[**number as usize] == contact) {
             Some(number) => *number,

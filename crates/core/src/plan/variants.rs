@@ -256,8 +256,12 @@ impl Plan {
             let all: Vec<T> = if self.at_hand() {
                 some.par_iter().map(|i| of(self, *i, *i)).collect()
             } else {
-                let part = self.part(some);
-                some.par_iter().enumerate().map(|(n, i)| of(&part, n as u32, *i)).collect()
+                let one = |some: &[u32]| -> Vec<T> {
+                    let part = self.part(some);
+                    some.iter().enumerate().map(|(n, i)| of(&part, n as u32, *i)).collect()
+                };
+                let all: Vec<Vec<T>> = some.par_chunks(PIECE).map(one).collect();
+                all.into_iter().flatten().collect()
             };
             all.into_iter().for_each(&mut take);
         }
@@ -273,8 +277,9 @@ impl Plan {
     }
 }
 
-/// Instances of very many that are looked at together.
+/// Instances of very many that are looked at together, and those of them that a thread looks at.
 const STRETCH: u32 = 1 << 16;
+const PIECE: usize = 1 << 12;
 
 /// How finely an instance of a plan runs, as plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]

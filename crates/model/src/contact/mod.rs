@@ -154,6 +154,11 @@ impl Compact {
         tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
     }
 
+    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2) and decay length (m).
+    pub fn constants(&self) -> [f64; 4] {
+        [self.modulus, self.radius, self.work, self.decay_length]
+    }
+
     /// The contact, to the bit.
     #[inline]
     pub fn contact(self) -> Contact {
