@@ -1,6 +1,7 @@
 //! What a scene needs, as plain data that can be printed: the ensemble of its instances, which never changes, and plans,
 //! which say what of it runs and how finely.
 
+mod assign;
 mod between;
 mod build;
 mod classes;

@@ -1,6 +1,6 @@
 //! Other plans of the same ensemble: some instances, other steps, other bases.
 
-use super::build::shares;
+use super::assign::shares;
 use super::resolution::{Ids, Resolution, Resolutions};
 use super::{BasisRule, Case, Driven, InstanceId, Plan, Precision, ReducedBasis, StartState, steps};
 use crate::observe::wants;
@@ -256,12 +256,11 @@ impl Plan {
             let all: Vec<T> = if self.at_hand() {
                 some.par_iter().map(|i| of(self, *i, *i)).collect()
             } else {
-                let one = |some: &[u32]| -> Vec<T> {
+                let of_part = |some: &[u32]| {
                     let part = self.part(some);
-                    some.iter().enumerate().map(|(n, i)| of(&part, n as u32, *i)).collect()
+                    some.iter().enumerate().map(|(n, i)| of(&part, n as u32, *i)).collect::<Vec<T>>()
                 };
-                let all: Vec<Vec<T>> = some.par_chunks(PIECE).map(one).collect();
-                all.into_iter().flatten().collect()
+                some.par_chunks(PIECE).flat_map_iter(of_part).collect()
             };
             all.into_iter().for_each(&mut take);
         }

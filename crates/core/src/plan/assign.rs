@@ -1,0 +1,118 @@
+//! What each instance is stepped with: its drive with the modes, and its steps.
+
+use super::coded::Coded;
+use super::rate::Last;
+use super::{Driven, Ensemble, InstanceId, ReducedBasis, TOGETHER, steps};
+use crate::contact::Contact;
+use crate::instrument::Instrument;
+use crate::scene::{Run, Start};
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+/// Instances that are looked at together: what is held of each is more than what is kept.
+pub(super) const AT_ONCE: usize = 1 << 16;
+
+/// Most steps that keeping a fast oscillator may cost, per period of the lever's first mode or of the
+/// drive, whichever is shorter.
+const STEPS_FOR_MODES: f64 = 2048.0;
+
+/// Something of each instance and its contact, of many of them at a time.
+fn in_stretches<'a, T: Send>(
+    ensemble: &'a Ensemble,
+    of: impl Fn(&mut Last<'a>, InstanceId, &Contact) -> T + Sync + 'a,
+) -> impl Iterator<Item = Vec<T>> + 'a {
+    (0..ensemble.len()).step_by(AT_ONCE).map(move |from| {
+        let to = ensemble.len().min(from + AT_ONCE);
+        let pieces: Vec<Vec<T>> = (from..to)
+            .into_par_iter()
+            .step_by(TOGETHER)
+            .map(|from| {
+                let ids = (from..to.min(from + TOGETHER)).map(|i| InstanceId(i as u32));
+                let contacts = ensemble.contacts_of(ids.clone());
+                let mut last = Last::default();
+                ids.zip(contacts).map(|(id, contact)| of(&mut last, id, &contact.contact())).collect()
+            })
+            .collect();
+        pieces.into_iter().flatten().collect()
+    })
+}
+
+/// The drive with the modes, and the steps, of each instance. Those whose contacts are too fast for the modes with the largest
+/// shares have drives of their own, which are added.
+pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> Coded<(u32, u32)> {
+    // Prescribed steps are for the modes that they can step.
+    let told = run.modes.is_some() || run.steps_per_period.is_some();
+    let known = &*drives;
+    let all = in_stretches(ensemble, |tip, id, contact| {
+        let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
+        let driven = &known[own as usize];
+        let rung = if told { 0 } else { tip.rung((own, driven), contact, gap) };
+        (own, rung, steps_of(run, (contact, gap), driven))
+    });
+    let all: Vec<(u32, u32, u32)> = all.flatten().collect();
+    let made = if told { HashMap::new() } else { fast_contacts(&all, run, drives) };
+    let mut resolution = Coded::new();
+    for (i, (own, rung, steps)) in all.into_iter().enumerate() {
+        resolution.push(match made.get(&(own, rung)) {
+            None => (own, steps),
+            Some(drive) => {
+                let id = InstanceId(i as u32);
+                let (contact, driven) = (ensemble.contact(id), &drives[*drive as usize]);
+                (*drive, steps_of(run, (&contact, ensemble.gap(id)), driven))
+            }
+        });
+    }
+    resolution
+}
+
+/// Bases for instances whose contacts are too fast for the modes with the largest shares, by the drive and the rung of each: they
+/// are added to the drives; by drive and rung, which.
+fn fast_contacts(all: &[(u32, u32, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<(u32, u32), u32> {
+    // Neighbours mostly have the same.
+    let of_each =
+        all.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)).map(|same| (same[0].0, same[0].1));
+    let distinct: BTreeSet<(u32, u32)> = of_each.collect();
+    let distinct: Vec<(u32, u32)> = distinct.into_iter().collect();
+    let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
+        .par_iter()
+        .map(|(drive, rung)| {
+            let driven = &drives[*drive as usize];
+            driven.for_rung(*rung, run.accuracy, |accuracy| shares(driven, accuracy, run))
+        })
+        .collect();
+    let mut made: HashMap<(u32, u32), u32> = HashMap::new();
+    for (key, kept) in distinct.into_iter().zip(bases) {
+        if let Some(kept) = kept {
+            made.insert(key, drives.len() as u32);
+            drives.push(Driven { kept, ..drives[key.0 as usize].clone() });
+        }
+    }
+    made
+}
+
+/// Steps per period of an instance; 0 where it never feels the sample.
+fn steps_of(run: &Run, (contact, gap): (&Contact, f64), driven: &Driven) -> u32 {
+    let amplitude = driven.free_amplitude();
+    if run.start == Start::Steady && contact.is_out_of_reach(amplitude, gap) {
+        return 0;
+    }
+    run.steps_per_period.unwrap_or_else(|| {
+        steps::steps(contact, &driven.kept, driven.free.omega, amplitude, gap, run.accuracy)
+    })
+}
+
+/// The modes with the largest shares that `accuracy` asks for.
+pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> ReducedBasis {
+    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
+    let wanted = (accuracy, run.accuracy);
+    ReducedBasis::choose(&driven.instrument, driven.free.omega, wanted, run.modes, most)
+}
+
+/// Most steps per period that a mode kept may need.
+pub(super) fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
+    match asked {
+        Some(steps) => f64::from(steps),
+        None => STEPS_FOR_MODES * (instrument.lever_frequency / frequency).max(1.0),
+    }
+}
