@@ -45,7 +45,7 @@ impl Work<'_> {
     fn first_states(&self, number: usize, whole: &Ran) -> Result<Part, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let portion = whole.portion(number);
-        let part = whole.plan.part(portion);
+        let part = whole.plan.part(portion).with_own_drives();
         match self.choices.course {
             Course::Reference => by_reference(&part, &Reference::default(), progress),
             Course::Once => once(part, &self.choices.precision.reason, engine, progress),

@@ -12,6 +12,7 @@ mod ensemble;
 mod met;
 mod modes;
 mod oscillator;
+mod own;
 mod policy;
 mod precision;
 mod rate;
