@@ -2,13 +2,13 @@
 
 use super::around::Around;
 use super::choices::Choices;
-use super::first::First;
+use super::first::{First, Poorer};
 use super::order::Order;
 use super::solved::Solved;
 use super::{Part, unfinished};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
-use crate::plan::{BasisRule, Plan};
+use crate::plan::Plan;
 use crate::steady::Linear;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -35,7 +35,7 @@ enum Begins {
 /// A block, and what was chosen for it; see [`First`].
 pub(super) struct Block<'a> {
     pub plan: Plan,
-    pub poorer: Option<Vec<BasisRule>>,
+    pub poorer: Option<Poorer>,
     pub left_out: Vec<f64>,
     pub choices: &'a Choices,
 }
@@ -116,7 +116,7 @@ impl Filling<'_> {
         let part = block.plan.part(piece);
         let stepped = part.stepped();
         let left_out = piece.iter().map(|i| block.left_out[*i as usize]).collect();
-        let poorer = block.poorer.as_ref().map(|all| piece.iter().map(|i| all[*i as usize]).collect());
+        let poorer = block.poorer.as_ref().map(|all| all.part(piece));
         let around = match batch.from {
             Begins::Scouts => Around::scouts(&whole.solved),
             Begins::Level(n) => Around::level((order, n), piece, &whole.solved),
@@ -140,7 +140,9 @@ impl Filling<'_> {
     /// Of open instances that stand next to one another, those that come before all that are next to them.
     fn foremost(&self) -> Vec<u32> {
         let open: BTreeSet<u32> = self.open().into_iter().collect();
-        let first = |i: &u32| self.order.beside(*i).iter().all(|other| other >= i || !open.contains(other));
+        let before = |i: u32, other: u32| self.order.number(other) < self.order.number(i);
+        let first =
+            |i: &u32| self.order.beside(*i).iter().all(|other| !open.contains(other) || !before(*i, *other));
         open.iter().copied().filter(first).collect()
     }
 

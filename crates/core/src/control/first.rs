@@ -13,8 +13,8 @@ use crate::steady::{self, PeriodicState, Settled};
 
 /// What is known before the steps are.
 pub(super) struct First<'a> {
-    /// By instance, what the basis of the first run is made by; none where it is the plan's own.
-    pub poorer: Option<Vec<BasisRule>>,
+    /// The bases of the first run; none where they are the plan's own.
+    pub poorer: Option<Poorer>,
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
@@ -24,9 +24,33 @@ pub(super) struct First<'a> {
     pub leads_on: bool,
 }
 
+/// The next poorer bases.
+pub(super) struct Poorer {
+    /// By instance.
+    pub bases: Vec<BasisRule>,
+    /// The plan of the first run but for its steps: with these bases, though not for fast contacts. How many oscillators those
+    /// have decides what their steps cost, so their bases are told apart by a run of its own.
+    plan: Plan,
+}
+
+impl Poorer {
+    /// Of all instances of a plan.
+    pub fn of(plan: &Plan, bases: Vec<BasisRule>) -> Self {
+        let usual = plan.stepped().into_iter().filter(|i| !is_fast(plan, *i));
+        let wanted: Vec<(u32, BasisRule)> = usual.map(|i| (i, bases[i as usize])).collect();
+        Self { plan: plan.with_bases_alone(&wanted), bases }
+    }
+
+    /// Of some of these.
+    pub fn part(&self, instances: &[u32]) -> Self {
+        let bases = instances.iter().map(|i| self.bases[*i as usize]).collect();
+        Self { bases, plan: self.plan.part(instances) }
+    }
+}
+
 impl<'a> First<'a> {
     /// Of instances that are searched for one by one, and lead to no others.
-    pub fn alone(poorer: Option<Vec<BasisRule>>, left_out: Vec<f64>, chosen: &'a precision::Choice) -> Self {
+    pub fn alone(poorer: Option<Poorer>, left_out: Vec<f64>, chosen: &'a precision::Choice) -> Self {
         Self { poorer, left_out, chosen, around: None, leads_on: false }
     }
 }
@@ -56,7 +80,7 @@ pub(super) fn run(
     let mut fine = halved(plan.clone());
     let mut coarse = quartered(match &poorer {
         None => plan.part(stepped),
-        Some(bases) => poorer_plan(plan, stepped, bases),
+        Some(poorer) => poorer.plan.part(stepped),
     });
     let (mut rough, mut settled, neighbour_started) =
         two_runs(&mut coarse, &mut fine, stepped, around.as_ref(), (engine, progress))?;
@@ -97,7 +121,7 @@ pub(super) fn run(
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
     begun.add_unbent(stepped);
-    if let Some(bases) = &poorer {
+    if let Some(Poorer { bases, .. }) = &poorer {
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
@@ -200,14 +224,6 @@ fn keep_curves(settled: &mut Settled, stepped: &[u32], rough: &Settled, progress
     kept
 }
 
-/// The plan of the first run but for its steps: poorer bases, though not for fast contacts. How many oscillators those
-/// have decides what their steps cost, so their bases are told apart by a run of its own.
-fn poorer_plan(plan: &Plan, stepped: &[u32], bases: &[BasisRule]) -> Plan {
-    let first = |i: &u32| if is_fast(plan, *i) { plan.basis_rule(*i) } else { bases[*i as usize] };
-    let wanted: Vec<(u32, BasisRule)> = stepped.iter().map(|i| (*i, first(i))).collect();
-    plan.with_bases(&wanted).with_steps_of(plan).part(stepped)
-}
-
 impl Begun {
     /// Adds what the flexibility that no oscillator carries costs the virial.
     fn add_unbent(&mut self, stepped: &[u32]) {
@@ -234,7 +250,7 @@ impl Begun {
             return Ok(());
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
-        let mut few = self.plan.with_bases(&wanted).with_steps_of(&self.plan).part(&fast);
+        let mut few = self.plan.with_bases_alone(&wanted).part(&fast);
         let poor = steady::again(&mut few, &steady::of(&self.settled.found, &fast), engine, progress)?;
         let apart = differences(&self.plan, &fast, &poor.outcome.results, results);
         for (i, apart) in fast.into_iter().zip(apart) {

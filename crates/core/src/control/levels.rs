@@ -4,7 +4,7 @@
 //! The order depends on the grid alone: not on threads, on the engine or on the way in which an axis is written.
 
 use super::solved::Weighted;
-use crate::plan::{Grid, GridAxis};
+use crate::plan::{Grid, GridAxis, Ranks};
 
 /// Scouts are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.
 const APART: (u32, u32) = (16, 8);
@@ -59,8 +59,7 @@ impl Slabs {
 pub(super) struct Levels<'a> {
     pub scouts: Vec<u32>,
     pub later: Vec<Level<'a>>,
-    /// Axes along which values are ordered, each with the rank of each of its places.
-    ordered: Vec<(&'a GridAxis, Vec<u32>)>,
+    ranks: Ranks<'a>,
 }
 
 /// Instances that stand between known ones along one axis.
@@ -93,11 +92,15 @@ impl<'a> Levels<'a> {
                 let mut between = known.clone();
                 between[n] = fresh.collect();
                 let points = points(grid, &between);
-                later.push(Level { axis, rank: ranks(axis), known: before, points });
+                later.push(Level { axis, rank: axis.ranks(), known: before, points });
             }
         }
-        let ordered = grid.axes.iter().filter(|axis| !axis.order.is_empty());
-        Self { scouts, later, ordered: ordered.map(|axis| (axis, ranks(axis))).collect() }
+        Self { scouts, later, ranks: Ranks::of(grid) }
+    }
+
+    /// By these numbers instances come in an order that does not hang on the direction of an axis.
+    pub fn number(&self, point: u32) -> u32 {
+        self.ranks.number(point)
     }
 
     /// Those one step away along one axis.
@@ -109,7 +112,7 @@ impl<'a> Levels<'a> {
             let there = next.into_iter().flatten();
             there.map(|rank| base + axis.order[rank as usize] * axis.stride).collect::<Vec<u32>>()
         };
-        self.ordered.iter().flat_map(along).collect()
+        self.ranks.0.iter().flat_map(along).collect()
     }
 }
 
@@ -156,13 +159,6 @@ fn places(axis: &GridAxis, spans: u32) -> Vec<u32> {
         true => (0..axis.length).collect(),
         false => (0..=spans).map(|n| (2 * n * steps + spans) / (2 * spans)).collect(),
     }
-}
-
-/// Of each place of an axis its rank.
-fn ranks(axis: &GridAxis) -> Vec<u32> {
-    let mut ranks = vec![0; axis.length as usize];
-    axis.order.iter().enumerate().for_each(|(rank, place)| ranks[*place as usize] = rank as u32);
-    ranks
 }
 
 /// The instances with these ranks along the axes.

@@ -112,6 +112,14 @@ impl Order<'_> {
         }
     }
 
+    /// By these numbers instances come in an order that does not hang on the direction of an axis.
+    pub fn number(&self, instance: u32) -> u32 {
+        match self {
+            Self::Grid(levels) => levels.number(instance),
+            Self::Scattered(_) => instance,
+        }
+    }
+
     /// Whether instances rest on others around them, not along a line.
     pub fn scattered(&self) -> bool {
         matches!(self, Self::Scattered(_))

@@ -3,7 +3,7 @@
 use super::block::{self, Block};
 use super::choices::{Choices, Course};
 use super::division::Division;
-use super::first::First;
+use super::first::{First, Poorer};
 use super::portion::{Keep, Portion};
 use super::ran::Ran;
 use super::rules::Rules;
@@ -55,7 +55,7 @@ impl Work<'_> {
                 let left_out =
                     portion.iter().map(|i| self.left_out.get(*i as usize).copied().unwrap_or(0.0)).collect();
                 let of = |all: &Rules| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
-                let poorer = self.poorer.as_ref().map(of);
+                let poorer = self.poorer.as_ref().map(|all| Poorer::of(&part, of(all)));
                 if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);
                     let block = Block { plan: part, poorer, left_out, choices: self.choices };

@@ -276,6 +276,7 @@ impl Part {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::first::Poorer;
     use crate::engine::Cpu;
     use crate::plan::BasisRule;
     use crate::scene::Scene;
@@ -299,7 +300,8 @@ mod tests {
         };
         let error = |of: &Part| difference(&whole, 0, &of.outcome.results[0], &truth);
         let modes = |of: &Part| of.plan.driven(0).kept.modes.len();
-        let (alike, apart) = (run(None), run(Some(vec![BasisRule::Shares { accuracy: 0.3 }])));
+        let poorer = Poorer::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
+        let (alike, apart) = (run(None), run(Some(poorer)));
         let asked = scene.run.accuracy;
         // By steps alone nothing is seen of it.
         assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));

@@ -54,6 +54,44 @@ pub struct GridAxis {
     pub order: Vec<u32>,
 }
 
+impl GridAxis {
+    /// Of each of its places the rank; none where they have no order.
+    pub fn ranks(&self) -> Vec<u32> {
+        let mut ranks = vec![0; self.order.len()];
+        self.order.iter().enumerate().for_each(|(rank, place)| ranks[*place as usize] = rank as u32);
+        ranks
+    }
+}
+
+/// The axes of a grid whose places have an order, each with the rank of every place.
+#[derive(Clone, Debug)]
+pub struct Ranks<'a>(pub Vec<(&'a GridAxis, Vec<u32>)>);
+
+impl<'a> Ranks<'a> {
+    /// Of the axes of a grid.
+    pub fn of(grid: &'a Grid) -> Self {
+        let ordered = grid.axes.iter().filter(|axis| !axis.order.is_empty());
+        Self(ordered.map(|axis| (axis, axis.ranks())).collect())
+    }
+
+    /// The number that an instance has where all of them are written with the least value first: whatever goes by it does not
+    /// hang on the direction of an axis.
+    pub fn number(&self, instance: u32) -> u32 {
+        self.0.iter().fold(instance, |number, (axis, ranks)| {
+            let place = instance / axis.stride % axis.length;
+            number - place * axis.stride + ranks[place as usize] * axis.stride
+        })
+    }
+
+    /// The instance that has this number.
+    pub fn instance(&self, number: u32) -> u32 {
+        self.0.iter().fold(number, |instance, (axis, _)| {
+            let rank = number / axis.stride % axis.length;
+            instance - rank * axis.stride + axis.order[rank as usize] * axis.stride
+        })
+    }
+}
+
 /// Curves of equal length, one after the other; where they are followed both ways, the points of the way back come after
 /// those of the way there, in the same order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,144 @@
+//! A plan's instances with other bases.
+
+use super::assign::shares;
+use super::{BasisRule, Case, Driven, Plan, ReducedBasis, steps};
+use crate::scene::Run;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+impl Plan {
+    /// With these bases for these of its instances; see [`Rebasing::give`].
+    #[must_use]
+    pub fn with_bases(&self, wanted: &[(u32, BasisRule)]) -> Self {
+        let mut rebasing = Rebasing::new(self);
+        wanted.iter().for_each(|(i, basis)| rebasing.give(*i, *basis));
+        rebasing.plan
+    }
+
+    /// The same, with the steps that they have.
+    #[must_use]
+    pub fn with_bases_alone(&self, wanted: &[(u32, BasisRule)]) -> Self {
+        let mut rebasing = Rebasing::new(self);
+        wanted.iter().for_each(|(i, basis)| {
+            rebasing.give_alone(*i, *basis);
+        });
+        rebasing.plan
+    }
+}
+
+/// A plan whose instances are given other bases, one after the other.
+pub struct Rebasing {
+    pub plan: Plan,
+    bases: Bases,
+    /// The drive and the basis that were asked for last, and the drive that has both: neighbours mostly want the same.
+    last: ((u32, BasisRule), u32),
+}
+
+impl Rebasing {
+    /// Of a plan as it is.
+    pub fn new(plan: &Plan) -> Self {
+        let none = (u32::MAX, BasisRule::Shares { accuracy: f64::NAN });
+        Self { plan: plan.clone(), bases: Bases::default(), last: (none, 0) }
+    }
+
+    /// Gives an instance, which still has what it had, another basis; the drive that has it.
+    fn give_alone(&mut self, i: u32, basis: BasisRule) -> u32 {
+        let Self { plan, bases, last } = self;
+        let drive = plan.resolution.drive(i as usize);
+        if last.0 != (drive, basis) {
+            *last = ((drive, basis), bases.number(&mut plan.drives, drive, basis, &plan.run));
+        }
+        plan.resolution.set(i as usize, (last.1, plan.steps(i)));
+        last.1
+    }
+
+    /// The same, and as many more steps as richer modes need, as many fewer as the rule gives for the modes of a poorer
+    /// accuracy.
+    pub fn give(&mut self, i: u32, basis: BasisRule) {
+        let drive = self.give_alone(i, basis);
+        let plan = &mut self.plan;
+        let (driven, run, own) = (&plan.drives[drive as usize], &plan.run, plan.steps(i));
+        if run.steps_per_period.is_some() || own == 0 {
+            return;
+        }
+        let steps = match basis {
+            BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
+                own.min(steps_of(&plan.case(i), driven, run))
+            }
+            _ => own.max(steps::fewest(driven)),
+        };
+        plan.resolution.set(i as usize, (drive, steps));
+    }
+}
+
+/// Bases that a plan's drives were given, so that each is made once.
+#[derive(Default)]
+struct Bases {
+    made: HashMap<(u32, [u64; 2]), u32>,
+    /// The same by the basis that a drive has: drives of one instrument and frequency share theirs.
+    reduced: HashMap<(usize, [u64; 2]), Arc<ReducedBasis>>,
+    /// By drive, those that have its instrument.
+    variants: HashMap<u32, Vec<u32>>,
+}
+
+impl Bases {
+    /// The number of this drive with the basis that the rule asks for, which is added where there is none like it.
+    fn number(&mut self, drives: &mut Vec<Driven>, drive: u32, basis: BasisRule, run: &Run) -> u32 {
+        *self.made.entry((drive, basis.key())).or_insert_with(|| {
+            let own = &drives[drive as usize];
+            let shared = (Arc::as_ptr(&own.kept) as usize, basis.key());
+            let kept = self.reduced.entry(shared).or_insert_with(|| reduced_by(own, basis, run));
+            let driven = Driven { kept: Arc::clone(kept), ..own.clone() };
+            // The same basis by another accuracy.
+            let known = self.variants.entry(drive).or_insert_with(|| vec![drive]);
+            let same = |n: &&u32| drives[**n as usize].kept.modes == driven.kept.modes;
+            if let Some(found) = known.iter().find(same) {
+                return *found;
+            }
+            drives.push(driven);
+            known.push(drives.len() as u32 - 1);
+            drives.len() as u32 - 1
+        })
+    }
+}
+
+/// Richer bases are looked for at so many times finer accuracies, one after the other.
+const FINER: f64 = 0.25;
+const NOTCHES: usize = 8;
+
+/// The least of the bases that are richer than this one, for contacts of this rung; none where it is the richest that
+/// can be stepped, or is prescribed.
+pub(super) fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<ReducedBasis>> {
+    if run.modes.is_some() {
+        return None;
+    }
+    match driven.kept.rule {
+        BasisRule::Contact { .. } => {
+            let richer = reduced_by(driven, driven.kept.rule.richer()?, run);
+            (richer.modes != driven.kept.modes).then_some(richer)
+        }
+        BasisRule::Shares { accuracy } => {
+            let accuracies = (1..=NOTCHES as i32).map(|n| accuracy * FINER.powi(n));
+            let mut bases =
+                accuracies.map(|accuracy| reduced_by(driven, BasisRule::Shares { accuracy }, run));
+            let found = bases.find(|basis| basis.modes != driven.kept.modes);
+            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
+        }
+    }
+}
+
+/// The least of the bases for contacts of this rung that has more than so many oscillators.
+pub(super) fn richer_than(driven: &Driven, rung: u32, modes: usize) -> Option<Arc<ReducedBasis>> {
+    driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
+}
+
+/// The basis that the rule asks for.
+pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
+    driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
+}
+
+/// The rule's steps for a case and its basis.
+fn steps_of(case: &Case, driven: &Driven, run: &Run) -> u32 {
+    let (omega, amplitude) = (driven.free.omega, driven.free_amplitude());
+    steps::steps(&case.contact, &driven.kept, omega, amplitude, case.gap, run.accuracy)
+}
