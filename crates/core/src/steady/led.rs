@@ -79,8 +79,8 @@ pub fn from_neighbours(
 
 impl Settled {
     /// What a search of its own has not found begins, where it has `such` a lead, at each neighbour alone: across the end of a
-    /// branch several together lead nowhere, and states are like one of them. It is there if all that lead somewhere, `least` of
-    /// them or more, lead to one state, and a search that takes the map's own slope there finds that state, too.
+    /// branch several together lead nowhere, and states are like one of them. It is where most of them lead, `least` or more, if a
+    /// search that takes the map's own slope there finds that state, too; nowhere if as many lead to another.
     pub(super) fn by_each(
         &mut self,
         plan: &Plan,
@@ -98,8 +98,8 @@ impl Settled {
         }
         let part = plan.part(&instances);
         let each: Vec<Vec<Neighbour>> = instances.iter().map(|i| alone(*i)).collect();
-        let mut met: Vec<Option<Station>> = vec![None; instances.len()];
-        let (mut led_there, mut differ) = (vec![0; instances.len()], vec![false; instances.len()]);
+        // The states that an instance's neighbours lead to, and how many lead to each.
+        let mut met: Vec<Vec<(Station, u32)>> = vec![Vec::new(); instances.len()];
         let apart = |i: usize, a: &Station, b: &Station| {
             apart(a, b) > SAME * part.driven(i as u32).free_amplitude().max(1e-15)
         };
@@ -112,13 +112,19 @@ impl Settled {
             for (i, state) in led.found.iter().enumerate() {
                 self.periods[instances[i] as usize] += led.periods[i];
                 let Some(there) = state.as_ref().map(|state| state.station) else { continue };
-                differ[i] |= met[i].is_some_and(|other| apart(i, &other, &there));
-                met[i] = met[i].or(Some(there));
-                led_there[i] += 1;
+                match met[i].iter_mut().find(|(other, _)| !apart(i, other, &there)) {
+                    Some((_, led)) => *led += 1,
+                    None => met[i].push((there, 1)),
+                }
             }
             self.outcome.notes.extend(led.outcome.notes);
         }
-        let place = |i: usize| met[i].filter(|_| !differ[i] && led_there[i] >= least);
+        let place = |i: usize| {
+            let most = met[i].iter().map(|(_, led)| *led).max().filter(|most| *most >= least)?;
+            let mut all = met[i].iter().filter(|(_, led)| *led == most);
+            let (place, _) = all.next()?;
+            all.next().is_none().then_some(*place)
+        };
         let agreed: Vec<usize> = (0..instances.len()).filter(|i| place(*i).is_some()).collect();
         let numbers: Vec<u32> = agreed.iter().map(|i| instances[*i]).collect();
         let places: Vec<Station> = agreed.iter().filter_map(|i| place(*i)).collect();
