@@ -44,18 +44,20 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
     // Prescribed steps are for the modes that they can step.
     let told = run.modes.is_some() || run.steps_per_period.is_some();
     let known = &*drives;
-    let all = in_stretches(ensemble, |tip, id, contact| {
+    let mut usual = Coded::new();
+    in_stretches(ensemble, |tip, id, contact| {
         let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
         let driven = &known[own as usize];
         let rung = if told { 0 } else { tip.rung((own, driven), contact, gap) };
-        (own, rung, steps_of(run, (contact, gap), driven))
-    });
-    let all: Vec<(u32, u32, u32)> = all.flatten().collect();
-    let made = if told { HashMap::new() } else { fast_contacts(&all, run, drives) };
+        ((own, rung), steps_of(run, (contact, gap), driven))
+    })
+    .for_each(|some| some.into_iter().for_each(|one| usual.push(one)));
+    let made = if told { HashMap::new() } else { fast_contacts(usual.known(), run, drives) };
     let mut resolution = Coded::new();
-    for (i, (own, rung, steps)) in all.into_iter().enumerate() {
-        resolution.push(match made.get(&(own, rung)) {
-            None => (own, steps),
+    for i in 0..ensemble.len() {
+        let (key, steps) = usual.get(i);
+        resolution.push(match made.get(&key) {
+            None => (key.0, steps),
             Some(drive) => {
                 let id = InstanceId(i as u32);
                 let (contact, driven) = (ensemble.contact(id), &drives[*drive as usize]);
@@ -66,14 +68,14 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
     resolution
 }
 
-/// Bases for instances whose contacts are too fast for the modes with the largest shares, by the drive and the rung of each: they
-/// are added to the drives; by drive and rung, which.
-fn fast_contacts(all: &[(u32, u32, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<(u32, u32), u32> {
-    // Neighbours mostly have the same.
-    let of_each =
-        all.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)).map(|same| (same[0].0, same[0].1));
-    let distinct: BTreeSet<(u32, u32)> = of_each.collect();
-    let distinct: Vec<(u32, u32)> = distinct.into_iter().collect();
+/// A drive and the rung of a contact.
+type Key = (u32, u32);
+
+/// Bases for instances whose contacts are too fast for the modes with the largest shares, by the drives and rungs that there
+/// are: they are added to the drives; of each drive and rung, which.
+fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<Key, u32> {
+    let distinct: BTreeSet<Key> = all.iter().map(|(key, _)| *key).collect();
+    let distinct: Vec<Key> = distinct.into_iter().collect();
     let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
         .map(|(drive, rung)| {
@@ -81,7 +83,7 @@ fn fast_contacts(all: &[(u32, u32, u32)], run: &Run, drives: &mut Vec<Driven>) -
             driven.for_rung(*rung, run.accuracy, |accuracy| shares(driven, accuracy, run))
         })
         .collect();
-    let mut made: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut made: HashMap<Key, u32> = HashMap::new();
     for (key, kept) in distinct.into_iter().zip(bases) {
         if let Some(kept) = kept {
             made.insert(key, drives.len() as u32);

@@ -122,6 +122,11 @@ impl<T: Copy + Eq + Hash> Coded<T> {
         self.codes.set(at, number);
     }
 
+    /// The values that there are.
+    pub fn known(&self) -> &[T] {
+        &self.known
+    }
+
     /// That of an instance.
     #[inline]
     pub fn get(&self, at: usize) -> T {
