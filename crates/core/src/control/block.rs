@@ -124,7 +124,7 @@ impl Filling<'_> {
             Begins::Wait => Around::waited_for(&whole.solved),
         };
         let alone = First::alone(poorer, left_out, &block.choices.precision);
-        let first = First { around: Some(around), leads_on: true, ..alone };
+        let first = First { around: Some(around), ..alone };
         unfinished::marked(part, &stepped, first, self.engine, self.progress)
     }
 

@@ -18,10 +18,8 @@ pub(super) struct First<'a> {
     /// What the modes left out cost each instance, by the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision::Choice,
-    /// Solved instances around these, where their searches may begin.
+    /// Solved instances around these, where their searches may begin; others begin at these in their turn.
     pub around: Option<Around<'a>>,
-    /// Whether others are to begin at these.
-    pub leads_on: bool,
 }
 
 /// The next poorer bases.
@@ -51,7 +49,7 @@ impl Poorer {
 impl<'a> First<'a> {
     /// Of instances that are searched for one by one, and lead to no others.
     pub fn alone(poorer: Option<Poorer>, left_out: Vec<f64>, chosen: &'a precision::Choice) -> Self {
-        Self { poorer, left_out, chosen, around: None, leads_on: false }
+        Self { poorer, left_out, chosen, around: None }
     }
 }
 
@@ -73,7 +71,7 @@ pub(super) struct Begun {
 pub(super) fn run(
     plan: &Plan,
     stepped: &[u32],
-    First { poorer, left_out, around, leads_on, .. }: First,
+    First { poorer, left_out, around, .. }: First,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Begun, EngineError> {
@@ -101,7 +99,7 @@ pub(super) fn run(
         in_vain: false,
     };
     let known = fine.instances().zip(left_out).map(begin).collect();
-    let solved = match leads_on {
+    let solved = match around.is_some() {
         true => solved(plan.len(), stepped, (&coarse, &mut rough), (&fine, &settled)),
         false => Vec::new(),
     };

@@ -16,9 +16,7 @@ const LOOK: u32 = 8;
 /// what has not settled by then may be given up.
 const FALLS: f64 = 2.0;
 const LEAST: u32 = 96;
-/// Where that is long, the first searches come after so many periods and after ever twice as many: of 41 tapping instances of
-/// quality factor 1e4 17 are found after 576, all after 2,880 periods, all in the state in which the first look at 8,688 finds
-/// them.
+/// Where that is long, the first searches come after so many periods and after ever twice as many.
 const SOON: u32 = 192;
 /// Searches from looks; what none of them finds is waited for.
 const SEARCHES: usize = 4;
