@@ -4,7 +4,9 @@
 //! take, in ever longer strides (pseudo-transient continuation; Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508),
 //! so that of several states it tends to find the one that waiting would reach. It knows nothing of what the map
 //! is: it says at which points it wants to know it, and is told. Many searches so run side by side.
+//! [`Envelope`] follows a slow motion to where repeating the map would end, and is told likewise.
 
+mod envelope;
 mod inverse;
 mod options;
 mod search;
@@ -12,8 +14,10 @@ mod size;
 mod spectrum;
 mod told;
 
+pub use envelope::{Came, Envelope, Slowly};
 pub use inverse::inverse;
 pub use options::Options;
 pub use search::{Found, Lost, Search, Verdict};
 pub use size::{Memory, Size};
 pub use spectrum::Spectrum;
+pub use told::WithSlope;

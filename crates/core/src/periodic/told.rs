@@ -7,7 +7,7 @@ use super::spectrum::{Spectrum, factors};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
 /// Where the map leads from a state, and its slope there.
-type WithSlope<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
+pub type WithSlope<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
 
 impl<D: Size> Search<D>
 where

@@ -1,10 +1,11 @@
 //! What searches have not found is stepped on from where the last of them began, and looked at now and then. What comes to
-//! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end.
+//! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end. Where settling
+//! takes very long the motion is followed in long strides first (`slow.rs`).
 
 use super::begin::{Begin, Left};
 use super::found::found;
 use super::map::{PeriodMap, own};
-use super::{Settled, follow, wait};
+use super::{Settled, follow, slow, wait};
 use crate::engine::{Cpu, Engine, EngineError, Progress};
 use crate::plan::{Plan, StartState, Station};
 use std::collections::{BTreeMap, HashSet};
@@ -62,6 +63,8 @@ struct Going {
     left: Left,
     /// At the last look at which it was judged.
     unrest: Option<Unrest>,
+    /// Evaluations that following it has taken.
+    followed: u32,
 }
 
 /// Steps these instances on and searches for them on the way; what is found goes into `settled`. What is not comes back.
@@ -74,7 +77,11 @@ pub(super) fn run(
 ) -> Result<Vec<Left>, EngineError> {
     let mut paces: BTreeMap<u32, Vec<Going>> = BTreeMap::new();
     for one in left {
-        paces.entry(pace(plan, one.instance)).or_default().push(Going { left: one, unrest: None });
+        paces.entry(pace(plan, one.instance)).or_default().push(Going {
+            left: one,
+            unrest: None,
+            followed: 0,
+        });
     }
     let mut walk = Walk { plan, settled, engine, progress, rest: Vec::new() };
     for (pace, group) in paces {
@@ -127,10 +134,12 @@ impl Walk<'_> {
                 return Ok(());
             }
             going = self.looked_at(fit, (on, judged))?;
+            let (wandering, settling) = going.into_iter().partition(|one| one.left.wanders);
+            self.retire(wandering);
+            let follows = slow::is_slow(pace) && (on == 0 || !judged);
+            going = if follows { self.followed(settling, pace)? } else { settling };
             if on > 0 {
-                let (wandering, settling) = going.into_iter().partition(|one| one.left.wanders);
-                self.retire(wandering);
-                going = self.searched(settling)?;
+                going = self.searched(going)?;
             }
         }
         self.retire(going);
@@ -191,6 +200,21 @@ impl Walk<'_> {
             self.settled.periods[one.left.instance as usize] += on + LOOK;
         }
         Ok(going)
+    }
+
+    /// Follows them from where they are; those whose state is not found so come back.
+    fn followed(&mut self, mut going: Vec<Going>, pace: u32) -> Result<Vec<Going>, EngineError> {
+        let from = |one: &Going| slow::Slow {
+            instance: one.left.instance,
+            place: one.left.place,
+            pace,
+            most: slow::most(pace).saturating_sub(one.followed),
+        };
+        let from: Vec<slow::Slow> = going.iter().map(from).collect();
+        let taken = slow::run(self.plan, &from, self.settled, self.engine, self.progress)?;
+        going.iter_mut().zip(taken).for_each(|(one, taken)| one.followed += taken);
+        let is_open = |one: &Going| self.settled.found[one.left.instance as usize].is_none();
+        Ok(going.into_iter().filter(is_open).collect())
     }
 
     /// Searches for them from where they are; those whose state is not found come back.

@@ -311,6 +311,20 @@ where
     (slope, columns)
 }
 
+/// A period's slope as it is told, of as many modes as the instance has, among all numbers of a state; the others are at rest.
+pub(super) fn whole<D: Size + DimName>(slope: &[f64]) -> OMatrix<f64, D, D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    let own = slope.len().isqrt();
+    let place = |n: usize| if n < own / 2 { n } else { D::DIM / 2 + n - own / 2 };
+    let mut all = OMatrix::<f64, D, D>::zeros();
+    for (n, value) in slope.iter().enumerate() {
+        all[(place(n % own), place(n / own))] = *value;
+    }
+    all
+}
+
 /// Travel and rate of each mode, one after the other.
 pub(super) fn vector<D: Size + DimName>(station: &Station) -> OVector<f64, D>
 where

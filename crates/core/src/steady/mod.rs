@@ -21,6 +21,7 @@ mod node;
 mod search;
 mod setpoint;
 mod sizes;
+mod slow;
 mod states;
 mod turns;
 mod wait;

@@ -2,14 +2,14 @@
 
 use super::aims::{least, options, tangent_columns};
 use super::begin::{Along, Begin, Left};
-use super::map::{PeriodMap, as_its_own, free_slope, station, vector};
+use super::map::{PeriodMap, as_its_own, free_slope, station, vector, whole};
 use super::sizes::{Sized, by_size, with_size};
 use super::{Linear, PeriodicState};
 use crate::engine::{Busy, Engine, EngineError, Progress, SlopeStart, Sloped};
 use crate::kernel::Room;
 use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
 use crate::plan::{Case, Plan, Station};
-use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
+use nalgebra::{DefaultAllocator, DimName, OVector};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -335,15 +335,7 @@ where
 
     /// Takes the map's answer with its slope.
     fn answer_sloped(&mut self, sloped: Option<Sloped>) {
-        let answer = sloped.and_then(|Sloped { end, slope }| {
-            let own = slope.len().isqrt();
-            let place = |n: usize| if n < own / 2 { n } else { D::DIM / 2 + n - own / 2 };
-            let mut all = OMatrix::<f64, D, D>::zeros();
-            for (n, value) in slope.iter().enumerate() {
-                all[(place(n % own), place(n / own))] = *value;
-            }
-            Some((self.useful(end)?, all))
-        });
+        let answer = sloped.and_then(|Sloped { end, slope }| Some((self.useful(end)?, whole(&slope))));
         self.search.answer_sloped(answer);
     }
 
