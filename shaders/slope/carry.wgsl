@@ -12,6 +12,8 @@
 @group(0) @binding(5) var<storage, read> partials: array<real>;
 // Travels, then rates, of each column: [number][column][instance].
 @group(0) @binding(6) var<storage, read_write> columns: array<real>;
+// How many instances are under way in each round and after the last; then which these are, in lists that take turns.
+@group(0) @binding(7) var<storage, read> going: array<u32>;
 
 struct Column {
     //% each mode
@@ -107,14 +109,16 @@ fn kick(column: ptr<function, Column>, row: u32, first: u32, i: u32) {
 
 @compute @workgroup_size(WORKGROUP)
 fn carry(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let place = thread(group, local);
+    let turn = thread(group, local);
+    let nth = turn % job.instances;
     let all = 2u * MODES * job.instances;
-    if place >= all {
+    if turn >= all || nth >= going[job.round] {
         return;
     }
-    let i = place % job.instances;
+    let i = going[listed(job.round, nth)];
+    let place = turn - nth + i;
     let row = drive_of[i];
-    var column = first_column(place / job.instances);
+    var column = first_column(turn / job.instances);
     // A dispatch may begin within the period.
     if job.first > 0u {
         //% each mode

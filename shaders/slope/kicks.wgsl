@@ -17,6 +17,8 @@
 @group(0) @binding(6) var<storage, read_write> marks: array<u32>;
 // What they change by with each number of their approach: [kick][the impulse's three, the shift's three][instance].
 @group(0) @binding(7) var<storage, read_write> partials: array<real>;
+// How many instances are under way in each round and after the last; then which these are, in lists that take turns.
+@group(0) @binding(8) var<storage, read> going: array<u32>;
 
 // What a step's kick was given, and what it did: the size of its impulse and the share of the step in contact.
 struct Seen {
@@ -104,10 +106,11 @@ fn store_seen(i: u32, here: Seen, before: Seen) {
 
 @compute @workgroup_size(WORKGROUP)
 fn kicks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let i = thread(group, local);
-    if i >= job.instances {
+    let number = thread(group, local);
+    if number >= going[job.round] {
         return;
     }
+    let i = going[listed(job.round, number)];
     let lever = case_of(i);
     let law = law_of(i);
     let little = cases[at(CASE_LITTLE, i)];

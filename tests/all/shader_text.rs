@@ -10,7 +10,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
 
 /// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
-/// precisions; both parts of a period with its slope; and the strides of a search.
+/// precisions; both parts of a period with its slope; and the strides of either search.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
     let entry = Entry::Sweep;
@@ -34,8 +34,14 @@ fn every_spec() -> Vec<ShaderSpec> {
     all
 }
 
-const SLOPES: [(Entry, bool); 4] =
-    [(Entry::Kicks, false), (Entry::Kicks, true), (Entry::Carry, false), (Entry::Carry, true)];
+const SLOPES: [(Entry, bool); 6] = [
+    (Entry::Kicks, false),
+    (Entry::Kicks, true),
+    (Entry::Carry, false),
+    (Entry::Carry, true),
+    (Entry::Walk, false),
+    (Entry::Walk, true),
+];
 
 const SEARCH: [(Entry, bool); 2] = [(Entry::Stride, false), (Entry::Stride, true)];
 
@@ -192,8 +198,9 @@ fn bindings_are_those_of_the_parsed_shader() {
         let (real, whole) = (Some(spec.bytes() as u8), Some(4));
         let mut widths = match spec.entry {
             Entry::Sweep => vec![None, real, real, real, whole, real, whole, whole],
-            Entry::Kicks => vec![None, real, real, real, whole, real, whole, real],
-            Entry::Carry => vec![None, real, whole, real, whole, real, real],
+            Entry::Kicks => vec![None, real, real, real, whole, real, whole, real, whole],
+            Entry::Carry => vec![None, real, whole, real, whole, real, real, whole],
+            Entry::Walk => vec![None, real, whole, real, whole, real, real, real],
             Entry::Stride => vec![None, real, whole, real, whole, real, real],
         };
         widths.extend(spec.decay.then_some(real));

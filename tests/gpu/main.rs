@@ -1,5 +1,5 @@
 //! The shader against the CPU, on whatever GPU adapter there is: whole runs (`agree_gpu`), slopes of periods (`slopes_gpu`),
-//! searches that begin near their states (`strides_gpu`, `stride_faults_gpu`), each law's kick by itself (`kicks_gpu`), and
+//! searches that begin near their states (`strides_gpu`, `stride_faults_gpu`) or far from them (`newton_gpu`, `newton_faults_gpu`), each law's kick by itself (`kicks_gpu`), and
 //! what the comparison of bits is worth (`faults_gpu`); and runs on several devices (`several_gpu`), for which a software
 //! driver gets a twin (`twin`).
 //!
@@ -12,6 +12,8 @@ mod agree_gpu;
 mod checks;
 mod faults_gpu;
 mod kicks_gpu;
+mod newton_faults_gpu;
+mod newton_gpu;
 #[allow(dead_code)]
 #[path = "../program/mod.rs"]
 mod program;
@@ -34,6 +36,8 @@ fn main() {
         agree_gpu::tests(&found),
         faults_gpu::tests(&found),
         kicks_gpu::tests(&found),
+        newton_gpu::tests(&found),
+        newton_faults_gpu::tests(&found),
         several_gpu::tests(&found),
         slopes_gpu::tests(&found),
         strides_gpu::tests(&found),

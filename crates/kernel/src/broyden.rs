@@ -146,7 +146,7 @@ fn add<E: Lane<Element = E>>(to: &mut [E], list: &[E], times: E) {
 
 /// The sum of the products of an even number of numbers.
 #[inline(always)]
-fn dot<E: Lane<Element = E>>(a: &[E], b: &[E]) -> E {
+pub(super) fn dot<E: Lane<Element = E>>(a: &[E], b: &[E]) -> E {
     let mut sums = [E::splat(ZERO); 2];
     for (a, b) in a.chunks_exact(2).zip(b.chunks_exact(2)) {
         sums = [a[0].mul_add(b[0], sums[0]), a[1].mul_add(b[1], sums[1])];
@@ -155,13 +155,13 @@ fn dot<E: Lane<Element = E>>(a: &[E], b: &[E]) -> E {
 }
 
 #[inline(always)]
-fn less<E: Lane<Element = E>>(a: E, b: E) -> bool {
+pub(super) fn less<E: Lane<Element = E>>(a: E, b: E) -> bool {
     E::any(a.less(b))
 }
 
 /// Whether it is a number, and not beyond f32: as the shader tells it.
 #[inline(always)]
-fn finite<E: Lane<Element = E>>(value: E) -> bool {
+pub(super) fn finite<E: Lane<Element = E>>(value: E) -> bool {
     (value.lane(0) as f32).is_finite()
 }
 

@@ -30,6 +30,13 @@ constants! {
     FAR = 1e30;
     /// The longest stride towards a periodic state, in free amplitudes: what is farther off is another motion.
     FARTHEST = 0.1;
+    /// Periods that a stride of a search stands for: beyond so many it is Newton's step. They are multiplied by LONGER where the map's
+    /// change has not grown; with the change they grow, by no more than LONGEST.
+    NEWTON = 1e5;
+    LONGER = 2.0;
+    LONGEST = 10.0;
+    /// A step of Newton's leads nearer where the change has fallen by this factor at least.
+    GAINS = 1.05;
     /// Keeps 0/0 out: outside, at JKR's fold, in times of touch and of letting go; far below any root of an indentation.
     LEAST = 1e-30;
     /// Factor of Hertz's energy, (2/5) d^2.5.

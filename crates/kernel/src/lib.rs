@@ -26,6 +26,7 @@ mod flow;
 mod lane;
 mod lanes;
 mod law;
+pub mod newton;
 mod pair;
 mod run_sums;
 mod sample;

@@ -13,10 +13,11 @@
 //!
 //! What tells the slopes of kicks is made of the law's own files ([`derived`](super::derived)).
 
-use super::broyden::{ROUNDS, state_modes};
+use super::broyden::{self, state_modes};
 use super::constants;
 use super::contact::LawShader;
 use super::derived::derived;
+use super::newton;
 use super::sums::{GROUPS, How};
 use super::tangent::PARTIALS;
 use crate::Wants;
@@ -36,10 +37,12 @@ pub enum Entry {
     Carry,
     /// After a measured period of the instances that a search has under way, the stride of each.
     Stride,
+    /// The same after a period with its slope, by Newton's steps.
+    Walk,
 }
 
 impl Entry {
-    pub const ALL: [Self; 4] = [Self::Sweep, Self::Kicks, Self::Carry, Self::Stride];
+    pub const ALL: [Self; 5] = [Self::Sweep, Self::Kicks, Self::Carry, Self::Stride, Self::Walk];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -47,12 +50,18 @@ impl Entry {
             Self::Kicks => "kicks",
             Self::Carry => "carry",
             Self::Stride => "stride",
+            Self::Walk => "walk",
         }
     }
 
-    /// Whether it belongs to a period with its slope.
+    /// Whether it belongs to periods with their slopes.
     fn of_slopes(self) -> bool {
-        matches!(self, Self::Kicks | Self::Carry)
+        matches!(self, Self::Kicks | Self::Carry | Self::Walk)
+    }
+
+    /// Most rounds of a search that it is a part of; a run has one.
+    pub fn rounds(self) -> u32 {
+        if self.of_slopes() { newton::ROUNDS } else { broyden::ROUNDS }
     }
 }
 
@@ -96,6 +105,8 @@ const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
 const BEGIN: &str = include_str!("../../../shaders/observe/begin.wgsl");
 const STRIDE: &str = include_str!("../../../shaders/broyden/stride.wgsl");
+const SOLVE: &str = include_str!("../../../shaders/newton/solve.wgsl");
+const WALK: &str = include_str!("../../../shaders/newton/walk.wgsl");
 
 impl ShaderSpec {
     /// Bytes of a number.
@@ -119,9 +130,10 @@ impl ShaderSpec {
         match self.entry {
             Entry::Sweep if self.decay => vec![Uniform, Read, Read, Read, Read, Write, Write, Read, Read],
             Entry::Sweep => vec![Uniform, Read, Read, Read, Read, Write, Write, Read],
-            Entry::Kicks => vec![Uniform, Read, Read, Read, Read, Write, Write, Write],
-            Entry::Carry => vec![Uniform, Read, Read, Read, Read, Read, Write],
+            Entry::Kicks => vec![Uniform, Read, Read, Read, Read, Write, Write, Write, Read],
+            Entry::Carry => vec![Uniform, Read, Read, Read, Read, Read, Write, Read],
             Entry::Stride => vec![Uniform, Read, Write, Write, Write, Write, Write],
+            Entry::Walk => vec![Uniform, Read, Write, Write, Write, Read, Write, Write],
         }
     }
 
@@ -143,6 +155,7 @@ impl ShaderSpec {
         let law = self.law.fields.iter().map(|name| format!("law_{name}"));
         let more: &[&str] = match self.entry {
             Entry::Kicks => &["little"],
+            Entry::Walk => &["little", "scale", "near", "enough", "memory", "touching"],
             Entry::Stride => &["scale", "near", "sure", "still", "memory", "touching"],
             Entry::Sweep | Entry::Carry => &[],
         };
@@ -189,14 +202,17 @@ impl ShaderSpec {
         std::iter::once(PATH).chain(self.law.texts.iter().copied())
     }
 
+    /// The head and these files, which ask for no kicks.
+    fn lawless(&self, files: &[&str]) -> String {
+        files.iter().fold(self.head(), |text, file| text + &self.expanded(file))
+    }
+
     /// The whole shader.
     pub fn compose(&self) -> String {
         let files: &[&str] = match self.entry {
-            Entry::Carry => return self.head() + &self.expanded(JOB) + &self.expanded(CARRY),
-            Entry::Stride => {
-                let files = [JOB, NUMBER, BEGIN, STRIDE].map(|file| self.expanded(file));
-                return self.head() + &files.concat();
-            }
+            Entry::Carry => return self.lawless(&[JOB, CARRY]),
+            Entry::Stride => return self.lawless(&[JOB, NUMBER, BEGIN, STRIDE]),
+            Entry::Walk => return self.lawless(&[JOB, NUMBER, SOLVE, WALK]),
             Entry::Kicks => &[DUAL],
             Entry::Sweep => &[NUMBER],
         };
@@ -241,10 +257,11 @@ impl ShaderSpec {
         let _ = writeln!(head, "const EXPONENT: u32 = {:#x}u;", f32::INFINITY.to_bits());
         let _ = writeln!(head, "const MODES: u32 = {}u;", self.modes);
         let _ = writeln!(head, "const PARTIALS: u32 = {}u;", self.partials());
-        let numbers = 2 * state_modes(self.modes);
+        let walks = self.entry == Entry::Walk;
+        let numbers = 2 * if walks { self.modes } else { state_modes(self.modes) };
         let _ =
             writeln!(head, "const NUMBERS: u32 = {numbers}u;\nconst HALF_NUMBERS: u32 = {}u;", numbers / 2);
-        let _ = writeln!(head, "const ROUNDS: u32 = {ROUNDS}u;");
+        let _ = writeln!(head, "const ROUNDS: u32 = {}u;", self.entry.rounds());
         let tables =
             [("DRIVE_", self.drive_fields()), ("CASE_", self.case_fields()), ("", self.state_fields())];
         for (prefix, fields) in &tables {

@@ -7,8 +7,8 @@ use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::saved::Saved;
 use super::{
-    Arrivals, Busy, Ended, Engine, EngineError, Guesses, Outcome, Progress, ReturnMap, Slopes, broyden,
-    return_map, slopes, start, station, threads,
+    Arrivals, Busy, Ended, Engine, EngineError, Guesses, Outcome, Progress, ReturnMap, Searches, Seeks,
+    Slopes, broyden, newton, return_map, slopes, start, station, threads,
 };
 use crate::instrument::Place;
 use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
@@ -19,8 +19,8 @@ use rayon::prelude::*;
 /// Takes all threads that it is called on, see [`super::on_threads`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpu {
-    /// Rounds every product and every sum, as the shader does on a driver that is told to: the same bits on
-    /// any processor, at a third of the speed or less. Otherwise sums of products round once where the
+    /// Rounds every product and every sum, as the shader does on a driver that is told to, and searches as it does: the same bits
+    /// on any processor, at a third of the speed or less. Otherwise sums of products round once where the
     /// processor can; the bits are then the same for all its instruction sets that fuse.
     pub strict: bool,
 }
@@ -49,7 +49,8 @@ impl Engine for Cpu {
 
     fn kind(&self) -> String {
         let times = if Rounding::new(self.strict) == Rounding::STRICT { "twice" } else { "once" };
-        format!("cpu, products and sums round {times}")
+        let searches = if self.strict { ", searches as on devices" } else { "" };
+        format!("cpu, products and sums round {times}{searches}")
     }
 
     fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
@@ -92,6 +93,17 @@ impl Engine for Cpu {
     ) -> Result<Arrivals, EngineError> {
         let all = broyden::all(plan, guesses, Rounding::new(self.strict), progress)?;
         Ok(Arrivals { all, notes: Vec::new() })
+    }
+
+    /// As devices do it. Otherwise rounds side by side take fewer slopes, and differences where these cost less.
+    fn searches(&self) -> bool {
+        self.strict
+    }
+
+    fn newton(&self, plan: &Plan, seeks: &Seeks, progress: &Progress) -> Result<Searches, EngineError> {
+        let all: Vec<u32> = plan.instances().collect();
+        let all = newton::all(plan, &all, seeks, Rounding::new(self.strict), progress)?;
+        Ok(Searches { all, notes: Vec::new() })
     }
 
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {

@@ -13,6 +13,7 @@ pub mod gpu;
 mod instructions_agree;
 mod measure;
 mod member;
+mod newton;
 mod progress;
 mod reference;
 mod return_map;
@@ -29,6 +30,7 @@ pub use busy::Busy;
 pub use columns::{Columns, Wanted};
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
+pub use newton::{Searches, Seek, Seeks, Sought};
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use return_map::{ReturnMap, SlopeStart};
@@ -122,6 +124,21 @@ pub trait Engine: Send + Sync {
         progress: &Progress,
     ) -> Result<Arrivals, EngineError> {
         Cpu::default().broyden(plan, guesses, progress)
+    }
+
+    /// Whether it takes searches to their ends by itself, [`Engine::newton`].
+    fn searches(&self) -> bool {
+        false
+    }
+
+    /// Takes a search of each instance of the plan to its end by Newton's steps, in f64, from where the plan says: one period with
+    /// its slope after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an engine that
+    /// leaves rounds to those who ask for them.
+    ///
+    /// # Errors
+    /// What the engine says.
+    fn newton(&self, plan: &Plan, _seeks: &Seeks, _progress: &Progress) -> Result<Searches, EngineError> {
+        Ok(Searches::none(plan))
     }
 
     /// Runs the plan. A failed instance is data, not an error.

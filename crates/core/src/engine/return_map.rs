@@ -23,7 +23,7 @@ pub trait ReturnMap: Send + Sync {
     -> Vec<Option<Sloped>>;
 }
 
-/// An instance on its way through one measured period.
+/// An instance on its way through one period, measured or with its slope.
 #[derive(Debug)]
 pub(super) struct Passing<'a> {
     /// A number in the list of instances that the map was made for.
@@ -34,6 +34,20 @@ pub(super) struct Passing<'a> {
     pub touching: bool,
     /// Whether all numbers of the end are numbers.
     pub finite: bool,
+}
+
+impl Passing<'_> {
+    /// Where it begins.
+    fn place(&self) -> Place<'_> {
+        let (x, u) = self.state.split_at(self.state.len() / 2);
+        Place { x, u, touching: self.touching, unit: 1.0 }
+    }
+
+    /// Takes in where it is, in a lane of the rows.
+    fn put(&mut self, table: &Table, lane: usize, rows: &Buffers) {
+        let (x, u) = self.state.split_at_mut(self.state.len() / 2);
+        (self.touching, self.finite) = table.put(lane, (x, u), 1.0, rows);
+    }
 }
 
 /// Where the slope of a period is asked for.
@@ -87,18 +101,44 @@ impl Map {
                 if progress.stopped() {
                     return;
                 }
-                let place = |n: usize| {
-                    let (x, u) = passing[n].state.split_at(passing[n].state.len() / 2);
-                    Place { x, u, touching: passing[n].touching, unit: 1.0 }
-                };
-                table.gather(places, place, &mut rows);
+                table.gather(places, |n| passing[n].place(), &mut rows);
                 progress.timed(Busy::Steps, || table.measure(places, plan, &mut rows));
                 progress.timed(Busy::Algebra, || {
                     for (lane, (n, row)) in places.iter().enumerate() {
-                        let one = &mut passing[*n];
-                        let (x, u) = one.state.split_at_mut(one.state.len() / 2);
-                        (one.touching, one.finite) = table.put(lane, (x, u), 1.0, &rows);
+                        passing[*n].put(table, lane, &rows);
+                        let one = &passing[*n];
                         ended(one, &|| table.finished((lane, *row), one.finite, plan, &rows));
+                    }
+                });
+                progress.add(places.len() as u64 * table.steps());
+            }
+        }
+    }
+
+    /// Takes each of these through one period in f64 and tells its slope, of which about as much may be left out as the number
+    /// beside it says. `ended` is told where each one ends, and its slope, column by column. A run that was stopped leaves the
+    /// others where they are.
+    pub fn sloping(
+        &self,
+        (passing, least): (&mut [Passing], &[f64]),
+        room: &mut Room<f64>,
+        mut ended: impl FnMut(&Passing, Box<[f64]>),
+        progress: &Progress,
+    ) {
+        let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
+        for (table, own) in self.by_table(instances.iter().copied()) {
+            let mut rows = table.buffers(table.tangent.width);
+            for places in own.chunks(table.tangent.width) {
+                if progress.stopped() {
+                    return;
+                }
+                table.gather(places, |n| passing[n].place(), &mut rows);
+                let least: Vec<f64> = places.iter().map(|(n, _)| least[*n]).collect();
+                let slopes = progress.timed(Busy::Steps, || table.slopes(&least, (&mut rows, room)));
+                progress.timed(Busy::Algebra, || {
+                    for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
+                        passing[*n].put(table, lane, &rows);
+                        ended(&passing[*n], slope);
                     }
                 });
                 progress.add(places.len() as u64 * table.steps());

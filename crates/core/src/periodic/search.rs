@@ -101,7 +101,7 @@ where
     pub(super) known: Option<Spectrum>,
     pub(super) taken: Taken,
     /// Time, in periods, that the next stride stands for.
-    time: f64,
+    pub(super) time: f64,
     pub(super) stage: Stage<D>,
     pub(super) evaluations: u32,
     /// The same, but that a slope that the map has told counts as by differences: a search gives up as early with either.

@@ -1,7 +1,7 @@
 //! Searches of maps that tell their slopes, and how any search ends.
 
 use super::options::Options;
-use super::search::{Lost, Search, Stage, Taken, Verdict};
+use super::search::{Found, Lost, Search, Stage, Taken, Verdict};
 use super::size::{Memory, Size};
 use super::spectrum::{Spectrum, factors};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
@@ -9,10 +9,26 @@ use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 /// Where the map leads from a state, and its slope there.
 pub type WithSlope<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
 
+impl<D: Size> Found<D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    /// A fixed point with the map's slope there; none where a small push leaves it for good.
+    pub fn stable(state: OVector<f64, D>, slope: OMatrix<f64, D, D>) -> Option<Self> {
+        let spectrum = Spectrum::new(&slope, &factors(&slope, 1.0));
+        (spectrum.multiplier < 1.0).then_some(Self { state, slope, spectrum })
+    }
+}
+
 impl<D: Size> Search<D>
 where
     DefaultAllocator: Memory<D>,
 {
+    /// Time, in periods, that its next stride stands for: infinitely many where that is Newton's step.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
     /// The map tells its slope itself, which costs as much as so many columns of it by differences.
     pub fn by_tangents(&mut self, columns: usize) {
         self.options.tangent = Some(columns);

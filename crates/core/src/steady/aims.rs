@@ -47,6 +47,11 @@ pub(super) fn near(plan: &Plan) -> f64 {
     NEAR * plan.run.accuracy
 }
 
+/// The same where the map is rough.
+pub(super) fn enough(plan: &Plan) -> f64 {
+    ENOUGH * plan.run.accuracy
+}
+
 /// What may be left out of a period's slope: so small a share of the distance to 1 that the free lever's largest multiplier has.
 pub(super) fn least(plan: &Plan, instance: u32) -> f64 {
     LEFT_OUT * (1.0 - free_multiplier(plan, instance))
@@ -75,7 +80,7 @@ pub(super) fn options(plan: &Plan, instance: u32) -> (bool, Options) {
     let options = Options {
         scale: scale(plan, instance),
         tolerance: near(plan),
-        enough: ENOUGH * plan.run.accuracy,
+        enough: enough(plan),
         step,
         last_step,
         most: MOST,

@@ -1,7 +1,9 @@
 //! The period map of some instances, on whatever engine there is.
 
 use super::{Linear, PeriodicState};
-use crate::engine::{Busy, Engine, EngineError, Progress, ReturnMap, SlopeStart, Sloped, Slopes};
+use crate::engine::{
+    Busy, Engine, EngineError, Progress, ReturnMap, Searches, Seeks, SlopeStart, Sloped, Slopes, Sought,
+};
 use crate::kernel::{MODES_MAX, Room, flown, increments};
 use crate::periodic::{Memory, Size};
 use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, StartState, Station};
@@ -119,6 +121,24 @@ impl PeriodMap<'_> {
         let trial = self.trial(starts.iter().map(|start| (start.instance, start.station)), 1);
         let least: Vec<f64> = starts.iter().map(|start| start.least).collect();
         let Slopes { all, notes } = self.engine.slopes(&trial, &least, self.progress)?;
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(notes);
+        Ok(all)
+    }
+}
+
+impl PeriodMap<'_> {
+    /// Whether the engine has a way of its own to the ends of searches.
+    pub fn searches(&self) -> bool {
+        self.engine.searches()
+    }
+
+    /// What searches from `starts` (a number in the list of instances, and a place) come to by the engine's own way.
+    pub fn sought(
+        &self,
+        starts: impl Iterator<Item = (u32, Station)>,
+        seeks: &Seeks,
+    ) -> Result<Vec<Sought>, EngineError> {
+        let Searches { all, notes } = self.engine.newton(&self.trial(starts, 1), seeks, self.progress)?;
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(notes);
         Ok(all)
     }
@@ -309,20 +329,6 @@ where
         }
     }
     (slope, columns)
-}
-
-/// A period's slope as it is told, of as many modes as the instance has, among all numbers of a state; the others are at rest.
-pub(super) fn whole<D: Size + DimName>(slope: &[f64]) -> OMatrix<f64, D, D>
-where
-    DefaultAllocator: Memory<D>,
-{
-    let own = slope.len().isqrt();
-    let place = |n: usize| if n < own / 2 { n } else { D::DIM / 2 + n - own / 2 };
-    let mut all = OMatrix::<f64, D, D>::zeros();
-    for (n, value) in slope.iter().enumerate() {
-        all[(place(n % own), place(n / own))] = *value;
-    }
-    all
 }
 
 /// Travel and rate of each mode, one after the other.

@@ -18,6 +18,7 @@ mod map;
 mod measured;
 mod missed;
 mod node;
+mod one;
 mod search;
 mod setpoint;
 mod sizes;

@@ -1,15 +1,16 @@
 //! Many searches side by side: all that they ask for in one run.
 
-use super::aims::{least, options, tangent_columns};
-use super::begin::{Along, Begin, Left};
-use super::map::{PeriodMap, as_its_own, free_slope, station, vector, whole};
+use super::aims::{enough, least, near, scale, tangent_columns};
+use super::begin::{Begin, Left};
+use super::map::{PeriodMap, station, vector};
+use super::one::{One, widened};
 use super::sizes::{Sized, by_size, with_size};
 use super::{Linear, PeriodicState};
-use crate::engine::{Busy, Engine, EngineError, Progress, SlopeStart, Sloped};
+use crate::engine::{Busy, Engine, EngineError, Progress, Seek, Seeks, SlopeStart, Sloped};
 use crate::kernel::Room;
-use crate::periodic::{Found, Memory, Options, Search, Size, Verdict};
+use crate::periodic::{Found, Memory, Size, Verdict};
 use crate::plan::{Case, Plan, Station};
-use nalgebra::{DefaultAllocator, DimName, OVector};
+use nalgebra::{DefaultAllocator, DimName};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -131,22 +132,24 @@ impl Batch<'_> {
                 None => left.push((slot, 0, begin(slot))),
             }
         }
-        let lost = self.together(close, &mut done)?;
+        let lost = self.together(close, true, &mut done)?;
         left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
-        let mut waited = 0;
-        for &(warm, searches) in from.warm() {
+        let (mut waited, periods) = (0, plan.run.periods);
+        for (n, &(warm, searches)) in from.warm().iter().enumerate() {
             // Waiting would be cheaper.
-            if left.is_empty() || warm >= plan.run.periods {
+            if left.is_empty() || warm >= periods {
                 break;
             }
             left = self.on(left, warm)?;
             waited += warm;
             if searches {
-                let begun = |(slot, periods, place)| {
-                    let one = One::begin(plan, slot, instance(slot), place);
-                    Box::new(One { periods, ..one })
+                let begun = |(slot, stepped, place)| {
+                    let mut one = One::begin(plan, slot, instance(slot), place);
+                    one.periods = stepped;
+                    Box::new(one)
                 };
-                left = self.together(left.into_iter().map(begun).collect(), &mut done)?;
+                let last = !from.warm()[n + 1..].iter().any(|(warm, searches)| *searches && *warm < periods);
+                left = self.together(left.into_iter().map(begun).collect(), last, &mut done)?;
             }
         }
         self.map.ended(left.len());
@@ -166,8 +169,31 @@ impl Batch<'_> {
             .collect())
     }
 
-    /// Takes searches to their ends; those in vain come back.
+    /// Takes searches to their ends; those in vain come back. What an engine does not find by itself goes through rounds here where
+    /// no other search follows, `last`.
     fn together<D: Size + DimName>(
+        self,
+        all: Vec<Box<One<D>>>,
+        last: bool,
+        done: &mut Vec<End>,
+    ) -> Result<Vec<Seeking>, EngineError>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        if all.is_empty() || !self.map.searches() || matches!(self.from, Begin::Along(_)) {
+            return self.rounds(all, done);
+        }
+        let mut lost = Vec::new();
+        let left = self.by_newton(all, (done, &mut lost))?;
+        lost.extend(match last {
+            true => self.rounds(left, done)?,
+            false => left.into_iter().map(|one| (one.slot, one.stepped(), one.start)).collect(),
+        });
+        Ok(lost)
+    }
+
+    /// Round by round: all that they ask for, and what they make of it.
+    fn rounds<D: Size + DimName>(
         self,
         mut all: Vec<Box<One<D>>>,
         done: &mut Vec<End>,
@@ -224,6 +250,42 @@ impl Batch<'_> {
         Ok(lost)
     }
 
+    /// Searches as the engine does it as a whole; what it does not find comes back.
+    fn by_newton<D: Size + DimName>(
+        self,
+        all: Vec<Box<One<D>>>,
+        (done, lost): (&mut Vec<End>, &mut Vec<Seeking>),
+    ) -> Result<Vec<Box<One<D>>>, EngineError>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let plan = self.plan;
+        let seek = |one: &One<D>| {
+            let instance = self.instances[one.slot as usize];
+            Seek { scale: scale(plan, instance), time: one.search.time(), least: least(plan, instance) }
+        };
+        let seeks =
+            Seeks { near: near(plan), enough: enough(plan), all: all.iter().map(|one| seek(one)).collect() };
+        let starts = all.iter().map(|one| (one.slot, one.start));
+        let sought = self.map.sought(starts, &seeks)?;
+        let mut left = Vec::new();
+        for (mut one, sought) in all.into_iter().zip(sought) {
+            one.periods += sought.periods;
+            let Some(Sloped { end, slope }) = sought.found else {
+                left.push(one);
+                continue;
+            };
+            match Found::stable(vector(&end), widened(&slope)) {
+                Some(found) => {
+                    done.push(self.end(&one, &found));
+                    self.map.ended(1);
+                }
+                None => lost.push((one.slot, one.stepped(), one.start)),
+            }
+        }
+        Ok(left)
+    }
+
     fn end<D: Size + DimName>(self, one: &One<D>, found: &Found<D>) -> End
     where
         DefaultAllocator: Memory<D>,
@@ -240,108 +302,5 @@ impl Batch<'_> {
                 linear: Linear::Slope(found.slope.as_slice().into()),
             })),
         }
-    }
-}
-
-/// Of a state of so many numbers those of modes that the instance has, travels, then rates; none where it has them all.
-fn moving(plan: &Plan, instance: u32, numbers: usize) -> Option<Vec<usize>> {
-    let (modes, most) = (plan.driven(instance).kept.modes.len(), numbers / 2);
-    (modes < most).then(|| (0..modes).chain((most..).take(modes)).collect())
-}
-
-/// One instance's search.
-struct One<D: Size>
-where
-    DefaultAllocator: Memory<D>,
-{
-    /// Its number in the batch.
-    slot: u32,
-    /// Periods stepped before.
-    periods: u32,
-    /// Where it began; contact at a period's start stays as it was there.
-    start: Station,
-    /// Whether contact is a memory of the past, not what the indentation says.
-    remembers: bool,
-    search: Search<D>,
-}
-
-impl<D: Size + DimName> One<D>
-where
-    DefaultAllocator: Memory<D>,
-{
-    fn begin(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
-        let (remembers, options) = options(plan, instance);
-        let (slope, columns) = free_slope(plan, instance);
-        Self {
-            slot,
-            periods: 0,
-            start,
-            remembers,
-            search: Search::guided(vector(&start), slope, columns, options).among(moving(
-                plan,
-                instance,
-                D::DIM,
-            )),
-        }
-    }
-
-    /// From a state with other steps or another lever.
-    fn beside(plan: &Plan, slot: u32, instance: u32, place: &PeriodicState) -> Self {
-        let (remembers, options) = options(plan, instance);
-        let (start, slope) = as_its_own::<D>(plan, instance, place);
-        let search = Search::beside(vector(&start), slope, place.spectrum, options);
-        let search = search.among(moving(plan, instance, D::DIM));
-        Self { slot, periods: 0, start, remembers, search }
-    }
-
-    /// From a place that a curve leads to: the slope at the curve's last point, or else without a sample, will do on the
-    /// way; the state's own tells its stability.
-    fn along(plan: &Plan, slot: u32, instance: u32, last: Option<&PeriodicState>, along: &Along) -> Self {
-        let start = along.places[instance as usize];
-        let (remembers, options) = options(plan, instance);
-        let moving = moving(plan, instance, D::DIM);
-        let lightly = along.lightly.get(instance as usize).copied().unwrap_or(false);
-        let options = Options {
-            near: true,
-            carried: last.is_some(),
-            most: along.most.0 + along.most.1 * moving.as_ref().map_or(D::DIM, Vec::len) as u32,
-            last_step: options.last_step.filter(|_| !lightly),
-            stable: !lightly,
-            ..options
-        };
-        let search = match last {
-            Some(last) => {
-                let slope = as_its_own::<D>(plan, instance, last).1;
-                Search::guided(vector(&start), slope, (0..D::DIM).collect(), options)
-            }
-            None => Search::new(vector(&start), options),
-        };
-        let search = search.among(moving);
-        Self { slot, periods: 0, start, remembers, search }
-    }
-
-    /// From a place that is thought to be next to a state, of whose slope nothing is known.
-    fn next_to(plan: &Plan, slot: u32, instance: u32, start: Station) -> Self {
-        let (remembers, options) = options(plan, instance);
-        let search = Search::new(vector(&start), Options { near: true, ..options });
-        let search = search.among(moving(plan, instance, D::DIM));
-        Self { slot, periods: 0, start, remembers, search }
-    }
-
-    /// Periods stepped for the instance.
-    fn stepped(&self) -> u32 {
-        self.periods + self.search.evaluations()
-    }
-
-    /// Takes the map's answer with its slope.
-    fn answer_sloped(&mut self, sloped: Option<Sloped>) {
-        let answer = sloped.and_then(|Sloped { end, slope }| Some((self.useful(end)?, whole(&slope))));
-        self.search.answer_sloped(answer);
-    }
-
-    /// The map's answer, if it is one: numbers, and the same contact as before.
-    fn useful(&self, end: Station) -> Option<OVector<f64, D>> {
-        let good = end.finite && (!self.remembers || end.touching == self.start.touching);
-        good.then(|| vector(&end))
     }
 }

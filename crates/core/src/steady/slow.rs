@@ -4,7 +4,8 @@ use super::Settled;
 use super::aims;
 use super::begin::Begin;
 use super::found::found;
-use super::map::{PeriodMap, station, vector, whole};
+use super::map::{PeriodMap, station, vector};
+use super::one::widened;
 use super::sizes::{Sized, by_size, with_size};
 use crate::engine::{Busy, Cpu, Engine, EngineError, Progress, SlopeStart, Sloped};
 use crate::kernel::Room;
@@ -165,6 +166,6 @@ impl Batch<'_> {
         if !end.finite || remembers && end.touching != self.from[slot as usize].place.touching {
             return None;
         }
-        Some((vector(end), whole(slope)))
+        Some((vector(end), widened(slope)))
     }
 }

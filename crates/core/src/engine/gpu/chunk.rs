@@ -7,7 +7,7 @@ use super::{Drill, Failure};
 use crate::engine::Progress;
 use crate::engine::cpu::decays;
 use crate::engine::saved::Saved;
-use crate::kernel::ShaderSpec;
+use crate::kernel::{Entry, ShaderSpec};
 use crate::plan::{Class, Plan};
 use std::time::{Duration, Instant};
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
@@ -62,7 +62,7 @@ impl<'a> Chunk<'a> {
         }
         let read = BufferUsages::STORAGE;
         let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let going: Vec<u32> = pack::going(tables.instances.len() as u32).collect();
+        let going: Vec<u32> = pack::going(Entry::Sweep, tables.instances.len() as u32).collect();
         let (name, uniform) = ("job", BufferUsages::UNIFORM | BufferUsages::COPY_DST);
         Ok(Self {
             job: session.empty(name, size_of::<Job>() as u64, uniform)?,

@@ -1,11 +1,13 @@
 //! The GPU engine: one thread of a compute shader takes one instance through the run, on one device or on several.
 
 mod adapter;
+mod capacity;
 mod chunk;
 mod deal;
 mod dealer;
 mod device;
 mod errand;
+mod newton;
 mod pace;
 mod pack;
 mod piece;
@@ -20,12 +22,12 @@ pub use adapter::{AdapterReport, adapters, alike};
 pub use session::Job;
 
 use super::cpu;
-use super::{Arrivals, Arrived, Engine, EngineError, Guesses, Outcome, Progress, Slopes};
-use crate::kernel::broyden::state_modes;
+use super::{Arrivals, Arrived, Engine, EngineError, Guesses, Outcome, Progress, Searches, Seeks, Slopes};
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
 use dealer::Dealer;
 use device::Device;
+use newton::Walks;
 use piece::{Cut, Piece};
 use runs::Runs;
 use session::Session;
@@ -33,7 +35,6 @@ use slopes::Periods;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
-use stride_tables::stride_spec;
 use strides::{Strides, Ways};
 use thiserror::Error;
 
@@ -123,9 +124,6 @@ impl Drill {
     }
 }
 
-/// Most bytes of slopes that are read back at once.
-const SLOPE_BYTES: u64 = 256 << 20;
-
 /// GPUs of one kind, or a driver that plays one. Of several each run is cut by how fast they have been, and whoever is free
 /// takes the next piece; no result hangs on which of them took it.
 pub struct Gpu {
@@ -181,42 +179,6 @@ impl Gpu {
     /// How fast each device is taken to be beside the others until they have shown it.
     pub fn suppose(&self, speeds: &[f64]) {
         self.dealer.suppose(speeds);
-    }
-
-    /// Most bytes of a binding.
-    fn binding(&self) -> u64 {
-        let bytes = |report: &AdapterReport| report.binding_bytes.min(report.buffer_bytes);
-        self.reports().map(bytes).min().unwrap_or(0)
-    }
-
-    /// Most instances of a class that a device takes at a time, of which the largest table has so many bytes each.
-    fn at_most(&self, bytes: u64) -> usize {
-        // Threads are numbered with 32 bits, workgroups up to the device's limit in two dimensions.
-        let most = (self.binding() / bytes).min(1 << 24) as usize;
-        self.chunk.map_or(most, |chunk| chunk.min(most)).max(1)
-    }
-
-    fn capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = pack::spec(plan, class);
-        self.at_most(spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64)
-    }
-
-    /// The same of periods with their slopes.
-    fn slope_capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = pack::slope_spec(plan, class);
-        let (columns, fields) = ((2 * spec.modes).pow(2), spec.state_fields().len());
-        // Kicks of two steps at the least.
-        let bytes = spec.bytes() * columns.max(fields).max(2 * spec.partials()) as u64;
-        self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
-    }
-
-    /// The same of searches.
-    fn stride_capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = stride_spec(plan, class);
-        let size = (2 * state_modes(spec.modes)).pow(2);
-        let fields = spec.state_fields().len().max(spec.case_fields().len());
-        let bytes = spec.bytes() * size.max(fields) as u64;
-        self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
     }
 
     /// The plan's classes in pieces, and those that never reach the sample.
@@ -334,6 +296,22 @@ impl Engine for Gpu {
         notes.extend(Deal::new(self, &errand, progress).all(pieces, &mut ways)?);
         (guesses.places, guesses.undoes) = (ways.places, ways.undoes);
         Ok(Arrivals { all: ways.arrived, notes })
+    }
+
+    fn searches(&self) -> bool {
+        true
+    }
+
+    fn newton(&self, plan: &Plan, seeks: &Seeks, progress: &Progress) -> Result<Searches, EngineError> {
+        let mut searches = Searches::none(plan);
+        searches.notes = self.open(Precision::F64)?;
+        let _entered = self.dealer.enter();
+        let least = seeks.all.iter().map(|one| one.least).collect();
+        let errand = Walks { plan, seeks, least, binding: self.binding() };
+        let (_, pieces) = self.pieces(plan, |class| self.walk_capacity(plan, class));
+        let notes = Deal::new(self, &errand, progress).all(pieces, &mut searches.all)?;
+        searches.notes.extend(notes);
+        Ok(searches)
     }
 
     fn double(&self) -> bool {

@@ -4,7 +4,6 @@ use crate::engine::member::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::saved::Saved;
 use crate::engine::slopes::begun;
 use crate::engine::start;
-use crate::kernel::broyden::ROUNDS;
 use crate::kernel::{
     Entry, HARMONICS, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers,
 };
@@ -68,8 +67,8 @@ pub(super) struct Tables {
 
 /// How many instances are under way in each round of a search and after the last; then which these are. A run has one round, and
 /// all of them.
-pub(super) fn going(count: u32) -> impl Iterator<Item = u32> {
-    let counts = std::iter::once(count).chain(std::iter::repeat_n(0, ROUNDS as usize));
+pub(super) fn going(entry: Entry, count: u32) -> impl Iterator<Item = u32> {
+    let counts = std::iter::once(count).chain(std::iter::repeat_n(0, entry.rounds() as usize));
     counts.chain(0..count)
 }
 
@@ -170,6 +169,8 @@ pub(super) struct SlopeTables {
     pub cases: Numbers,
     pub drive_of: Vec<u32>,
     pub states: Numbers,
+    /// How many instances are under way in each round and after the last; then these, in two lists that take turns.
+    pub going: Vec<u32>,
     /// [`powers`] of each drive's lever.
     pub flows: Numbers,
 }
@@ -185,8 +186,13 @@ impl SlopeTables {
     }
 }
 
-/// The tables for a period with its slope from where the plan says; `least` is by instance of the plan.
-pub(super) fn slope_tables(plan: &Plan, class: &Class, least: &[f64]) -> SlopeTables {
+/// The tables for a period with its slope from where the plan says; `least` is by instance of the plan. What is told of an instance
+/// stands beside its other constants.
+pub(super) fn slope_tables(
+    plan: &Plan,
+    class: &Class,
+    (least, told): (&[f64], impl Fn(u32) -> Vec<f64> + Sync),
+) -> SlopeTables {
     let spec = slope_spec(plan, class);
     let driven = Driven::new(plan, &class.instances);
     let levers: Vec<Lever> = driven.first_of.iter().map(|one| lever(*one, spec.modes)).collect();
@@ -196,12 +202,13 @@ pub(super) fn slope_tables(plan: &Plan, class: &Class, least: &[f64]) -> SlopeTa
             &levers[driven.drive_of[i] as usize].motion[LANDS.start * spec.modes..LANDS.end * spec.modes];
         let lands = lands.iter().map(|value| rounded(*value));
         let little = little(lands, class.steps as usize, least[instance as usize]);
-        let case = gap_and_law(driven.members[i]).chain([little]).collect();
+        let case = gap_and_law(driven.members[i]).chain([little]).chain(told(instance)).collect();
         (case, slope_state(&spec, &begun(plan, instance)))
     };
     let columns: Vec<(Vec<f64>, Vec<f64>)> =
         (class.instances.par_iter().enumerate()).map(|(i, instance)| of(i, *instance)).collect();
     let flows: Vec<Vec<f64>> = levers.iter().map(|lever| flows(&spec, lever, class.steps)).collect();
+    let count = class.instances.len() as u32;
     SlopeTables {
         steps: class.steps,
         drives: driven.drives.len() as u32,
@@ -209,6 +216,7 @@ pub(super) fn slope_tables(plan: &Plan, class: &Class, least: &[f64]) -> SlopeTa
         drive_table: driven.table(&spec, Start::Steady),
         cases: Numbers::new(spec.double, transposed(&columns, |column| &column.0)),
         states: Numbers::new(spec.double, transposed(&columns, |column| &column.1)),
+        going: going(spec.entry, count).chain(0..count).collect(),
         flows: Numbers::new(spec.double, transposed(&flows, |row| row)),
         drive_of: driven.drive_of,
         spec,

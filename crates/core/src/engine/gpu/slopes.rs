@@ -42,7 +42,7 @@ impl Errand for Periods<'_> {
     }
 
     fn tables(&self, piece: &Piece) -> SlopeTables {
-        pack::slope_tables(self.plan, &piece.class, self.least)
+        pack::slope_tables(self.plan, &piece.class, (self.least, |_| Vec::new()))
     }
 
     fn on(
@@ -52,7 +52,7 @@ impl Errand for Periods<'_> {
         (piece, tables): (&mut Piece, &SlopeTables),
         progress: &Progress,
     ) -> Result<Option<Left>, Failure> {
-        let longest = self.longest(&piece.class);
+        let longest = longest(self.plan, &piece.class, self.binding);
         SlopeChunk::new(session, drill, tables, longest)?.run(&mut piece.pace, progress)
     }
 
@@ -88,39 +88,38 @@ impl Errand for Periods<'_> {
     }
 }
 
-impl Periods<'_> {
-    /// Most steps of a dispatch that the room for its kicks allows.
-    fn longest(&self, class: &Class) -> u32 {
-        let spec = pack::slope_spec(self.plan, class);
-        let kick = spec.bytes() * spec.partials() as u64 * class.instances.len() as u64;
-        // One more than steps: the last of the dispatch before is decided on by the first.
-        let kicks = PARTIAL_BYTES.min(self.binding) / kick;
-        (kicks.saturating_sub(1).max(1)).min(u64::from(class.steps)) as u32
-    }
+/// Most steps of a dispatch that the room for its kicks allows, where a binding has so many bytes at most.
+pub(super) fn longest(plan: &Plan, class: &Class, binding: u64) -> u32 {
+    let spec = pack::slope_spec(plan, class);
+    let kick = spec.bytes() * spec.partials() as u64 * class.instances.len() as u64;
+    // One more than steps: the last of the dispatch before is decided on by the first.
+    let kicks = PARTIAL_BYTES.min(binding) / kick;
+    (kicks.saturating_sub(1).max(1)).min(u64::from(class.steps)) as u32
 }
 
 /// A piece on a device.
-struct SlopeChunk<'a> {
-    session: &'a Session,
-    drill: &'a Drill,
+pub(super) struct SlopeChunk<'a> {
+    pub session: &'a Session,
+    pub drill: &'a Drill,
     tables: &'a SlopeTables,
     /// Most steps of a dispatch.
-    longest: u32,
+    pub longest: u32,
     /// Of each part.
     jobs: [Buffer; 2],
     waves: Buffer,
     drives: Buffer,
-    cases: Buffer,
+    pub cases: Buffer,
     drive_of: Buffer,
-    states: Buffer,
-    marks: Buffer,
+    pub states: Buffer,
+    pub marks: Buffer,
+    pub going: Buffer,
     partials: Buffer,
     flows: Buffer,
-    columns: Buffer,
+    pub columns: Buffer,
 }
 
 impl<'a> SlopeChunk<'a> {
-    fn new(
+    pub fn new(
         session: &'a Session,
         drill: &'a Drill,
         tables: &'a SlopeTables,
@@ -146,6 +145,7 @@ impl<'a> SlopeChunk<'a> {
             states: session.buffer("states", tables.states.bytes(), write)?,
             // Of zeros, as every new one.
             marks: session.empty("marks", 4 * (3 + kicks) * count, write)?,
+            going: session.buffer("going", bytemuck::cast_slice(&tables.going), write)?,
             partials: session.empty(
                 "partials",
                 kicks * spec.partials() as u64 * count * spec.bytes(),
@@ -170,7 +170,7 @@ impl<'a> SlopeChunk<'a> {
                 return Ok(None);
             }
             let count = pace.steps(steps, at, self.longest).min(u64::from(steps - at));
-            let submitted = self.dispatch(at, count as u32)?;
+            let submitted = self.dispatch(0, at, count as u32)?;
             at += count as u32;
             // One dispatch runs while the next is prepared.
             if let Some((before, count)) = pending.replace((submitted, count)) {
@@ -184,12 +184,17 @@ impl<'a> SlopeChunk<'a> {
         Ok(Some(left))
     }
 
-    /// So many steps, and what they make of the columns.
-    fn dispatch(&self, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
+    /// What one dispatch does of a round.
+    pub fn job(&self, round: u32, first: u32, count: u32) -> Job {
+        let (instances, drives, steps) = (self.tables.count(), self.tables.drives, self.tables.steps);
+        Job { instances, drives, steps, first, count, width: 0, round }
+    }
+
+    /// So many steps of all that are under way, and what they make of the columns.
+    pub fn dispatch(&self, round: u32, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
         self.drill.strike(self.session);
         let Self { jobs: [kicks, carry], tables, session, .. } = self;
-        let (instances, drives, steps) = (tables.count(), tables.drives, tables.steps);
-        let job = Job { instances, drives, steps, first, count, width: 0, round: 0 };
+        let (job, instances) = (self.job(round, first, count), tables.count());
         let buffers = [
             kicks,
             &self.waves,
@@ -199,10 +204,19 @@ impl<'a> SlopeChunk<'a> {
             &self.states,
             &self.marks,
             &self.partials,
+            &self.going,
         ];
         session.dispatch(tables.spec, job, instances, &buffers)?;
-        let buffers =
-            [carry, &self.drives, &self.drive_of, &self.flows, &self.marks, &self.partials, &self.columns];
+        let buffers = [
+            carry,
+            &self.drives,
+            &self.drive_of,
+            &self.flows,
+            &self.marks,
+            &self.partials,
+            &self.columns,
+            &self.going,
+        ];
         let spec = ShaderSpec { entry: Entry::Carry, ..tables.spec };
         session.dispatch(spec, job, 2 * spec.modes as u32 * instances, &buffers)
     }

@@ -6,7 +6,7 @@ use crate::engine::member::gap_and_law;
 use crate::engine::saved::Saved;
 use crate::engine::station::{half_step, still};
 use crate::engine::{Guessed, Guesses};
-use crate::kernel::broyden::{Phase, ROUNDS};
+use crate::kernel::broyden::Phase;
 use crate::kernel::{Entry, LENGTH, MODES_MAX, RunSums, ShaderSpec};
 use crate::plan::{Class, Plan};
 use crate::scene::Start;
@@ -37,19 +37,20 @@ impl StrideTables {
     pub fn count(&self) -> u32 {
         self.drive_of.len() as u32
     }
+}
 
-    /// What became of an instance that did so many steps, and its periods.
-    pub fn end(&self, done: u32, phase: u32) -> Result<(Phase, u32), Failure> {
-        let phase = [Phase::On, Phase::Found, Phase::Lost].into_iter().find(|one| *one as u32 == phase);
-        let periods = done / self.steps;
-        // Who is under way to the last has done all of its periods.
-        let least = if phase == Some(Phase::On) { ROUNDS } else { 1 };
-        match phase {
-            Some(phase) if done.is_multiple_of(self.steps) && (least..=ROUNDS).contains(&periods) => {
-                Ok((phase, periods))
-            }
-            _ => Err(Failure::Steps { done, expected: least * self.steps }),
+/// What became of an instance of a search that did so many steps, of which a period has as many as is said first and which has
+/// so many rounds at most; and its periods.
+pub(super) fn end((steps, rounds): (u32, u32), done: u32, phase: u32) -> Result<(Phase, u32), Failure> {
+    let phase = [Phase::On, Phase::Found, Phase::Lost].into_iter().find(|one| *one as u32 == phase);
+    let periods = done / steps;
+    // Who is under way to the last has done all of its periods.
+    let least = if phase == Some(Phase::On) { rounds } else { 1 };
+    match phase {
+        Some(phase) if done.is_multiple_of(steps) && (least..=rounds).contains(&periods) => {
+            Ok((phase, periods))
         }
+        _ => Err(Failure::Steps { done, expected: least * steps }),
     }
 }
 
@@ -88,7 +89,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> St
         drive_table: driven.table(&spec, Start::Steady),
         cases: table(0),
         states: table(1),
-        going: going(count).chain(0..count).collect(),
+        going: going(spec.entry, count).chain(0..count).collect(),
         places: table(2),
         undoes: table(3),
         drives: driven.drives.len() as u32,

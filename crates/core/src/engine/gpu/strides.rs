@@ -6,7 +6,7 @@ use super::pace::Pace;
 use super::pack::{self, Numbers};
 use super::piece::Piece;
 use super::session::{Job, Later, Session};
-use super::stride_tables::{StrideTables, stride_tables};
+use super::stride_tables::{StrideTables, end, stride_tables};
 use super::{Drill, Failure};
 use crate::engine::measure::{Sums, finish};
 use crate::engine::member::member;
@@ -252,7 +252,7 @@ impl<'a> StrideChunk<'a> {
         ];
         let bytes = self.session.read(&wanted)?;
         let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
-        let ends = (0..count).map(|i| tables.end(marks[i], marks[2 * count + i]));
+        let ends = (0..count).map(|i| end((tables.steps, ROUNDS), marks[i], marks[2 * count + i]));
         Ok(Left {
             ends: ends.collect::<Result<_, _>>()?,
             saved: pack::saved(&tables.spec, &Numbers::read(double, &bytes[0]), &marks[..2 * count]),

@@ -1,0 +1,223 @@
+//! Searches by Newton's steps on devices: a period with its slope of all that are under way, a stride of each, and so on. The host
+//! hears how many are left, and at the end where all are.
+
+use super::errand::Errand;
+use super::pace::Pace;
+use super::pack::{self, Numbers, SlopeTables};
+use super::piece::Piece;
+use super::session::{Later, Session};
+use super::slopes::{SlopeChunk, longest};
+use super::stride_tables::end;
+use super::{Drill, Failure};
+use crate::engine::newton::{all, state};
+use crate::engine::slopes::{begun, kept};
+use crate::engine::{EngineError, Progress, Seeks, Sloped, Sought};
+use crate::kernel::broyden::Phase;
+use crate::kernel::newton::{ROUNDS, Walk};
+use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};
+use crate::plan::{Class, Plan};
+use rayon::prelude::*;
+use std::time::Instant;
+use wgpu::{Buffer, BufferUsages, SubmissionIndex};
+
+/// Numbers of a walk beside place and stride.
+pub(super) const WALK: usize = 3;
+
+/// Searches of a plan's instances.
+pub(super) struct Walks<'a> {
+    /// In f64, of one period from where it says.
+    pub plan: &'a Plan,
+    pub seeks: &'a Seeks,
+    /// By instance, about as much as may be left out of slopes.
+    pub least: Vec<f64>,
+    /// Most bytes of a binding.
+    pub binding: u64,
+}
+
+/// What a piece of a class needs on the device.
+pub(super) struct WalkTables {
+    slopes: SlopeTables,
+    /// Places, strides, and how each is on its way.
+    walks: Numbers,
+}
+
+/// What a device leaves of a piece: places and columns by field.
+pub(super) struct Left {
+    walks: Numbers,
+    columns: Numbers,
+    /// Of each instance what became of it, and its periods.
+    ends: Vec<(Phase, u32)>,
+}
+
+impl Errand for Walks<'_> {
+    type Tables = WalkTables;
+    type Done = Left;
+    type Out = Vec<Sought>;
+
+    fn plan(&self) -> &Plan {
+        self.plan
+    }
+
+    fn tables(&self, piece: &Piece) -> WalkTables {
+        let told = |instance: u32| {
+            let (aim, start) = (self.seeks.aim(instance), begun(self.plan, instance));
+            let memory = self.plan.law(instance).has_memory();
+            let [memory, touching] = [memory, start.touching].map(|is| f64::from(u8::from(is)));
+            vec![aim.scale, aim.near, aim.enough, memory, touching]
+        };
+        let slopes = pack::slope_tables(self.plan, &piece.class, (&self.least, told));
+        let (modes, double) = (slopes.spec.modes, slopes.spec.double);
+        let walk = |instance: &u32| {
+            let start = begun(self.plan, *instance);
+            let place = start.x[..modes].iter().chain(&start.u[..modes]).map(|number| number / LENGTH);
+            let Walk { change, time, tries } = Walk::new(self.seeks.all[*instance as usize].time);
+            place.chain(std::iter::repeat_n(0.0, 2 * modes)).chain([change, time, tries]).collect()
+        };
+        let walks: Vec<Vec<f64>> = piece.class.instances.iter().map(walk).collect();
+        WalkTables { walks: Numbers::new(double, pack::transposed(&walks, |walk| walk)), slopes }
+    }
+
+    fn on(
+        &self,
+        session: &Session,
+        drill: &Drill,
+        (piece, tables): (&mut Piece, &WalkTables),
+        progress: &Progress,
+    ) -> Result<Option<Left>, Failure> {
+        let longest = longest(self.plan, &piece.class, self.binding);
+        let chunk = SlopeChunk::new(session, drill, &tables.slopes, longest)?;
+        WalkChunk::new(chunk, tables)?.run(&mut piece.pace, progress)
+    }
+
+    fn finish(&self, class: &Class, left: Left, out: &mut Vec<Sought>) {
+        let (count, numbers) = (class.instances.len(), 2 * class.modes);
+        let one = |(i, instance): (usize, &u32)| {
+            let (phase, periods) = left.ends[i];
+            let found = (phase == Phase::Found).then(|| Sloped {
+                end: state(&begun(self.plan, *instance), numbers, |row| left.walks.get(row * count + i)),
+                slope: kept((class.modes, class.modes), |row, column| {
+                    left.columns.get((row * numbers + column) * count + i)
+                }),
+            });
+            Sought { phase, periods, found }
+        };
+        let told: Vec<Sought> = class.instances.par_iter().enumerate().map(one).collect();
+        class.instances.iter().zip(told).for_each(|(instance, one)| out[*instance as usize] = one);
+    }
+
+    fn on_the_cpu(
+        &self,
+        piece: &Piece,
+        rounding: Rounding,
+        progress: &Progress,
+        out: &mut Vec<Sought>,
+    ) -> Result<(), EngineError> {
+        let instances = &piece.class.instances;
+        let told = all(self.plan, instances, self.seeks, rounding, progress)?;
+        instances.iter().zip(told).for_each(|(instance, one)| out[*instance as usize] = one);
+        Ok(())
+    }
+}
+
+/// A piece on a device.
+struct WalkChunk<'a> {
+    periods: SlopeChunk<'a>,
+    tables: &'a WalkTables,
+    job: Buffer,
+    walks: Buffer,
+    factors: Buffer,
+}
+
+impl<'a> WalkChunk<'a> {
+    fn new(periods: SlopeChunk<'a>, tables: &'a WalkTables) -> Result<Self, Failure> {
+        let session = periods.session;
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        Ok(Self {
+            job: session.empty("job", size_of::<super::Job>() as u64, uniform)?,
+            walks: session.buffer("walks", tables.walks.bytes(), write)?,
+            factors: session.empty("factors", tables.slopes.column_bytes(), BufferUsages::STORAGE)?,
+            periods,
+            tables,
+        })
+    }
+
+    /// Rounds until none is under way. While a round is enqueued the one before it runs, and how many that one leaves is not
+    /// known: at most one round is enqueued in vain, and its threads end at once.
+    fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
+        let (steps, session) = (self.tables.slopes.steps, self.periods.session);
+        let mut pending: Option<(SubmissionIndex, u64)> = None;
+        let mut left: Option<Later> = None;
+        for round in 0..ROUNDS {
+            let mut clock = Instant::now();
+            let mut at = 0;
+            while at < steps {
+                if progress.stopped() {
+                    return Ok(None);
+                }
+                let count = pace.steps(steps, at, self.periods.longest).min(u64::from(steps - at));
+                let submitted = self.periods.dispatch(round, at, count as u32)?;
+                at += count as u32;
+                // One dispatch runs while the next is prepared.
+                if let Some((before, count)) = pending.replace((submitted, count)) {
+                    session.wait(Some(before))?;
+                    pace.took(count, clock.elapsed());
+                    clock = Instant::now();
+                }
+            }
+            self.walk(round)?;
+            let next = session.later(&self.periods.going, 4 * u64::from(round + 1), 4)?;
+            // By now the round before has been waited for.
+            if let Some(before) = left.replace(next)
+                && bytemuck::pod_collect_to_vec::<u8, u32>(&session.now(&before)?) == [0]
+            {
+                break;
+            }
+        }
+        let left = self.left()?;
+        let periods: u64 = left.ends.iter().map(|(_, periods)| u64::from(*periods)).sum();
+        // One period of each was foreseen with the plan.
+        progress.foresee(u64::from(steps) * (periods - left.ends.len() as u64));
+        progress.add(u64::from(steps) * periods);
+        Ok(Some(left))
+    }
+
+    /// A stride of each of them.
+    fn walk(&self, round: u32) -> Result<SubmissionIndex, Failure> {
+        let Self { periods, tables, .. } = self;
+        periods.drill.strike(periods.session);
+        let buffers = [
+            &self.job,
+            &periods.cases,
+            &periods.going,
+            &periods.states,
+            &periods.marks,
+            &periods.columns,
+            &self.walks,
+            &self.factors,
+        ];
+        let spec = ShaderSpec { entry: Entry::Walk, ..tables.slopes.spec };
+        let job = periods.job(round, 0, 2 * spec.modes as u32);
+        periods.session.dispatch(spec, job, tables.slopes.count(), &buffers)
+    }
+
+    /// Waits, reads what is left, and checks that each instance did its steps.
+    fn left(&self) -> Result<Left, Failure> {
+        let slopes = &self.tables.slopes;
+        let count = slopes.count() as usize;
+        let walks = self.tables.walks.bytes().len() as u64;
+        let wanted = [
+            (&self.periods.marks, 12 * count as u64),
+            (&self.walks, walks),
+            (&self.periods.columns, slopes.column_bytes()),
+        ];
+        let bytes = self.periods.session.read(&wanted)?;
+        let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[0]);
+        let ends = (0..count).map(|i| end((slopes.steps, ROUNDS), marks[i], marks[2 * count + i]));
+        Ok(Left {
+            ends: ends.collect::<Result<_, _>>()?,
+            walks: Numbers::read(slopes.spec.double, &bytes[1]),
+            columns: Numbers::read(slopes.spec.double, &bytes[2]),
+        })
+    }
+}
