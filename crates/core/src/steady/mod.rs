@@ -19,6 +19,7 @@ mod measured;
 mod missed;
 mod node;
 mod one;
+mod own;
 mod search;
 mod setpoint;
 mod sizes;
@@ -244,8 +245,10 @@ pub fn again(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Settled, EngineError> {
+    let searches = plan.run.steady == Steady::Search && plan.ensemble.curves.is_none();
     match plan.has_setpoints() {
         true => setpoint::again(plan, near, engine, progress),
+        false if searches && !near.is_empty() => own::run(plan, near, engine, progress),
         false => run(plan, near, engine, progress),
     }
 }

@@ -50,6 +50,23 @@ impl Node {
         })
     }
 
+    /// Of an instance's own state in another run, as others never see it; none where nothing is known of the map's slope there.
+    pub(super) fn own(plan: &Plan, instance: u32, state: &PeriodicState) -> Option<Self> {
+        let undoes = state.linear.undoes().filter(|_| state.searched())?;
+        Some(Self {
+            state: own_vector(&state.station, undoes.len().isqrt() / 2),
+            undoes,
+            multiplier: state.spectrum.multiplier,
+            touching: state.station.touching,
+            drawn: false,
+            contacts: f64::NAN,
+            law: plan.law(instance),
+            steps: state.steps,
+            kept: Arc::clone(&state.kept),
+            drive: Arc::clone(&plan.driven(instance).drive),
+        })
+    }
+
     /// Whether both move alike: under one law, in the same contact, as often.
     pub fn moves_as(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
