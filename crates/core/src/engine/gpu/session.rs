@@ -5,6 +5,7 @@ use super::{Failure, GpuError, strict};
 use crate::kernel::{Binding, ShaderSpec, WORKGROUP};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
     BufferUsages, ComputePipeline, DeviceDescriptor, Features, MapMode, PassthroughShaderEntryPoint,
@@ -58,6 +59,10 @@ pub struct Job {
     pub round: u32,
 }
 
+/// How often the word of a lost device is asked for where a driver refuses, and how long it is waited for each time.
+const WORDS: u32 = 50;
+const WORD: Duration = Duration::from_millis(2);
+
 /// Keeps the first thing that went wrong, since what follows is its echo; but a lost device explains all.
 fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
     if let Ok(mut slot) = trouble.lock()
@@ -108,9 +113,17 @@ impl Session {
 
     /// What `failure` came from: the word of a lost device may come after its first consequences.
     pub fn cause(&self, failure: Failure) -> Failure {
-        // Only its callbacks matter here.
-        let _ = self.device.poll(PollType::Poll);
-        self.check().err().unwrap_or(failure)
+        let mut cause = failure;
+        for _ in 0..WORDS {
+            // Only its callbacks matter here.
+            let _ = self.device.poll(PollType::Poll);
+            cause = self.check().err().unwrap_or(cause);
+            if !matches!(cause, Failure::Refused(_)) {
+                break;
+            }
+            std::thread::sleep(WORD);
+        }
+        cause
     }
 
     /// What went wrong so far.
