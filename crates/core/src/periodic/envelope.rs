@@ -6,9 +6,7 @@
 //! Rosenbrock-Euler method (Hochbruck & Ostermann, Acta Numerica 19 (2010) 209) for a difference equation. What turns or
 //! fades fast costs nothing, however long the slow motion lasts.
 
-use super::size::{Memory, Size};
-use super::told::WithSlope;
-use nalgebra::{DefaultAllocator, OMatrix, OVector, U1};
+use nalgebra::{DMatrix, DVector};
 
 /// A stride's end may be off by so large a share of the stride ...
 const SHARE: f64 = 0.15;
@@ -48,47 +46,38 @@ pub struct Slowly {
 
 /// A stride on its way: where it ends, and what the map moves that by if it is linear.
 #[derive(Clone, Debug)]
-struct Stride<D: Size>
-where
-    DefaultAllocator: Memory<D>,
-{
+struct Stride {
     doublings: u32,
-    step: OVector<f64, D>,
-    predicted: OVector<f64, D>,
+    step: DVector<f64>,
+    predicted: DVector<f64>,
     /// What becomes of a steady push over so many periods.
-    sum: OMatrix<f64, D, D>,
+    sum: DMatrix<f64>,
     /// Whether so many periods leave next to nothing of any deviation.
     fades: bool,
 }
 
 /// A motion that is followed.
 #[derive(Clone, Debug)]
-pub struct Envelope<D: Size>
-where
-    DefaultAllocator: Memory<D>,
-{
+pub struct Envelope {
     told: Slowly,
-    state: OVector<f64, D>,
+    state: DVector<f64>,
     /// By how much the map moves it, and the map's slope there.
-    change: OVector<f64, D>,
-    slope: OMatrix<f64, D, D>,
-    stride: Option<Stride<D>>,
+    change: DVector<f64>,
+    slope: DMatrix<f64>,
+    stride: Option<Stride>,
     came: Option<Came>,
     evaluations: u32,
     periods: u64,
 }
 
-impl<D: Size> Envelope<D>
-where
-    DefaultAllocator: Memory<D>,
-{
+impl Envelope {
     /// From `state` on.
-    pub fn new(state: OVector<f64, D>, told: Slowly) -> Self {
-        let size = state.shape_generic().0;
+    pub fn new(state: DVector<f64>, told: Slowly) -> Self {
+        let size = state.len();
         Self {
             told,
-            change: OVector::zeros_generic(size, U1),
-            slope: OMatrix::zeros_generic(size, size),
+            change: DVector::zeros(size),
+            slope: DMatrix::zeros(size, size),
             state,
             stride: None,
             came: None,
@@ -98,7 +87,7 @@ where
     }
 
     /// Where it wants to know the map and its slope next.
-    pub fn asks(&self) -> OVector<f64, D> {
+    pub fn asks(&self) -> DVector<f64> {
         match &self.stride {
             Some(stride) => &self.state + &stride.step,
             None => self.state.clone(),
@@ -106,7 +95,7 @@ where
     }
 
     /// Where it has come to.
-    pub fn place(&self) -> &OVector<f64, D> {
+    pub fn place(&self) -> &DVector<f64> {
         &self.state
     }
 
@@ -126,7 +115,7 @@ where
     }
 
     /// Takes the map's answer where it [`asks`](Self::asks), and its slope there; none where it has no answer of use.
-    pub fn answer(&mut self, answer: Option<WithSlope<D>>) {
+    pub fn answer(&mut self, answer: Option<(DVector<f64>, DMatrix<f64>)>) {
         self.evaluations += 1;
         let stride = self.stride.take();
         let doublings = match (stride, answer) {
@@ -149,12 +138,7 @@ where
     }
 
     /// After a stride: how many doublings the next one may have.
-    fn arrived(
-        &mut self,
-        stride: Stride<D>,
-        value: &OVector<f64, D>,
-        slope: OMatrix<f64, D, D>,
-    ) -> Option<u32> {
+    fn arrived(&mut self, stride: Stride, value: &DVector<f64>, slope: DMatrix<f64>) -> Option<u32> {
         let Stride { doublings, step, predicted, sum, fades } = stride;
         let end = &self.state + &step;
         let change = value - &end;
@@ -178,10 +162,10 @@ where
     }
 
     /// From where it is, of so many doublings, or of fewer where it would be too long.
-    fn stride(&self, doublings: u32) -> Stride<D> {
+    fn stride(&self, doublings: u32) -> Stride {
         let longest = LONGEST * self.told.scale;
-        let size = self.state.shape_generic().0;
-        let (mut sum, mut power) = (OMatrix::identity_generic(size, size), self.slope.clone());
+        let size = self.state.len();
+        let (mut sum, mut power) = (DMatrix::identity(size, size), self.slope.clone());
         let (mut step, mut done) = (self.change.clone(), 0);
         while done < doublings.min(LARGEST) {
             let longer = &sum + &power * &sum;
@@ -204,7 +188,6 @@ fn shorter(times: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{DMatrix, DVector, Dyn};
 
     fn vector(numbers: &[f64]) -> DVector<f64> {
         DVector::from_column_slice(numbers)
@@ -240,7 +223,7 @@ mod tests {
         DMatrix::from_columns(&columns)
     }
 
-    fn followed(map: Map, from: DVector<f64>, most: u32) -> Envelope<Dyn> {
+    fn followed(map: Map, from: DVector<f64>, most: u32) -> Envelope {
         let mut envelope = Envelope::new(from, Slowly { scale: 1.0, pace: (2.0 / LOSS) as u32, most });
         while envelope.came().is_none() {
             let at = envelope.asks();

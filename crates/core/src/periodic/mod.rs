@@ -20,4 +20,3 @@ pub use options::Options;
 pub use search::{Found, Lost, Search, Verdict};
 pub use size::{Memory, Size};
 pub use spectrum::Spectrum;
-pub use told::WithSlope;

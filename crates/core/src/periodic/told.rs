@@ -7,7 +7,7 @@ use super::spectrum::{Spectrum, factors};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
 /// Where the map leads from a state, and its slope there.
-pub type WithSlope<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
+type WithSlope<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
 
 impl<D: Size> Found<D>
 where

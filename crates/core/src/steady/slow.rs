@@ -4,14 +4,12 @@ use super::Settled;
 use super::aims;
 use super::begin::Begin;
 use super::found::found;
-use super::map::{PeriodMap, station, vector};
-use super::one::widened;
-use super::sizes::{Sized, by_size, with_size};
+use super::map::{PeriodMap, own_vector};
 use crate::engine::{Busy, Cpu, Engine, EngineError, Progress, SlopeStart, Sloped};
 use crate::kernel::Room;
-use crate::periodic::{Came, Envelope, Memory, Size, Slowly, WithSlope};
+use crate::periodic::{Came, Envelope, Slowly};
 use crate::plan::{Plan, Station};
-use nalgebra::{DefaultAllocator, DimName};
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Paces of fewer periods are no longer than following takes.
@@ -52,27 +50,23 @@ pub(super) fn run(
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     let part = plan.part(&from.iter().map(|one| one.instance).collect::<Vec<u32>>());
-    let mut places: Vec<Option<Station>> = vec![None; from.len()];
+    let all: Vec<u32> = part.instances().collect();
+    let map = PeriodMap::new(&part, &all, double, progress)?;
     let mut taken = vec![0; from.len()];
-    for (count, group) in by_size(&part, &part.instances().collect::<Vec<u32>>()) {
-        let map = PeriodMap::new(&part, &group, double, progress)?;
-        if !map.tells_slopes() {
-            continue;
-        }
-        let begin: Vec<&Slow> = group.iter().map(|i| &from[*i as usize]).collect();
-        let parts = map.spread(|slots| {
-            let batch = Batch { instances: &group, from: &begin, map: &map };
-            with_size(count, Part { batch, slots })
-        });
-        for part in parts {
-            for end in part? {
-                let i = end.instance as usize;
-                settled.periods[from[i].instance as usize] += end.evaluations;
-                (taken[i], places[i]) = (end.evaluations, end.place);
-            }
-        }
-        settled.outcome.notes.extend(map.notes());
+    if !map.tells_slopes() {
+        return Ok(taken);
     }
+    let mut places: Vec<Option<Station>> = vec![None; from.len()];
+    for some in map.spread(|slots| followed(&map, from, slots)) {
+        for (slot, envelope) in some? {
+            let (i, one) = (slot as usize, &from[slot as usize]);
+            taken[i] = envelope.evaluations();
+            settled.periods[one.instance as usize] += taken[i];
+            let rests = envelope.came() == Some(Came::ToRest);
+            places[i] = rests.then(|| station(envelope.place(), one.place.touching));
+        }
+    }
+    settled.outcome.notes.extend(map.notes());
     let rested = || (0..).zip(&places).filter_map(|(i, place)| Some((i, (*place)?)));
     let (resting, places): (Vec<u32>, Vec<Station>) = rested().unzip();
     let part = part.part(&resting);
@@ -83,89 +77,51 @@ pub(super) fn run(
     Ok(taken)
 }
 
-/// Where one came to.
-struct End {
-    instance: u32,
-    evaluations: u32,
-    /// None where it did not come to rest.
-    place: Option<Station>,
-}
-
-/// Instances with as many modes each, known here by their number in the list.
-#[derive(Clone, Copy)]
-struct Batch<'a> {
-    instances: &'a [u32],
-    from: &'a [&'a Slow],
-    map: &'a PeriodMap<'a>,
-}
-
-/// Some of them.
-struct Part<'a> {
-    batch: Batch<'a>,
-    slots: Range<u32>,
-}
-
-impl Sized for Part<'_> {
-    type Output = Result<Vec<End>, EngineError>;
-
-    fn run<D: Size + DimName>(self) -> Self::Output
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        self.batch.run::<D>(self.slots)
-    }
-}
-
-impl Batch<'_> {
-    fn run<D: Size + DimName>(self, slots: Range<u32>) -> Result<Vec<End>, EngineError>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        let Self { instances, from, map } = self;
-        let begin = |slot: u32| {
-            let instance = instances[slot as usize];
-            let Slow { place, pace, most, .. } = *from[slot as usize];
-            let told = Slowly { scale: aims::scale(map.plan, instance), pace, most };
-            (slot, Box::new(Envelope::<D>::new(vector(&place), told)))
+/// Takes some of these to where they come, each with its number among them.
+fn followed(map: &PeriodMap, from: &[Slow], slots: Range<u32>) -> Result<Vec<(u32, Envelope)>, EngineError> {
+    let begin = |slot: u32| {
+        let Slow { place, pace, most, .. } = from[slot as usize];
+        let modes = map.plan.driven(slot).kept.modes.len();
+        let told = Slowly { scale: aims::scale(map.plan, slot), pace, most };
+        (slot, Envelope::new(DVector::from_column_slice(&own_vector(&place, modes)), told))
+    };
+    let mut all: Vec<(u32, Envelope)> = slots.map(begin).collect();
+    let mut room = Room::default();
+    loop {
+        let mut open: Vec<_> = all.iter_mut().filter(|(_, one)| one.came().is_none()).collect();
+        if open.is_empty() || map.progress.stopped() {
+            break;
+        }
+        let touching = |slot: u32| from[slot as usize].place.touching;
+        let start = |(slot, one): &&mut (u32, Envelope)| SlopeStart {
+            instance: *slot,
+            station: station(&one.asks(), touching(*slot)),
+            least: 0.0,
         };
-        let mut all: Vec<(u32, Box<Envelope<D>>)> = slots.map(begin).collect();
-        let (mut done, mut room, mut starts) = (Vec::with_capacity(all.len()), Room::default(), Vec::new());
-        while !all.is_empty() && !map.progress.stopped() {
-            starts.clear();
-            starts.extend(all.iter().map(|(slot, one)| SlopeStart {
-                instance: *slot,
-                station: station::<D>(&one.asks(), from[*slot as usize].place.touching),
-                least: 0.0,
-            }));
-            let sloped = map.sloped(&starts, &mut room)?;
-            map.progress.timed(Busy::Algebra, || {
-                for ((slot, one), end) in all.iter_mut().zip(sloped) {
-                    one.answer(end.and_then(|end| self.useful::<D>(*slot, &end)));
-                }
-            });
-            all.retain(|(slot, one)| {
-                let Some(came) = one.came() else { return true };
-                let touching = from[*slot as usize].place.touching;
-                done.push(End {
-                    instance: instances[*slot as usize],
-                    evaluations: one.evaluations(),
-                    place: (came == Came::ToRest).then(|| station::<D>(one.place(), touching)),
-                });
-                false
-            });
-        }
-        Ok(done)
+        let starts: Vec<SlopeStart> = open.iter().map(start).collect();
+        let sloped = map.sloped(&starts, &mut room)?;
+        map.progress.timed(Busy::Algebra, || {
+            for ((slot, one), end) in open.iter_mut().zip(sloped) {
+                // An answer is of use where it is numbers, in the same contact as before.
+                let remembers = map.plan.law(*slot).has_memory();
+                let same = |end: &Station| !remembers || end.touching == touching(*slot);
+                let useful = end.filter(|sloped| sloped.end.finite && same(&sloped.end));
+                one.answer(useful.map(|Sloped { end, slope }| {
+                    let numbers = slope.len().isqrt();
+                    let state = DVector::from_column_slice(&own_vector(&end, numbers / 2));
+                    (state, DMatrix::from_column_slice(numbers, numbers, &slope))
+                }));
+            }
+        });
     }
+    Ok(all)
+}
 
-    /// An answer, if it is one: numbers, and the same contact as before.
-    fn useful<D: Size + DimName>(&self, slot: u32, Sloped { end, slope }: &Sloped) -> Option<WithSlope<D>>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        let remembers = self.map.plan.law(self.instances[slot as usize]).has_memory();
-        if !end.finite || remembers && end.touching != self.from[slot as usize].place.touching {
-            return None;
-        }
-        Some((vector(end), widened(slope)))
-    }
+/// Where the kept modes have these travels, then rates.
+fn station(numbers: &DVector<f64>, touching: bool) -> Station {
+    let (x, u) = numbers.as_slice().split_at(numbers.len() / 2);
+    let mut station = Station { touching, ..Station::FREE };
+    station.x[..x.len()].copy_from_slice(x);
+    station.u[..u.len()].copy_from_slice(u);
+    station
 }
