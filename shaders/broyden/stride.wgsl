@@ -1,47 +1,10 @@
 // After a period of the instances under way: one thread takes in where one of them was led to, and puts it down where its next
 // period begins, if there is one. Twin: crates/kernel/src/broyden.rs
-// A state's numbers, NUMBERS, are counted up to `job.count`, which says the same: where loops have constant bounds, drivers write
-// out each of their turns, and compile a second for what takes microseconds.
 
-// Constants of each instance: [field][instance].
-@group(0) @binding(1) var<storage, read> cases: array<real>;
-// How many instances are under way in each round and after the last; then which these are, in two lists that take turns.
-@group(0) @binding(2) var<storage, read_write> going: array<atomic<u32>>;
-// Where each instance is, and what it has measured: [field][instance].
-@group(0) @binding(3) var<storage, read_write> states: array<real>;
-// Steps done, whether the state stopped being a number, and what has become of it: [3][instance].
-@group(0) @binding(4) var<storage, read_write> marks: array<u32>;
 // Where each period began, travels and then rates; then likewise the stride that led there: [number][instance].
 @group(0) @binding(5) var<storage, read_write> places: array<real>;
 // What undoes a change: [column][number][instance].
 @group(0) @binding(6) var<storage, read_write> undoes: array<real>;
-
-// What becomes of an instance.
-const ON: u32 = 0u;
-const FOUND: u32 = 1u;
-const LOST: u32 = 2u;
-
-alias Numbers = array<real, NUMBERS>;
-
-// Where a number of the matrix is, or a row of it begins.
-fn entry(column: u32, number: u32, i: u32) -> u32 {
-    return at(column * NUMBERS + number, i);
-}
-
-fn product(a: ptr<function, Numbers>, b: ptr<function, Numbers>) -> real {
-    var even = ZERO;
-    var odd = ZERO;
-    var k = 0u;
-    loop {
-        if k >= job.count {
-            break;
-        }
-        even = (*a)[k] * (*b)[k] + even;
-        odd = (*a)[k + 1u] * (*b)[k + 1u] + odd;
-        k += 2u;
-    }
-    return even + odd;
-}
 
 // The sum of the squares of the whole matrix.
 fn squares(i: u32) -> real {
@@ -230,9 +193,7 @@ fn stride(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     }
     marks[at(2u, i)] = phase;
     if phase == ON {
-        // Which place it gets hangs on the threads; what becomes of it does not.
-        let place = atomicAdd(&going[job.round + 1u], 1u);
-        atomicStore(&going[listed(job.round + 1u, place)], i);
+        goes_on(i);
         begin(i);
     }
 }

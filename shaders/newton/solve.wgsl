@@ -1,31 +1,8 @@
 // Linear equations of an instance, by Gauss' elimination with pivots. Twin: crates/kernel/src/newton.rs
-// Numbers of a state are counted up to `job.count`, which says NUMBERS: see broyden/stride.wgsl.
-
-alias Numbers = array<real, NUMBERS>;
-
-// Where a number of the matrix is, or a row of it begins.
-fn entry(column: u32, row: u32, i: u32) -> u32 {
-    return at(column * NUMBERS + row, i);
-}
 
 // A number of the slope; its columns are as crates/kernel/src/tangent.rs's twin leaves them.
 fn slope_at(column: u32, row: u32, i: u32) -> real {
     return columns[at(row * NUMBERS + column, i)];
-}
-
-fn product(a: ptr<function, Numbers>, b: ptr<function, Numbers>) -> real {
-    var even = ZERO;
-    var odd = ZERO;
-    var k = 0u;
-    loop {
-        if k >= job.count {
-            break;
-        }
-        even = (*a)[k] * (*b)[k] + even;
-        odd = (*a)[k + 1u] * (*b)[k + 1u] + odd;
-        k += 2u;
-    }
-    return even + odd;
 }
 
 // The root of the sum of the squares of the whole slope.

@@ -1,14 +1,6 @@
 // After a period with its slope of the instances under way: one thread takes in where one of them was led to, and puts it down
 // where its next period begins, if there is one. Twin: crates/kernel/src/newton.rs
 
-// Constants of each instance: [field][instance].
-@group(0) @binding(1) var<storage, read> cases: array<real>;
-// How many instances are under way in each round and after the last; then which these are, in two lists that take turns.
-@group(0) @binding(2) var<storage, read_write> going: array<atomic<u32>>;
-// Where each instance is: [field][instance].
-@group(0) @binding(3) var<storage, read_write> states: array<real>;
-// Steps done, steps since the last kick written down, and what has become of it: [3][instance]. Others follow.
-@group(0) @binding(4) var<storage, read_write> marks: array<u32>;
 // The slope's columns: [number][column][instance].
 @group(0) @binding(5) var<storage, read> columns: array<real>;
 // The place taken last, travels and then rates, and likewise the stride to where the period began: [number][instance]. Then the
@@ -16,11 +8,6 @@
 @group(0) @binding(6) var<storage, read_write> walks: array<real>;
 // Room for a matrix: [column][row][instance].
 @group(0) @binding(7) var<storage, read_write> factors: array<real>;
-
-// What becomes of an instance.
-const ON: u32 = 0u;
-const FOUND: u32 = 1u;
-const LOST: u32 = 2u;
 
 // Where the numbers of a walk are.
 const STRIDE: u32 = NUMBERS;
@@ -207,9 +194,7 @@ fn walk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let phase = arrive(i);
     marks[at(2u, i)] = phase;
     if phase == ON {
-        // Which place it gets hangs on the threads; what becomes of it does not.
-        let place = atomicAdd(&going[job.round + 1u], 1u);
-        atomicStore(&going[listed(job.round + 1u, place)], i);
+        goes_on(i);
         begin(i);
     }
 }

@@ -37,20 +37,12 @@ pub fn held() -> (Plan, Seeks) {
 /// A plan whose instances begin where they are after some periods, and searches from there: of every third instance the first
 /// stride is Newton's.
 pub fn begun_in(plan: &Plan, warm: u32) -> (Plan, Seeks) {
-    let all: Vec<u32> = plan.instances().collect();
-    let first = plan.instances().map(|i| {
-        let touching = plan.case(i).contact.next_contact(-plan.case(i).gap, false);
-        StartState::from(Station { touching, ..Station::FREE })
-    });
-    let warm = plan.trial(&all, warm, 1).starting_at(first.collect());
-    let ends = Cpu { strict: true }.run(&warm, &Progress::default()).expect("the plan can be run").ends;
-    let places = ends.into_iter().map(|end| StartState::from(*end.expect("each was stepped")));
-    let seek = |i: &u32| {
+    let seek = |i: u32| {
         let time = if i.is_multiple_of(3) { f64::INFINITY } else { 20.0 };
-        Seek { scale: plan.driven(*i).free_amplitude(), time, least: 1e-6 }
+        Seek { scale: plan.driven(i).free_amplitude(), time, least: 1e-6 }
     };
-    let seeks = Seeks { near: 1e-6, enough: 1e-4, all: all.iter().map(seek).collect() };
-    (plan.trial(&all, 1, 1).starting_at(places.collect()), seeks)
+    let seeks = Seeks { near: 1e-6, enough: 1e-4, all: plan.instances().map(seek).collect() };
+    (shader::from_there(plan, &shader::after(plan, warm)), seeks)
 }
 
 pub fn sought(engine: &dyn Engine, (plan, seeks): &(Plan, Seeks)) -> Searches {

@@ -25,15 +25,7 @@ fn begun(law: &str, modes: usize, precision: Precision) -> Plan {
     let steps = if modes > 4 { 512 } else { 128 };
     // Those as well that never reach the sample.
     let plan = checks::plan_in(&scene(law, "steady", modes, steps, 20), None, precision).stepping_all(steps);
-    let all: Vec<u32> = plan.instances().collect();
-    let first = plan.instances().map(|i| {
-        let touching = plan.case(i).contact.next_contact(-plan.case(i).gap, false);
-        StartState::from(Station { touching, ..Station::FREE })
-    });
-    let warm = plan.trial(&all, WARM, 1).starting_at(first.collect());
-    let ends = Cpu { strict: true }.run(&warm, &Progress::default()).expect("the plan can be run").ends;
-    let places = ends.into_iter().map(|end| StartState::from(*end.expect("each was stepped")));
-    plan.trial(&all, 1, 1).starting_at(places.collect())
+    shader::from_there(&plan, &shader::after(&plan, WARM))
 }
 
 fn told(engine: &dyn Engine, plan: &Plan, least: f64) -> Slopes {

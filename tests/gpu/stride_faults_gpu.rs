@@ -19,7 +19,7 @@ const FAULTS: &[Fault] = &[
         text.replace("odd = second * (*taken)[k + 1u] + odd;", "even = second * (*taken)[k + 1u] + even;")
     }),
     ("dmt", "the matrix's rows taken for its columns", |text| {
-        text.replace("at(column * NUMBERS + number, i)", "at(number * NUMBERS + column, i)")
+        text.replace("at(column * NUMBERS + row, i)", "at(row * NUMBERS + column, i)")
     }),
     ("dmt", "no correction of the matrix", |text| text.replace("        correct(i, &undone, &along);", "")),
     ("jkr", "a stride by the matrix before its correction", |text| {

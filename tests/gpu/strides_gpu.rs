@@ -23,17 +23,11 @@ pub fn guessed(law: &str, modes: usize, warm: u32) -> (Plan, Guesses) {
     let steps = if modes > 4 { 512 } else { 128 };
     let plan = checks::plan_in(&scene(law, "steady", modes, steps, 20), None, Precision::F64);
     let plan = plan.stepping_all(steps);
-    let all: Vec<u32> = plan.instances().collect();
-    let first = plan.instances().map(|i| {
-        let touching = plan.case(i).contact.next_contact(-plan.case(i).gap, false);
-        StartState::from(Station { touching, ..Station::FREE })
-    });
-    let (cpu, progress) = (Cpu { strict: true }, Progress::default());
-    let warm = plan.trial(&all, warm, 1).starting_at(first.collect());
-    let ends = cpu.run(&warm, &progress).expect("the plan can be run").ends;
-    let places: Vec<Station> = ends.into_iter().map(|end| *end.expect("each was stepped")).collect();
-    let once = plan.trial(&all, 1, 1).starting_at(places.iter().copied().map(StartState::from).collect());
-    let slopes = cpu.slopes(&once, &vec![0.0; all.len()], &progress).expect("slopes are told").all;
+    let places = shader::after(&plan, warm);
+    let once = shader::from_there(&plan, &places);
+    let least = vec![0.0; plan.len()];
+    let slopes =
+        Cpu { strict: true }.slopes(&once, &least, &Progress::default()).expect("slopes are told").all;
     let padded = state_modes(modes);
     let mut guesses = Guesses::new(2 * padded, 1e-6, 3e-5);
     for (i, (place, slope)) in places.iter().zip(slopes).enumerate() {

@@ -2,7 +2,7 @@
 //! the inverse of one minus the map's slope, and after each stride H is corrected by what the map has shown of itself (Broyden,
 //! Math. Comp. 19 (1965) 577; of the inverse by Sherman and Morrison).
 //!
-//! Twin: shaders/broyden/stride.wgsl. One instance, on no heap, every operation rounds and sums have one order, so that both
+//! Twin: shaders/search.wgsl and broyden/stride.wgsl. One instance, on no heap, every operation rounds and sums have one order, so that both
 //! give the same bits; sums along a column go by its even and its odd numbers, which a processor adds up side by side.
 
 use super::constants::{FARTHEST, ONE, ZERO};

@@ -3,7 +3,7 @@
 
 macro_rules! constants {
     ($($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
-        $($(#[$doc])* pub(crate) const $name: f64 = $value;)*
+        $($(#[$doc])* pub const $name: f64 = $value;)*
         /// Name and value of each.
         pub(crate) const ALL: &[(&str, f64)] = &[$((stringify!($name), $name)),*];
     };
@@ -30,10 +30,11 @@ constants! {
     FAR = 1e30;
     /// The longest stride towards a periodic state, in free amplitudes: what is farther off is another motion.
     FARTHEST = 0.1;
-    /// Periods that a stride of a search stands for: beyond so many it is Newton's step. They are multiplied by LONGER where the map's
-    /// change has not grown; with the change they grow, by no more than LONGEST.
+    /// Beyond so many periods a stride of a search stands for infinitely many: it is Newton's step.
     NEWTON = 1e5;
+    /// By so much a stride's periods grow where the map's change has not; where it falls they grow by as much more as it does ...
     LONGER = 2.0;
+    /// ... but by no more than this.
     LONGEST = 10.0;
     /// A step of Newton's leads nearer where the change has fallen by this factor at least.
     GAINS = 1.05;

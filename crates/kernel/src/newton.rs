@@ -3,13 +3,12 @@
 //! map's change falls (pseudo-transient continuation, Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508). A stride that leads no
 //! nearer is shortened.
 //!
-//! Twin: shaders/newton/walk.wgsl and solve.wgsl. One instance, on no heap, every operation rounds and sums have one order, so
+//! Twin: shaders/search.wgsl, newton/walk.wgsl and solve.wgsl. One instance, on no heap, every operation rounds and sums have one order, so
 //! that both give the same bits.
 
 use super::broyden::{Arrival, Phase, dot, finite, less};
-use super::constants::{
-    FAR, FARTHEST, FIVE, FOUR, GAINS, HALF, LEAST, LONGER, LONGEST, NEWTON, ONE, QUARTER, ZERO,
-};
+use super::constants::{FAR, FIVE, FOUR, HALF, LEAST, ONE, QUARTER, ZERO};
+pub use super::constants::{FARTHEST, GAINS, LONGER, LONGEST, NEWTON};
 use super::{Lane, MODES_MAX};
 
 /// Most periods of a map, each with its slope, before the way to a state is given up.

@@ -104,6 +104,7 @@ const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
 const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
 const BEGIN: &str = include_str!("../../../shaders/observe/begin.wgsl");
+const SEARCH: &str = include_str!("../../../shaders/search.wgsl");
 const STRIDE: &str = include_str!("../../../shaders/broyden/stride.wgsl");
 const SOLVE: &str = include_str!("../../../shaders/newton/solve.wgsl");
 const WALK: &str = include_str!("../../../shaders/newton/walk.wgsl");
@@ -211,8 +212,8 @@ impl ShaderSpec {
     pub fn compose(&self) -> String {
         let files: &[&str] = match self.entry {
             Entry::Carry => return self.lawless(&[JOB, CARRY]),
-            Entry::Stride => return self.lawless(&[JOB, NUMBER, BEGIN, STRIDE]),
-            Entry::Walk => return self.lawless(&[JOB, NUMBER, SOLVE, WALK]),
+            Entry::Stride => return self.lawless(&[JOB, NUMBER, SEARCH, BEGIN, STRIDE]),
+            Entry::Walk => return self.lawless(&[JOB, NUMBER, SEARCH, SOLVE, WALK]),
             Entry::Kicks => &[DUAL],
             Entry::Sweep => &[NUMBER],
         };
@@ -386,8 +387,7 @@ mod tests {
     #[test]
     fn a_misspelt_directive_does_not_remove_lines_in_silence() {
         let law = Law::Hertz.shader();
-        let wants = Wants::FUNDAMENTAL;
-        let entry = Entry::Sweep;
+        let (wants, entry) = (Wants::FUNDAMENTAL, Entry::Sweep);
         let spec = ShaderSpec { entry, law, modes: 2, wants, measured: true, decay: false, double: false };
         assert_eq!(spec.expand("a\n//% if measured\nb\n//% end\n"), "a\nb\n");
         assert_eq!(spec.expand("a\n//% if decay\nb\n//% end\n"), "a\n");

@@ -3,6 +3,7 @@
 use super::options::Options;
 use super::size::{Memory, Size};
 use super::spectrum::{Spectrum, factors};
+use crate::kernel::newton::{FARTHEST, GAINS, LONGER, LONGEST, NEWTON};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector, U1};
 
 /// A fixed point.
@@ -37,19 +38,11 @@ where
     Lost(Lost),
 }
 
-/// Longest stride, in units of the scale.
-const STRIDE: f64 = 0.1;
-/// Time that the first stride stands for, periods, and what it is multiplied by where the map's change has not grown;
-/// with the change it falls, by no more than the last.
+/// Time that the first stride stands for, periods.
 const FIRST: f64 = 20.0;
-const LONGER: f64 = 2.0;
-const LONGEST: f64 = 10.0;
 
 /// Where the change has fallen by less, the slope is taken anew.
 const CARRIED: f64 = 3.0;
-/// Beyond so many periods a stride is Newton's step.
-const NEWTON: f64 = 1e5;
-
 #[derive(Clone, Debug)]
 pub(super) enum Stage<D: Size>
 where
@@ -306,7 +299,7 @@ where
                 None => return stuck,
             }
         }
-        let (length, longest) = (step.norm(), STRIDE * self.options.scale);
+        let (length, longest) = (step.norm(), FARTHEST * self.options.scale);
         if length > longest {
             step *= longest / length;
         }
@@ -325,7 +318,7 @@ where
             let change = value - &state;
             let gain = self.change.norm() / change.norm().max(f64::MIN_POSITIVE);
             // Early strides may climb a little, as the flow does.
-            let least = if self.time < NEWTON { 0.5 } else { 1.05 };
+            let least = if self.time < NEWTON { 0.5 } else { GAINS };
             if gain >= least {
                 // Broyden's update of the slope minus one.
                 let predicted = &self.slope * &step - &step;

@@ -11,6 +11,7 @@ mod newton;
 mod pace;
 mod pack;
 mod piece;
+mod rounds;
 mod runs;
 mod session;
 mod slopes;

@@ -5,7 +5,8 @@ use super::errand::Errand;
 use super::pace::Pace;
 use super::pack::{self, Numbers, SlopeTables};
 use super::piece::Piece;
-use super::session::{Later, Session};
+use super::rounds::{Dispatches, Search};
+use super::session::Session;
 use super::slopes::{SlopeChunk, longest};
 use super::stride_tables::end;
 use super::{Drill, Failure};
@@ -17,7 +18,6 @@ use crate::kernel::newton::{ROUNDS, Walk};
 use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};
 use crate::plan::{Class, Plan};
 use rayon::prelude::*;
-use std::time::Instant;
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
 /// Numbers of a walk beside place and stride.
@@ -142,37 +142,11 @@ impl<'a> WalkChunk<'a> {
         })
     }
 
-    /// Rounds until none is under way. While a round is enqueued the one before it runs, and how many that one leaves is not
-    /// known: at most one round is enqueued in vain, and its threads end at once.
     fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
-        let (steps, session) = (self.tables.slopes.steps, self.periods.session);
-        let mut pending: Option<(SubmissionIndex, u64)> = None;
-        let mut left: Option<Later> = None;
-        for round in 0..ROUNDS {
-            let mut clock = Instant::now();
-            let mut at = 0;
-            while at < steps {
-                if progress.stopped() {
-                    return Ok(None);
-                }
-                let count = pace.steps(steps, at, self.periods.longest).min(u64::from(steps - at));
-                let submitted = self.periods.dispatch(round, at, count as u32)?;
-                at += count as u32;
-                // One dispatch runs while the next is prepared.
-                if let Some((before, count)) = pending.replace((submitted, count)) {
-                    session.wait(Some(before))?;
-                    pace.took(count, clock.elapsed());
-                    clock = Instant::now();
-                }
-            }
-            self.walk(round)?;
-            let next = session.later(&self.periods.going, 4 * u64::from(round + 1), 4)?;
-            // By now the round before has been waited for.
-            if let Some(before) = left.replace(next)
-                && bytemuck::pod_collect_to_vec::<u8, u32>(&session.now(&before)?) == [0]
-            {
-                break;
-            }
+        let (steps, session, longest) =
+            (self.tables.slopes.steps, self.periods.session, self.periods.longest);
+        if !(Dispatches { session, pace, progress, steps, longest }.rounds(ROUNDS, self)?) {
+            return Ok(None);
         }
         let left = self.left()?;
         let periods: u64 = left.ends.iter().map(|(_, periods)| u64::from(*periods)).sum();
@@ -180,25 +154,6 @@ impl<'a> WalkChunk<'a> {
         progress.foresee(u64::from(steps) * (periods - left.ends.len() as u64));
         progress.add(u64::from(steps) * periods);
         Ok(Some(left))
-    }
-
-    /// A stride of each of them.
-    fn walk(&self, round: u32) -> Result<SubmissionIndex, Failure> {
-        let Self { periods, tables, .. } = self;
-        periods.drill.strike(periods.session);
-        let buffers = [
-            &self.job,
-            &periods.cases,
-            &periods.going,
-            &periods.states,
-            &periods.marks,
-            &periods.columns,
-            &self.walks,
-            &self.factors,
-        ];
-        let spec = ShaderSpec { entry: Entry::Walk, ..tables.slopes.spec };
-        let job = periods.job(round, 0, 2 * spec.modes as u32);
-        periods.session.dispatch(spec, job, tables.slopes.count(), &buffers)
     }
 
     /// Waits, reads what is left, and checks that each instance did its steps.
@@ -219,5 +174,33 @@ impl<'a> WalkChunk<'a> {
             walks: Numbers::read(slopes.spec.double, &bytes[1]),
             columns: Numbers::read(slopes.spec.double, &bytes[2]),
         })
+    }
+}
+
+impl Search for WalkChunk<'_> {
+    fn period(&self, round: u32, (first, count): (u32, u32)) -> Result<SubmissionIndex, Failure> {
+        self.periods.dispatch(round, first, count)
+    }
+
+    fn stride(&self, round: u32) -> Result<SubmissionIndex, Failure> {
+        let Self { periods, tables, .. } = self;
+        periods.drill.strike(periods.session);
+        let buffers = [
+            &self.job,
+            &periods.cases,
+            &periods.going,
+            &periods.states,
+            &periods.marks,
+            &periods.columns,
+            &self.walks,
+            &self.factors,
+        ];
+        let spec = ShaderSpec { entry: Entry::Walk, ..tables.slopes.spec };
+        let job = periods.job(round, 0, 2 * spec.modes as u32);
+        periods.session.dispatch(spec, job, tables.slopes.count(), &buffers)
+    }
+
+    fn going(&self) -> &Buffer {
+        &self.periods.going
     }
 }

@@ -4,6 +4,7 @@ use super::errand::Errand;
 use super::pace::Pace;
 use super::pack::{self, Numbers, SlopeTables};
 use super::piece::Piece;
+use super::rounds::Dispatches;
 use super::session::{Job, Session};
 use super::{Drill, Failure};
 use crate::engine::slopes::{begun, ended, kept, of_class};
@@ -11,7 +12,6 @@ use crate::engine::{EngineError, Progress, Sloped, Slopes};
 use crate::kernel::{Entry, Rounding, ShaderSpec};
 use crate::plan::{Class, Plan};
 use rayon::prelude::*;
-use std::time::Instant;
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
 /// Most bytes of the kicks' slopes that one dispatch leaves for the next.
@@ -161,23 +161,10 @@ impl<'a> SlopeChunk<'a> {
     }
 
     fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
-        let steps = self.tables.steps;
-        let mut at = 0;
-        let mut pending: Option<(SubmissionIndex, u64)> = None;
-        let mut clock = Instant::now();
-        while at < steps {
-            if progress.stopped() {
-                return Ok(None);
-            }
-            let count = pace.steps(steps, at, self.longest).min(u64::from(steps - at));
-            let submitted = self.dispatch(0, at, count as u32)?;
-            at += count as u32;
-            // One dispatch runs while the next is prepared.
-            if let Some((before, count)) = pending.replace((submitted, count)) {
-                self.session.wait(Some(before))?;
-                pace.took(count, clock.elapsed());
-                clock = Instant::now();
-            }
+        let (steps, session, longest) = (self.tables.steps, self.session, self.longest);
+        let mut dispatches = Dispatches { session, pace, progress, steps, longest };
+        if !dispatches.once(|(first, count)| self.dispatch(0, first, count))? {
+            return Ok(None);
         }
         let left = self.left()?;
         progress.add(u64::from(steps) * u64::from(self.tables.count()));

@@ -5,7 +5,8 @@ use super::errand::Errand;
 use super::pace::Pace;
 use super::pack::{self, Numbers};
 use super::piece::Piece;
-use super::session::{Job, Later, Session};
+use super::rounds::{Dispatches, Search};
+use super::session::{Job, Session};
 use super::stride_tables::{StrideTables, end, stride_tables};
 use super::{Drill, Failure};
 use crate::engine::measure::{Sums, finish};
@@ -16,7 +17,6 @@ use crate::kernel::broyden::{Phase, ROUNDS};
 use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};
 use crate::plan::{Case, Class, Plan};
 use rayon::prelude::*;
-use std::time::Instant;
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
 /// Guesses at the states of a plan's instances, one for each, in their order.
@@ -171,37 +171,10 @@ impl<'a> StrideChunk<'a> {
         })
     }
 
-    /// Rounds until none is under way. While a round is enqueued the one before it runs, and how many that one leaves is not
-    /// known: at most one round is enqueued in vain, and its threads end at once.
     fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
-        let steps = self.tables.steps;
-        let mut pending: Option<(SubmissionIndex, u64)> = None;
-        let mut left: Option<Later> = None;
-        for round in 0..ROUNDS {
-            let mut clock = Instant::now();
-            let mut at = 0;
-            while at < steps {
-                if progress.stopped() {
-                    return Ok(None);
-                }
-                let count = pace.steps(steps, at, u32::MAX).min(u64::from(steps - at));
-                let submitted = self.period(round, at, count as u32)?;
-                at += count as u32;
-                // One dispatch runs while the next is prepared.
-                if let Some((before, count)) = pending.replace((submitted, count)) {
-                    self.session.wait(Some(before))?;
-                    pace.took(count, clock.elapsed());
-                    clock = Instant::now();
-                }
-            }
-            self.stride(round)?;
-            let next = self.session.later(&self.going, 4 * u64::from(round + 1), 4)?;
-            // By now the round before has been waited for.
-            if let Some(before) = left.replace(next)
-                && bytemuck::pod_collect_to_vec::<u8, u32>(&self.session.now(&before)?) == [0]
-            {
-                break;
-            }
+        let (steps, session) = (self.tables.steps, self.session);
+        if !(Dispatches { session, pace, progress, steps, longest: u32::MAX }.rounds(ROUNDS, self)?) {
+            return Ok(None);
         }
         let left = self.left()?;
         let periods: u64 = left.ends.iter().map(|(_, periods)| u64::from(*periods)).sum();
@@ -212,32 +185,6 @@ impl<'a> StrideChunk<'a> {
     fn job(&self, round: u32, first: u32, count: u32) -> Job {
         let (instances, drives, steps) = (self.tables.count(), self.tables.drives, self.tables.steps);
         Job { instances, drives, steps, first, count, width: 0, round }
-    }
-
-    /// So many steps of all that are under way.
-    fn period(&self, round: u32, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
-        self.drill.strike(self.session);
-        let buffers = [
-            &self.jobs[0],
-            &self.waves,
-            &self.drives,
-            &self.cases,
-            &self.drive_of,
-            &self.states,
-            &self.marks,
-            &self.going,
-        ];
-        let spec = ShaderSpec { entry: Entry::Sweep, ..self.tables.spec };
-        self.session.dispatch(spec, self.job(round, first, count), self.tables.count(), &buffers)
-    }
-
-    /// A stride of each of them.
-    fn stride(&self, round: u32) -> Result<SubmissionIndex, Failure> {
-        self.drill.strike(self.session);
-        let buffers =
-            [&self.jobs[1], &self.cases, &self.going, &self.states, &self.marks, &self.places, &self.undoes];
-        let job = self.job(round, 0, self.tables.numbers);
-        self.session.dispatch(self.tables.spec, job, self.tables.count(), &buffers)
     }
 
     /// Waits, reads what is left, and checks that each instance did its steps.
@@ -259,5 +206,35 @@ impl<'a> StrideChunk<'a> {
             places: Numbers::read(double, &bytes[2]),
             undoes: Numbers::read(double, &bytes[3]),
         })
+    }
+}
+
+impl Search for StrideChunk<'_> {
+    fn period(&self, round: u32, (first, count): (u32, u32)) -> Result<SubmissionIndex, Failure> {
+        self.drill.strike(self.session);
+        let buffers = [
+            &self.jobs[0],
+            &self.waves,
+            &self.drives,
+            &self.cases,
+            &self.drive_of,
+            &self.states,
+            &self.marks,
+            &self.going,
+        ];
+        let spec = ShaderSpec { entry: Entry::Sweep, ..self.tables.spec };
+        self.session.dispatch(spec, self.job(round, first, count), self.tables.count(), &buffers)
+    }
+
+    fn stride(&self, round: u32) -> Result<SubmissionIndex, Failure> {
+        self.drill.strike(self.session);
+        let buffers =
+            [&self.jobs[1], &self.cases, &self.going, &self.states, &self.marks, &self.places, &self.undoes];
+        let job = self.job(round, 0, self.tables.numbers);
+        self.session.dispatch(self.tables.spec, job, self.tables.count(), &buffers)
+    }
+
+    fn going(&self) -> &Buffer {
+        &self.going
     }
 }
