@@ -168,8 +168,8 @@ impl Envelope {
         let (mut sum, mut power) = (DMatrix::identity(size, size), self.slope.clone());
         let (mut step, mut done) = (self.change.clone(), 0);
         while done < doublings.min(LARGEST) {
-            let longer = &sum + &power * &sum;
-            let (way, squared) = (&longer * &self.change, &power * &power);
+            let longer = &sum + product(&power, &sum);
+            let (way, squared) = (&longer * &self.change, product(&power, &power));
             if !(way.norm() <= longest && squared.iter().all(|number| number.is_finite())) {
                 break;
             }
@@ -178,6 +178,13 @@ impl Envelope {
         let fades = 1u64 << done >= u64::from(self.told.pace) && power.norm() < RESTS;
         Stride { doublings: done, predicted: power * &self.change, step, sum, fades }
     }
+}
+
+/// Column by column, in one order on every processor: nalgebra's own product of matrices goes by what each can do.
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(a.nrows(), b.ncols());
+    all.column_iter_mut().zip(b.column_iter()).for_each(|(mut column, b)| column.gemv(1.0, a, &b, 0.0));
+    all
 }
 
 /// By how many doublings a stride is too long whose error is so many times too large: the error goes with the third power.

@@ -56,11 +56,14 @@ fn square(mode: &Mode) -> f64 {
 /// oscillators; `push` is what a force on the tip does to each mode.
 fn projected(modes: &[&Mode], push: &DVector<f64>, basis: &DMatrix<f64>) -> Option<Vec<KeptMode>> {
     let count = basis.ncols();
-    let stiffness = DMatrix::from_fn(count, count, |i, j| {
+    let stiffness = DMatrix::<f64>::from_fn(count, count, |i, j| {
         (0..modes.len()).map(|k| basis[(k, i)] * square(modes[k]) * basis[(k, j)]).sum()
     });
     let solved = SymmetricEigen::try_new(stiffness, f64::EPSILON, 100 * count)?;
-    let shapes = basis * &solved.eigenvectors;
+    // In this order on every processor, which nalgebra's own product of matrices is not.
+    let shapes = DMatrix::<f64>::from_fn(modes.len(), count, |k, j| {
+        (0..count).map(|i| basis[(k, i)] * solved.eigenvectors[(i, j)]).sum()
+    });
     let mut oscillators: Vec<KeptMode> = (0..count)
         .map(|j| {
             let shape = shapes.column(j);
