@@ -67,21 +67,32 @@ impl Table {
     pub fn new(
         plan: &Plan,
         (steps, law, modes): Shape,
-        instances: impl Iterator<Item = u32>,
+        instances: impl ExactSizeIterator<Item = u32>,
         rounding: Rounding,
     ) -> Result<Self, EngineError> {
         let class = Class { law, modes, steps, instances: Vec::new() };
         let (stepper, tangent) = (stepper(rounding, &class)?, f64::tangent(rounding, &class)?);
-        let (mut levers, mut known, mut lever_of) = (Vec::new(), HashMap::new(), Vec::new());
-        let (mut cases, mut rows) = (Vec::new(), Vec::new());
+        let count = instances.len();
+        let (mut levers, mut known, mut lever_of) = (Vec::new(), HashMap::new(), Vec::with_capacity(count));
+        let (mut cases, mut rows) = (Vec::with_capacity(count), Vec::new());
+        // Most have the lever of the one before.
+        let mut last = None;
         for i in instances {
             let (case, driven) = member(plan, i);
-            let number = *known.entry(lever_key(driven)).or_insert_with(|| {
-                levers.push(lever((case, driven), stepper.modes));
-                levers.len() as u32 - 1
-            });
+            let key = lever_key(driven);
+            let number = match last {
+                Some((same, number)) if same == key => number,
+                _ => *known.entry(key).or_insert_with(|| {
+                    levers.push(lever((case, driven), stepper.modes));
+                    levers.len() as u32 - 1
+                }),
+            };
+            last = Some((key, number));
             lever_of.push(number);
             rows.extend(free((case, driven), Start::Steady).into_iter().chain(gap_and_law((case, driven))));
+            if cases.is_empty() {
+                rows.reserve(rows.len() * (count - 1));
+            }
             cases.push((i, case));
         }
         Ok(Self {

@@ -15,12 +15,18 @@ impl Plan {
     pub fn part(&self, instances: &[u32]) -> Self {
         let mut place = HashMap::new();
         let mut drives = Vec::new();
+        // Most have the drive of the one before.
+        let mut last = None;
         let mut resolution = |i: &u32| {
             let own = self.resolution(*i);
-            let drive = *place.entry(own.drive).or_insert_with(|| {
-                drives.push(self.drives[own.drive as usize].clone());
-                drives.len() as u32 - 1
-            });
+            let drive = match last {
+                Some((same, drive)) if same == own.drive => drive,
+                _ => *place.entry(own.drive).or_insert_with(|| {
+                    drives.push(self.drives[own.drive as usize].clone());
+                    drives.len() as u32 - 1
+                }),
+            };
+            last = Some((own.drive, drive));
             Resolution { drive, ..own }
         };
         let resolution = instances.iter().map(&mut resolution).collect();

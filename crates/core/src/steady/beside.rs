@@ -15,6 +15,14 @@ use crate::plan::Plan;
 use nalgebra::{DefaultAllocator, DimName};
 use rayon::prelude::*;
 
+/// Fewest instances that one thread takes along together where there are more.
+const FEWEST: usize = 512;
+
+/// Of so many instances how many one thread takes along together: as many as may be, while every thread has some.
+fn together(count: usize) -> usize {
+    count.div_ceil(rayon::current_num_threads()).clamp(FEWEST, TOGETHER)
+}
+
 /// Tries to find the states of the instances that have a hint: results, states and periods of those whose hint led to
 /// one. Of the others only the periods are told; they are as not run.
 pub(super) fn all(
@@ -35,7 +43,7 @@ pub(super) fn all(
         periods: vec![0; count],
         jumps: Vec::new(),
     };
-    let part = if double.by_threads() { TOGETHER } else { tried.len().max(1) };
+    let part = if double.by_threads() { together(tried.len()) } else { tried.len().max(1) };
     let parts: Vec<_> = by_size(plan, &tried)
         .into_iter()
         .flat_map(|(size, some)| some.chunks(part).map(|some| (size, some.to_vec())).collect::<Vec<_>>())
@@ -84,15 +92,8 @@ impl Sized for Several<'_> {
     where
         DefaultAllocator: Memory<D>,
     {
-        let Self { plan, some, engine, progress, .. } = self;
-        let parts: Vec<Known> = some.par_chunks(TOGETHER).map(|some| self.guessed::<D>(some)).collect();
-        let joined = parts.into_iter().reduce(|mut all, part| {
-            all.guesses.append(part.guesses);
-            all.multipliers.extend(part.multipliers);
-            all.vain.extend(part.vain);
-            all
-        });
-        let Some(Known { mut guesses, multipliers, vain }) = joined else {
+        let Self { plan, engine, progress, .. } = self;
+        let Some(Known { mut guesses, multipliers, vain }) = self.known::<D>() else {
             return Ok(Ended { ends: Vec::new(), notes: Vec::new() });
         };
         let arrivals = engine.broyden(plan, &mut guesses, progress)?;
@@ -102,7 +103,7 @@ impl Sized for Several<'_> {
             let state = || state(plan, (&guesses, n), multipliers[n]);
             (one.instance, arrived.periods, steady.then(|| (arrived.finished, state())))
         };
-        let told = (0..guesses.all.len()).into_par_iter().with_min_len(TOGETHER).map(found);
+        let told = (0..guesses.all.len()).into_par_iter().with_min_len(FEWEST).map(found);
         let mut ends: Vec<_> = progress.timed(Busy::Algebra, || told.collect());
         ends.extend(vain.into_iter().map(|i| (i, 0, None)));
         Ok(Ended { ends, notes: arrivals.notes })
@@ -119,6 +120,21 @@ struct Known {
 }
 
 impl Several<'_> {
+    /// Of all of them; none where there are none.
+    fn known<D: Size + DimName>(&self) -> Option<Known>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let many = if self.engine.by_threads() { self.some.len().max(1) } else { FEWEST };
+        let parts: Vec<Known> = self.some.par_chunks(many).map(|some| self.guessed::<D>(some)).collect();
+        parts.into_iter().reduce(|mut all, part| {
+            all.guesses.append(part.guesses);
+            all.multipliers.extend(part.multipliers);
+            all.vain.extend(part.vain);
+            all
+        })
+    }
+
     fn guessed<D: Size + DimName>(&self, some: &[u32]) -> Known
     where
         DefaultAllocator: Memory<D>,

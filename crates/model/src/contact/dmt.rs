@@ -83,9 +83,8 @@ impl StaticLaw for Dmt {
     }
 
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
-        let mut all = self.hertz.constants(units);
-        all.extend([2.0 * PI * self.hertz.radius * self.work * units.impulse, LENGTH / self.decay_length]);
-        all
+        let pull = 2.0 * PI * self.hertz.radius * self.work * units.impulse;
+        vec![self.hertz.scaled(units), pull, LENGTH / self.decay_length]
     }
 
     /// Falls from outside to first touch and rises from there.

@@ -26,6 +26,11 @@ impl Hertz {
     pub fn new(modulus: f64, radius: f64) -> Self {
         Self { radius, prefactor: modulus * radius.sqrt() }
     }
+
+    /// The prefactor in the kernel's units.
+    pub(super) fn scaled(&self, units: KernelUnits) -> f64 {
+        self.prefactor * LENGTH.powf(1.5) * units.impulse
+    }
 }
 
 impl From<&Material> for Hertz {
@@ -61,7 +66,7 @@ impl StaticLaw for Hertz {
     }
 
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
-        vec![self.prefactor * LENGTH.powf(1.5) * units.impulse]
+        vec![self.scaled(units)]
     }
 }
 

@@ -78,11 +78,11 @@ fn columns<const W: usize>(
         let mut differ = [0; W];
         for (n, row) in rows.iter_mut().enumerate() {
             fill(from + n, Row(&mut row[..varying]));
-            for ((differ, number), first) in differ.iter_mut().zip(&*row).zip(&first) {
+            for ((differ, number), first) in differ.iter_mut().zip(&row[..varying]).zip(&first) {
                 *differ |= number ^ first;
             }
         }
-        for (n, column) in columns.iter_mut().enumerate() {
+        for (n, column) in columns[..varying].iter_mut().enumerate() {
             match (column.is_empty(), differ[n]) {
                 (true, 0) => continue,
                 (true, _) => {
