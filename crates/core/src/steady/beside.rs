@@ -7,7 +7,7 @@ use super::sizes::{Sized, by_size, with_size};
 use super::turns::Turns;
 use super::{Linear, PeriodicState, Settled};
 use crate::engine::{
-    Busy, Cpu, Engine, EngineError, Finished, Guessed, Guesses, Outcome, Progress, TOGETHER,
+    Arrivals, Busy, Cpu, Engine, EngineError, Guessed, Guesses, Outcome, Progress, TOGETHER,
 };
 use crate::kernel::broyden::Phase;
 use crate::periodic::{Memory, Size, Spectrum};
@@ -53,26 +53,24 @@ pub(super) fn all(
     };
     let done: Vec<_> = parts.par_iter().map(one).collect();
     for part in done {
-        let Ended { ends, notes } = part?;
-        settled.outcome.notes.extend(notes);
-        for (i, periods, found) in ends {
-            let i = i as usize;
-            settled.periods[i] = periods;
-            if let Some((finished, state)) = found {
-                (settled.outcome.results[i], settled.found[i]) = (finished, Some(state));
+        let Some(Ended { guessed, arrivals, states }) = part? else { continue };
+        settled.outcome.notes.extend(arrivals.notes);
+        for ((one, arrived), state) in guessed.iter().zip(&arrivals.all).zip(states) {
+            let i = one.instance as usize;
+            settled.periods[i] = arrived.periods;
+            if state.is_some() {
+                (settled.outcome.results[i], settled.found[i]) = (arrived.finished, state);
             }
         }
     }
     Ok(settled)
 }
 
-/// A result, and the state that it is of.
-type Led = (Finished, Box<PeriodicState>);
-
-/// Of each instance the periods stepped, and what they led to.
+/// Guesses, what became of each, and the state that it has led to.
 struct Ended {
-    ends: Vec<(u32, u32, Option<Led>)>,
-    notes: Vec<String>,
+    guessed: Vec<Guessed>,
+    arrivals: Arrivals,
+    states: Vec<Option<Box<PeriodicState>>>,
 }
 
 /// Instances whose states have as many numbers.
@@ -86,27 +84,23 @@ struct Several<'a> {
 }
 
 impl Sized for Several<'_> {
-    type Output = Result<Ended, EngineError>;
+    type Output = Result<Option<Ended>, EngineError>;
 
     fn run<D: Size + DimName>(self) -> Self::Output
     where
         DefaultAllocator: Memory<D>,
     {
         let Self { plan, engine, progress, .. } = self;
-        let Some(Known { mut guesses, multipliers, vain }) = self.known::<D>() else {
-            return Ok(Ended { ends: Vec::new(), notes: Vec::new() });
-        };
+        let Some(Known { mut guesses, multipliers }) = self.known::<D>() else { return Ok(None) };
         let arrivals = engine.broyden(plan, &mut guesses, progress)?;
         let found = |n: usize| {
-            let (one, arrived) = (guesses.all[n], &arrivals.all[n]);
+            let arrived = &arrivals.all[n];
             let steady = arrived.phase == Phase::Found && arrived.finished.status.is_steady();
-            let state = || state(plan, (&guesses, n), multipliers[n]);
-            (one.instance, arrived.periods, steady.then(|| (arrived.finished, state())))
+            steady.then(|| state(plan, (&guesses, n), multipliers[n]))
         };
         let told = (0..guesses.all.len()).into_par_iter().with_min_len(FEWEST).map(found);
-        let mut ends: Vec<_> = progress.timed(Busy::Algebra, || told.collect());
-        ends.extend(vain.into_iter().map(|i| (i, 0, None)));
-        Ok(Ended { ends, notes: arrivals.notes })
+        let states = progress.timed(Busy::Algebra, || told.collect());
+        Ok(Some(Ended { guessed: guesses.all, arrivals, states }))
     }
 }
 
@@ -115,8 +109,6 @@ struct Known {
     guesses: Guesses,
     /// Of each guess.
     multipliers: Vec<f64>,
-    /// Instances of which they say nothing.
-    vain: Vec<u32>,
 }
 
 impl Several<'_> {
@@ -130,7 +122,6 @@ impl Several<'_> {
         parts.into_iter().reduce(|mut all, part| {
             all.guesses.append(part.guesses);
             all.multipliers.extend(part.multipliers);
-            all.vain.extend(part.vain);
             all
         })
     }
@@ -143,19 +134,19 @@ impl Several<'_> {
         let mut turns = Turns::<D>::new();
         self.progress.timed(Busy::Algebra, || {
             let mut guesses = Guesses::new(D::DIM, near(plan), SURE * plan.run.accuracy);
-            let (mut multipliers, mut vain) = (Vec::with_capacity(some.len()), Vec::new());
+            let mut multipliers = Vec::with_capacity(some.len());
             guesses.reserve(some.len());
             for &i in some {
                 let hint = leads[i as usize].hint();
+                // Of some they say nothing.
                 let Some(guess) = hint.and_then(|hint| hint.guess::<D>(plan, i, &mut turns)) else {
-                    vain.push(i);
                     continue;
                 };
                 let one = Guessed { instance: i, touching: guess.touching, scale: scale(plan, i) };
                 guesses.push(one, guess.state.as_slice(), guess.undoes.as_slice());
                 multipliers.push(guess.multiplier);
             }
-            Known { guesses, multipliers, vain }
+            Known { guesses, multipliers }
         })
     }
 }
