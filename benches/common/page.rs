@@ -36,15 +36,16 @@ pub fn write(folder: &str, title: &str, command: &str, parts: &[Part]) {
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
 }
 
-/// A number as a reader wants it: whole ones whole, others with two digits.
+/// A number as a reader wants it: whole ones whole, others with two or three digits.
 fn written(value: &Value) -> String {
     match value {
         Value::Null => "-".into(),
         Value::String(text) => text.clone(),
         Value::Number(number) => match number.as_f64() {
             Some(0.0) => "0".into(),
-            Some(number) if number.abs() >= 10.0 && number.abs() < 1e7 => format!("{number:.0}"),
-            Some(number) if number.fract() == 0.0 && number.abs() < 10.0 => format!("{number:.0}"),
+            Some(number) if number.fract() == 0.0 && number.abs() < 1e7 => format!("{number:.0}"),
+            Some(number) if (10.0..100.0).contains(&number.abs()) => format!("{number:.1}"),
+            Some(number) if (100.0..1e7).contains(&number.abs()) => format!("{number:.0}"),
             Some(number) if (0.1..10.0).contains(&number.abs()) => format!("{number:.2}"),
             Some(number) => format!("{number:.1e}"),
             None => number.to_string(),
