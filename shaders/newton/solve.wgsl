@@ -42,7 +42,8 @@ fn fill(i: u32, shift: real) {
                 break;
             }
             factors[entry(column, row, i)] = select(ZERO, shift, row == column) - slope_at(column, row, i);
-            row += 1u;
+            factors[entry(column, row + 1u, i)] = select(ZERO, shift, row + 1u == column) - slope_at(column, row + 1u, i);
+            row += 2u;
         }
         column += 1u;
     }
@@ -87,8 +88,9 @@ fn take(place: u32, share: real, by: real) {
     factors[place] = -share * by + factors[place];
 }
 
-// Takes the k-th row from those below it, so that nothing is left of the k-th column there. Two of them at a turn: lavapipe ends a
-// dispatch's loops after 65,535, and two solutions of 24 modes' equations are not to come near that.
+// Takes the k-th row from those below it, so that nothing is left of the k-th column there. Four of them at a turn: lavapipe ends a
+// dispatch's loops after 65,535, all that instances side by side go through counts, and where one of them is looked at and another
+// strides that is three solutions of up to 24 modes' equations.
 fn clear(i: u32, k: u32, inverse: real, step: ptr<function, Numbers>) {
     var row = k + 1u;
     loop {
@@ -115,7 +117,13 @@ fn clear(i: u32, k: u32, inverse: real, step: ptr<function, Numbers>) {
             if row + 1u < job.count {
                 take(entry(column, row + 1u, i), factors[entry(k, row + 1u, i)], by);
             }
-            row += 2u;
+            if row + 2u < job.count {
+                take(entry(column, row + 2u, i), factors[entry(k, row + 2u, i)], by);
+            }
+            if row + 3u < job.count {
+                take(entry(column, row + 3u, i), factors[entry(k, row + 3u, i)], by);
+            }
+            row += 4u;
         }
         column += 1u;
     }

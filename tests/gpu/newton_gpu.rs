@@ -68,13 +68,18 @@ pub fn same(ours: &Searches, theirs: &Searches, what: &str) -> Result<usize, Fai
     }
 }
 
+/// The same searches in f32, which are over where f64 takes them on.
+fn in_f32((plan, seeks): (Plan, Seeks)) -> (Plan, Seeks) {
+    (plan.in_precision(Precision::F32), Seeks { near: 1e-3, enough: 1e-2, ..seeks })
+}
+
 /// How many have each phase.
 fn phases(searches: &Searches) -> [usize; 3] {
     let count = |phase: Phase| searches.all.iter().filter(|one| one.phase == phase).count();
     [Phase::On, Phase::Found, Phase::Lost].map(count)
 }
 
-fn same_bits(modes: usize) -> Result<(), Failed> {
+fn same_bits(modes: usize, precision: Precision) -> Result<(), Failed> {
     let (gpu, cpu) = (gpu(), Cpu { strict: true });
     assert!(gpu.strict);
     let (mut all, mut ended) = (0, [0; 3]);
@@ -83,7 +88,8 @@ fn same_bits(modes: usize) -> Result<(), Failed> {
     for law in laws() {
         for warm in WARM {
             let begun = begun(law, modes, warm);
-            let what = format!("{law}, {modes} modes, after {warm} periods");
+            let begun = if precision == Precision::F32 { in_f32(begun) } else { begun };
+            let what = format!("{law}, {modes} modes, {}, after {warm} periods", precision.name());
             let (ours, theirs) = (sought(&gpu, &begun), sought(&cpu, &begun));
             assert!(ours.notes.is_empty(), "{what}: {:?}", ours.notes);
             all += same(&ours, &theirs, &what)?;
@@ -97,10 +103,11 @@ fn same_bits(modes: usize) -> Result<(), Failed> {
         }
     }
     println!(
-        "{modes} modes: {all} of {all} identical, {ended:?} on, found, lost; of those found {one} in a period, {few} in 2 to 12, {many} in up to {ROUNDS}"
+        "{modes} modes, {}: {all} of {all} identical, {ended:?} on, found, lost; of those found {one} in a period, {few} in 2 to 12, {many} in up to {ROUNDS}",
+        precision.name()
     );
-    assert!(ended[1] > all / 2 && ended[0] > 0 && ended[2] > 0, "{ended:?}");
-    assert!(one > 0 && few > all / 4 && many > 0, "{one}, {few}, {many}");
+    assert!(ended[1] > all / 2 && one > 0 && few > all / 4, "{ended:?}, {one}, {few}");
+    assert!(precision == Precision::F32 || ended[0] > 0 && ended[2] > 0 && many > 0, "{ended:?}, {many}");
     Ok(())
 }
 
@@ -187,6 +194,25 @@ fn agrees() -> Result<(), Failed> {
     Ok(())
 }
 
+/// What f32 comes to is next to what f64 does, of nearly all instances.
+fn f32_comes_near() -> Result<(), Failed> {
+    for law in laws() {
+        let double = begun(law, 2, WARM[0]);
+        let (ours, theirs) = (sought(&gpu(), &in_f32(double.clone())), sought(&gpu(), &double));
+        let both = ours.all.iter().zip(&theirs.all).zip(&double.1.all);
+        let shares: Vec<f64> = both
+            .filter_map(|((a, b), seek)| {
+                Some(apart(&a.found.as_ref()?.end, &b.found.as_ref()?.end) / seek.scale)
+            })
+            .collect();
+        let near = shares.iter().filter(|share| **share < 2e-3).count();
+        let found = theirs.all.iter().filter(|one| one.found.is_some()).count();
+        println!("{law}: f32 comes near {near} of {found} states");
+        assert!(20 * near >= 19 * found && found > 20, "{law}: {near} of {found}");
+    }
+    Ok(())
+}
+
 /// How far two states are apart, m.
 fn apart(a: &Station, b: &Station) -> f64 {
     let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
@@ -267,16 +293,30 @@ fn grids_have_the_hosts_states(law: &str) -> Result<(), Failed> {
     Ok(())
 }
 
+/// A shader's text whose strides lead back.
+fn back(text: String) -> String {
+    text.replace("= (*step)[k] * times;", "= -(*step)[k] * times;")
+}
+
 /// Where a device's strides lead back its searches take longer: they are its own.
 fn strides_are_the_devices() -> Result<(), Failed> {
     let scene = Scene::parse(Path::new("grid.toml"), &GRID.replace("LAW", "hertz"))?;
     let plan = checks::plan_in(&scene, None, Precision::F64);
-    let mut faulty = gpu();
-    faulty.drill.edit = Some(|text| text.replace("= (*step)[k] * times;", "= -(*step)[k] * times;"));
+    type Edit = fn(String) -> String;
+    let faults: [(&str, Edit); 3] = [
+        ("both precisions", back),
+        ("f32", |text| if text.contains("alias real = f32;") { back(text) } else { text }),
+        ("f64", |text| if text.contains("alias real = f64;") { back(text) } else { text }),
+    ];
     let periods = |engine: &dyn Engine| settled(&plan, engine).periods.iter().sum::<u32>();
-    let (ours, others) = (periods(&gpu()), periods(&faulty));
-    println!("{ours} periods, and {others} where strides lead back");
-    assert!(others > 2 * ours, "{others} and {ours} periods");
+    let ours = periods(&gpu());
+    for (which, fault) in faults {
+        let mut faulty = gpu();
+        faulty.drill.edit = Some(fault);
+        let others = periods(&faulty);
+        println!("{ours} periods, and {others} where strides lead back in {which}");
+        assert!(others > 2 * ours, "{which}: {others} and {ours} periods");
+    }
     Ok(())
 }
 
@@ -289,8 +329,14 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
         tests.push(Trial::test(format!("newton_{name}"), test).with_ignored_flag(!runs));
     };
     for modes in [1, 2, 3, 4, 5, 6, 8, 10, 16, 24] {
-        add(&format!("same_bits_as_the_cpu_{modes}_modes"), exact, Box::new(move || same_bits(modes)));
+        let name = format!("same_bits_as_the_cpu_{modes}_modes");
+        add(&name, exact, Box::new(move || same_bits(modes, Precision::F64)));
     }
+    for modes in [1, 2, 3, 8, 24] {
+        let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
+        add(&name, exact, Box::new(move || same_bits(modes, Precision::F32)));
+    }
+    add("f32_comes_near", double, Box::new(f32_comes_near));
     add("agree_with_the_cpu_to_rounding", double, Box::new(agrees));
     add("pieces_change_no_bit", exact, Box::new(pieces_change_no_bit));
     add("long_periods_go_in_parts", exact, Box::new(long_periods_go_in_parts));

@@ -131,9 +131,9 @@ pub trait Engine: Send + Sync {
         false
     }
 
-    /// Takes a search of each instance of the plan to its end by Newton's steps, in f64, from where the plan says: one period with
-    /// its slope after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an engine that
-    /// leaves rounds to those who ask for them.
+    /// Takes a search of each instance of the plan to its end by Newton's steps, in the plan's precision, from where the plan says:
+    /// one period with its slope after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an
+    /// engine that leaves rounds to those who ask for them.
     ///
     /// # Errors
     /// What the engine says.

@@ -2,12 +2,12 @@
 //! the last one has led, until one is a periodic state.
 
 use super::return_map::{Map, Passing};
-use super::slopes::{begun, ended};
+use super::slopes::{begun, ended, of_class};
 use super::{Busy, EngineError, Progress, Sloped};
 use crate::kernel::broyden::{Arrival, Phase};
 use crate::kernel::newton::{Aim, ROUNDS, Striding, Walk, arrive};
-use crate::kernel::{LENGTH, Room, Rounding};
-use crate::plan::{Plan, Station};
+use crate::kernel::{LENGTH, Lane, Room, Rounding};
+use crate::plan::{Plan, Precision, StartState, Station};
 use rayon::prelude::*;
 
 /// Instances that one thread takes along together.
@@ -68,9 +68,9 @@ impl Searches {
 
 impl Seeks {
     /// What one looks for, in the kernel's units.
-    pub(super) fn aim(&self, instance: u32) -> Aim<f64> {
+    pub(super) fn aim<E: Lane<Element = E>>(&self, instance: u32) -> Aim<E> {
         let scale = self.all[instance as usize].scale / LENGTH;
-        Aim { scale, near: self.near, enough: self.enough }
+        Aim { scale: E::splat(scale), near: E::splat(self.near), enough: E::splat(self.enough) }
     }
 }
 
@@ -80,7 +80,7 @@ pub(super) fn state(start: &Station, numbers: usize, number: impl Fn(usize) -> f
     ended(start, numbers / 2, |row| if row < numbers { number(row) } else { touching })
 }
 
-/// Takes searches of these instances to their ends on the processor, in their order.
+/// Takes searches of these instances to their ends on the processor, in their order and in the plan's precision.
 pub(super) fn all(
     plan: &Plan,
     instances: &[u32],
@@ -88,97 +88,149 @@ pub(super) fn all(
     rounding: Rounding,
     progress: &Progress,
 ) -> Result<Vec<Sought>, EngineError> {
-    let parts = instances.par_chunks(TOGETHER).map(|some| {
-        let map = progress.timed(Busy::Constants, || Map::new(plan, some, rounding))?;
-        let all = some.iter().map(|instance| Way::new(plan, *instance, seeks)).collect();
-        Ok(Together { map, all }.run(progress))
+    let parts = instances.par_chunks(TOGETHER).map(|some| match plan.precision {
+        Precision::F64 => {
+            let map = progress.timed(Busy::Constants, || Map::new(plan, some, rounding))?;
+            let mut room = Room::default();
+            run(ways(plan, some, seeks), progress, |all, left| {
+                in_f64((&map, &mut room), all, left, progress);
+                Ok(())
+            })
+        }
+        Precision::F32 => {
+            run(ways(plan, some, seeks), progress, |all, left| in_f32(plan, all, left, (rounding, progress)))
+        }
     });
     Ok(parts.collect::<Result<Vec<_>, EngineError>>()?.concat())
 }
 
-/// Searches that one thread takes along.
-struct Together {
-    map: Map,
-    all: Vec<Way>,
-}
-
-/// One of them.
-struct Way {
+/// A search on its way.
+struct Way<E> {
+    /// Of the plan.
+    instance: u32,
     start: Station,
     steps: u32,
     /// Whether contact is a memory of the past.
     remembers: bool,
     least: f64,
-    aim: Aim<f64>,
+    aim: Aim<E>,
     /// See [`Striding`].
-    place: Vec<f64>,
-    stride: Vec<f64>,
-    walk: Walk<f64>,
+    place: Vec<E>,
+    stride: Vec<E>,
+    walk: Walk<E>,
+    factors: Vec<E>,
     sought: Sought,
 }
 
-impl Way {
+fn ways<E: Lane<Element = E>>(plan: &Plan, instances: &[u32], seeks: &Seeks) -> Vec<Way<E>> {
+    instances.iter().map(|instance| Way::new(plan, *instance, seeks)).collect()
+}
+
+impl<E: Lane<Element = E>> Way<E> {
     fn new(plan: &Plan, instance: u32, seeks: &Seeks) -> Self {
         let start = begun(plan, instance);
         let modes = plan.driven(instance).kept.modes.len();
-        let place: Vec<f64> =
-            start.x[..modes].iter().chain(&start.u[..modes]).map(|number| number / LENGTH).collect();
+        let numbers = start.x[..modes].iter().chain(&start.u[..modes]);
+        let place: Vec<E> = numbers.map(|number| E::element(number / LENGTH)).collect();
         let seek = seeks.all[instance as usize];
         Self {
+            instance,
             steps: plan.steps(instance),
             remembers: plan.law(instance).has_memory(),
             least: seek.least,
             aim: seeks.aim(instance),
-            stride: vec![0.0; place.len()],
+            stride: vec![E::splat(0.0); place.len()],
             walk: Walk::new(seek.time),
+            factors: vec![E::splat(0.0); place.len().pow(2)],
             sought: Sought::NOT_RUN,
             place,
             start,
         }
     }
 
+    /// Where the next period begins, in the kernel's units.
+    fn from(&self) -> Vec<f64> {
+        self.place.iter().zip(&self.stride).map(|(place, stride)| (*place + *stride).lane(0)).collect()
+    }
+
     /// Takes in where a period has led, and its slope.
-    fn arrive(&mut self, end: &Passing, slope: Box<[f64]>, factors: &mut Vec<f64>) {
-        factors.resize(slope.len(), 0.0);
-        let same = !self.remembers || end.touching == self.start.touching;
-        let arrival = Arrival { strode: self.sought.periods > 0, sound: end.finite && same };
-        let Self { place, stride, walk, .. } = self;
+    fn arrive(&mut self, end: &[f64], (touching, finite): (bool, bool), slope: Box<[f64]>) {
+        let numbers = |list: &[f64]| list.iter().map(|value| E::element(*value)).collect::<Vec<E>>();
+        let same = !self.remembers || touching == self.start.touching;
+        let arrival = Arrival { strode: self.sought.periods > 0, sound: finite && same };
+        let Self { place, stride, walk, factors, .. } = self;
         let here = Striding { place, stride, walk, factors };
-        let phase = arrive(end.state, &slope, &self.aim, arrival, here);
-        let found = (phase == Phase::Found)
-            .then(|| Sloped { end: state(&self.start, self.place.len(), |row| self.place[row]), slope });
+        let phase = arrive(&numbers(end), &numbers(&slope), &self.aim, arrival, here);
+        let found = (phase == Phase::Found).then(|| Sloped {
+            end: state(&self.start, self.place.len(), |row| self.place[row].lane(0)),
+            slope,
+        });
         self.sought = Sought { phase, periods: self.sought.periods + 1, found };
     }
 }
 
-impl Together {
-    fn run(mut self, progress: &Progress) -> Vec<Sought> {
-        let (mut room, mut factors) = (Room::default(), Vec::new());
-        let mut left: Vec<usize> = (0..self.all.len()).filter(|n| self.all[*n].steps > 0).collect();
-        for round in 0..ROUNDS {
-            if left.is_empty() || progress.stopped() {
-                break;
-            }
-            let from = |n: &usize| -> Vec<f64> {
-                let way = &self.all[*n];
-                way.place.iter().zip(&way.stride).map(|(place, stride)| place + stride).collect()
-            };
-            let mut places: Vec<Vec<f64>> = left.iter().map(from).collect();
-            let least: Vec<f64> = left.iter().map(|n| self.all[*n].least).collect();
-            let mut passing = Vec::with_capacity(left.len());
-            for (n, state) in left.iter().zip(&mut places) {
-                let touching = self.all[*n].start.touching;
-                passing.push(Passing { instance: *n as u32, state, touching, finite: true });
-            }
-            if round > 0 {
-                // One period of each was foreseen with the plan.
-                progress.foresee(left.iter().map(|n| u64::from(self.all[*n].steps)).sum());
-            }
-            let all = &mut self.all;
-            let ended = |end: &Passing, slope| all[end.instance as usize].arrive(end, slope, &mut factors);
-            self.map.sloping((&mut passing, &least), &mut room, ended, progress);
-            left.retain(|n| self.all[*n].sought.phase == Phase::On);
+/// Takes searches that one thread has to their ends: `period` takes those under way, by their numbers among all, through a
+/// period with its slope.
+fn run<E: Lane<Element = E>>(
+    mut all: Vec<Way<E>>,
+    progress: &Progress,
+    mut period: impl FnMut(&mut [Way<E>], &[usize]) -> Result<(), EngineError>,
+) -> Result<Vec<Sought>, EngineError> {
+    let mut left: Vec<usize> = (0..all.len()).filter(|n| all[*n].steps > 0).collect();
+    for round in 0..ROUNDS {
+        if left.is_empty() || progress.stopped() {
+            break;
         }
-        self.all.into_iter().map(|way| way.sought).collect()
+        if round > 0 {
+            // One period of each was foreseen with the plan.
+            progress.foresee(left.iter().map(|n| u64::from(all[*n].steps)).sum());
+        }
+        period(&mut all, &left)?;
+        left.retain(|n| all[*n].sought.phase == Phase::On);
     }
+    Ok(all.into_iter().map(|way| way.sought).collect())
+}
+
+/// A period of each of these, by a map whose constants are made once.
+fn in_f64((map, room): (&Map, &mut Room<f64>), all: &mut [Way<f64>], left: &[usize], progress: &Progress) {
+    let mut places: Vec<Vec<f64>> = left.iter().map(|n| all[*n].from()).collect();
+    let least: Vec<f64> = left.iter().map(|n| all[*n].least).collect();
+    let mut passing = Vec::with_capacity(left.len());
+    for (n, state) in left.iter().zip(&mut places) {
+        let touching = all[*n].start.touching;
+        passing.push(Passing { instance: *n as u32, state, touching, finite: true });
+    }
+    let ended = |end: &Passing, slope| {
+        all[end.instance as usize].arrive(end.state, (end.touching, end.finite), slope);
+    };
+    map.sloping((&mut passing, &least), room, ended, progress);
+}
+
+/// The same in f32. Numbers of f32 come back from metres as they were.
+fn in_f32(
+    plan: &Plan,
+    all: &mut [Way<f32>],
+    left: &[usize],
+    (rounding, progress): (Rounding, &Progress),
+) -> Result<(), EngineError> {
+    let instances: Vec<u32> = left.iter().map(|n| all[*n].instance).collect();
+    let least: Vec<f64> = left.iter().map(|n| all[*n].least).collect();
+    let place = |n: &usize| {
+        let from = all[*n].from();
+        StartState::from(state(&all[*n].start, from.len(), |row| from[row]))
+    };
+    let part = plan.part(&instances).starting_at(left.iter().map(place).collect());
+    for class in &part.classes() {
+        let told = of_class(&part, class, &least, rounding, progress)?;
+        for (i, Sloped { end, slope }) in
+            class.instances.iter().zip(told).filter_map(|(i, one)| Some((*i, one?)))
+        {
+            let way = &mut all[left[i as usize]];
+            let modes = way.place.len() / 2;
+            let numbers: Vec<f64> =
+                end.x[..modes].iter().chain(&end.u[..modes]).map(|number| number / LENGTH).collect();
+            way.arrive(&numbers, (end.touching, end.finite), slope);
+        }
+    }
+    Ok(())
 }

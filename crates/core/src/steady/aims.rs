@@ -16,6 +16,12 @@ const ENOUGH: f64 = 0.1;
 const SMOOTH: (f64, Option<f64>) = (1e-6, None);
 const ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
 
+/// Distance to a state up to which a search may go in f32, and what is near enough there where the map is rough; and what f32 leaves
+/// of a number in a period, about.
+pub(super) const NEAR_F32: f64 = 1e-3;
+pub(super) const ENOUGH_F32: f64 = 1e-2;
+const LEFT_F32: f64 = 5e-7;
+
 /// See [`clearly`]: the share, and its least and largest value.
 const DOUBTED: f64 = 0.35;
 const CLEARLY: (f64, f64) = (0.99, 0.999);
@@ -55,6 +61,11 @@ pub(super) fn enough(plan: &Plan) -> f64 {
 /// What may be left out of a period's slope: so small a share of the distance to 1 that the free lever's largest multiplier has.
 pub(super) fn least(plan: &Plan, instance: u32) -> f64 {
     LEFT_OUT * (1.0 - free_multiplier(plan, instance))
+}
+
+/// Whether a search may begin in f32: what its rounding comes to at a fixed point is less than the distance that it may leave.
+pub(super) fn begins_in_f32(plan: &Plan, instance: u32) -> bool {
+    LEFT_F32 < 0.5 * NEAR_F32 * (1.0 - free_multiplier(plan, instance))
 }
 
 /// How many columns of a slope by differences take as long as the slope by tangents.

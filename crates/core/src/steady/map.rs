@@ -137,8 +137,10 @@ impl PeriodMap<'_> {
         &self,
         starts: impl Iterator<Item = (u32, Station)>,
         seeks: &Seeks,
+        precision: Precision,
     ) -> Result<Vec<Sought>, EngineError> {
-        let Searches { all, notes } = self.engine.newton(&self.trial(starts, 1), seeks, self.progress)?;
+        let trial = self.trial(starts, 1).in_precision(precision);
+        let Searches { all, notes } = self.engine.newton(&trial, seeks, self.progress)?;
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(notes);
         Ok(all)
     }

@@ -1,15 +1,15 @@
 //! Many searches side by side: all that they ask for in one run.
 
-use super::aims::{enough, least, near, scale, tangent_columns};
+use super::aims::{ENOUGH_F32, NEAR_F32, begins_in_f32, enough, least, near, scale, tangent_columns};
 use super::begin::{Begin, Left};
 use super::map::{PeriodMap, station, vector};
 use super::one::{One, widened};
 use super::sizes::{Sized, by_size, with_size};
 use super::{Linear, PeriodicState};
-use crate::engine::{Busy, Engine, EngineError, Progress, Seek, Seeks, SlopeStart, Sloped};
+use crate::engine::{Busy, Engine, EngineError, Progress, Seek, Seeks, SlopeStart, Sloped, Sought};
 use crate::kernel::Room;
 use crate::periodic::{Found, Memory, Size, Verdict};
-use crate::plan::{Case, Plan, Station};
+use crate::plan::{Case, Plan, Precision, Station};
 use nalgebra::{DefaultAllocator, DimName};
 use std::ops::Range;
 use std::sync::Arc;
@@ -184,7 +184,7 @@ impl Batch<'_> {
             return self.rounds(all, done);
         }
         let mut lost = Vec::new();
-        let left = self.by_newton(all, (done, &mut lost))?;
+        let left = self.by_newton(all, last, (done, &mut lost))?;
         lost.extend(match last {
             true => self.rounds(left, done)?,
             false => left.into_iter().map(|one| (one.slot, one.stepped(), one.start)).collect(),
@@ -250,28 +250,45 @@ impl Batch<'_> {
         Ok(lost)
     }
 
-    /// Searches as the engine does it as a whole; what it does not find comes back.
+    /// Searches as the engine does it as a whole, in f32 up to where that is sure and then in f64; what it does not find comes
+    /// back. Where another search follows, what f32 does not find is left to that.
     fn by_newton<D: Size + DimName>(
         self,
-        all: Vec<Box<One<D>>>,
+        mut all: Vec<Box<One<D>>>,
+        last: bool,
         (done, lost): (&mut Vec<End>, &mut Vec<Seeking>),
     ) -> Result<Vec<Box<One<D>>>, EngineError>
     where
         DefaultAllocator: Memory<D>,
     {
-        let plan = self.plan;
-        let seek = |one: &One<D>| {
-            let instance = self.instances[one.slot as usize];
-            Seek { scale: scale(plan, instance), time: one.search.time(), least: least(plan, instance) }
-        };
-        let seeks =
-            Seeks { near: near(plan), enough: enough(plan), all: all.iter().map(|one| seek(one)).collect() };
-        let starts = all.iter().map(|one| (one.slot, one.start));
-        let sought = self.map.sought(starts, &seeks)?;
+        let (plan, instance) = (self.plan, |one: &One<D>| self.instances[one.slot as usize]);
+        let early = |one: &One<D>| one.search.time().is_finite() && begins_in_f32(plan, instance(one));
+        let begin = |one: &One<D>| (one.slot, one.start, one.search.time());
+        let (which, begins): (Vec<usize>, Vec<_>) =
+            (all.iter().enumerate()).filter(|(_, one)| early(one)).map(|(n, one)| (n, begin(one))).unzip();
+        // What f32 has found begins there in f64, by Newton's steps.
+        let mut next = Vec::new();
+        for (n, sought) in which.into_iter().zip(self.sought(&begins, Precision::F32)?) {
+            all[n].periods += sought.periods;
+            next.extend(sought.found.map(|found| (n, found.end)));
+        }
+        let begins: Vec<_> = next.iter().map(|(n, place)| (all[*n].slot, *place, f64::INFINITY)).collect();
+        let mut found: Vec<Option<Sloped>> = vec![None; all.len()];
+        for ((n, _), sought) in next.iter().zip(self.sought(&begins, Precision::F64)?) {
+            all[*n].periods += sought.periods;
+            found[*n] = sought.found;
+        }
+        let (which, begins): (Vec<usize>, Vec<_>) = (all.iter().enumerate())
+            .filter(|(n, one)| found[*n].is_none() && (last || !early(one)))
+            .map(|(n, one)| (n, begin(one)))
+            .unzip();
+        for (n, sought) in which.into_iter().zip(self.sought(&begins, Precision::F64)?) {
+            all[n].periods += sought.periods;
+            found[n] = sought.found;
+        }
         let mut left = Vec::new();
-        for (mut one, sought) in all.into_iter().zip(sought) {
-            one.periods += sought.periods;
-            let Some(Sloped { end, slope }) = sought.found else {
+        for (one, found) in all.into_iter().zip(found) {
+            let Some(Sloped { end, slope }) = found else {
                 left.push(one);
                 continue;
             };
@@ -284,6 +301,28 @@ impl Batch<'_> {
             }
         }
         Ok(left)
+    }
+
+    /// What the engine's searches come to that begin so: by slot, from a place, with a first stride of so many periods.
+    fn sought(
+        self,
+        begins: &[(u32, Station, f64)],
+        precision: Precision,
+    ) -> Result<Vec<Sought>, EngineError> {
+        if begins.is_empty() {
+            return Ok(Vec::new());
+        }
+        let plan = self.plan;
+        let seek = |(slot, _, time): &(u32, Station, f64)| {
+            let instance = self.instances[*slot as usize];
+            Seek { scale: scale(plan, instance), time: *time, least: least(plan, instance) }
+        };
+        let (near, enough) = match precision {
+            Precision::F32 => (NEAR_F32, ENOUGH_F32),
+            Precision::F64 => (near(plan), enough(plan)),
+        };
+        let seeks = Seeks { near, enough, all: begins.iter().map(seek).collect() };
+        self.map.sought(begins.iter().map(|(slot, place, _)| (*slot, *place)), &seeks, precision)
     }
 
     fn end<D: Size + DimName>(self, one: &One<D>, found: &Found<D>) -> End

@@ -305,7 +305,7 @@ impl Engine for Gpu {
 
     fn newton(&self, plan: &Plan, seeks: &Seeks, progress: &Progress) -> Result<Searches, EngineError> {
         let mut searches = Searches::none(plan);
-        searches.notes = self.open(Precision::F64)?;
+        searches.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
         let least = seeks.all.iter().map(|one| one.least).collect();
         let errand = Walks { plan, seeks, least, binding: self.binding() };

@@ -25,7 +25,7 @@ pub(super) const WALK: usize = 3;
 
 /// Searches of a plan's instances.
 pub(super) struct Walks<'a> {
-    /// In f64, of one period from where it says.
+    /// Of one period from where it says.
     pub plan: &'a Plan,
     pub seeks: &'a Seeks,
     /// By instance, about as much as may be left out of slopes.
@@ -60,7 +60,7 @@ impl Errand for Walks<'_> {
 
     fn tables(&self, piece: &Piece) -> WalkTables {
         let told = |instance: u32| {
-            let (aim, start) = (self.seeks.aim(instance), begun(self.plan, instance));
+            let (aim, start) = (self.seeks.aim::<f64>(instance), begun(self.plan, instance));
             let memory = self.plan.law(instance).has_memory();
             let [memory, touching] = [memory, start.touching].map(|is| f64::from(u8::from(is)));
             vec![aim.scale, aim.near, aim.enough, memory, touching]
