@@ -9,11 +9,12 @@ use super::prepare;
 use super::signals;
 use super::stopped::Stopped;
 use super::table::TableArgs;
-use super::{Voice, planning, print_json};
+use super::{Voice, planning, print_json, values};
+use afmsweep::control::Ran;
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, Earlier, Journal, RunFile};
 use afmsweep::sweep::{Keeper, Share};
-use afmsweep::{Audit, Error, Scene, Sweep};
+use afmsweep::{Audit, Error, Scene, Status, Sweep};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -142,6 +143,7 @@ impl RunArgs {
         self.resume.is_some()
             && !store::partial_path(output).exists()
             && store::scene_of(output).is_ok_and(|text| text == scene.source)
+            && store::read(output).is_ok_and(|all| !all.status.contains(&(Status::NotRun as u8)))
     }
 }
 
@@ -241,7 +243,7 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     if args.shard.is_some_and(|share| share.of > 1) {
         let whole = sweep.run_share(&keeper, &told);
         drop(told);
-        return share(whole, keeper, &output, start, voice);
+        return share(whole, (keeper, counted.stopped()), &output, start, voice);
     }
     let swept = sweep.run_into(&keeper, &told);
     drop(told);
@@ -250,6 +252,9 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         other => other?,
     };
     if !swept.missing.is_empty() {
+        if !counted.stopped() {
+            return Err(left_behind(&swept.run, sweep.scene(), &partial).into());
+        }
         return Err(Stopped::with(&swept.missing, &swept.run, &partial).into());
     }
     told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice)?;
@@ -275,10 +280,20 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     audit::strict(args.strict, &verdict, &output)
 }
 
+/// Names the first instance that was left behind.
+fn left_behind(run: &Ran, scene: &Scene, partial: &Path) -> Stopped {
+    let first = run.marks().iter().position(|mark| mark.status() == Status::NotRun).unwrap_or_default();
+    let place = match values(scene, first) {
+        values if values.is_empty() => first.to_string(),
+        values => format!("{first} ({values})"),
+    };
+    Stopped::left_behind(run, &place, partial)
+}
+
 /// The end of a share: its journal becomes its file.
 fn share(
     whole: Result<bool, Error>,
-    keeper: Keeper,
+    (keeper, stopped): (Keeper, bool),
     output: &Path,
     start: Instant,
     voice: Voice,
@@ -287,7 +302,8 @@ fn share(
     let file = |keeper: Keeper| keeper.into_file().context("the run has no file");
     match whole {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
-        Ok(false) => return Err(Stopped::share(share, file(keeper)?.partial()).into()),
+        Ok(false) if stopped => return Err(Stopped::share(share, file(keeper)?.partial()).into()),
+        Ok(false) => return Err(Stopped::share_left_behind(share, file(keeper)?.partial()).into()),
         other => other?,
     };
     let title = format!("share {share} of a run");

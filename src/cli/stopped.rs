@@ -1,10 +1,13 @@
-//! A run that was stopped on its way: what the program says and returns.
+//! A run that did not come to its end: what the program says and returns.
 
 use super::signals::{self, Signal};
 use afmsweep::Status;
 use afmsweep::control::Ran;
 use afmsweep::sweep::{Phase, Share};
 use std::path::Path;
+
+/// Exit code where instances were not run though nothing stopped the run.
+const LEFT_BEHIND: u8 = 4;
 
 /// Ends the program with the code of a signal, after saying what became of the run.
 #[derive(Debug, thiserror::Error)]
@@ -19,6 +22,28 @@ impl Stopped {
         // Nothing but a signal stops a run.
         let signal = signals::first().unwrap_or(Signal::Interrupt);
         Self { code: signal.code(), text: text(signal.word()) }
+    }
+
+    /// Instances were not run though nothing stopped the run.
+    pub fn left_behind(run: &Ran, place: &str, partial: &Path) -> Self {
+        let text = format!(
+            "internal error: {} of {} instances were not run, though nothing stopped the run; the first is instance {place}. The \
+             others are in {}. Please report this with the scene. `run --resume` tries them again, `--cold` by another way",
+            run.count(Status::NotRun),
+            run.len(),
+            partial.display()
+        );
+        Self { code: LEFT_BEHIND, text }
+    }
+
+    /// The same of a share.
+    pub fn share_left_behind(share: Share, partial: &Path) -> Self {
+        let text = format!(
+            "internal error: instances of share {share} were not run, though nothing stopped it. The others are in {}. Please report \
+             this with the scene. `run --resume` tries them again, `--cold` by another way",
+            partial.display()
+        );
+        Self { code: LEFT_BEHIND, text }
     }
 
     /// Before any instance was done.

@@ -25,6 +25,7 @@ mod support;
 
 mod agree_branches;
 mod agree_compare;
+mod agree_contacts;
 mod agree_control;
 mod agree_curves;
 mod agree_kicked;

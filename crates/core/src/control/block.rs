@@ -22,6 +22,8 @@ struct Batch {
 /// Where the instances of a batch begin.
 #[derive(Clone, Copy)]
 enum Begins {
+    /// At the free oscillation, which does not feel the sample.
+    Free,
     /// Where a search of its own does.
     Scouts,
     /// At those that stand around them, by the number of their level.
@@ -68,9 +70,13 @@ pub(super) fn run(
 }
 
 fn batches(plan: &Plan, order: &Order) -> Vec<Batch> {
-    let scouts = Batch { instances: alike(plan, order.scouts()), from: Begins::Scouts };
-    let level = |n| Batch { instances: alike(plan, order.level(n)), from: Begins::Level(n) };
-    std::iter::once(scouts).chain((0..order.levels()).map(level)).collect()
+    // Neighbours may touch where the free oscillation, from which an instance is to begin, does not.
+    let is_free = |i: &u32| plan.steps(*i) == 0 || plan.run.both_branches && plan.is_free(*i);
+    let free = Batch { instances: plan.instances().filter(is_free).collect(), from: Begins::Free };
+    let stepped = |points: Vec<u32>| alike(plan, points.into_iter().filter(|i| !is_free(i)).collect());
+    let scouts = Batch { instances: stepped(order.scouts()), from: Begins::Scouts };
+    let level = |n| Batch { instances: stepped(order.level(n)), from: Begins::Level(n) };
+    [free, scouts].into_iter().chain((0..order.levels()).map(level)).collect()
 }
 
 /// Those of one shape together, in the order in which they stand in the sweep: their neighbours' states are then met one after
@@ -118,13 +124,14 @@ impl Filling<'_> {
         let left_out = piece.iter().map(|i| block.left_out[*i as usize]).collect();
         let poorer = block.poorer.as_ref().map(|all| all.part(piece));
         let around = match batch.from {
-            Begins::Scouts => Around::scouts(&whole.solved),
-            Begins::Level(n) => Around::level((order, n), piece, &whole.solved),
-            Begins::Each => Around::each(order, piece, &whole.solved),
-            Begins::Wait => Around::waited_for(&whole.solved),
+            Begins::Free => None,
+            Begins::Scouts => Some(Around::scouts(&whole.solved)),
+            Begins::Level(n) => Some(Around::level((order, n), piece, &whole.solved)),
+            Begins::Each => Some(Around::each(order, piece, &whole.solved)),
+            Begins::Wait => Some(Around::waited_for(&whole.solved)),
         };
         let alone = First::alone(poorer, left_out, &block.choices.precision);
-        let first = First { around: Some(around), ..alone };
+        let first = First { around, ..alone };
         unfinished::marked(part, &stepped, first, self.engine, self.progress)
     }
 

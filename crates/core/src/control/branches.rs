@@ -99,6 +99,11 @@ enum Which {
     Second,
 }
 
+/// Its bit among the states of neighbours that an instance has been searched from.
+fn bit(side: u32, which: Which) -> u64 {
+    1 << (2 * side + u32::from(which == Which::Second))
+}
+
 /// The second states so far.
 struct Hunt<'a> {
     run: &'a Controlled,
@@ -143,12 +148,12 @@ impl Hunt<'_> {
         while !look.is_empty() && !self.open {
             let mut wave = Vec::new();
             for &i in look.iter().filter(|i| !self.seconds.contains_key(i)) {
-                if let Some((bit, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
-                    tried[i as usize] |= bit;
-                    wave.push((i, j, which));
+                if let Some((side, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
+                    tried[i as usize] |= bit(side, which);
+                    wave.push((i, (side, j), which));
                 }
             }
-            look = self.wave(&wave, all, pieces)?;
+            look = self.wave((&wave, neighbours), all, pieces)?;
             let next: Vec<u32> = look.iter().flat_map(|i| neighbours.around(*i)).map(|(_, j)| j).collect();
             // Who found nothing may have other neighbours to try.
             look = wave.into_iter().map(|(i, ..)| i).chain(next).filter(|i| may[*i as usize]).collect();
@@ -161,16 +166,20 @@ impl Hunt<'_> {
     /// Searches from neighbours' states; gives the instances that now have a second state.
     fn wave(
         &mut self,
-        wave: &[(u32, u32, Which)],
+        (wave, neighbours): (&[(u32, (u32, u32), Which)], &Neighbours),
         all: &mut Others,
         pieces: &Pieces,
     ) -> Result<Vec<u32>, EngineError> {
         let plan = &self.run.plan;
         let numbers: Vec<u32> = wave.iter().map(|(i, ..)| *i).collect();
         let part = plan.part(&numbers);
-        let place = |(n, (_, j, which)): (usize, &(u32, u32, Which))| {
-            let of = self.state(*j, *which).map(|state| steady::carried((plan, *j, &state), &part, n as u32));
-            of.unwrap_or_else(|| Station::free(&part, n as u32))
+        let place = |(n, (_, (side, j), which)): (usize, &(u32, (u32, u32), Which))| {
+            let Some(state) = self.state(*j, *which) else { return Station::free(&part, n as u32) };
+            let beyond = neighbours.around(*j).find(|(other, _)| other == side);
+            let both =
+                beyond.into_iter().flat_map(|(_, k)| [Which::First, Which::Second].map(|which| (k, which)));
+            let before: Vec<_> = both.filter_map(|(k, which)| Some((k, self.state(k, which)?))).collect();
+            steady::carried_on((plan, *j, &state), &before, &part, n as u32)
         };
         let places: Vec<Station> = wave.iter().enumerate().map(place).collect();
         let mut found = Vec::new();
@@ -189,13 +198,12 @@ impl Hunt<'_> {
     }
 
     /// The first of the neighbours' states from which this instance has not been searched and that may lead to another
-    /// state than its first, and its bit among those tried.
-    fn candidate(&self, i: u32, neighbours: &Neighbours, tried: u64) -> Option<(u64, u32, Which)> {
+    /// state than its first; the first number is its side.
+    fn candidate(&self, i: u32, neighbours: &Neighbours, tried: u64) -> Option<(u32, u32, Which)> {
         neighbours.around(i).find_map(|(side, j)| {
             [Which::First, Which::Second].into_iter().find_map(|which| {
-                let bit = 1 << (2 * side + u32::from(which == Which::Second));
-                let open = tried & bit == 0 && self.leads_elsewhere(i, j, which);
-                open.then_some((bit, j, which))
+                let open = tried & bit(side, which) == 0 && self.leads_elsewhere(i, j, which);
+                open.then_some((side, j, which))
             })
         })
     }
@@ -222,7 +230,7 @@ impl Hunt<'_> {
     }
 
     /// Whether this state of a neighbour is on another branch than the instance's first: it is pushed where that is
-    /// pulled, or the other way round; or the neighbour's other state is nearer to it.
+    /// pulled or free, or the other way round; or the neighbour's other state is nearer to it.
     fn leads_elsewhere(&self, i: u32, j: u32, which: Which) -> bool {
         if !self.has(j, which) {
             return false;
@@ -232,8 +240,8 @@ impl Hunt<'_> {
         if !ours.status.is_steady() {
             return true;
         }
-        let pulled = |one: &Finished| one.measured.force_mean < 0.0;
-        if pulled(&ours) != pulled(&theirs) {
+        let felt = |one: &Finished| one.measured.force_mean.partial_cmp(&0.0);
+        if felt(&ours) != felt(&theirs) {
             return true;
         }
         let rest = match which {

@@ -89,6 +89,7 @@ pub(super) fn run(
         stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
         let near = steady::among(&rough.found, stepped, plan.len());
         settled.outcome.notes.extend(moved(&fine, &settled, &near, engine, progress)?);
+        steady::place_jumps(&fine, &mut settled.jumps, &settled.found);
     }
     let begin = |(i, of_modes): (u32, f64)| Refinement {
         of_steps: 0.0,

@@ -9,6 +9,7 @@ use super::ran::Ran;
 use super::rules::Rules;
 use super::{Part, branches, by_reference, modes, once, unfinished};
 use crate::engine::{Engine, EngineError, Progress, Reference};
+use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::steady;
 use rayon::prelude::*;
@@ -125,7 +126,9 @@ pub(super) fn run<'k>(
     }
     let ended = AtomicBool::new(false);
     let one = |whole: &Ran, number: usize| {
-        let mut portion = Portion::of(&work.run(number, whole)?, number, !progress.stopped());
+        let part = work.run(number, whole)?;
+        let is_run = part.outcome.results.iter().all(|one| one.status != Status::NotRun);
+        let mut portion = Portion::of(&part, number, is_run && !progress.stopped());
         if let Some(held) = &held {
             held.done(portion.marks.len() as u64);
         }
@@ -162,8 +165,9 @@ fn take_known(whole: &mut Ran, keep: &dyn Keep) -> Vec<usize> {
         let (count, accuracy) = (whole.portion(number).len(), whole.plan.run.accuracy);
         let known = keep.known(number, count);
         let known = known.and_then(|bytes| Portion::of_bytes(bytes, (number, count), accuracy));
-        // What was cut short is run anew, from what was chosen.
-        let known = known.filter(|known| known.about.whole || !runs);
+        // What was cut short or left out is run anew, from what was chosen.
+        let is_run = |known: &Portion| known.marks.iter().all(|mark| mark.status() != Status::NotRun);
+        let known = known.filter(|known| known.about.whole && is_run(known) || !runs);
         if let Some(known) = &known {
             whole.take(number, known);
         }

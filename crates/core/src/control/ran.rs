@@ -106,6 +106,12 @@ impl<'k> Ran<'k> {
         self.marks[instance as usize].status()
     }
 
+    /// Whether every instance of these portions was run.
+    pub fn is_run(&self, portions: impl Fn(usize) -> bool) -> bool {
+        let mut wanted = (0..self.division.len()).filter(|number| portions(*number));
+        wanted.all(|number| self.portion(number).iter().all(|i| self.status(*i) != Status::NotRun))
+    }
+
     /// How many instances are called so.
     pub fn count(&self, status: Status) -> usize {
         self.marks.iter().filter(|mark| mark.status() == status).count()

@@ -18,6 +18,8 @@ pub struct Verdict {
     pub unknown: usize,
     /// Instances marked as above the accuracy, by their estimates or an audit.
     pub not_met: usize,
+    /// Instances that were not run.
+    pub not_run: usize,
     /// Instances redone by the reference; those that both call ok, and of these those that touch the sample, those above
     /// the accuracy, and those for which the reference itself may be off by more than it.
     pub audited: usize,
@@ -67,6 +69,7 @@ impl Verdict {
             ok: run.count(Status::Ok),
             unknown: unknown.count(),
             not_met: run.count(Status::AccuracyNotMet),
+            not_run: run.count(Status::NotRun),
             audited: audited.len(),
             compared: compared().count(),
             touching: compared().filter(|one| one.touches()).count(),
@@ -76,14 +79,18 @@ impl Verdict {
         })
     }
 
-    /// Whether nothing that is known speaks against the results called ok, and something is known of each.
+    /// Whether every instance was run, nothing that is known speaks against the results called ok, and something is known of
+    /// each.
     pub fn met(&self) -> bool {
-        self.not_met == 0 && self.above == 0 && self.unknown == 0
+        self.not_run == 0 && self.not_met == 0 && self.above == 0 && self.unknown == 0
     }
 
     /// The verdict in words, for the file and the terminal.
     pub fn words(&self) -> String {
         let mut parts = Vec::new();
+        if self.not_run > 0 {
+            parts.push(format!("{} of {} instances were not run", self.not_run, self.instances));
+        }
         if self.not_met > 0 {
             parts.push(format!(
                 "{} of {} instances are marked accuracy_not_met",

@@ -50,11 +50,14 @@ pub struct Arrived {
     /// The last period measured, where the state that it began at was found; whether that is steady is not judged by how it
     /// changes.
     pub finished: Finished,
+    /// Whether that period ends in contact.
+    pub touching: bool,
 }
 
 impl Arrived {
     /// Before the first period.
-    pub const NOT_RUN: Self = Self { phase: Phase::On, periods: 0, finished: Finished::NOT_RUN };
+    pub const NOT_RUN: Self =
+        Self { phase: Phase::On, periods: 0, finished: Finished::NOT_RUN, touching: false };
 }
 
 /// What became of guesses, in their order.
@@ -181,7 +184,7 @@ impl Together<'_> {
                 let phase = stride(end.state, &goals[n], arrival, here);
                 (arrived[n].phase, arrived[n].periods) = (phase, round);
                 if phase == Phase::Found {
-                    arrived[n].finished = finished();
+                    (arrived[n].finished, arrived[n].touching) = (finished(), end.touching);
                 }
             };
             map.measured(plan, &mut passing, ended, progress);

@@ -7,7 +7,7 @@ use crate::contact::Passed;
 use crate::kernel::{LENGTH, RunSums};
 use crate::observe::{Measured, Status, Wants};
 use crate::plan::{Case, Driven};
-use crate::scene::Run;
+use crate::scene::{Run, Start};
 use nalgebra::Complex;
 
 /// One instance's run sums in f64, and whether its state stayed a number.
@@ -23,6 +23,9 @@ pub(super) struct Sums {
 /// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer
 /// than about four steps and the result is not to be trusted.
 const UNRESOLVED: f64 = 0.7;
+
+/// A force that moves the tip by less than this share of its free amplitude is rounding.
+const UNFELT: f64 = 1e-12;
 
 impl Sums {
     /// Run sums over `periods` measured periods of `steps` steps.
@@ -109,7 +112,22 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
         measured.indentation_max = if passed.touched { passed.deepest } else { f64::NAN };
     }
     let status = judge(sums, case, driven, run, force);
-    Finished { measured, status }
+    // The numbers of a free oscillation are known in closed form.
+    match status {
+        Status::Ok if wants.energy && run.start == Start::Steady && is_free(&measured, case, driven) => {
+            finish_free(case.gap, driven, wants)
+        }
+        _ => Finished { measured, status },
+    }
+}
+
+/// Whether a steady state beyond the reach of its free oscillation is just that: the sample pushes by no more than rounding.
+fn is_free(measured: &Measured, case: &Case, driven: &Driven) -> bool {
+    let amplitude = driven.free_amplitude();
+    let force = UNFELT * amplitude / driven.free.compliance.norm();
+    case.contact.is_out_of_reach(amplitude, case.gap)
+        && measured.force_mean.abs() <= force
+        && measured.virial.abs().max(measured.dissipation.abs()) <= force * amplitude
 }
 
 /// Measurements of an instance that stays free of the sample: its free motion.

@@ -5,7 +5,7 @@ use super::rate::Last;
 use super::{Driven, Ensemble, InstanceId, ReducedBasis, TOGETHER, steps};
 use crate::contact::Contact;
 use crate::instrument::Instrument;
-use crate::scene::{Run, Start};
+use crate::scene::{Run, Start, Steady};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -41,6 +41,7 @@ fn in_stretches<'a, T: Send>(
 /// The drive with the modes, and the steps, of each instance. Those whose contacts are too fast for the modes with the largest
 /// shares have drives of their own, which are added.
 pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> Coded<(u32, u32)> {
+    let led = is_led(ensemble, run);
     // Prescribed steps are for the modes that they can step.
     let told = run.modes.is_some() || run.steps_per_period.is_some();
     let known = &*drives;
@@ -49,7 +50,7 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
         let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
         let driven = &known[own as usize];
         let rung = if told { 0 } else { tip.rung((own, driven), contact, gap) };
-        ((own, rung), steps_of(run, (contact, gap), driven))
+        ((own, rung), steps_of((run, led), (contact, gap), driven))
     })
     .for_each(|some| some.into_iter().for_each(|one| usual.push(one)));
     let made = if told { HashMap::new() } else { fast_contacts(usual.known(), run, drives) };
@@ -61,7 +62,7 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
             Some(drive) => {
                 let id = InstanceId(i as u32);
                 let (contact, driven) = (ensemble.contact(id), &drives[*drive as usize]);
-                (*drive, steps_of(run, (&contact, ensemble.gap(id)), driven))
+                (*drive, steps_of((run, led), (&contact, ensemble.gap(id)), driven))
             }
         });
     }
@@ -93,11 +94,21 @@ fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> Has
     made
 }
 
+/// Whether instances may come to states that the free oscillation does not lead to: contact may go on where that does not
+/// reach the sample.
+fn is_led(ensemble: &Ensemble, run: &Run) -> bool {
+    let follows = ensemble.curves.is_some() || !ensemble.setpoints.is_empty() || run.both_branches;
+    follows && run.steady == Steady::Search
+}
+
 /// Steps per period of an instance; 0 where it never feels the sample.
-fn steps_of(run: &Run, (contact, gap): (&Contact, f64), driven: &Driven) -> u32 {
-    let amplitude = driven.free_amplitude();
+fn steps_of((run, led): (&Run, bool), (contact, gap): (&Contact, f64), driven: &Driven) -> u32 {
+    let mut amplitude = driven.free_amplitude();
     if run.start == Start::Steady && contact.is_out_of_reach(amplitude, gap) {
-        return 0;
+        if !led || !contact.law.acts() {
+            return 0;
+        }
+        amplitude = driven.swing(gap);
     }
     run.steps_per_period.unwrap_or_else(|| {
         steps::steps(contact, &driven.kept, driven.free.omega, amplitude, gap, run.accuracy)

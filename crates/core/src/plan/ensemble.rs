@@ -2,10 +2,14 @@
 
 use super::coded::{Coded, Codes};
 use crate::contact::{Compact, Contact, Law};
-use crate::instrument::{FreeMotion, Instrument};
+use crate::instrument::{FreeMotion, Instrument, Mode};
 use crate::scene::{Branch, Cases, Held};
+use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+
+/// Amplitude of a tip that touches where its free oscillation does not, in gaps.
+const MORE: f64 = 1.05;
 
 /// Number of an instance in its ensemble: its place in the scene's order, and in the results file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -156,6 +160,20 @@ impl Drive {
     /// Amplitude of the tip without a sample, m.
     pub fn free_amplitude(&self) -> f64 {
         self.free.amplitude
+    }
+
+    /// Amplitude of a tip that touches a sample beyond the reach of its free oscillation, m: a little more than the `gap` (m),
+    /// where contact can tune the lever to the drive so far. Where it cannot the amplitude is the free one.
+    pub fn swing(&self, gap: f64) -> f64 {
+        let omega = self.free.omega;
+        let at_resonance = |(mode, moves): (&Mode, &Complex<f64>)| {
+            let [detuning, damping] =
+                [(mode.omega - omega) * (mode.omega + omega), omega * mode.omega / mode.quality_factor];
+            let gain = detuning.hypot(damping) * mode.quality_factor / (mode.omega * mode.omega);
+            (moves * mode.tip).norm() * gain.max(1.0)
+        };
+        let most: f64 = self.instrument.modes.iter().zip(&self.free.modes).map(at_resonance).sum();
+        if most > gap { MORE * gap } else { self.free_amplitude() }
     }
 }
 

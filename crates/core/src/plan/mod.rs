@@ -239,6 +239,12 @@ impl Plan {
         &self.drives[self.resolution.drive(instance as usize) as usize]
     }
 
+    /// Whether an instance's free oscillation stays free of the sample.
+    pub fn is_free(&self, instance: u32) -> bool {
+        let Case { contact, gap, .. } = self.case(instance);
+        contact.is_out_of_reach(self.driven(instance).free_amplitude(), gap)
+    }
+
     /// Instances that need steps: the others are free of the sample.
     pub fn stepped(&self) -> Vec<u32> {
         self.instances().filter(|instance| self.steps(*instance) > 0).collect()

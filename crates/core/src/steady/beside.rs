@@ -11,7 +11,7 @@ use crate::engine::{
 };
 use crate::kernel::broyden::Phase;
 use crate::periodic::{Memory, Size, Spectrum};
-use crate::plan::Plan;
+use crate::plan::{Plan, Precision};
 use nalgebra::{DefaultAllocator, DimName};
 use rayon::prelude::*;
 
@@ -52,6 +52,7 @@ pub(super) fn all(
         with_size(*size, Several { plan, some, leads, engine: double, progress })
     };
     let done: Vec<_> = parts.par_iter().map(one).collect();
+    let mut anew = Vec::new();
     for part in done {
         let Some(Ended { guessed, arrivals, states }) = part? else { continue };
         settled.outcome.notes.extend(arrivals.notes);
@@ -60,8 +61,16 @@ pub(super) fn all(
             settled.periods[i] = arrived.periods;
             if state.is_some() {
                 (settled.outcome.results[i], settled.found[i]) = (arrived.finished, state);
+                if settled.begins_anew(plan, one.instance, arrived.touching) {
+                    anew.push(one.instance);
+                }
             }
         }
+    }
+    // In f32 every state is measured once more all the same.
+    if plan.precision == Precision::F64 && !progress.stopped() {
+        let unsure = settled.borne_out(plan, &anew, double, progress)?;
+        settled.run_on(&plan.part(&unsure), &unsure, double, progress)?;
     }
     Ok(settled)
 }

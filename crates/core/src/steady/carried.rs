@@ -1,10 +1,14 @@
 //! A periodic state of one instance as the place where a search for another's begins.
 
 use super::PeriodicState;
+use super::map::{apart, own};
 use crate::kernel::MODES_MAX;
 use crate::plan::{Driven, KeptMode, Plan, Station};
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI};
+
+/// What misses by more free amplitudes is another state.
+const NEAREST: f64 = 0.5;
 
 /// The tip's motion at a neighbour, as instance `to` would have it: as large and as late behind the drive, but for as
 /// much larger or smaller as the sample is farther or nearer, so that the tip comes as close to it; never larger than
@@ -42,6 +46,33 @@ pub fn carried(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> Stat
         let stretch = driven.free.omega / mode.omega;
         let beyond = whole(j) * late * factor - swing(driven, mode, now);
         (station.x[k], station.u[k]) = (beyond.im, beyond.re * stretch);
+    }
+    station
+}
+
+/// As [`carried`], but corrected by what carrying has missed one step earlier: `before` are states of the instance beyond `from`, of
+/// which the one counts that is nearest. Along a branch that bends, as before a tip lets go, that is the better place.
+pub fn carried_on(
+    from: (&Plan, u32, &PeriodicState),
+    before: &[(u32, PeriodicState)],
+    plan: &Plan,
+    to: u32,
+) -> Station {
+    let mut station = carried(from, plan, to);
+    let (plan_there, number, state) = from;
+    if plan_there.driven(number).kept.modes != plan.driven(to).kept.modes {
+        return station;
+    }
+    let here = own(plan_there, number, state);
+    let missed =
+        |(other, state): &(u32, PeriodicState)| carried((plan_there, *other, state), plan_there, number);
+    let nearest = before.iter().map(missed).min_by(|a, b| apart(a, &here).total_cmp(&apart(b, &here)));
+    let most = NEAREST * plan_there.driven(number).free_amplitude();
+    if let Some(there) = nearest.filter(|there| apart(there, &here) < most) {
+        for k in 0..MODES_MAX {
+            station.x[k] += here.x[k] - there.x[k];
+            station.u[k] += here.u[k] - there.u[k];
+        }
     }
     station
 }

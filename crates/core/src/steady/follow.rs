@@ -101,6 +101,30 @@ pub fn jumps_moved(
     Ok(moved + tried - all.strides(going)?.len())
 }
 
+/// Puts marks of jumps where this plan's states jump: a mark between two that are near each other goes to the nearest point that is
+/// far from the one before it and has none. Where there is no such point, a slow passage by the end of a branch, cut short,
+/// has looked like a jump.
+pub fn place_jumps(plan: &Plan, jumps: &mut [bool], found: &[Option<Box<PeriodicState>>]) {
+    let state = |i: u32| found.get(i as usize)?.as_deref();
+    let joined = |pair: &[u32]| Some(near(plan, pair[1], state(pair[1])?, state(pair[0])?, MOVED));
+    for curve in curves(plan) {
+        let pairs: Vec<(u32, Option<bool>)> =
+            curve.points.windows(2).map(|pair| (pair[1], joined(pair))).collect();
+        for (n, (i, is_joined)) in pairs.iter().enumerate() {
+            if !jumps[*i as usize] || *is_joined != Some(true) {
+                continue;
+            }
+            let open = pairs
+                .iter()
+                .enumerate()
+                .filter(|(_, (i, joined))| *joined == Some(false) && !jumps[*i as usize]);
+            let nearest = open.min_by_key(|(m, _)| m.abs_diff(n)).map(|(_, (i, _))| *i as usize);
+            jumps[*i as usize] = false;
+            nearest.into_iter().for_each(|i| jumps[i] = true);
+        }
+    }
+}
+
 /// The plan's curves, each with its points in their order.
 fn curves(plan: &Plan) -> Vec<Curve> {
     let mut by_number: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();
@@ -277,9 +301,12 @@ fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
     if ratio > 0.0 && ratio <= FARTHEST { ratio } else { 0.0 }
 }
 
-/// Whether the state of instance `i` is within so many free amplitudes of another.
+/// Whether the state of instance `i` is within so many free amplitudes of another; in gaps where that is more and the free
+/// oscillation does not feel the sample.
 fn near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
-    apart(&map::own(plan, i, found), &map::own(plan, i, other)) <= most * plan.driven(i).free_amplitude()
+    let amplitude = plan.driven(i).free_amplitude();
+    let scale = if plan.is_free(i) { amplitude.max(plan.case(i).gap) } else { amplitude };
+    apart(&map::own(plan, i, found), &map::own(plan, i, other)) <= most * scale
 }
 
 /// Where the way from `there` to `here` leads after so many more of it.

@@ -55,13 +55,20 @@ impl Settled {
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<Vec<u32>, EngineError> {
+        if chosen.is_empty() {
+            return Ok(Vec::new());
+        }
         let place = |i: &u32| self.state(*i as usize).map_or(Station::FREE, |state| state.station);
         progress.task("measuring", 0);
         let once = measured::period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
         self.outcome.notes.extend(once.notes);
-        let mut unsure = Vec::new();
+        let (mut unsure, mut anew) = (Vec::new(), Vec::new());
         for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
             self.periods[*i as usize] += 1;
+            if end.as_ref().is_some_and(|end| self.begins_anew(plan, *i, end.touching)) {
+                anew.push(*i);
+                continue;
+            }
             let state = self.state(*i as usize);
             let sure = state.is_some_and(|state| measured::bears_out(plan, *i, state, end.as_deref()));
             match sure && finished.status.is_steady() {
@@ -69,17 +76,30 @@ impl Settled {
                 false => unsure.push(*i),
             }
         }
+        unsure.extend(self.borne_out(plan, &anew, engine, progress)?);
         Ok(unsure)
     }
 
+    /// Under a law without memory contact follows from where the tip is: a periodic state begins in that in which its period
+    /// ends. Says so of a state, and whether its contacts, which were counted from another, are to be counted anew.
+    pub(super) fn begins_anew(&mut self, plan: &Plan, i: u32, touching: bool) -> bool {
+        let state = self.found[i as usize].as_mut().filter(|state| state.station.touching != touching);
+        let Some(state) = state.filter(|_| !plan.law(i).has_memory()) else { return false };
+        state.station.touching = touching;
+        plan.wants.contact
+    }
+
     /// Runs on from the states found of these instances, of which the plan is, and measures them.
-    fn run_on(
+    pub(super) fn run_on(
         &mut self,
         plan: &Plan,
         instances: &[u32],
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
+        if instances.is_empty() {
+            return Ok(());
+        }
         let on = run_on(plan.clone(), &of(&self.found, instances), engine, progress)?;
         self.outcome.notes.extend(on.notes);
         for (i, finished) in instances.iter().zip(on.results) {

@@ -28,8 +28,8 @@ mod states;
 mod turns;
 mod wait;
 
-pub use carried::carried;
-pub use follow::jumps_moved;
+pub use carried::{carried, carried_on};
+pub use follow::{jumps_moved, place_jumps};
 pub use led::{Patience, from_neighbours};
 pub use linear::Linear;
 pub use node::{Hint, Lead, Neighbour, Node};

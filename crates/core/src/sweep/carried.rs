@@ -3,7 +3,7 @@
 use super::begun::Begun;
 use super::phase::Missing;
 use super::{Audit, Error, Kept, Observer, Phase, Sweep, audit, swept};
-use crate::control::{self, Course, Keep, Ran};
+use crate::control::{self, Course, Keep, Mark, Ran};
 use crate::observe::Status;
 use std::time::Instant;
 
@@ -22,8 +22,9 @@ impl Sweep {
         let mut run = instances(&mut begun)?;
         let Begun { course, engine, .. } = begun;
         let (exact, estimated) = (course == Course::Reference, course == Course::Controlled);
-        let mut missing = Missing::of(&run, progress);
-        if run.marks().iter().all(|one| !one.measured() && one.status() == Status::NotRun) {
+        let mut missing = Missing::of(&run);
+        let is_nothing = |one: &Mark| !one.measured() && one.status() == Status::NotRun;
+        if progress.stopped() && run.marks().iter().all(is_nothing) {
             return Err(Error::Stopped(Phase::Stepping));
         }
         let others = missing.phase((Phase::Branches, run.plan.run.both_branches), progress, || {

@@ -311,8 +311,8 @@ impl Sweep {
     #[cfg(feature = "hdf5")]
     pub fn run_share(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<bool, Error> {
         self.watched(observer, || {
-            self.begun(observer)?.kept(keeper)?;
-            Ok(!self.progress.stopped())
+            let run = self.begun(observer)?.kept(keeper)?;
+            Ok(!self.progress.stopped() && run.is_run(|number| keeper.share().has(number)))
         })
     }
 

@@ -37,11 +37,9 @@ impl Phase {
 pub(super) struct Missing(pub Vec<Phase>);
 
 impl Missing {
-    /// What of the instances themselves is missing; to be asked once they have run.
-    pub fn of(run: &Ran, progress: &Progress) -> Self {
-        if !progress.stopped() {
-            return Self::default();
-        }
+    /// What of the instances themselves is missing; to be asked once they have run. Where nothing stopped the run, that is a
+    /// fault of the program.
+    pub fn of(run: &Ran) -> Self {
         let any = |what: &dyn Fn(&Mark) -> bool| run.marks().iter().any(what);
         let mut missing = Vec::new();
         if any(&|one| one.status() == Status::NotRun && !one.measured()) {

@@ -79,7 +79,8 @@ impl Errand for Strides<'_> {
                 (0..fields).map(|field| table.get(field * count + i)).collect()
             };
             let place = of(&left.places, numbers).iter().map(|number| number * LENGTH).collect::<Vec<f64>>();
-            (Arrived { phase, periods, finished }, place, of(&left.undoes, size))
+            let touching = left.saved[i].touching > 0.0;
+            (Arrived { phase, periods, finished, touching }, place, of(&left.undoes, size))
         };
         let told: Vec<_> = class.instances.par_iter().enumerate().map(one).collect();
         for (instance, (arrived, place, undoes)) in class.instances.iter().zip(told) {

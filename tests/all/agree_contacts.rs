@@ -1,0 +1,140 @@
+//! Every observable where the tip never leaves the sample, never touches it, touches once and many times in a period, at
+//! given gaps, along curves and at set-points, under every law, on the processor's vectors and rounding as a shader does.
+//! Truth: the reference engine, which meets every touch and release; contacts and permanent contact by what they are.
+
+use afmsweep::control::{self, Controlled, InMemory};
+use afmsweep::engine::{Cpu, Progress};
+use afmsweep::observe::Status;
+use afmsweep::plan::{Plan, Precision};
+use afmsweep::scene::Scene;
+use std::path::Path;
+
+/// A soft lever in a liquid, on a gel.
+const SOFT: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "0.1 N/m", frequency = "30 kHz", quality_factor = 2 }]
+[instrument.tip]
+radius = "20 nm"
+[sample]
+youngs_modulus = "1 MPa"
+surface_energy = "ENERGY"
+[drive]
+on = "tip"
+frequency = "30 kHz"
+free_amplitude = "20 nm"
+"#;
+/// A stiff one in air.
+const STIFF: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }]
+[instrument.tip]
+radius = "10 nm"
+[sample]
+youngs_modulus = "2 GPa"
+surface_energy = "ENERGY"
+[drive]
+on = "tip"
+frequency = "300 kHz"
+free_amplitude = "20 nm"
+"#;
+/// Far below its resonance a lever bounces.
+const BOUNCES: &str = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "0.1 N/m", frequency = "30 kHz", quality_factor = 5 }]
+[instrument.tip]
+radius = "10 nm"
+[sample]
+youngs_modulus = "5 GPa"
+surface_energy = "ENERGY"
+[drive]
+on = "tip"
+frequency = "3.1 kHz"
+free_amplitude = "50 nm"
+"#;
+
+/// What a case is made to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Contact {
+    Permanent,
+    None,
+    One,
+    Many,
+}
+
+/// Lever and drive, what is given of the approach, and what that leads to.
+const CASES: [(&str, &str, Contact); 13] = [
+    (SOFT, "[approach]\ngap = \"-100 nm\"", Contact::Permanent),
+    (
+        SOFT,
+        "[curve]\nquantity = \"approach.gap\"\nvalues = [\"-60 nm\", \"-80 nm\", \"-100 nm\"]",
+        Contact::Permanent,
+    ),
+    (SOFT, "[approach]\nsetpoint = 0.55", Contact::Permanent),
+    (SOFT, "[approach]\nforce_setpoint = \"5 nN\"", Contact::Permanent),
+    (STIFF, "[approach]\ngap = \"25 nm\"", Contact::None),
+    (STIFF, "[curve]\nquantity = \"approach.gap\"\nvalues = [\"26 nm\", \"24 nm\"]", Contact::None),
+    (STIFF, "[approach]\ngap = \"14 nm\"", Contact::One),
+    (STIFF, "[curve]\nquantity = \"approach.gap\"\nvalues = [\"14 nm\", \"13 nm\"]", Contact::One),
+    (STIFF, "[approach]\nsetpoint = 0.7", Contact::One),
+    (STIFF, "[approach]\nforce_setpoint = \"20 nN\"", Contact::One),
+    (BOUNCES, "[approach]\ngap = \"20 nm\"", Contact::Many),
+    (BOUNCES, "[curve]\nquantity = \"approach.gap\"\nvalues = [\"21 nm\", \"20 nm\"]", Contact::Many),
+    (BOUNCES, "[approach]\nforce_setpoint = \"9 nN\"", Contact::Many),
+];
+
+fn scene(law: &str, (lever, approach, _): (&str, &str, Contact)) -> Scene {
+    let energy = if law == "hertz" { "0 J/m^2" } else { "1 mJ/m^2" };
+    let text = format!(
+        "{}{approach}\n[contact]\nlaw = \"{law}\"\n[run]\nsteady = \"search\"\nperiods = 1000\n[output]\nobservables = [\"amplitude\", \
+         \"phase\", \"force_max\", \"force_min\", \"force_mean\", \"indentation_max\", \"contact_time\", \"contacts\", \
+         \"dissipation\", \"virial\", \"harmonic_amplitude\", \"deflection_amplitude\", \"deflection_phase\", \"deflection_mean\"]",
+        lever.replace("ENERGY", energy)
+    );
+    Scene::parse(Path::new("contacts.toml"), &text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn holds(law: &str, case: (&str, &str, Contact), strict: bool) {
+    let scene = scene(law, case);
+    let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+    let progress = Progress::default();
+    let run: Controlled = control::run(&plan, &Cpu { strict }, &progress).expect("it runs");
+    // What is free in closed form needs no other engine's word.
+    let all = run.plan.stepped();
+    let free =
+        run.results.iter().filter(|one| one.measured.contact_time == 0.0 && one.measured.contacts == 0.0);
+    assert!(case.2 != Contact::None || free.count() == run.plan.len(), "{law}, {}", case.1);
+    let redone = control::audit_of(&run, &all, &InMemory::default(), &progress).expect("it is redone");
+    let what = format!("{law}, {}, strict {strict}", case.1.replace('\n', " "));
+    assert_eq!(redone.len(), all.len(), "{what}");
+    for one in redone {
+        let ours = run.results.get(one.instance as usize);
+        let (measured, truth) = (&ours.measured, &one.truth.measured);
+        let told =
+            || format!("{what}: {} contacts, {} of the period", measured.contacts, measured.contact_time);
+        assert_eq!((ours.status, one.truth.status), (Status::Ok, Status::Ok), "{}", told());
+        assert_eq!(measured.contacts, truth.contacts, "{}", told());
+        let worst = one.worst.expect("both are ok");
+        assert!(worst < run.plan.run.accuracy, "{}: {worst:e}, {:?}", told(), one.errors);
+        match case.2 {
+            Contact::Permanent => {
+                assert!(measured.contacts == 0.0 && measured.contact_time > 0.9999, "{}", told())
+            }
+            // What is attracted from afar does not touch either.
+            Contact::None => assert!(measured.contacts == 0.0 && measured.contact_time == 0.0, "{}", told()),
+            Contact::One => assert!(measured.contacts == 1.0 && measured.contact_time < 0.5, "{}", told()),
+            Contact::Many => assert!(measured.contacts > 1.0, "{}", told()),
+        }
+    }
+}
+
+#[test]
+fn observables_are_the_reference_engines_in_every_kind_of_contact() {
+    for law in ["hertz", "dmt", "jkr"] {
+        CASES.into_iter().for_each(|case| holds(law, case, false));
+    }
+}
+
+#[test]
+fn observables_are_the_reference_engines_where_products_and_sums_round_twice() {
+    CASES.into_iter().for_each(|case| holds("dmt", case, true));
+}
