@@ -176,15 +176,17 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
     let instance = |params: &mut Params, index: usize| {
         cases.put(params, index);
         let driven = &drives[drive_of.get(index) as usize];
-        let ApproachParams { gap, held, branch } = params.approach;
-        let free = driven.free_amplitude();
+        let ApproachParams { gap, branch, deepest, .. } = params.approach;
+        let (held, free) = (params.approach.target(), driven.free_amplitude());
         let gap = match held {
             None => gap,
-            Some(Held::Amplitude(share)) => share * free,
+            Some(Held::Amplitude(share) | Held::Deflection(share)) => share * free,
+            // As much is left of the amplitude where nothing is lost.
+            Some(Held::Phase(degrees)) => degrees.to_radians().sin().abs() * free,
             // A light tap, but for the lever's bending.
             Some(Held::Force(force)) => free - force * driven.kept.flexibility,
         };
-        (Compact::new(params), gap, held.map(|held| SetPoint { held, branch }))
+        (Compact::new(params), gap, held.map(|held| SetPoint { held, branch, deepest }))
     };
     let (mut contacts, mut gaps, mut setpoints) = (Shared::new(), Met::new(), Vec::new());
     for from in (0..drive_of.len()).step_by(AT_ONCE) {

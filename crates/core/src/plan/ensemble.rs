@@ -149,6 +149,8 @@ pub struct SetPoint {
     pub held: Held,
     /// The branch that is asked for where both hold it.
     pub branch: Option<Branch>,
+    /// How far below the surface it is looked for, m, where that is told.
+    pub deepest: Option<f64>,
 }
 
 impl Drive {

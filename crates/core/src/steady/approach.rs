@@ -26,10 +26,10 @@ const SHORTER: f64 = 0.6;
 const AFTER_CARE: f64 = 1.4;
 const FAILED: f64 = 0.25;
 /// Strides of an instance, and jumps from branch to branch: a feedback that jumps more often goes round in circles.
-const STRIDES: u32 = 400;
+const STRIDES: u32 = 1000;
 const JUMPS: u32 = 4;
-/// How far beyond the surface a sample is looked for, in free amplitudes.
-const DEEPEST: f64 = 4.0;
+/// How far below the surface a set-point is looked for where the scene does not say, in free amplitudes.
+pub(super) const DEEPEST: f64 = 100.0;
 
 /// How an approach ended.
 pub(super) enum End {
@@ -44,6 +44,8 @@ pub(super) enum End {
 /// What approaches led to, by instance.
 pub(super) struct Approached {
     pub ends: Vec<End>,
+    /// Those that were not met as deep as they were looked for, and how far they were missed there.
+    pub too_deep: Vec<(u32, f64)>,
     pub periods: Vec<u32>,
     pub notes: Vec<String>,
 }
@@ -53,6 +55,7 @@ pub(super) fn all(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Resu
     let count = plan.len();
     let done = Approached {
         ends: (0..count).map(|_| End::NotRun).collect(),
+        too_deep: Vec::new(),
         periods: vec![0; count],
         notes: Vec::new(),
     };
@@ -246,18 +249,22 @@ impl Approaching<'_> {
         let next = if one.careful { AFTER_CARE } else { quick };
         let shortest = LEAST * amplitude;
         one.careful = false;
-        one.stride = (next * one.stride).clamp(shortest, LONGEST * amplitude.max(place.gap));
+        one.stride = (next * one.stride).clamp(shortest, LONGEST * amplitude.max(place.gap.abs()));
         let before = std::mem::replace(&mut one.last, place);
         let slope = (one.last.miss - before.miss) / (one.last.gap - before.gap);
         if slope > 0.0 {
             one.stride = one.stride.min((PAST * one.last.miss.abs() / slope).max(shortest));
         }
         one.before = Some(before);
-        let nominal = self.plan.case(one.instance).gap;
-        let within = (nominal - DEEPEST * amplitude..=far(&self.plan, one.instance) + amplitude)
-            .contains(&one.last.gap);
-        if within && one.strides < STRIDES {
+        // A lever that bends follows its sample down.
+        let surface = self.plan.case(one.instance).gap.min(0.0);
+        let lowest = surface - one.setpoint.deepest.unwrap_or(DEEPEST * amplitude);
+        let highest = far(&self.plan, one.instance) + amplitude;
+        if (lowest..=highest).contains(&one.last.gap) && one.strides < STRIDES {
             return Some(one);
+        }
+        if one.last.gap < lowest {
+            self.done.too_deep.push((one.instance, one.last.miss));
         }
         self.give_up(one);
         None

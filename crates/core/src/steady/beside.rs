@@ -71,6 +71,7 @@ pub(super) fn all(
     if plan.precision == Precision::F64 && !progress.stopped() {
         let unsure = settled.borne_out(plan, &anew, double, progress)?;
         settled.run_on(&plan.part(&unsure), &unsure, double, progress)?;
+        settled.sharpen(plan, &tried, double, progress)?;
     }
     Ok(settled)
 }

@@ -57,7 +57,8 @@ impl Feedback {
     /// is one), and the tip comes so much nearer than it, in free amplitudes, or stays so much farther away.
     pub(super) fn seed(&self, plan: &Plan, share: Option<f64>, away: f64) -> (f64, Station) {
         let share = match (share, self.setpoint.held) {
-            (None, Held::Amplitude(share)) => share,
+            (None, Held::Amplitude(share) | Held::Deflection(share)) => share,
+            (None, Held::Phase(degrees)) => degrees.to_radians().sin().abs(),
             (share, _) => share.unwrap_or(LIGHT),
         };
         let repulsive = self.setpoint.branch == Some(Branch::Repulsive);

@@ -9,8 +9,29 @@ use crate::plan::{Plan, Precision, StartState, Station};
 /// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
 const ON: u32 = 5;
 
-/// What a search finds and running on confirms; and what it has not found.
+/// A force is vague where so many times the accuracy of it hangs on what the bound on the state's distance leaves open. The
+/// bound is some fifteen times the distance.
+const VAGUE: f64 = 5.0;
+/// Only forces of tips that move or sink in by less than this, in free amplitudes, may be vague.
+pub(super) const SHALLOW: f64 = 0.02;
+/// Vague forces are searched for to this share of the accuracy.
+const SHARP: f64 = 1e-3;
+
+/// What a search finds and running on confirms, with its forces as well known as its travel; and what it has not found.
 pub(super) fn found(
+    plan: &Plan,
+    instances: &[u32],
+    begin: Begin,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(Settled, Vec<Left>), EngineError> {
+    let (mut settled, left) = by_travel(plan, instances, begin, engine, progress)?;
+    settled.sharpen(plan, instances, engine, progress)?;
+    Ok((settled, left))
+}
+
+/// The same, but that a state counts as found by its travel alone.
+fn by_travel(
     plan: &Plan,
     instances: &[u32],
     begin: Begin,
@@ -87,6 +108,49 @@ impl Settled {
         let Some(state) = state.filter(|_| !plan.law(i).has_memory()) else { return false };
         state.station.touching = touching;
         plan.wants.contact
+    }
+
+    /// Searches once more, and closer, for states whose forces hang on more of their travel than was searched for: where a tip rests,
+    /// they are small differences of large ones.
+    pub(super) fn sharpen(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        if plan.precision == Precision::F32 || !plan.wants.extremes || progress.stopped() {
+            return Ok(());
+        }
+        let vague: Vec<u32> = instances.iter().copied().filter(|i| self.is_vague(plan, *i)).collect();
+        if vague.is_empty() {
+            return Ok(());
+        }
+        let mut part = plan.part(&vague);
+        part.run.accuracy *= SHARP;
+        let places: Vec<Station> = of(&self.found, &vague)
+            .into_iter()
+            .map(|state| state.map_or(Station::FREE, |one| one.station))
+            .collect();
+        let all: Vec<u32> = part.instances().collect();
+        let (mut sharp, _) = by_travel(&part, &all, Begin::NextTo(&places), engine, progress)?;
+        self.outcome.notes.append(&mut sharp.outcome.notes);
+        for (n, i) in vague.into_iter().map(|i| i as usize).enumerate() {
+            self.periods[i] += sharp.periods[n];
+            if let Some(state) = sharp.found[n].take() {
+                (self.found[i], self.outcome.results[i]) = (Some(state), sharp.outcome.results[n]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether what the bound on a state's distance leaves open is much of its forces.
+    fn is_vague(&self, plan: &Plan, i: u32) -> bool {
+        let result = &self.outcome.results[i as usize];
+        let (one, amplitude) = (&result.measured, plan.driven(i).free_amplitude());
+        let shallow = one.indentation_max.min(one.harmonics[0]) < SHALLOW * amplitude;
+        let known = result.status.is_steady() && self.state(i as usize).is_some();
+        shallow && known && measured::force_share(plan, i, one, measured::SURE * amplitude) > VAGUE
     }
 
     /// Runs on from the states found of these instances, of which the plan is, and measures them.

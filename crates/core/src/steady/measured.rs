@@ -3,6 +3,7 @@
 use super::PeriodicState;
 use super::map::apart;
 use crate::engine::{Engine, EngineError, Outcome, Progress};
+use crate::observe::Measured;
 use crate::plan::{Plan, Precision, StartState, Station};
 
 /// Share of the accuracy within which the state has to be for the period to be its result, by the bound that its change
@@ -25,6 +26,14 @@ pub(super) fn period(
     (one.run.periods, one.run.measure) = (1, 1);
     progress.foresee(one.instance_steps());
     engine.run(&one, progress)
+}
+
+/// How much the largest force changes, as a share of itself, where the tip stands aside by this distance (m); 0 where it does not
+/// touch.
+pub(super) fn force_share(plan: &Plan, instance: u32, one: &Measured, distance: f64) -> f64 {
+    let force = one.force_max.abs().max(one.force_min.abs());
+    let change = plan.contact(instance).stiffness(one.indentation_max, true).abs() * distance;
+    if change > 0.0 { change / force } else { 0.0 }
 }
 
 /// Whether a period that leads from a state to this end bears it out: by the bound on the distance from the periodic

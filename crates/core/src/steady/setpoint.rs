@@ -1,6 +1,6 @@
 //! Set-points: the gap as one more unknown of the periodic state.
 
-use super::approach::{self, End};
+use super::approach::{self, DEEPEST, End};
 use super::missed::miss;
 use super::{PeriodicState, Settled, run};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
@@ -27,18 +27,21 @@ pub(super) fn begin(
     let poorest = BasisRule::Shares { accuracy: plan.policy.poorest };
     let wanted: Vec<(u32, BasisRule)> = plan.stepped().into_iter().map(|i| (i, poorest)).collect();
     let poor = plan.with_bases(&wanted);
-    let mut settled = approached(plan, &poor, engine, progress)?;
+    let (mut settled, mut too_deep) = approached(plan, &poor, engine, progress)?;
     let richer = |i: &u32| plan.driven(*i).kept.modes != poor.driven(*i).kept.modes;
     let steady = |i: &u32| settled.outcome.results[*i as usize].status.is_steady();
     let astray: Vec<u32> = plan.stepped().into_iter().filter(|i| richer(i) && !steady(i)).collect();
     if astray.is_empty() || progress.stopped() {
+        settled.outcome.notes.extend(depths(&settled, &too_deep));
         return Ok(settled);
     }
     let mut part = plan.part(&astray);
     let nominal: Vec<f64> = astray.iter().map(|i| poor.case(*i).gap).collect();
     part = part.with_gaps(&nominal);
     let own = part.clone();
-    let again = approached(&mut part, &own, engine, progress)?;
+    let (again, deeper) = approached(&mut part, &own, engine, progress)?;
+    too_deep.retain(|(i, _)| astray.binary_search(i).is_err());
+    too_deep.extend(deeper.into_iter().map(|(place, miss)| (astray[place as usize], miss)));
     plan.take_gaps(&astray, &part);
     settled.outcome.notes.extend(again.outcome.notes);
     for (place, (i, state)) in astray.into_iter().zip(again.found).enumerate() {
@@ -46,16 +49,31 @@ pub(super) fn begin(
         settled.periods[i as usize] += again.periods[place];
         settled.found[i as usize] = state;
     }
+    settled.outcome.notes.extend(depths(&settled, &too_deep));
     Ok(settled)
 }
 
-/// Approaches the plan's set-points `by` a plan of the same instances, and holds them.
+/// Says how far the set-points were that are not met as deep as they were looked for.
+fn depths(settled: &Settled, too_deep: &[(u32, f64)]) -> Option<String> {
+    let is_lost = |(i, _): &&(u32, f64)| settled.outcome.results[*i as usize].status == Status::NoSetpoint;
+    let lost: Vec<f64> = too_deep.iter().filter(is_lost).map(|(_, miss)| *miss).collect();
+    let (least, most) = (lost.iter().copied().reduce(f64::min)?, lost.iter().copied().reduce(f64::max)?);
+    Some(format!(
+        "{} set-points are not met as deep below the surface as they are looked for ([approach] deepest, {DEEPEST} free amplitudes \
+         without it). There they are still missed by {least:.3} to {most:.3}, as shares of the free amplitude or of the force, or \
+         in radians",
+        lost.len(),
+    ))
+}
+
+/// Approaches the plan's set-points `by` a plan of the same instances, and holds them. Those that were not met deep down come
+/// with it.
 fn approached(
     plan: &mut Plan,
     by: &Plan,
     engine: &dyn Engine,
     progress: &Progress,
-) -> Result<Settled, EngineError> {
+) -> Result<(Settled, Vec<(u32, f64)>), EngineError> {
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     let approached = approach::all(by, double, progress)?;
@@ -80,7 +98,7 @@ fn approached(
     let mut settled = some(plan, &reached, &near, engine, progress)?;
     settled.periods.iter_mut().zip(&approached.periods).for_each(|(all, some)| *all += some);
     settled.outcome.notes.splice(0..0, approached.notes);
-    Ok(settled)
+    Ok((settled, approached.too_deep))
 }
 
 /// Another run of a plan with set-points, from gaps and states that held them with other steps or levers.

@@ -1,6 +1,8 @@
 //! Waiting: until an instance has settled, at most as long as the scene says.
 
 use super::Settled;
+use super::found::SHALLOW;
+use super::measured::force_share;
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{Plan, StartState, Station};
@@ -9,6 +11,8 @@ use std::f64::consts::TAU;
 
 /// Share of the accuracy to which an instance has settled when it waits no longer.
 pub const SETTLED: f64 = 0.03;
+/// Forces that hang so much on the motion, as a share of the accuracy, are waited for to the end.
+const MOST: f64 = 1.0;
 /// A look is worth its while if so much longer a run is asked for; the next looks are that much later.
 const LATER: f64 = 1.5;
 
@@ -90,7 +94,8 @@ impl Waiting {
                 continue;
             }
             self.periods[i as usize] = until;
-            if !matches!(finished.status, Status::NotSteady | Status::NotRun) {
+            let hangs = !last && hangs(plan, i, &finished);
+            if !hangs && !matches!(finished.status, Status::NotSteady | Status::NotRun) {
                 continue;
             }
             self.left.push(i);
@@ -103,6 +108,15 @@ impl Waiting {
         self.done = until;
         Ok(())
     }
+}
+
+/// Whether forces hang on more of the motion than the accuracy of amplitudes tells: where the free oscillation grazes the sample, and
+/// where a tip rests on it. What is left to settle then counts for more.
+fn hangs(plan: &Plan, i: u32, finished: &Finished) -> bool {
+    let (amplitude, gap) = (plan.driven(i).free_amplitude(), plan.case(i).gap);
+    let rests = finished.measured.harmonics[0] < SHALLOW * amplitude
+        && force_share(plan, i, &finished.measured, SETTLED * amplitude) > MOST;
+    (amplitude - gap).abs() < SHALLOW * amplitude || rests
 }
 
 /// Numbers of periods after which to look, all below the scene's.

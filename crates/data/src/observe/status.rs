@@ -64,7 +64,7 @@ impl Status {
                 "its error is estimated, or was found by an audit, above the accuracy asked for (error_estimate, group audit)"
             }
             Self::NoSetpoint => {
-                "no gap was found that holds the set-point: the approach jumps past it and the way back does not meet it, or the sample is too soft for it; a curve over the gap shows which"
+                "no gap was found that holds the set-point: the approach jumps past it and the way back does not meet it, or the sample is too soft for it as deep as [approach] deepest says; a curve over the gap shows which"
             }
         }
     }

@@ -223,15 +223,46 @@ pub struct ApproachParams {
     pub gap: f64,
     /// What is held in place of the gap.
     pub held: Option<Held>,
+    /// What a set-point that is no force is of.
+    pub of: SetPointOf,
     /// On which branch, where both hold it; none is the one that an approach meets first.
     pub branch: Option<Branch>,
+    /// How far below the surface a set-point is looked for, m; none where the scene does not say.
+    pub deepest: Option<f64>,
+}
+
+impl ApproachParams {
+    /// What is held in place of the gap, by what the set-point is of.
+    pub fn target(&self) -> Option<Held> {
+        self.held.map(|held| match (held, self.of) {
+            (Held::Amplitude(share), SetPointOf::Deflection) => Held::Deflection(share),
+            (Held::Amplitude(degrees), SetPointOf::Phase) => Held::Phase(degrees),
+            _ => held,
+        })
+    }
+}
+
+/// What a set-point is of, where it is no force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SetPointOf {
+    /// The amplitude of the tip's travel, as a share of the free one.
+    #[default]
+    Tip,
+    /// The amplitude of the deflection, which a photodiode shows, as a share of the free one.
+    Deflection,
+    /// The lag of the tip's travel behind the drive, degree.
+    Phase,
 }
 
 /// What a feedback holds by moving the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held {
-    /// The amplitude, as a share of the free one.
+    /// The amplitude of the tip, as a share of the free one.
     Amplitude(f64),
+    /// The amplitude of the deflection, as a share of the free one.
+    Deflection(f64),
+    /// The lag of the tip, degree.
+    Phase(f64),
     /// The largest force, N.
     Force(f64),
 }
@@ -310,6 +341,6 @@ impl Default for DriveParams {
 
 impl Default for ApproachParams {
     fn default() -> Self {
-        Self { gap: 0.3e-9, held: None, branch: None }
+        Self { gap: 0.3e-9, held: None, of: SetPointOf::default(), branch: None, deepest: None }
     }
 }

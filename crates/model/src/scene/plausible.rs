@@ -76,7 +76,8 @@ static SIZES: &[Sizes] = &[
     sizes("drive.free_amplitude", [1e-15, 1e-3], PATHS),
     sizes("drive.base_amplitude", [1e-18, 1e-3], PATHS),
     sizes("approach.gap", [0.0, 1e-3], PATHS),
-    sizes("approach.setpoint", [0.05, 0.999], ANY),
+    sizes("approach.setpoint", [0.05, 360.0], ANY),
+    sizes("approach.deepest", [1e-12, 1e-3], PATHS),
     sizes("approach.force_setpoint", [1e-14, 1e-3], [1e-17, 1e-2]),
 ];
 /// Drives, of which the right size depends on the lever.

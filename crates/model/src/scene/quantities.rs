@@ -356,6 +356,14 @@ pub static QUANTITIES: &[Quantity] = &[
         get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
         set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
     },
-    held!("approach.setpoint", "amplitude set-point", Dimensionless, Share, Held::Amplitude),
+    held!("approach.setpoint", "amplitude set-point", Dimensionless, SetPoint, Held::Amplitude),
     held!("approach.force_setpoint", "force set-point", Force, Positive, Held::Force),
+    Quantity {
+        path: "approach.deepest",
+        long_name: "how far below the surface a set-point is looked for",
+        dimension: Dimension::Length,
+        domain: Domain::Positive,
+        get: |params, _| params.approach.deepest,
+        set: |params, _, value| params.approach.deepest = Some(value),
+    },
 ];

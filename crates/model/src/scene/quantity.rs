@@ -14,13 +14,19 @@ pub enum Domain {
     Positive,
     /// Above zero, or `inf`: rigid.
     PositiveOrInfinite,
-    /// Above 0, below 1.
-    Share,
+    /// Above 0; as a share below 1, as a phase below 360.
+    SetPoint,
     /// Above -1, at most 0.5.
     PoissonRatio,
     /// Above 0.5, or `inf`: undamped.
     QualityFactor,
 }
+
+/// What a set-point is to be, and what to do about one that is not.
+pub(super) const SETPOINT: (&str, &str) = (
+    "more than 0 and less than 1; of a phase, more than 0 and less than 360",
+    "give a share of the free amplitude between 0 and 1, such as 0.8, or degrees beside setpoint_of = \"phase\"",
+);
 
 impl Domain {
     /// Whether the value is allowed; NaN never is.
@@ -30,7 +36,7 @@ impl Domain {
             Self::NonNegative => value.is_finite() && value >= 0.0,
             Self::Positive => value.is_finite() && value > 0.0,
             Self::PositiveOrInfinite => value > 0.0,
-            Self::Share => value > 0.0 && value < 1.0,
+            Self::SetPoint => value > 0.0 && value < 360.0,
             Self::PoissonRatio => value > -1.0 && value <= 0.5,
             Self::QualityFactor => value > 0.5,
         }
@@ -41,7 +47,7 @@ impl Domain {
         match self {
             Self::Finite => (f64::NEG_INFINITY, f64::INFINITY),
             Self::NonNegative | Self::Positive | Self::PositiveOrInfinite => (0.0, f64::INFINITY),
-            Self::Share => (0.0, 1.0),
+            Self::SetPoint => (0.0, 360.0),
             Self::PoissonRatio => (-1.0, 0.5),
             Self::QualityFactor => (0.5, f64::INFINITY),
         }
@@ -57,7 +63,7 @@ impl Domain {
             }
             Self::Positive => "give a value above zero; a small one if it should hardly matter",
             Self::PositiveOrInfinite => "give a value above zero, or inf",
-            Self::Share => "give a share between 0 and 1, such as 0.8",
+            Self::SetPoint => SETPOINT.1,
             Self::PoissonRatio => "most solids have 0.2 to 0.45; 0.5 does not change its volume",
             Self::QualityFactor => "give a value above 0.5 (the motion must oscillate), or inf",
         }
@@ -70,7 +76,7 @@ impl Domain {
             Self::NonNegative => "zero or more",
             Self::Positive => "more than zero",
             Self::PositiveOrInfinite => "more than zero, or inf for rigid",
-            Self::Share => "more than 0 and less than 1",
+            Self::SetPoint => SETPOINT.0,
             Self::PoissonRatio => "more than -1 and at most 0.5 (incompressible)",
             Self::QualityFactor => "more than 0.5, or inf for undamped",
         }

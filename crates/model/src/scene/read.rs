@@ -47,6 +47,10 @@ pub(super) const DRIVE_ON: [(&str, DriveOn); 2] = [("actuator", DriveOn::Actuato
 pub(super) const BRANCHES_HELD: [(&str, Branch); 2] =
     [("attractive", Branch::Attractive), ("repulsive", Branch::Repulsive)];
 
+/// Keywords of `approach.setpoint_of`.
+pub(super) const SETPOINTS_OF: [(&str, SetPointOf); 3] =
+    [("tip", SetPointOf::Tip), ("deflection", SetPointOf::Deflection), ("phase", SetPointOf::Phase)];
+
 /// Reads the text of a scene; `path` is named in messages and kept.
 pub(super) fn parse(path: &Path, source: &str) -> Result<Scene, SceneError> {
     // Editors on Windows like to begin a file with a byte order mark; places are counted after it.
@@ -122,7 +126,8 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
         let text = values::text(value, "title").map(str::to_string);
         draft.faults.take(text)
     });
-    let sweep = draft.instance(document);
+    let mut sweep = draft.instance(document);
+    setpoint::name(&mut sweep, draft.params.approach.of);
     // What is not known of the instances cannot be wrong of the output.
     let known = draft.faults.is_empty();
     if known {
@@ -182,10 +187,10 @@ impl Draft {
         {
             self.params.drive.on = on;
         }
-        if let Some(table) = self.section(document, "approach", &["setpoint_branch"])
-            && let Some(branch) = self.choice(table, "approach.setpoint_branch", &BRANCHES_HELD)
-        {
-            self.params.approach.branch = Some(branch);
+        if let Some(table) = self.section(document, "approach", &["setpoint_branch", "setpoint_of"]) {
+            self.params.approach.branch = self.choice(table, "approach.setpoint_branch", &BRANCHES_HELD);
+            self.params.approach.of =
+                self.choice(table, "approach.setpoint_of", &SETPOINTS_OF).unwrap_or_default();
         }
         let mut sweep = sweep::read(document, self);
         design::read(document, &mut sweep, self);

@@ -7,7 +7,7 @@ use super::params::PRESET;
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::quoted::quoted;
-use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS};
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, SETPOINTS_OF};
 use super::zipped::SAMPLES;
 use super::{Axis, Drawn, Layout, Scene, curve, drawn, output};
 use crate::units::{Dimension, format as written};
@@ -49,6 +49,9 @@ impl Scene {
         self.write_section(text, "drive")?;
         writeln!(text, "\n[approach]")?;
         self.write_section(text, "approach")?;
+        if base.approach.of != SetPointOf::default() {
+            writeln!(text, "setpoint_of = {}", word(&SETPOINTS_OF, base.approach.of))?;
+        }
         if let Some(branch) = base.approach.branch {
             writeln!(text, "setpoint_branch = {}", word(&BRANCHES_HELD, branch))?;
         }

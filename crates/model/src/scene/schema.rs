@@ -10,7 +10,7 @@ use super::params::{LawChoice, Params};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
-use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS};
+use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF};
 use super::schema_parts::{object, told};
 use super::zipped::LABEL;
 use super::{STEPPED_MODES, schema_design};
@@ -95,14 +95,16 @@ impl Section<'_> {
                 properties.insert(key.into(), value);
             }
         }
-        let choice = match self.name {
-            "instrument.actuator" => Some(("model", word(&MODELS))),
-            "contact" => Some(("law", word(LawChoice::WORDS))),
-            "drive" => Some(("on", word(&DRIVE_ON))),
-            "approach" => Some(("setpoint_branch", word(&BRANCHES_HELD))),
-            _ => None,
+        let choices = match self.name {
+            "instrument.actuator" => vec![("model", word(&MODELS))],
+            "contact" => vec![("law", word(LawChoice::WORDS))],
+            "drive" => vec![("on", word(&DRIVE_ON))],
+            "approach" => {
+                vec![("setpoint_branch", word(&BRANCHES_HELD)), ("setpoint_of", word(&SETPOINTS_OF))]
+            }
+            _ => Vec::new(),
         };
-        if let Some((key, value)) = choice {
+        for (key, value) in choices {
             properties.insert(key.into(), told(value, &(self.describe)(&format!("{}.{key}", self.name))));
         }
         properties
@@ -264,7 +266,7 @@ fn number(domain: Domain) -> Value {
         Domain::Finite => json!({ "type": "number" }),
         Domain::NonNegative => json!({ "type": "number", "minimum": 0 }),
         Domain::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
-        Domain::Share => json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 }),
+        Domain::SetPoint => json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 360 }),
         Domain::PoissonRatio => json!({ "type": "number", "exclusiveMinimum": -1, "maximum": 0.5 }),
         Domain::QualityFactor | Domain::PositiveOrInfinite => {
             let least = if domain == Domain::QualityFactor { 0.5 } else { 0.0 };
