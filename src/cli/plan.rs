@@ -2,10 +2,10 @@
 
 use super::backend::{EngineArgs, say_choice};
 use super::table::TableArgs;
-use super::{Voice, planning, print, print_json};
+use super::{Voice, instances, planning, print, print_json};
 use afmsweep::Observer;
 use afmsweep::engine::estimate;
-use afmsweep::sweep::Choice;
+use afmsweep::sweep::{Choice, Forecast};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -28,21 +28,49 @@ pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
     let (plan, engine) = sweep.plan(&Told(Voice { quiet: voice.quiet || args.json, ..voice }))?;
     let scene = sweep.scene();
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
+    let forecast = sweep.forecast()?;
     let mut warnings = scene.warnings();
     warnings.extend(plan.doubts());
     if args.json {
         let mut answer = summary.json().clone();
         answer["from_preset"] = scene.from_preset().into_iter().map(|(path, _)| path).collect();
         answer["warnings"] = warnings.into();
+        answer["expected_time_s"] = forecast.expected.into();
         return print_json(&answer);
     }
-    let mut text = summary.to_string();
+    let mut text = told(&forecast);
+    text += &summary.to_string();
     for line in scene.preset_line().into_iter().chain(warnings.iter().map(|line| format!("warning: {line}")))
     {
         text += &line;
         text.push('\n');
     }
     print(&text)
+}
+
+/// The time that a run takes, by those of its instances that were run.
+fn told(forecast: &Forecast) -> String {
+    let Forecast { tried, seconds, expected } = *forecast;
+    match expected {
+        Some(expected) => format!(
+            "expected time {} on this machine: {} were run in {seconds:.2} s\n",
+            rounded(expected),
+            instances(tried)
+        ),
+        None => format!(
+            "no expected time: trials of a few instances took more than {seconds:.0} s and were stopped\n"
+        ),
+    }
+}
+
+/// A time that is good to a figure or two.
+fn rounded(seconds: f64) -> String {
+    match seconds {
+        0.0..10.0 => format!("{seconds:.1} s"),
+        10.0..600.0 => format!("{seconds:.0} s"),
+        600.0..36_000.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.0} h", seconds / 3600.0),
+    }
 }
 
 /// Says which engine would run.

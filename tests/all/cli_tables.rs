@@ -179,9 +179,10 @@ fn every_scene_loads_and_plans() {
         ));
         assert!(kept[0] > 0.5, "{name}: the first mode kept carries most: {kept:?}");
         assert!(plan["estimated_time_s"].as_f64().unwrap() > 0.0);
+        assert!(plan["expected_time_s"].as_f64().unwrap() > 0.0);
         assert!(plan["file_bytes"].as_u64().unwrap() > 0 && plan["memory_bytes"].as_u64().unwrap() > 0);
         let text = desk.works(&["plan", name]);
-        assert!(text.out.contains("steps/period") && text.out.contains("estimated time"), "{}", text.out);
+        assert!(text.out.contains("steps/period") && text.out.starts_with("expected time "), "{}", text.out);
         assert_eq!(text.err, "");
         assert!(!desk.path("results").exists(), "a plan writes nothing");
     }

@@ -94,7 +94,7 @@ impl Plan {
             bytes(self.memory_bytes())
         );
         if let Some(seconds) = seconds {
-            text += &format!("estimated time {seconds:.2} s\n");
+            text += &format!("at most {seconds:.2} s, if every instance takes all of its periods\n");
         }
         text
     }

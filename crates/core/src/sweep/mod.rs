@@ -36,6 +36,7 @@ mod carried;
 mod choice;
 mod choose;
 mod error;
+mod forecast;
 #[cfg(feature = "hdf5")]
 mod keeper;
 mod observer;
@@ -48,6 +49,7 @@ mod swept;
 pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUDIT_SHARE};
 pub use choice::Choice;
 pub use error::Error;
+pub use forecast::Forecast;
 #[cfg(feature = "hdf5")]
 pub use keeper::{Keeper, Share, command_of, is_of_merge, read_header};
 pub use observer::{Observer, Silent};

@@ -1,0 +1,201 @@
+//! How long a run will take here, from some of its instances that are run.
+
+use super::{Error, Prepared, Silent, Sweep};
+use crate::control::{self, InMemory};
+use crate::engine::Progress;
+use crate::scene::{Axis, Layout, Scene, Steady};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+/// Instances that are run each by itself, spread over all.
+const SPREAD: usize = 48;
+/// Instances of a sweep whose instances begin at one another's states: a part of it as dense as the whole.
+const DENSE: usize = 2048;
+/// Fewer instances of a design make no such part.
+const LEAST: usize = 4096;
+/// Time after which trials are stopped.
+const LONGEST: Duration = Duration::from_secs(10);
+/// What comes on top of stepping: the audit's tenth.
+const AUDIT: f64 = 1.1;
+
+/// What some instances tell of the time of all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Instances that were run, and what that took, s.
+    pub tried: usize,
+    pub seconds: f64,
+    /// Expected time of the whole run, s; none where the trials were stopped, since they took too long.
+    pub expected: Option<f64>,
+}
+
+/// Seconds of the choices, which do not grow with a sweep, and of each instance.
+#[derive(Clone, Copy)]
+struct Price {
+    choices: f64,
+    each: f64,
+}
+
+impl Sweep {
+    /// Runs some instances and tells how long a run of all takes: some spread over all, each by itself; where instances begin at
+    /// one another's states a dense part of the sweep as well, of which the price is corrected by how much dearer the spread
+    /// ones are than its own.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    pub fn forecast(&self) -> Result<Forecast, Error> {
+        let progress = Progress::default();
+        let start = Instant::now();
+        let tried = self.watched(&Silent, || {
+            std::thread::scope(|scope| {
+                let (end, ended) = mpsc::channel::<()>();
+                let progress = &progress;
+                scope.spawn(move || {
+                    if ended.recv_timeout(LONGEST).is_err_and(|why| why == mpsc::RecvTimeoutError::Timeout) {
+                        progress.stop();
+                    }
+                });
+                let tried = self.tried(progress);
+                drop(end);
+                tried
+            })
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        let (tried, expected) = tried;
+        Ok(Forecast { tried, seconds, expected: expected.filter(|_| !progress.stopped()) })
+    }
+
+    /// How many instances were run, and the expected time.
+    fn tried(&self, progress: &Progress) -> Result<(usize, Option<f64>), Error> {
+        let whole = |price: Price| AUDIT * (price.choices + price.each * self.scene.len() as f64);
+        let cold = self.clone().cold(true);
+        let (spread, count) = cold.price(thinned(&self.scene, SPREAD), progress)?;
+        let dense = match self.options.cold {
+            true => None,
+            false => part(&self.scene, DENSE),
+        };
+        let Some(part) = dense.filter(|_| !progress.stopped()) else {
+            return Ok((count, Some(whole(spread))));
+        };
+        let (dense, of_part) = self.price(part.clone(), progress)?;
+        let (alone, of_few) = cold.price(thinned(&part, SPREAD), progress)?;
+        let dearer = (spread.each / alone.each).max(0.1);
+        let price = Price { each: dense.each * if dearer.is_finite() { dearer } else { 1.0 }, ..dense };
+        Ok((count + of_part + of_few, Some(whole(price))))
+    }
+
+    /// What a scene's instances cost, run as this sweep's are, and how many there are.
+    fn price(&self, scene: Scene, progress: &Progress) -> Result<(Price, usize), Error> {
+        let count = scene.len();
+        let course = Prepared::course(&self.options, &scene);
+        let small = Self { scene, ..self.clone() };
+        let (plan, engine) = small.plan(&Silent)?;
+        let start = Instant::now();
+        let chosen = control::choose(&plan, course, engine.as_ref(), progress)?;
+        let choices = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        if let Some(chosen) = chosen {
+            control::carry_out(plan, &chosen, &InMemory::default(), engine.as_ref(), progress)?;
+        }
+        Ok((Price { choices, each: start.elapsed().as_secs_f64() / count.max(1) as f64 }, count))
+    }
+}
+
+/// The scene with every so many of its values, until there are no more instances than these; curves stay whole.
+fn thinned(scene: &Scene, most: usize) -> Scene {
+    let mut small = scene.clone();
+    let curve = match small.sweep.curve {
+        Some(curve) => 1 + usize::from(curve.both),
+        None => 0,
+    };
+    while small.len() > most {
+        let axes = small.sweep.axes.len() - curve.min(small.sweep.axes.len());
+        let list = small.sweep.layout == Layout::List;
+        let Some(longest) = (0..axes)
+            .filter(|n| length(&small.sweep.axes[*n]) > 1)
+            .max_by_key(|n| length(&small.sweep.axes[*n]))
+        else {
+            break;
+        };
+        let every = small.len().div_ceil(most).clamp(2, length(&small.sweep.axes[longest]));
+        for (n, axis) in small.sweep.axes.iter_mut().enumerate() {
+            if n == longest || list {
+                choose(axis, |at| at % every == every / 2);
+            }
+        }
+    }
+    small.output.waveforms = None;
+    small
+}
+
+/// A part from the middle of the scene's sweep, as dense as that; none where its instances do not begin at one another's states.
+fn part(scene: &Scene, most: usize) -> Option<Scene> {
+    let alone =
+        scene.run.steady == Steady::Wait || scene.sweep.curve.is_some() || scene.base.approach.held.is_some();
+    if alone || scene.len() < LEAST {
+        return None;
+    }
+    let mut small = scene.clone();
+    while small.len() > most {
+        let list = small.sweep.layout == Layout::List;
+        let longest = (0..small.sweep.axes.len()).max_by_key(|n| length(&small.sweep.axes[*n]))?;
+        let all = length(&small.sweep.axes[longest]);
+        let (from, to) = (all / 4, all / 4 + all.div_ceil(2));
+        for (n, axis) in small.sweep.axes.iter_mut().enumerate() {
+            if n == longest || list {
+                choose(axis, |at| (from..to).contains(&at));
+            }
+        }
+    }
+    small.output.waveforms = None;
+    Some(small)
+}
+
+fn length(axis: &Axis) -> usize {
+    axis.values.len()
+}
+
+/// Keeps some places of an axis.
+fn choose(axis: &mut Axis, keeps: impl Fn(usize) -> bool + Copy) {
+    let places = || (0..axis.values.len()).filter(|at| keeps(*at));
+    let words = places().filter_map(|at| axis.words.get(at).cloned()).collect();
+    let values = places().map(|at| axis.values[at]).collect::<Vec<f64>>();
+    (axis.words, axis.values) = (words, values.into());
+    axis.columns.iter_mut().for_each(|column| choose(column, keeps));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A million, of which a part is as dense, and few are spread evenly; a design; curves, which stay whole.
+    #[test]
+    fn parts_are_dense_and_samples_spread() {
+        let scene = |swept: &str| {
+            let text = format!(
+                "[instrument.cantilever]\nstiffness = \"40 N/m\"\nfrequency = \"300 kHz\"\nquality_factor = 100\n[drive]\non = \"tip\"\n\
+                 frequency = \"resonance\"\nfree_amplitude = \"20 nm\"\n{swept}\n[run]\nsteady = \"search\""
+            );
+            Scene::parse(Path::new("forecast.toml"), &text).unwrap_or_else(|error| panic!("{error}"))
+        };
+        let axes = "[sweep]\n\"sample.youngs_modulus\" = { from = \"1 GPa\", to = \"5 GPa\", points = 500 }\n\
+                    \"approach.gap\" = { from = \"10 nm\", to = \"18 nm\", points = 400 }";
+        let grid = scene(axes);
+        let dense = part(&grid, DENSE).expect("its instances begin at one another's states");
+        let step = |scene: &Scene| scene.sweep.axes[1].values[1] - scene.sweep.axes[1].values[0];
+        assert!((DENSE / 2..=DENSE).contains(&dense.len()), "{}", dense.len());
+        assert!((step(&dense) - step(&grid)).abs() < 1e-12 * step(&grid));
+        let few = thinned(&grid, SPREAD);
+        let ends = |scene: &Scene| {
+            (scene.sweep.axes[1].values[0], *scene.sweep.axes[1].values.last().expect("it has values"))
+        };
+        assert!((SPREAD / 4..=SPREAD).contains(&few.len()), "{}", few.len());
+        assert!(ends(&few).0 < 12e-9 && ends(&few).1 > 16e-9, "{:?}", ends(&few));
+        let curves = scene(
+            "[sweep]\n\"sample.youngs_modulus\" = { from = \"1 GPa\", to = \"5 GPa\", points = 100 }\n[curve]\nquantity = \
+             \"approach.gap\"\nfrom = \"25 nm\"\nto = \"10 nm\"\npoints = 30\ndirection = \"both\"",
+        );
+        let few = thinned(&curves, SPREAD);
+        assert!(few.len() == 60 && part(&curves, DENSE).is_none());
+    }
+}
