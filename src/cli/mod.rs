@@ -34,6 +34,7 @@ mod words;
 use afmsweep::Error;
 use afmsweep::report::shown;
 use afmsweep::scene::{Scene, SceneError};
+use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -247,9 +248,18 @@ fn values(scene: &Scene, instance: usize) -> String {
     words.join(", ")
 }
 
-/// Reads a scene; its error keeps its place in the file.
+/// What stands for a scene that comes on standard input, and what it is called.
+const STANDARD_INPUT: (&str, &str) = ("-", "stdin.toml");
+
+/// Reads a scene, `-` from standard input; its error keeps its place in the file.
 fn load(path: &Path) -> anyhow::Result<Scene> {
-    Ok(Scene::load(path)?)
+    match path == Path::new(STANDARD_INPUT.0) {
+        true => {
+            let text = std::io::read_to_string(std::io::stdin()).context("cannot read standard input")?;
+            Ok(Scene::parse(Path::new(STANDARD_INPUT.1), &text)?)
+        }
+        false => Ok(Scene::load(path)?),
+    }
 }
 
 /// Writes to standard output; a reader that has gone away (`| head`) is no error.

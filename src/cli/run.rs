@@ -9,7 +9,7 @@ use super::prepare;
 use super::signals;
 use super::stopped::Stopped;
 use super::table::TableArgs;
-use super::{Voice, planning, print_json, values};
+use super::{STANDARD_INPUT, Voice, planning, print_json, values};
 use afmsweep::control::Ran;
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, Earlier, Journal, RunFile};
@@ -26,7 +26,7 @@ use told::Told;
     after_help = "Examples: afmsweep run lever.toml\n          afmsweep run lever.toml -o lever.h5 --threads 8 --strict"
 )]
 pub struct RunArgs {
-    /// Scene file (TOML)
+    /// Scene file (TOML), or - for standard input
     scene: PathBuf,
     /// Results file [default: results/<scene>.h5]
     #[arg(short, long)]
@@ -107,7 +107,8 @@ pub(super) fn command_line() -> String {
 
 /// `results/<scene>.h5`, in the current folder; of a share `results/<scene>.K-of-N.h5`.
 pub(super) fn default_output(scene: &Path, ending: &str) -> PathBuf {
-    let stem = scene.file_stem().unwrap_or(scene.as_os_str());
+    let named = if scene == Path::new(STANDARD_INPUT.0) { Path::new(STANDARD_INPUT.1) } else { scene };
+    let stem = named.file_stem().unwrap_or(named.as_os_str());
     let mut name = stem.to_owned();
     name.push(ending);
     Path::new("results").join(name)

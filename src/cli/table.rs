@@ -1,5 +1,6 @@
 //! Points of another program for a scene: `--table` and `--names`.
 
+use super::{STANDARD_INPUT, load};
 use afmsweep::scene::Scene;
 use anyhow::Context;
 use std::path::{Path, PathBuf};
@@ -18,10 +19,13 @@ pub struct TableArgs {
 impl TableArgs {
     /// Reads the scene, with the table as its `[design]`.
     pub fn load(&self, path: &Path) -> anyhow::Result<Scene> {
-        let Some(table) = &self.table else { return Ok(Scene::load(path)?) };
+        let Some(table) = &self.table else { return load(path) };
         // As a scene that says so itself: whoever reads the results sees where the points came from.
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let (path, text) = match path == Path::new(STANDARD_INPUT.0) {
+            true => (Path::new(STANDARD_INPUT.1), std::io::read_to_string(std::io::stdin())),
+            false => (path, std::fs::read_to_string(path)),
+        };
+        let text = text.with_context(|| format!("cannot read {}", path.display()))?;
         let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
         let beside = path.parent().is_none_or(|folder| folder.as_os_str().is_empty());
         // A scene looks for its files in its own folder.

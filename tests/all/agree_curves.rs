@@ -4,9 +4,9 @@
 use crate::support::follow::Motion;
 use crate::support::laws::Law;
 use crate::support::sweeper::{Mode, Place, Sweeper};
-use afmsweep::control::{self, Controlled, InMemory};
+use afmsweep::control::{self, Controlled};
 use afmsweep::engine::{Cpu, Engine, EngineError, Outcome, Progress, on_threads};
-use afmsweep::observe::{Measured, Status};
+use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use afmsweep::steady;
@@ -47,28 +47,28 @@ observables = ["amplitude", "phase", "force_max", "force_mean"]
 
 /// What differs from system to system.
 #[derive(Clone, Copy)]
-struct System {
-    modes: &'static [Mode],
-    law: &'static str,
+pub struct System {
+    pub modes: &'static [Mode],
+    pub law: &'static str,
     /// Work of adhesion, mJ/m^2.
-    energy: f64,
+    pub energy: f64,
     /// Amplitude of the driving force, nN.
-    force: f64,
+    pub force: f64,
     /// Where the curve is of another quantity, nm.
-    gap: f64,
+    pub gap: f64,
     /// The quantity, its unit with its size, and the values from, to and in how many points.
-    curve: (&'static str, (&'static str, f64), (f64, f64, usize)),
+    pub curve: (&'static str, (&'static str, f64), (f64, f64, usize)),
     /// Jumps on both ways together.
-    jumps: usize,
+    pub jumps: usize,
 }
 
 const STIFF: Mode = Mode { stiffness: 26.0, frequency: 300e3, quality: 450.0 };
 const SECOND: Mode = Mode { stiffness: 1021.0, frequency: 1.88e6, quality: 600.0 };
-const DAMPED: Mode = Mode { stiffness: 40.0, frequency: 300e3, quality: 100.0 };
+pub const DAMPED: Mode = Mode { stiffness: 40.0, frequency: 300e3, quality: 100.0 };
 const HARD: Mode = Mode { stiffness: 40.0, frequency: 300e3, quality: 400.0 };
-const GAP: &str = "approach.gap";
-const NM: (&str, f64) = ("nm", 1e-9);
-const KHZ: (&str, f64) = ("kHz", 1e3);
+pub const GAP: &str = "approach.gap";
+pub const NM: (&str, f64) = ("nm", 1e-9);
+pub const KHZ: (&str, f64) = ("kHz", 1e3);
 
 /// 20 nm over a sticky polymer: at first on the attractive branch.
 const BISTABLE: System = System {
@@ -112,32 +112,8 @@ const FREQUENCY: System = System {
     curve: ("drive.frequency", KHZ, (298.0, 300.0, 41)),
     jumps: 2,
 };
-/// The same without adhesion, the gap at 0.8 of the largest amplitude: contact goes on far beyond the frequency at which the free
-/// oscillation no longer reaches the sample, to a fold; on the way down it begins where the free amplitude is the gap.
-const BEYOND: System = System {
-    modes: &[DAMPED],
-    law: "hertz",
-    energy: 0.0,
-    force: 8.0,
-    gap: 16.0,
-    curve: ("drive.frequency", KHZ, (298.0, 303.0, 26)),
-    jumps: 2,
-};
-/// A soft lever, of which the free oscillation is 0.3 of what adhesion pulls it down by: the tip snaps in at that gap, and is held far
-/// beyond it.
-const HELD: System = System {
-    modes: &[SOFT],
-    law: "jkr",
-    energy: 30.0,
-    force: 0.00849,
-    gap: 5.0,
-    curve: (GAP, NM, (3.05, -0.95, 21)),
-    jumps: 2,
-};
-const SOFT: Mode = Mode { stiffness: 0.5, frequency: 300e3, quality: 50.0 };
-
 impl System {
-    fn law(&self) -> Law {
+    pub fn law(&self) -> Law {
         let soft = (1.0 - 0.34f64.powi(2)) / 2.0e9 + (1.0 - 0.28f64.powi(2)) / 130e9;
         let (k, r, w) = (4.0 / 3.0 / soft, 10e-9, 1e-3 * self.energy);
         match self.law {
@@ -147,7 +123,7 @@ impl System {
         }
     }
 
-    fn scene(&self, accuracy: f64) -> Scene {
+    pub fn scene(&self, accuracy: f64) -> Scene {
         let mode = |Mode { stiffness, frequency, quality }: &Mode| {
             format!(
                 "{{ stiffness = \"{stiffness} N/m\", frequency = \"{frequency} Hz\", quality_factor = {quality} }}"
@@ -171,14 +147,14 @@ impl System {
         Scene::parse(Path::new("curve.toml"), &text).expect("the scene is whole")
     }
 
-    fn place(&self, value: f64) -> Place {
+    pub fn place(&self, value: f64) -> Place {
         let at = Place { gap: 1e-9 * self.gap, frequency: 300e3, force: 1e-9 * self.force };
         if self.curve.0 == GAP { Place { gap: value, ..at } } else { Place { frequency: value, ..at } }
     }
 
     /// The integrator's motions in the order of the file: there, then back from the first point on. Beside each the free
     /// amplitude there.
-    fn truth(&self, values: &[f64]) -> Vec<(Motion, f64)> {
+    pub fn truth(&self, values: &[f64]) -> Vec<(Motion, f64)> {
         let free = |value: f64| Sweeper::free(self.modes, self.law(), self.place(value));
         let mut one = free(values[0]);
         one.scale = values.iter().map(|value| free(*value).scale).fold(0.0, f64::max);
@@ -190,15 +166,15 @@ impl System {
     }
 }
 
-fn run(scene: &Scene) -> Controlled {
+pub fn run(scene: &Scene) -> Controlled {
     let plan = Plan::new(scene, Precision::F64).expect("the scene can be planned");
     control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs")
 }
 
 /// Motions farther apart than this share of the free amplitude are of two branches.
-const BRANCHES: f64 = 0.05;
+pub const BRANCHES: f64 = 0.05;
 
-fn agrees(system: System) {
+pub fn agrees(system: System) {
     let mut truth = Vec::new();
     for accuracy in [1e-3, 1e-4] {
         let scene = system.scene(accuracy);
@@ -254,82 +230,6 @@ fn two_modes_jump_where_slow_stepping_does() {
 #[test]
 fn a_frequency_sweep_jumps_where_slow_stepping_does() {
     agrees(FREQUENCY);
-}
-
-#[test]
-fn contact_lasts_beyond_the_free_amplitude_as_slow_stepping_has_it() {
-    agrees(BEYOND);
-}
-
-#[test]
-fn adhesion_holds_a_soft_lever_beyond_its_free_amplitude_as_slow_stepping_has_it() {
-    agrees(HELD);
-}
-
-/// At a fold a multiplier reaches 1, as the square root of the way that is left to it. Truth: the integrator, which lets go at the
-/// same frequency, and that law.
-#[test]
-fn contact_beyond_the_free_amplitude_ends_where_a_multiplier_reaches_one() {
-    let system = System { curve: ("drive.frequency", KHZ, (300.0, 303.0, 301)), jumps: 1, ..BEYOND };
-    let text = system.scene(1e-5).source.replace("\"both\"", "\"forward\"");
-    let scene = Scene::parse(Path::new("fold.toml"), &text).expect("it is whole");
-    let values = &scene.sweep.axes[0].values;
-    let run = run(&scene);
-    let jump = run.jumps.iter().position(|jump| *jump).expect("the branch ends");
-    let multiplier = |n: usize| run.found.get(n).expect("it is found").spectrum.multiplier;
-    // (1 - multiplier)^2 falls in a straight line to 0 at the fold.
-    let left = |n: usize| (1.0 - multiplier(n)).powi(2);
-    let fold = values[jump - 1]
-        + (values[jump - 1] - values[jump - 2]) * left(jump - 1) / (left(jump - 2) - left(jump - 1));
-    println!("jumps at {} Hz, multiplier {} before, 1 at {fold} Hz", values[jump], multiplier(jump - 1));
-    assert!(multiplier(jump - 1) > 0.985 && multiplier(jump) < 0.97);
-    assert!(values[jump - 1] <= fold && fold <= values[jump], "{fold}");
-    let mut slow = Sweeper::free(system.modes, system.law(), system.place(values[0]));
-    let end = values.iter().skip(1).position(|value| {
-        let motion = slow.go(system.place(*value)).expect("it settles");
-        motion.amplitude < 16e-9
-    });
-    assert_eq!(end.map(|n| n + 1), Some(jump));
-}
-
-/// Second states are looked for where the free oscillation does not reach the sample, too. Truth: the integrator, which holds contact
-/// on one way and is free on the other.
-#[test]
-fn second_states_beyond_the_free_amplitude_are_those_of_the_way_that_keeps_contact() {
-    for system in [BEYOND, HELD] {
-        let (path, (unit, _), (from, to, points)) = system.curve;
-        let scene = system.scene(1e-3);
-        let (before, _) = scene.source.split_once("[curve]").expect("it has a curve");
-        let text = format!(
-            "{before}[sweep]\n\"{path}\" = {{ from = \"{from} {unit}\", to = \"{to} {unit}\", points = {points} }}\n\
-             [run]\nsteady = \"search\"\nbranches = \"both\"\n[output]\nobservables = [\"amplitude\", \"phase\", \"force_mean\"]"
-        );
-        let swept = Scene::parse(Path::new("both.toml"), &text).expect("it is whole");
-        let truth = system.truth(&scene.sweep.axes[1].values);
-        let run = run(&swept);
-        let (engine, progress) = (Cpu::default(), Progress::default());
-        let shape = swept.sweep.shape();
-        let others =
-            control::others(&run, &shape, &InMemory::default(), &engine, &progress).expect("they are found");
-        let motion = |one: &Measured| Motion { amplitude: one.harmonics[0], phase: one.phase };
-        let mut second = 0;
-        for n in 0..points {
-            let [(there, free), (back, _)] = [truth[n], truth[points + n]];
-            if there.apart(&back) <= BRANCHES * free {
-                continue;
-            }
-            second += 1;
-            let ours = motion(&run.results.get(n).measured);
-            let other = others.states.iter().find(|one| one.instance as usize == n);
-            let other = motion(
-                &other.unwrap_or_else(|| panic!("{path}: point {n} has a second state")).finished.measured,
-            );
-            let off = |a: &Motion, b: &Motion| ours.apart(a).max(other.apart(b)) / free;
-            assert!(off(&there, &back).min(off(&back, &there)) < 1e-3, "{path}: point {n}");
-        }
-        println!("{path}: {second} second states");
-        assert!(second > 8, "{second}");
-    }
 }
 
 /// A curve's states do not depend on how many threads there are and on what is followed beside it, to the bit.
@@ -423,6 +323,6 @@ fn jumps_that_move_with_the_steps_are_told() {
     let (rough, fine) = (run(0.05), run(5e-4));
     println!("jumps at points {} and {}", place(&rough), place(&fine));
     assert_ne!(place(&fine), place(&rough));
-    let told = |run: &Controlled| run.notes.iter().any(|note| note.contains("stand at another point"));
+    let told = |run: &Controlled| run.notes.iter().any(|note| note.contains("jumps stand at another point"));
     assert!(told(&rough), "{:?}", rough.notes);
 }

@@ -170,7 +170,7 @@ fn every_quantity_has_its_unit_default_and_range() {
             let written = address.written(value);
             assert!(default.contains(&format!("`{written}`")), "{}: {default}, not {written}", quantity.path);
         }
-        if matches!(quantity.domain, Domain::PoissonRatio | Domain::Share) || key == "drive" {
+        if matches!(quantity.domain, Domain::PoissonRatio | Domain::SetPoint) || key == "drive" {
             assert_eq!(*range, quantity.domain.described(), "{}", quantity.path);
             continue;
         }

@@ -23,6 +23,7 @@ mod study;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod agree_beyond;
 mod agree_branches;
 mod agree_compare;
 mod agree_contacts;

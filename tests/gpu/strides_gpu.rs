@@ -76,9 +76,12 @@ pub fn led(engine: &dyn Engine, (plan, guesses): &(Plan, Guesses)) -> Ends {
 
 /// Everything of an end, to the bit; of what is not found no result.
 fn bits((guesses, arrivals): &Ends, n: usize) -> Vec<u64> {
-    let Arrived { phase, periods, finished } = &arrivals.all[n];
+    let Arrived { phase, periods, finished, touching } = &arrivals.all[n];
     let numbers = guesses.place(n).iter().chain(guesses.undoes(n)).map(|value| value.to_bits());
-    numbers.chain([*phase as u64, u64::from(*periods)]).chain(shader::bits(finished)).collect()
+    numbers
+        .chain([*phase as u64, u64::from(*periods), u64::from(*touching)])
+        .chain(shader::bits(finished))
+        .collect()
 }
 
 /// How many ends are the same; an error where one is not.

@@ -2,7 +2,7 @@
 
 use crate::cli::backend::say_choice;
 use crate::cli::progress::Shown;
-use crate::cli::{Voice, audit, instances};
+use crate::cli::{Voice, audit, instances, values};
 use afmsweep::control::Ran;
 use afmsweep::engine::{Engine, Progress};
 use afmsweep::plan::Plan;
@@ -13,6 +13,9 @@ use afmsweep::{Observer, Scene, Status};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
+
+/// Quantities of which the preset's values are those of nobody's own sample and tip.
+const DECIDES: [&str; 2] = ["sample.youngs_modulus", "instrument.tip.radius"];
 
 /// What is said before a run steps, and how far it is then.
 pub(super) struct Told<'a> {
@@ -46,7 +49,10 @@ impl Observer for Told<'_> {
             engine.device(),
             if plan.precision_settled().is_none() { "f32 or f64" } else { plan.precision.name() }
         ));
-        self.scene.preset_line().iter().for_each(|line| voice.say(line));
+        let from_preset = self.scene.from_preset();
+        let decides = |(path, _): &(String, f64)| DECIDES.contains(&path.as_str());
+        let word = if from_preset.iter().any(decides) { "warning: " } else { "" };
+        self.scene.preset_line().iter().for_each(|line| voice.say(format_args!("{word}{line}")));
         for line in self.scene.warnings().iter().chain(&plan.doubts()) {
             voice.say(format_args!("warning: {line}"));
         }
@@ -68,14 +74,47 @@ pub(super) fn end(scene: &Scene, swept: &Kept, unaudited: bool, voice: Voice) ->
         searched(swept, voice)?;
     }
     close(swept, voice);
+    if swept.stepping > LONG {
+        hardest(scene, &swept.run, voice)?;
+    }
     precision(&swept.run, voice);
     audit::accuracy(scene, &swept.run, &swept.verdict, unaudited, voice)
+}
+
+/// Stepping of more seconds has its hardest instance named, if that took so large a share of the last runs' steps.
+const LONG: f64 = 5.0;
+const MUCH: f64 = 0.1;
+
+/// Names the instance that took the most steps, where they are many of all.
+fn hardest(scene: &Scene, run: &Ran, voice: Voice) -> anyhow::Result<()> {
+    let (mut all, mut most) = (0.0, (0.0, 0, 0));
+    run.each(&mut |piece| {
+        let plan = piece.plan();
+        for (n, i) in plan.instances().zip(piece.instances) {
+            let work = f64::from(plan.steps(n)) * f64::from(piece.periods(n as usize));
+            all += work;
+            if work > most.0 {
+                most = (work, *i, plan.steps(n));
+            }
+        }
+        ControlFlow::Continue(())
+    })?;
+    let (work, instance, steps) = most;
+    if run.len() > 1 && work > MUCH * all {
+        voice.say(format_args!(
+            "{:.0} % of the steps were those of instance {instance} ({}), {steps} a period",
+            100.0 * work / all,
+            values(scene, instance as usize)
+        ));
+    }
+    Ok(())
 }
 
 /// What a search found.
 fn searched(swept: &Kept, voice: Voice) -> anyhow::Result<()> {
     let Kept { run, others, .. } = swept;
     let stepped = run.marks().iter().filter(|mark| mark.stepped()).count();
+    let without = run.count(Status::NoSetpoint);
     let mut spent: Vec<u32> = Vec::new();
     run.each(&mut |piece| {
         let found = piece.instances.iter().enumerate().filter(|(_, i)| run.marks()[**i as usize].found());
@@ -87,10 +126,15 @@ fn searched(swept: &Kept, voice: Voice) -> anyhow::Result<()> {
         .get(spent.len() / 2)
         .map_or(String::new(), |count| format!(", {count} periods each in the middle"));
     voice.say(format_args!(
-        "search: periodic states of {} of {}{middle}; {} waited for",
+        "search: periodic states of {} of {}{middle}; {} waited for{}",
         spent.len(),
         instances(stepped),
-        stepped - spent.len()
+        stepped - spent.len() - without,
+        if without > 0 {
+            format!("; {without} without a gap that holds the set-point")
+        } else {
+            String::new()
+        }
     ));
     let started = run.neighbour_started();
     if started > 0.0 {

@@ -186,10 +186,10 @@ pub fn audit_of(
     progress: &Progress,
 ) -> Result<Vec<Audited>, EngineError> {
     let Controlled { plan, results, .. } = run;
-    progress.stage(&["audit"]);
     if chosen.is_empty() {
         return Ok(Vec::new());
     }
+    progress.stage(&["audit"]);
     let truths = truths_of(run, chosen, keep, progress)?;
     let one = |(&instance, truth): (&u32, Finished)| {
         let ours = results.get(instance as usize);

@@ -200,8 +200,7 @@ fn moved(
     let moved = steady::jumps_moved(&plan, &settled.jumps, (before, &settled.found), double, progress)?;
     Ok((moved > 0).then(|| {
         format!(
-            "{moved} of {all} jumps stand at another point with more steps than the one that `jump` marks: finer [run] accuracy \
-             tells where"
+            "with other numbers of steps {moved} of {all} jumps stand at another point: finer [run] accuracy tells where"
         )
     }))
 }

@@ -50,7 +50,7 @@ pub struct Arrived {
     /// The last period measured, where the state that it began at was found; whether that is steady is not judged by how it
     /// changes.
     pub finished: Finished,
-    /// Whether that period ends in contact.
+    /// Whether that period ends in contact; false where no state was found.
     pub touching: bool,
 }
 

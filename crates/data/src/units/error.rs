@@ -107,8 +107,13 @@ impl UnitError {
             UnitErrorKind::MissingUnit => {
                 // Zero is zero in any unit; any other number's unit is a guess, so offer the usual ones.
                 let usual = expected.usual_units();
-                let shown: Vec<String> = if number.times_ten_to(0) == Some(0.0) {
+                let si = number.times_ten_to(0).unwrap_or(f64::NAN);
+                let small = si.abs() > 0.0 && si.abs() < SMALL && !usual.contains(&expected.si_unit());
+                let shown: Vec<String> = if si == 0.0 {
                     vec![format!("\"{value} {}\"", expected.si_unit())]
+                } else if small {
+                    // A program's number, in the unit without a prefix.
+                    vec![format!("\"{}\", if it is in {}", super::format(si, expected), expected.si_unit())]
                 } else {
                     usual.iter().take(2).map(|unit| format!("\"{value} {unit}\"")).collect()
                 };
@@ -148,6 +153,9 @@ impl fmt::Display for UnitError {
         }
     }
 }
+
+/// A number without its unit that is smaller than this is one in the unit without a prefix.
+const SMALL: f64 = 1e-3;
 
 impl std::error::Error for UnitError {}
 

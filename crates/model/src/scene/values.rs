@@ -186,7 +186,8 @@ pub(super) fn keyword<T: Copy>(value: &Value, path: &str, words: &[(&str, T)]) -
 pub(super) fn unknown_key(key: &Key, section: &str, known: &[&str]) -> Box<Fault> {
     let found = key.get_ref().as_ref();
     let place = if section.is_empty() { "the scene".to_string() } else { format!("[{section}]") };
-    let help = synonyms::help(found, known.iter().copied())
+    let help = aside(section, found)
+        .or_else(|| synonyms::help(found, known.iter().copied()))
         .or_else(|| nearest(found, known.iter().copied()).map(|meant| format!("did you mean `{meant}`?")))
         .or_else(|| home_of(found).map(|home| format!("`{found}` belongs in [{home}]")))
         .or_else(|| elsewhere(found));
@@ -195,6 +196,14 @@ pub(super) fn unknown_key(key: &Key, section: &str, known: &[&str]) -> Box<Fault
         .expected(format!("one of {}", known.join(", ")))
         .help("remove the line, or put one of these keys")
         .maybe_help(help)
+}
+
+/// What to know of a key that another section has, and this one cannot.
+fn aside(section: &str, key: &str) -> Option<String> {
+    let thickness = (section, key) == ("sample", "thickness");
+    thickness.then(|| {
+        "the sample is thick and flat: the laws know no layer on a ground (docs/model.md)".to_owned()
+    })
 }
 
 /// Where what the word stands for has its place.

@@ -79,7 +79,7 @@ impl Errand for Strides<'_> {
                 (0..fields).map(|field| table.get(field * count + i)).collect()
             };
             let place = of(&left.places, numbers).iter().map(|number| number * LENGTH).collect::<Vec<f64>>();
-            let touching = left.saved[i].touching > 0.0;
+            let touching = phase == Phase::Found && left.saved[i].touching > 0.0;
             (Arrived { phase, periods, finished, touching }, place, of(&left.undoes, size))
         };
         let told: Vec<_> = class.instances.par_iter().enumerate().map(one).collect();

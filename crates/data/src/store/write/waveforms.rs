@@ -21,7 +21,7 @@ pub(super) fn write(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
     };
     for (name, units, long_name, rows) in [
         ("tip_travel", "m", "travel of the tip", &waveforms.tip_travel),
-        ("actuator_top", "m", "travel of the actuator's top", &waveforms.actuator_top),
+        ("actuator_top", "m", "travel of the actuator's top, or of a rigid base", &waveforms.actuator_top),
         ("indentation", "m", "indentation, negative for a gap", &waveforms.indentation),
         ("force", "N", "force on the tip, positive away from the sample", &waveforms.force),
     ] {
