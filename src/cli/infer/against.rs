@@ -69,11 +69,11 @@ fn answer(
 ) -> Answer {
     let panels = compared(curve, seen, &fit, options);
     let axis = curve.coordinate();
-    let words = if axis.long_name.is_empty() { &axis.name } else { &axis.long_name };
+    let words = place::path(axis).rsplit('.').next().unwrap_or_default().replace('_', " ");
     let mut free = Vec::new();
     if let (Some(prior), Some(values)) = (seen.free.offset, &fit.offset) {
         let long = match seen.travels {
-            true => format!("{words} at no travel of the base"),
+            true => format!("{words} without travel of the base"),
             false => format!("offset of the {words}"),
         };
         free.push((quantity(format!("{}_offset", axis.name), long, &axis.units, values), prior));
@@ -85,7 +85,7 @@ fn answer(
     }
     let along = match seen.travels {
         true => "travel of the base".to_owned(),
-        false => words.clone(),
+        false => words,
     };
     Answer {
         at,

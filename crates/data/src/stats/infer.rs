@@ -63,7 +63,7 @@ pub fn posterior(
     let chi_squared: Vec<f64> = rows.iter().map(miss).collect();
     let best = chi_squared.iter().copied().fold(f64::INFINITY, f64::min);
     let logs: Vec<f64> = chi_squared.iter().map(|chi| -0.5 * chi).collect();
-    weighed(rows, &logs, best, study.rows())
+    weighed(rows, &logs, (best, observed.len()), study.rows())
 }
 
 /// The rows that count, by the status of each.
@@ -88,11 +88,12 @@ pub(super) fn counted(study: &Study, status: &[u8], options: &Options) -> Result
     })
 }
 
-/// Rows with the logarithms of their likelihoods, of so many rows in all.
+/// Rows with the logarithms of their likelihoods, of so many rows in all; how well the best of them agrees with how many
+/// values.
 pub(super) fn weighed(
     rows: Vec<usize>,
     logs: &[f64],
-    best_chi_squared: f64,
+    (best_chi_squared, values): (f64, usize),
     of: usize,
 ) -> Result<Posterior, StatsError> {
     let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -107,6 +108,7 @@ pub(super) fn weighed(
             effective: if effective.is_nan() { 0.0 } else { effective },
             rows: rows.len(),
             best: best_chi_squared.sqrt(),
+            each: (best_chi_squared / values as f64).sqrt(),
         }),
     }
 }

@@ -5,12 +5,13 @@ use super::marginal::Marginal;
 use super::pieces::{Line, Place, Points};
 use super::{Options, Posterior, StatsError, Study};
 use crate::design::{Distribution, Mix};
+use crate::observe::Status;
 use crate::store::Coordinate;
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The stream that offsets and factors are drawn from, one of each for a sample.
-const STREAM: u64 = 0x0ff5_e7;
+const STREAM: u64 = 0x0ff5_0e70;
 /// Steps over the prior of a factor, from which its likelihood is seen from afar.
 const OF_SCALE: usize = 12;
 /// Likewise of an offset: at least so many, at most so many, and two for a step of the curve.
@@ -297,7 +298,7 @@ pub fn curve_posterior(
     let kept: Vec<&Told> = rows.iter().filter_map(|row| told[*row].as_ref().ok()).collect();
     let logs: Vec<f64> = kept.iter().map(|told| told.log).collect();
     let best = kept.iter().map(|told| told.best).fold(f64::INFINITY, f64::min);
-    let posterior = weighed(rows, &logs, best, study.rows())?;
+    let posterior = weighed(rows, &logs, (best, measured.values()), study.rows())?;
     let by_row = |value: fn(&Told) -> f64| -> Vec<f64> {
         told.iter().map(|told| told.as_ref().map_or(f64::NAN, value)).collect()
     };
@@ -314,7 +315,7 @@ impl Curve<'_> {
     fn failure(&self, row: usize, way: usize, options: &Options) -> u8 {
         let points = 0..self.coordinate().values.len();
         let status = points.map(|point| self.study.status[self.instance(row, way, point)]);
-        status.filter(|code| !options.counts(*code)).max().unwrap_or(0)
+        status.filter(|code| !options.counts(*code)).max().unwrap_or(Status::OutOfRange as u8)
     }
 
     /// What the weighted samples say of an observable where something was or might have been measured, each with its own

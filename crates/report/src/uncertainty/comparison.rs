@@ -81,11 +81,9 @@ fn panel(frame: &Frame, way: &Way) -> Result<(), ReportError> {
                 between(high, high_to, middle),
                 between(low, low_to, middle).max(between(high, high_to, middle) + 1.6),
             );
-            canvas.rectangle(
-                (between(from, to, share(0.0)), a),
-                (between(from, to, share(1.0)), b),
-                LINES[5],
-            )?;
+            // Slices lie over each other by a hair: between two that only touch the ground shows.
+            let end = between(from, to, share(1.0)) + 0.5 * (to - from).signum();
+            canvas.rectangle((between(from, to, share(0.0)), a), (end, b), LINES[5])?;
         }
     }
     let median: Vec<(f64, f64)> = (0..way.band.len()).map(|n| at(n, 1)).collect();

@@ -112,9 +112,14 @@ impl<'a> Known<'a> {
         }
     }
 
+    /// How much of what was open before is open after.
+    fn left(&self) -> f64 {
+        (self.after[2] - self.after[1]) / (self.before[2] - self.before[1])
+    }
+
     fn sentence(&self) -> String {
         let at = |n: usize| shown(self.after[n], self.units, 3);
-        format!("{} {} (95 % from {} to {})", self.long, at(0), at(1), at(2))
+        format!("{} {} (95\u{a0}% from {} to {})", self.long, at(0), at(1), at(2))
     }
 
     fn row(&self) -> Vec<String> {
@@ -133,9 +138,11 @@ pub fn inference(inference: &Inference, folder: &Path) -> Result<PathBuf, Report
     let mut page = Page::new(format!("{}: inference", study.title));
     let parameters = study.parameters.iter().map(|one| Known::of(one, None, posterior));
     let free = inference.free.iter().map(|(one, prior)| Known::of(one, Some(prior), posterior));
-    // What is told of the measurement stands first where not all have room.
     let mut known: Vec<Known> = parameters.chain(free).collect();
-    let sentences: Vec<String> = known.iter().map(Known::sentence).collect();
+    let (parameters, free) = known.split_at(study.parameters.len());
+    let mut narrowed: Vec<&Known> = parameters.iter().collect();
+    narrowed.sort_by(|a, b| a.left().total_cmp(&b.left()));
+    let sentences: Vec<String> = narrowed.into_iter().chain(free).map(Known::sentence).collect();
     page.document.paragraph("Found:", format!("{}.", sentences.join("; ")));
     page.document.paragraph("", from(inference));
     if let Observation::Curve(curve) = inference.observed {
@@ -149,6 +156,7 @@ pub fn inference(inference: &Inference, folder: &Path) -> Result<PathBuf, Report
     }
     page.document.heading("Before and after");
     page.document.table("", table(inference, &known));
+    // Where not all have room what is told of the measurement has some.
     let spare = known.len().saturating_sub(MOST_IN_CORNER);
     if spare > 0 {
         let kept = study.parameters.len().saturating_sub(spare);
