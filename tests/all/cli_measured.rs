@@ -97,8 +97,8 @@ fn a_curve_is_one_however_its_file_is_written() {
     let same: Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(same["parameters"], told["parameters"]);
     for words in [
-        "1 rows of b.csv were left out: they are beyond the curve, which runs from 12 nm to 17 nm",
-        "1 rows of b.csv were left out: they are of a way",
+        "1 row of b.csv was left out: beyond the curve, which runs from 12 nm to 17 nm",
+        "1 row of b.csv was left out: of a way",
     ] {
         assert!(said.err.contains(words), "{}", said.err);
     }

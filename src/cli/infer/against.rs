@@ -11,8 +11,6 @@ use std::path::Path;
 
 /// Places at which predictions are drawn along a measured curve.
 const DRAWN: usize = 121;
-/// Quantiles of a prediction: both ends of what lies 95 % around, and the median.
-const BAND: [f64; 3] = [0.025, 0.5, 0.975];
 
 /// What a measured curve tells, at each point of the axes beside it that is asked for.
 pub(super) fn answers(
@@ -22,21 +20,16 @@ pub(super) fn answers(
     voice: Voice,
 ) -> anyhow::Result<Vec<Answer>> {
     let seen = measured::read(file, study, &args.curve)?;
-    if seen.outside > 0 {
-        voice.say(format_args!(
-            "{} rows of {} were left out: they are beyond the curve, {}{}",
-            seen.outside,
-            seen.file,
-            measured::span(&study.beside[seen.axis]),
-            if seen.free.offset.is_some() { ", with some offset that is allowed" } else { "" }
-        ));
-    }
-    if seen.other_way > 0 {
-        voice.say(format_args!(
-            "{} rows of {} were left out: they are of a way that the results file does not have",
-            seen.other_way, seen.file
-        ));
-    }
+    let left_out = |count: usize, why: String| {
+        let rows = if count == 1 { "row" } else { "rows" };
+        let were = if count == 1 { "was" } else { "were" };
+        if count > 0 {
+            voice.say(format_args!("{count} {rows} of {} {were} left out: {why}", seen.file));
+        }
+    };
+    let some = if seen.free.offset.is_some() { ", with some offset that is allowed" } else { "" };
+    left_out(seen.outside, format!("beyond the curve, {}{some}", measured::span(&study.beside[seen.axis])));
+    left_out(seen.other_way, "of a way that the results file does not have".to_owned());
     let mut fixed = place::fixed(study, &args.at)?;
     let beside = |axis: usize| axis != seen.axis && Some(axis) != study.ways();
     fixed.iter_mut().enumerate().filter(|(axis, _)| !beside(*axis)).for_each(|(_, at)| *at = Some(0));
@@ -116,7 +109,7 @@ fn compared(curve: &Curve, seen: &measured::Seen, fit: &Fit, options: &Options) 
     let one = |output: usize| {
         let way = |way: usize| {
             let places = places(measured, way);
-            let band = curve.predicted(fit, output, (way, &places), (&seen.free, options), &BAND).into_iter();
+            let band = curve.predicted(fit, output, (way, &places), (&seen.free, options)).into_iter();
             let sign = if seen.travels { -1.0 } else { 1.0 };
             let points =
                 measured.places.iter().zip(&measured.ways).enumerate().filter(|(_, (_, of))| **of == way);
@@ -130,7 +123,7 @@ fn compared(curve: &Curve, seen: &measured::Seen, fit: &Fit, options: &Options) 
                     .and_then(|axis| study.beside[axis].words.get(way).cloned())
                     .unwrap_or_default(),
                 points: points.filter_map(point).filter(|point| point.1.is_finite()).collect(),
-                band: band.zip(&places).map(|(band, at)| (sign * at, [band[0], band[1], band[2]])).collect(),
+                band: band.zip(&places).map(|(band, at)| (sign * at, band)).collect(),
             }
         };
         let ways = measured.ways.iter().max().map_or(0, |most| most + 1);

@@ -19,6 +19,9 @@ const OF_OFFSET: (usize, usize) = (16, 1024);
 /// Weights below this share of the largest tell nothing of a quantile.
 const LIGHT: f64 = 1e-7;
 
+/// Quantiles of a prediction.
+const BAND: [f64; 3] = [0.025, 0.5, 0.975];
+
 /// A measured curve, SI.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
@@ -319,15 +322,14 @@ impl Curve<'_> {
     }
 
     /// What the weighted samples say of an observable where something was or might have been measured, each with its own
-    /// offset and factor: quantiles of these shares at each place.
+    /// offset and factor: at each place the median between both ends of what lies 95 % around it.
     pub fn predicted(
         &self,
         fit: &Fit,
         output: usize,
         (way, places): (usize, &[f64]),
         (free, options): (&Free, &Options),
-        shares: &[f64],
-    ) -> Vec<Vec<f64>> {
+    ) -> Vec<[f64; 3]> {
         let posterior = fit.posterior.heavy(LIGHT);
         let used: Vec<bool> = (0..=way).map(|one| one == way).collect();
         let scaled = free.scaled.contains(&self.study.outputs[output].name);
@@ -348,7 +350,7 @@ impl Curve<'_> {
         let alone = Posterior { rows: (0..all.len()).collect(), ..posterior };
         let at = |n: usize| {
             let column: Vec<f64> = all.iter().map(|values| values[n]).collect();
-            shares.iter().map(|share| alone.quantile(&column, *share)).collect()
+            BAND.map(|share| alone.quantile(&column, share))
         };
         (0..places.len()).map(at).collect()
     }
