@@ -28,7 +28,7 @@ pub(super) fn answers(
         }
     };
     let some = if seen.free.offset.is_some() { ", with some offset that is allowed" } else { "" };
-    left_out(seen.outside, format!("beyond the curve, {}{some}", measured::span(&study.beside[seen.axis])));
+    left_out(seen.outside, format!("beyond the curve, {}{some}", place::span(&study.beside[seen.axis])));
     left_out(seen.other_way, "of a way that the results file does not have".to_owned());
     let mut fixed = place::fixed(study, &args.at)?;
     let beside = |axis: usize| axis != seen.axis && Some(axis) != study.ways();

@@ -2,9 +2,8 @@
 
 use super::place::{self, path};
 use super::sheet::Sheet;
-use super::unknown;
+use super::unknown::{self, DEFLECTION};
 use super::value::fits;
-use afmsweep::report::shown;
 use afmsweep::stats::{Free, Measured, Study};
 use afmsweep::store::Coordinate;
 use afmsweep_data::suggest;
@@ -15,8 +14,7 @@ use std::path::Path;
 pub(super) const DIRECTION: &str = "direction";
 const TRAVEL: [&str; 2] = ["base_travel", "travel"];
 pub(super) const GAP: &str = "approach.gap";
-/// What an instrument calls it, and what the program does.
-pub(super) const DEFLECTION: &str = "deflection";
+/// What `deflection` stands for.
 const MEAN: &str = "deflection_mean";
 /// End of a column of standard deviations.
 pub(super) const SD: &str = "_sd";
@@ -136,7 +134,7 @@ pub(super) fn read(file: &Path, study: &Study, args: &CurveArgs) -> anyhow::Resu
             "{}: none of its {} rows lies within the curve, {}{}",
             seen.file,
             reading.sheet.rows.len(),
-            span(&study.beside[axis]),
+            place::span(&study.beside[axis]),
             if other_way > 0 { format!("; {other_way} are of the other way") } else { String::new() }
         );
     }
@@ -156,12 +154,6 @@ fn place_of(study: &Study, name: &str) -> Option<(usize, bool)> {
         true => place::axis(study, GAP).map(|axis| (axis, true)),
         false => place::axis(study, name).filter(|_| name != DIRECTION).map(|axis| (axis, false)),
     }
-}
-
-/// The ends of an axis, in words.
-pub(super) fn span(axis: &Coordinate) -> String {
-    let (low, high) = place::ends(axis.values.iter());
-    format!("which runs from {} to {}", shown(low, &axis.units, 4), shown(high, &axis.units, 4))
 }
 
 /// Takes the rows out that leave the curve under some offset; gives how many they are.

@@ -30,6 +30,12 @@ pub(super) fn ends<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
+/// The ends of an axis, in words.
+pub(super) fn span(axis: &Coordinate) -> String {
+    let (low, high) = ends(axis.values.iter());
+    format!("which runs from {} to {}", shown(low, &axis.units, 4), shown(high, &axis.units, 4))
+}
+
 /// What an axis is called in a scene, or else in the file.
 pub(super) fn path(axis: &Coordinate) -> &str {
     if axis.scene_path.is_empty() { &axis.name } else { &axis.scene_path }

@@ -1,6 +1,5 @@
 //! What is not known of a measured curve, from the command line: an offset of its places, a factor of its values.
 
-use super::measured::{DEFLECTION, span};
 use super::place::{self, path};
 use super::value::range;
 use afmsweep::design::Distribution;
@@ -8,6 +7,8 @@ use afmsweep::report::shown;
 use afmsweep::stats::{Measured, Study};
 use anyhow::{Context, bail};
 
+/// What an instrument calls whatever it reads from the lever's bend.
+pub(super) const DEFLECTION: &str = "deflection";
 /// Standard deviation of the logarithm of a factor that nothing is said of.
 const USUAL_SCALE: f64 = 0.1;
 
@@ -38,7 +39,7 @@ pub(super) fn offset(
         "--offset {asked}: the rows of {file} span {}, and the curve, {}, leaves no room for an offset; make the curve \
          longer, or give a range, which leaves out the rows that do not fit: {name}=\"-5 nm to 5 nm\"",
         shown(last - first, &coordinate.units, 4),
-        span(coordinate)
+        place::span(coordinate)
     )
 }
 

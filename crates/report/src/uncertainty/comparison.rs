@@ -4,8 +4,41 @@ use super::super::ReportError;
 use super::super::axis::Axis;
 use super::super::canvas::{INK, LINES, picture};
 use super::super::frame::{Frame, KEY_ROW, Key, key, key_rows, left_margin, title};
-use super::inference::Way;
 use crate::stats::Output;
+
+/// A measured curve beside what the weighted samples say.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    pub file: String,
+    /// What its places are, in words and as a name, and their SI unit.
+    pub along: String,
+    pub name: String,
+    pub units: String,
+    /// Rows and values that count, and rows that do not.
+    pub rows: usize,
+    pub values: usize,
+    pub left_out: usize,
+    pub observables: Vec<String>,
+    pub panels: Vec<Compared>,
+}
+
+/// An observable, by its number in the study, measured or not.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    pub output: usize,
+    pub ways: Vec<Way>,
+}
+
+/// One way along a curve.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// Empty where there is but one.
+    pub name: String,
+    /// Place, value and standard deviation of what was measured.
+    pub points: Vec<(f64, f64, f64)>,
+    /// Places, and 2.5 %, median and 97.5 % of what is predicted there, as it would be measured.
+    pub band: Vec<(f64, [f64; 3])>,
+}
 
 /// Pixels of a slice of the band.
 const SLICE: f64 = 1.5;

@@ -7,7 +7,7 @@ use super::super::canvas::{Anchor, GREY, INK, picture, text_width};
 use super::super::frame::{Frame, left_margin, title};
 use super::density;
 use super::histogram::Bars;
-use super::inference::Known;
+use super::known::Known;
 use crate::stats::Posterior;
 
 /// Side of a panel, and what lies between two.

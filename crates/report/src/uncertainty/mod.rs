@@ -5,14 +5,16 @@ mod corner;
 mod density;
 mod histogram;
 mod inference;
+mod known;
 mod shares;
 
 use super::labels::{brief, capital, short};
 use super::{Chart, Document, Field, Look, Plot, ReportError, save, shown};
 use crate::stats::{Estimate, Indices, Output, SHARES, Study, Summary};
 use crate::store::Coordinate;
+pub use comparison::{Compared, Comparison, Way};
 use density::Side;
-pub use inference::{Compared, Comparison, Inference, Observation, Way, inference};
+pub use inference::{Inference, Observation, inference};
 use shares::Row;
 use std::path::{Path, PathBuf};
 
