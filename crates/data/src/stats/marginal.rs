@@ -9,14 +9,17 @@ const STEEP: f64 = 1.5;
 /// Halvings at most.
 const DEEPEST: u32 = 40;
 
+/// A share and what stands there.
+type Node = (f64, f64);
+
 /// What stands at rising shares, and its integral from the first one on.
 #[derive(Debug)]
 pub(super) struct Marginal {
-    nodes: Vec<(f64, f64)>,
+    nodes: Vec<Node>,
     /// Integrals of exp(log - most), up to each node.
     below: Vec<f64>,
-    /// The largest logarithm, and its share.
-    pub peak: (f64, f64),
+    /// Where the logarithm is largest.
+    pub peak: Node,
 }
 
 impl Marginal {
@@ -34,7 +37,7 @@ impl Marginal {
         coarse.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut most = coarse.iter().map(|node| node.1).fold(f64::NEG_INFINITY, f64::max);
         let mut nodes = Vec::new();
-        let mut open: Vec<((f64, f64), (f64, f64), u32)> =
+        let mut open: Vec<(Node, Node, u32)> =
             coarse.windows(2).map(|pair| (pair[0], pair[1], 0)).rev().collect();
         while let Some((a, b, depth)) = open.pop() {
             let share = 0.5 * (a.0 + b.0);
@@ -65,12 +68,12 @@ impl Marginal {
             sum += 0.5 * (pair[1].0 - pair[0].0) * (weight(&pair[0]) + weight(&pair[1]));
             below.push(sum);
         }
-        Self { nodes, below, peak: (peak.1, peak.0) }
+        Self { nodes, below, peak }
     }
 
     /// The logarithm of the average.
     pub fn log(&self) -> f64 {
-        self.peak.0 + self.below.last().copied().unwrap_or(0.0).ln()
+        self.peak.1 + self.below.last().copied().unwrap_or(0.0).ln()
     }
 
     /// The share of the prior that this part of what is left is below.
@@ -78,9 +81,9 @@ impl Marginal {
         let wanted = part * self.below.last().copied().unwrap_or(0.0);
         let after = self.below.partition_point(|sum| *sum < wanted).clamp(1, self.below.len().max(2) - 1);
         let (Some(a), Some(b)) = (self.nodes.get(after - 1), self.nodes.get(after)) else {
-            return self.peak.1;
+            return self.peak.0;
         };
-        let weight = |node: &(f64, f64)| (node.1 - self.peak.0).exp();
+        let weight = |node: &(f64, f64)| (node.1 - self.peak.1).exp();
         let (low, high) = (weight(a), weight(b));
         let inside = (wanted - self.below[after - 1]) / (self.below[after] - self.below[after - 1]);
         // Density that is straight between the two: a root of a square.
@@ -117,7 +120,7 @@ mod tests {
                 let z = (found.draw(part) - centre) / sd;
                 assert!((z - normal_quantile(part)).abs() < 0.03, "{centre} {sd} {part}: {z}");
             }
-            assert!((found.peak.1 - centre).abs() < 0.3 * sd && found.peak.0 > -0.05);
+            assert!((found.peak.0 - centre).abs() < 0.3 * sd && found.peak.1 > -0.05);
         }
         let two = Marginal::of(40, |x| {
             let of = |centre: f64, sd: f64| -0.5 * ((x - centre) / sd).powi(2);

@@ -247,14 +247,14 @@ impl Free {
             None => (self.log(&misses(0.0)), 0.0, 0.0),
             Some(prior) => {
                 let over = Marginal::of(steps, |share| self.log(&misses(prior.value(share))));
-                (over.log(), prior.value(over.draw(stream.of(0).share())), prior.value(over.peak.1))
+                (over.log(), prior.value(over.draw(stream.of(0).share())), prior.value(over.peak.0))
             }
         };
         let scale = self
             .over_scale(&misses(offset))
             .map(|(over, prior)| prior.value(over.draw(stream.of(1).share())));
         let best = misses(at_best);
-        let best_scale = self.over_scale(&best).map_or(1.0, |(over, prior)| prior.value(over.peak.1));
+        let best_scale = self.over_scale(&best).map_or(1.0, |(over, prior)| prior.value(over.peak.0));
         Told { log, best: best.at(best_scale), offset, scale: scale.unwrap_or(1.0), bridged: false }
     }
 }

@@ -155,10 +155,12 @@ fn inner((left_step, left): (f64, f64), (right_step, right): (f64, f64)) -> f64 
 fn end((step, rise): (f64, f64), next: Option<(f64, f64)>) -> f64 {
     let Some((next_step, next)) = next else { return rise };
     let slope = ((2.0 * step + next_step) * rise - step * next) / (step + next_step);
-    match () {
-        () if slope * rise <= 0.0 => 0.0,
-        () if rise * next <= 0.0 && slope.abs() > 3.0 * rise.abs() => 3.0 * rise,
-        () => slope,
+    if slope * rise <= 0.0 {
+        0.0
+    } else if rise * next <= 0.0 && slope.abs() > 3.0 * rise.abs() {
+        3.0 * rise
+    } else {
+        slope
     }
 }
 
