@@ -37,7 +37,9 @@ impl Sheet {
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.with_context(|| format!("{name} is no table"))?;
-            let cells: Vec<String> = record.iter().map(str::to_owned).collect();
+            // A quotation mark behind a blank is no beginning of a cell to the reader.
+            let plain = |cell: &str| cell.trim_matches('"').trim().to_owned();
+            let cells: Vec<String> = record.iter().map(plain).collect();
             if cells.iter().any(|cell| !cell.is_empty()) {
                 rows.push((record.position().map_or(0, csv::Position::line), cells));
             }
