@@ -137,7 +137,7 @@ fn a_known_gap_gives_the_posterior_of_linear_regression() {
 
 #[test]
 fn an_unknown_offset_is_one_more_unknown_of_the_regression() {
-    let results = curves(1 << 13, linear);
+    let results = curves(1 << 12, linear);
     let measured = measured(|gap| linear([2.3, -1.4], gap), 0.7, 1.0);
     let offset = Some(Distribution::Uniform { from: -2.0, to: 2.0 });
     let (study, fit) = fit(&results, &measured, &Free { offset, ..Free::default() });
@@ -155,7 +155,7 @@ fn an_unknown_offset_is_one_more_unknown_of_the_regression() {
 #[test]
 fn an_unknown_factor_is_told_beside_an_offset() {
     let model = |[_, b]: [f64; 2], gap: f64| [10.0, b + SLOPES[1] * gap];
-    let results = curves(1 << 13, model);
+    let results = curves(1 << 12, model);
     let measured = measured(|gap| model([2.3, -1.4], gap), 0.7, 1.08);
     let mean = measured.columns[0].values.iter().sum::<f64>() / 30.0 / 10.0;
     let sd = SDS[0] / 10.0 / 30f64.sqrt();

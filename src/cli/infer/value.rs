@@ -23,7 +23,7 @@ pub(super) fn si(text: &str, units: &str) -> anyhow::Result<f64> {
 pub(super) fn range(text: &str, units: &str) -> anyhow::Result<(f64, f64)> {
     let Some((from, to)) = text.split_once(" to ") else { bail!("no range; write it as \"FROM to TO\"") };
     let (from, to) = (si(from, units)?, si(to, units)?);
-    if !(from < to) {
+    if from >= to {
         bail!("the range ends where it begins, or before; write the smaller value first");
     }
     Ok((from, to))
