@@ -1,6 +1,6 @@
 //! `afmsweep force`: static curves of one instance's contact, over the indentation or under a lever over the base.
 
-use super::{load, print, print_json};
+use super::{cells, load, print, print_json};
 use afmsweep::contact::{Contact, Curve, Jump, Ramp};
 use afmsweep::instrument::Instrument;
 use afmsweep::units::{self, Dimension};
@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-10;
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples: afmsweep force lever.toml --indentation \"2 nm\"\n          afmsweep force lever.toml --lever\n          \
-                  afmsweep force lever.toml --json"
+                  afmsweep force lever.toml --json\n          afmsweep force lever.toml --csv > force.csv"
 )]
 pub struct ForceArgs {
     /// Scene file (TOML)
@@ -21,6 +21,9 @@ pub struct ForceArgs {
     /// Machine-readable answer on standard output, SI units
     #[arg(long)]
     json: bool,
+    /// The curves as a table (CSV) on standard output, SI units
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
     /// A single indentation such as "75 nm" in place of the whole curve; may be repeated
     #[arg(long, value_name = "LENGTH", value_parser = parse_length, allow_hyphen_values = true)]
     indentation: Vec<f64>,
@@ -56,7 +59,7 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
     };
     if args.lever {
         let instrument = Instrument::reduce(&params.instrument, params.drive.on, TOLERANCE)?;
-        return ramp(&contact.ramp(1.0 / instrument.bending()), &head(&contact, &which), args);
+        return ramp(&contact.ramp(1.0 / instrument.bending()), (&contact, &head(&contact, &which)), args);
     }
     let curves =
         if args.indentation.is_empty() { contact.curves() } else { contact.curves_at(&args.indentation) };
@@ -64,6 +67,18 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
         let mut answer = serde_json::to_value(&curves)?;
         answer["instance"] = args.instance.into();
         return print_json(&answer);
+    }
+    if args.csv {
+        let columns = [("indentation", "m"), ("force", "N"), ("contact_radius", "m")];
+        let rows = curves.curves.iter().flat_map(|curve| {
+            let none = |value: Option<f64>| value.unwrap_or(f64::NAN);
+            let row = move |n: usize| {
+                let (force, radius) = (none(curve.force_n[n]), none(curve.contact_radius_m[n]));
+                (curve.branch.name(), [curve.indentation_m[n], force, radius])
+            };
+            (0..curve.indentation_m.len()).map(row)
+        });
+        return print(&csv((&contact, columns), rows)?);
     }
     let mut text = head(&contact, &which);
     for curve in &curves.curves {
@@ -84,11 +99,21 @@ fn head(contact: &Contact, which: &str) -> String {
 }
 
 /// The ramp of the base: both ways, their jumps, and what they lose.
-fn ramp(ramp: &Ramp, head: &str, args: &ForceArgs) -> anyhow::Result<()> {
+fn ramp(ramp: &Ramp, (contact, head): (&Contact, &str), args: &ForceArgs) -> anyhow::Result<()> {
     if args.json {
         let mut answer = serde_json::to_value(ramp)?;
         answer["instance"] = args.instance.into();
         return print_json(&answer);
+    }
+    if args.csv {
+        let columns = [("base_position", "m"), ("indentation", "m"), ("force", "N")];
+        let rows = ramp.curves.iter().flat_map(|curve| {
+            let row = move |n: usize| {
+                (curve.branch.name(), [curve.base_position_m[n], curve.indentation_m[n], curve.force_n[n]])
+            };
+            (0..curve.force_n.len()).map(row)
+        });
+        return print(&csv((contact, columns), rows)?);
     }
     let jump = |name: &str, jump: Option<Jump>| match jump {
         Some(Jump { base_position_m, force_n: [before, after], .. }) => format!(
@@ -120,6 +145,21 @@ fn ramp(ramp: &Ramp, head: &str, args: &ForceArgs) -> anyhow::Result<()> {
         }
     }
     print(&text)
+}
+
+/// Curves below each other, each row with its law and way.
+fn csv<'a>(
+    (contact, columns): (&Contact, [(&str, &str); 3]),
+    rows: impl Iterator<Item = (&'a str, [f64; 3])>,
+) -> anyhow::Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let heads = columns.map(|(name, units)| cells::head(name, units));
+    writer.write_record(["law".to_owned(), "branch".to_owned()].into_iter().chain(heads))?;
+    for (way, values) in rows {
+        let first = [contact.law.to_string(), way.to_owned()];
+        writer.write_record(first.into_iter().chain(values.map(cells::number)))?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
 fn table(text: &mut String, curve: &Curve) {

@@ -3,6 +3,7 @@
 mod audit;
 mod backend;
 mod bench;
+mod cells;
 mod check;
 mod cite;
 mod devices;
@@ -83,9 +84,9 @@ enum Command {
     Sample(sample::SampleArgs),
     /// How the observables of uncertain samples are distributed, and which parameters decide
     Stats(stats::StatsArgs),
-    /// What observed values tell of uncertain parameters
+    /// What observed values, or a measured curve, tell of uncertain parameters
     Infer(infer::InferArgs),
-    /// The samples of a results file for other programs; what the journal of a run has so far
+    /// The rows of a results file for other programs; what the journal of a run has so far
     Export(export::ExportArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),

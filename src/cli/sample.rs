@@ -1,5 +1,6 @@
 //! `afmsweep sample`: the points of a scene's samples alone, as CSV.
 
+use super::cells::{head, label, number};
 use super::table::TableArgs;
 use super::{Voice, instances, print};
 use afmsweep::scene::{Axis, Scene};
@@ -53,15 +54,12 @@ fn samples(scene: &Scene) -> Option<(Vec<&Axis>, &[String])> {
 fn csv(columns: &[&Axis], ids: &[String]) -> anyhow::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let id = (!ids.is_empty()).then(|| "id".to_owned());
-    let header = columns.iter().map(|column| match column.units.as_str() {
-        "1" | "" => column.path.clone(),
-        units => format!("{} [{units}]", column.path),
-    });
+    let header = columns.iter().map(|column| head(&column.path, &column.units));
     writer.write_record(id.into_iter().chain(header))?;
     let rows = columns.first().map_or(0, |column| column.values.len());
     for row in 0..rows {
-        let values = columns.iter().map(|column| format!("{:?}", column.values[row]));
-        writer.write_record(ids.get(row).cloned().into_iter().chain(values))?;
+        let values = columns.iter().map(|column| number(column.values[row]));
+        writer.write_record(ids.get(row).map(|id| label(id).into_owned()).into_iter().chain(values))?;
     }
     Ok(String::from_utf8(writer.into_inner()?)?)
 }

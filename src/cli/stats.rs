@@ -254,6 +254,7 @@ fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
                 text += format!("  {name:wide$}  S1 (bins) {}  {lost}", share(one)).trim_end();
                 text.push('\n');
             }
+            text += &summary.overlap_told().map_or_else(String::new, |told| format!("  {told}\n"));
         }
     }
     text

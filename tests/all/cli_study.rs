@@ -297,7 +297,7 @@ fn files_and_words_that_do_not_serve_are_refused() {
     let scene = desk.write("single.toml", LEVER);
     desk.run(&scene, &[]);
     desk.refuses(&["stats", "results/single.h5"], &["no samples", "[uncertain]"]);
-    desk.refuses(&["export", "results/single.h5", "--format", "csv"], &["no samples"]);
+    desk.refuses(&["export", "results/single.h5", "--format", "salib"], &["no samples"]);
     desk.refuses(&["sample", "single.toml"], &["has no samples", "init --samples"]);
     desk.refuses(&["stats", "nowhere.h5"], &["no such file"]);
     // Too short a wait: nothing is steady.

@@ -2,7 +2,7 @@
 
 use crate::study::*;
 use afmsweep::design::{Distribution, Kind, Mix, Settings, normal_quantile};
-use afmsweep::stats::{Observed, Study, posterior};
+use afmsweep::stats::{Observed, Options, Study, posterior};
 
 /// A normal number of a place in a stream of its own.
 fn normal(seed: u64, place: u64) -> f64 {
@@ -35,7 +35,7 @@ fn seen(value: f64) -> [Observed; 1] {
 fn a_gaussian_posterior_is_found() {
     for kind in [Kind::MonteCarlo, Kind::LatinHypercube, Kind::Sobol] {
         let study = of_kind(kind, 1);
-        let found = posterior(&study, 0, &seen(3.0), 0.05).unwrap();
+        let found = posterior(&study, 0, &seen(3.0), &Options::default()).unwrap();
         let (spread, gain) = (1.0 + 0.25 + 0.04, [1.0, 0.25]);
         let columns: Vec<&[f64]> = study.parameters.iter().map(|one| &one.values[..]).collect();
         for (n, (mean, variance)) in [(2.0, 1.0), (0.0, 0.25)].into_iter().enumerate() {
@@ -68,7 +68,7 @@ fn intervals_hold_the_truth_in_a_hundred_studies() {
         let value = model(&truth) + 0.2 * normal(seed, 2);
         // Enough for truths far out: the farthest has 70 effective samples.
         let study = of_samples(Kind::Sobol, seed, 1 << 15);
-        let found = posterior(&study, 0, &seen(value), 0.05).unwrap();
+        let found = posterior(&study, 0, &seen(value), &Options::default()).unwrap();
         told += 1;
         for n in 0..2 {
             let column = &study.parameters[n].values;
@@ -88,11 +88,11 @@ fn share(seed: u64, place: u64) -> f64 {
 #[test]
 fn too_few_effective_samples_are_refused() {
     let study = of_kind(Kind::Sobol, 1);
-    let far = posterior(&study, 0, &seen(30.0), 0.05).unwrap_err().to_string();
+    let far = posterior(&study, 0, &seen(30.0), &Options::default()).unwrap_err().to_string();
     for words in ["effective samples of 8192", "fewer than 50", "Take more samples", "standard deviations"] {
         assert!(far.contains(words), "{far}");
     }
     let saltelli = of_kind(Kind::Saltelli, 1);
-    let refused = posterior(&saltelli, 0, &seen(3.0), 0.05).unwrap_err().to_string();
+    let refused = posterior(&saltelli, 0, &seen(3.0), &Options::default()).unwrap_err().to_string();
     assert!(refused.contains("no sample of the parameters") && refused.contains("\"sobol\""), "{refused}");
 }

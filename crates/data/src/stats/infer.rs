@@ -5,9 +5,8 @@
 
 use super::study::status_word;
 use super::summary::reasons;
-use super::{StatsError, Study, mean};
+use super::{Options, StatsError, Study};
 use crate::design::Kind;
-use crate::observe::Status;
 use std::collections::BTreeMap;
 
 /// Fewer effective samples than this tell nothing to be relied on.
@@ -40,37 +39,20 @@ pub struct Posterior {
 ///
 /// # Errors
 /// Unknown observables, a design whose rows are no sample of the parameters, too few effective samples, and more failed
-/// rows than `most_left_out`, a share.
+/// rows than the options allow.
 pub fn posterior(
     study: &Study,
     point: usize,
     observed: &[Observed],
-    most_left_out: f64,
+    options: &Options,
 ) -> Result<Posterior, StatsError> {
-    if matches!(study.design.kind, Kind::Saltelli | Kind::Morris) {
-        return Err(StatsError::NoSample { kind: study.design.kind.word() });
-    }
-    let status = study.at(&study.status, point);
     let columns: Vec<(Vec<f64>, &Observed)> = observed
         .iter()
         .map(|one| Ok((study.at(&study.output(&one.name)?.values, point), one)))
         .collect::<Result<_, StatsError>>()?;
     // A row that has no value of an observable, as no indentation without contact, cannot be what was observed: it counts,
     // with no weight.
-    let rows: Vec<usize> = (0..status.len()).filter(|row| status[*row] == Status::Ok as u8).collect();
-    let left_out = status.len() - rows.len();
-    if left_out as f64 > most_left_out * status.len() as f64 || rows.is_empty() {
-        let mut failed = BTreeMap::new();
-        let codes = status.iter().filter(|code| **code != Status::Ok as u8);
-        codes.for_each(|code| *failed.entry(status_word(*code)).or_insert(0) += 1);
-        return Err(StatsError::LeftOut {
-            output: "what was observed".into(),
-            lost: left_out,
-            rows: status.len(),
-            share: 100.0 * most_left_out,
-            told: reasons(&failed),
-        });
-    }
+    let rows = counted(study, &study.at(&study.status, point), options)?;
     let miss = |row: &usize| -> f64 {
         let of = |(values, one): &(Vec<f64>, &Observed)| {
             let off = (apart(values[*row], one) / one.sd).powi(2);
@@ -80,27 +62,77 @@ pub fn posterior(
     };
     let chi_squared: Vec<f64> = rows.iter().map(miss).collect();
     let best = chi_squared.iter().copied().fold(f64::INFINITY, f64::min);
-    let weights: Vec<f64> = chi_squared.iter().map(|chi| (-0.5 * (chi - best)).exp()).collect();
+    let logs: Vec<f64> = chi_squared.iter().map(|chi| -0.5 * chi).collect();
+    weighed(rows, &logs, (best, observed.len()), study.rows())
+}
+
+/// The rows that count, by the status of each.
+pub(super) fn counted(study: &Study, status: &[u8], options: &Options) -> Result<Vec<usize>, StatsError> {
+    if matches!(study.design.kind, Kind::Saltelli | Kind::Morris) {
+        return Err(StatsError::NoSample { kind: study.design.kind.word() });
+    }
+    let rows: Vec<usize> = (0..status.len()).filter(|row| options.counts(status[*row])).collect();
+    let lost = status.len() - rows.len();
+    if lost as f64 <= options.most_left_out * status.len() as f64 && !rows.is_empty() {
+        return Ok(rows);
+    }
+    let mut failed = BTreeMap::new();
+    let codes = status.iter().filter(|code| !options.counts(**code));
+    codes.for_each(|code| *failed.entry(status_word(*code)).or_insert(0) += 1);
+    Err(StatsError::LeftOut {
+        output: "what was observed".into(),
+        lost,
+        rows: status.len(),
+        share: 100.0 * options.most_left_out,
+        told: reasons(&failed),
+    })
+}
+
+/// Rows with the logarithms of their likelihoods, of so many rows in all; how well the best of them agrees with how many
+/// values.
+pub(super) fn weighed(
+    rows: Vec<usize>,
+    logs: &[f64],
+    (best_chi_squared, values): (f64, usize),
+    of: usize,
+) -> Result<Posterior, StatsError> {
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
     let sum: f64 = weights.iter().sum();
     let weights: Vec<f64> = weights.iter().map(|weight| weight / sum).collect();
     let effective = 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>();
+    let left_out = of - rows.len();
     match effective >= FEWEST_EFFECTIVE {
-        true => Ok(Posterior { rows, weights, effective, left_out, best_chi_squared: best }),
+        true => Ok(Posterior { rows, weights, effective, left_out, best_chi_squared }),
         false => Err(StatsError::FewEffective {
             effective: if effective.is_nan() { 0.0 } else { effective },
             rows: rows.len(),
-            best: best.sqrt(),
+            best: best_chi_squared.sqrt(),
+            each: (best_chi_squared / values as f64).sqrt(),
         }),
     }
+}
+
+/// Whether an observable is an angle in degree, which goes round.
+pub(super) fn is_phase(name: &str) -> bool {
+    name.ends_with("phase")
 }
 
 /// How far a value is from what was observed; of phases the short way round.
 fn apart(value: f64, observed: &Observed) -> f64 {
     let off = value - observed.value;
-    if observed.name.ends_with("phase") { off - 360.0 * (off / 360.0).round() } else { off }
+    if is_phase(&observed.name) { off - 360.0 * (off / 360.0).round() } else { off }
 }
 
 impl Posterior {
+    /// The rows that have more than this share of the largest weight, the others' left out.
+    pub fn heavy(&self, share: f64) -> Self {
+        let most = self.weights.iter().copied().fold(0.0, f64::max);
+        let kept = self.rows.iter().zip(&self.weights).filter(|(_, weight)| **weight > share * most);
+        let (rows, weights) = kept.map(|(row, weight)| (*row, *weight)).unzip();
+        Self { rows, weights, ..*self }
+    }
+
     /// A weighted quantile of values by row: the least of them that at least `share` of the weight is not above, halfway to
     /// the next.
     pub fn quantile(&self, values: &[f64], share: f64) -> f64 {
@@ -144,7 +176,8 @@ impl Posterior {
 
     /// Linear correlation of two parameters under the weights.
     pub fn correlation(&self, a: &[f64], b: &[f64]) -> f64 {
-        let scale = |values: &[f64]| mean(values).abs().max(f64::MIN_POSITIVE);
+        let largest = |values: &[f64]| self.rows.iter().map(|row| values[*row].abs()).fold(0.0, f64::max);
+        let scale = |values: &[f64]| largest(values).max(f64::MIN_POSITIVE);
         // Squares of SI sizes may leave the range of numbers.
         let (a, b): (Vec<f64>, Vec<f64>) =
             (a.iter().map(|v| v / scale(a)).collect(), b.iter().map(|v| v / scale(b)).collect());

@@ -78,6 +78,10 @@ pub fn summary(summary: &Summary, output: &Output) -> Value {
             say("S1_conf", half_widths(first));
         }
     }
+    if let (Some(sum), Some(told)) = (summary.overlap, summary.overlap_told()) {
+        say("S1_sum", number(sum));
+        say("S1_note", json!(told));
+    }
     say("convergence", summary.convergence.iter().map(|one| convergence(one, summary)).collect());
     let (median, largest) = summary.simulation_error;
     let sampling = summary.spread.as_ref().map_or(f64::NAN, |spread| spread.mean.half_width);

@@ -7,7 +7,10 @@ mod bins;
 mod estimate;
 mod infer;
 pub mod json;
+mod marginal;
+mod measured;
 mod morris;
+mod pieces;
 mod saltelli;
 mod study;
 mod summary;
@@ -15,9 +18,10 @@ mod summary;
 pub use bins::first_order;
 pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
 pub use infer::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
+pub use measured::{Column, Curve, Fit, Free, Measured, curve_posterior, quantity};
 pub use morris::{Effects, Steps, effects};
 pub use saltelli::{Indices as SobolIndices, indices};
-pub use study::{Output, Study};
+pub use study::{Output, Study, outputs, status_word};
 pub use summary::{Convergence, Distributed, Indices, Options, SHARES, Summary, sorted_out, summary};
 
 use thiserror::Error;
@@ -46,8 +50,8 @@ pub enum StatsError {
     NoSample { kind: &'static str },
     #[error(
         "only {effective:.1} effective samples of {rows} agree with what was observed, fewer than {FEWEST_EFFECTIVE}: nothing is told by so \
-         few. The best row misses by {best:.1} standard deviations in all. Take more samples, or distributions that lie \
+         few. The best row misses by {best:.1} standard deviations in all, {each:.1} at each value. Take more samples, or distributions that lie \
          closer around what agrees; where even the best row misses by many, the observed values or their errors do not fit the model"
     )]
-    FewEffective { effective: f64, rows: usize, best: f64 },
+    FewEffective { effective: f64, rows: usize, best: f64, each: f64 },
 }

@@ -1,12 +1,16 @@
 //! The samples of a results file as statistics need them: parameters by row, outputs by point of the sweep and row.
 
-use super::StatsError;
+use super::{StatsError, mean};
 use crate::design::{Described, Kind, Problem, Told};
 use crate::observe::{Observable, Status};
 use crate::store::{Coordinate, Results, Variable};
 
 /// Path of the axis of samples.
 const SAMPLES: &str = "samples";
+
+/// Correlations of a table's columns below this say nothing, nor those within so many standard errors of none.
+const LEAST_CORRELATION: f64 = 0.1;
+const BY_CHANCE: f64 = 4.0;
 
 /// A study: the samples of a results file.
 #[derive(Clone, Debug)]
@@ -23,6 +27,10 @@ pub struct Study {
     pub status: Vec<u8>,
     /// Estimated errors on the scale of accuracy; NaN where nothing is known.
     pub errors: Vec<f64>,
+    /// Of a curve: 1 where the state was not reached continuously from the point before.
+    pub jumps: Option<Vec<u8>>,
+    /// Of a searched run: the branch of each instance.
+    pub branches: Option<Vec<u8>>,
     /// Steps in the instances' order: lengths of all axes, and which is that of the samples.
     shape: Vec<usize>,
     samples_at: usize,
@@ -66,15 +74,21 @@ impl Study {
         };
         fits(&design, &parameters, rows)?;
         let errors = results.variables.iter().find(|one| one.name == "error_estimate");
+        let flags = |name: &str| {
+            let found = results.flags.iter().find(|flags| flags.name == name && !results.list);
+            found.map(|flags| flags.data.clone())
+        };
         Ok(Self {
             title: results.title.clone(),
             design,
             parameters,
             ids,
             beside,
-            outputs: results.variables.iter().flat_map(outputs).collect(),
+            outputs: outputs(results),
             status: results.status.clone(),
             errors: errors.map_or_else(|| vec![f64::NAN; results.status.len()], |one| one.data.clone()),
+            jumps: flags("jump"),
+            branches: flags("branch"),
             shape,
             samples_at,
         })
@@ -107,14 +121,24 @@ impl Study {
         place
     }
 
+    /// The point at such a place.
+    pub fn point(&self, place: &[usize]) -> usize {
+        place.iter().zip(&self.beside).fold(0, |point, (at, axis)| point * axis.values.len() + at)
+    }
+
+    /// Which axis beside the samples is a curve's, along which the state was carried.
+    pub fn curve(&self) -> Option<usize> {
+        self.jumps.as_ref().and_then(|_| self.beside.len().checked_sub(1))
+    }
+
+    /// Which axis beside the samples is that of the ways along a curve.
+    pub fn ways(&self) -> Option<usize> {
+        self.beside.iter().position(|axis| axis.name == "direction")
+    }
+
     /// What stands in each row at a point.
     pub fn at<T: Copy>(&self, values: &[T], point: usize) -> Vec<T> {
         (0..self.rows()).map(|row| values[self.instance(point, row)]).collect()
-    }
-
-    /// The status of an instance, as the file calls it.
-    pub fn status_word(&self, instance: usize) -> &'static str {
-        status_word(self.status[instance])
     }
 
     /// An output by its name.
@@ -122,10 +146,30 @@ impl Study {
     /// # Errors
     /// There is none of that name.
     pub fn output(&self, name: &str) -> Result<&Output, StatsError> {
-        self.outputs.iter().find(|one| one.name == name).ok_or_else(|| StatsError::Output {
+        Ok(&self.outputs[self.output_number(name)?])
+    }
+
+    /// Likewise its number.
+    ///
+    /// # Errors
+    /// As [`Study::output`].
+    pub fn output_number(&self, name: &str) -> Result<usize, StatsError> {
+        self.outputs.iter().position(|one| one.name == name).ok_or_else(|| StatsError::Output {
             name: name.to_owned(),
             known: self.outputs.iter().map(|one| one.name.as_str()).collect::<Vec<_>>().join(", "),
         })
+    }
+
+    /// Whether parameters hang together: by the design, or where it is a table by more than chance.
+    pub fn correlated(&self) -> bool {
+        let chance = (BY_CHANCE / (self.rows() as f64).sqrt()).max(LEAST_CORRELATION);
+        let pairs = || {
+            let all = &self.parameters;
+            all.iter().enumerate().flat_map(move |(n, a)| all[n + 1..].iter().map(move |b| (a, b)))
+        };
+        let told = !self.design.correlation.is_empty();
+        told || (self.design.kind == Kind::Table
+            && pairs().any(|(a, b)| correlation(&a.values, &b.values).abs() > chance))
     }
 
     /// Numbers of the parameters in each group.
@@ -133,6 +177,18 @@ impl Study {
         let number = |name: &String| self.parameters.iter().position(|one| one.name == *name);
         self.design.groups.iter().map(|group| group.iter().filter_map(number).collect()).collect()
     }
+}
+
+/// Of two columns, linear; on the scale of each, as squares of SI sizes may leave the range of numbers.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let centred = |values: &[f64]| {
+        let middle = mean(values);
+        let largest = values.iter().map(|value| (value - middle).abs()).fold(f64::MIN_POSITIVE, f64::max);
+        values.iter().map(|value| (value - middle) / largest).collect::<Vec<f64>>()
+    };
+    let (a, b) = (centred(a), centred(b));
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
 }
 
 /// Samples without a design: as a table.
@@ -194,8 +250,12 @@ fn fits(design: &Described, parameters: &[Coordinate], rows: usize) -> Result<()
     }
 }
 
-/// Observables of the file; each harmonic by itself.
-fn outputs(variable: &Variable) -> Vec<Output> {
+/// Observables of a file; each harmonic by itself.
+pub fn outputs(results: &Results) -> Vec<Output> {
+    results.variables.iter().flat_map(of_variable).collect()
+}
+
+fn of_variable(variable: &Variable) -> Vec<Output> {
     if Observable::from_name(&variable.name).is_none() {
         return Vec::new();
     }
@@ -217,6 +277,6 @@ fn outputs(variable: &Variable) -> Vec<Output> {
 }
 
 /// A status as the file calls it.
-pub(super) fn status_word(code: u8) -> &'static str {
+pub fn status_word(code: u8) -> &'static str {
     Status::from_code(code).map_or("unknown", Status::meaning)
 }

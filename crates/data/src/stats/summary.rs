@@ -30,6 +30,13 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// Whether the values of an instance of this status count.
+    pub fn counts(&self, code: u8) -> bool {
+        code == Status::Ok as u8 || self.kept.iter().any(|kept| *kept as u8 == code)
+    }
+}
+
 /// An observable over the samples at one point.
 #[derive(Clone, Debug)]
 pub struct Summary {
@@ -40,6 +47,8 @@ pub struct Summary {
     /// Mean, standard deviation and quantiles; none for trajectories, which stand on a grid and are not drawn.
     pub spread: Option<Distributed>,
     pub indices: Indices,
+    /// What first-order shares of correlated parameters, which overlap, add to.
+    pub overlap: Option<f64>,
     /// The same from the first half of the base samples, and from all.
     pub convergence: Vec<Convergence>,
     /// How intervals were come by.
@@ -130,7 +139,12 @@ pub fn summary(
         convergence.push(first_half.convergence(&first_half.distributed(), &first_half.indices()));
     }
     convergence.push(all.convergence(&distributed, &indices));
+    let overlap = match &indices {
+        Indices::Bins(first) if study.correlated() => Some(first.iter().map(|one| one.value).sum()),
+        _ => None,
+    };
     Ok(Summary {
+        overlap,
         count,
         left_out,
         spread: distributed,
@@ -172,8 +186,7 @@ fn sorted(
     per: usize,
     options: &Options,
 ) -> (Vec<u32>, BTreeMap<&'static str, usize>) {
-    let counts = |code: u8| code == Status::Ok as u8 || options.kept.iter().any(|kept| *kept as u8 == code);
-    let why = |row: usize| match (counts(status[row]), values[row].is_finite()) {
+    let why = |row: usize| match (options.counts(status[row]), values[row].is_finite()) {
         (false, _) => Some(status_word(status[row])),
         (true, false) => Some(NO_VALUE),
         (true, true) => None,
@@ -189,6 +202,13 @@ fn sorted(
         }
     }
     (units, left_out)
+}
+
+impl Summary {
+    /// A word about shares that overlap.
+    pub fn overlap_told(&self) -> Option<String> {
+        self.overlap.map(|sum| format!("correlated: shares overlap and add to {sum:.2}"))
+    }
 }
 
 impl Rows<'_> {

@@ -20,16 +20,24 @@ impl Bars {
     /// Of values that are finite; `weights` has one for each, or is empty where all count the same.
     pub fn of(values: &[f64], weights: &[f64], (label, units): (&str, &str), log: bool) -> Self {
         let axis = Axis::over(values.iter().copied(), units, label, log, 0.0);
-        let count = ((values.len() as f64).sqrt() as usize).clamp(8, BARS);
+        Self::over(axis, values, weights, values.len() as f64)
+    }
+
+    /// Over this axis, in as many steps as so many values fill; what lies beyond its ends is in no bar.
+    pub fn over(axis: Axis, values: &[f64], weights: &[f64], effective: f64) -> Self {
+        let count = (effective.sqrt() as usize).clamp(8, BARS);
         let mut shares = vec![0.0; count];
         for (n, value) in values.iter().enumerate() {
             let place = axis.place(*value);
-            if place.is_finite() {
+            if (0.0..=1.0).contains(&place) {
                 let at = ((place * count as f64) as usize).min(count - 1);
                 shares[at] += weights.get(n).copied().unwrap_or(1.0);
             }
         }
-        let sum: f64 = shares.iter().sum();
+        let sum: f64 = match weights {
+            [] => values.len() as f64,
+            weights => weights.iter().sum(),
+        };
         if sum > 0.0 {
             shares.iter_mut().for_each(|share| *share /= sum);
         }

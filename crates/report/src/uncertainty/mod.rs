@@ -1,15 +1,20 @@
 //! Pages of uncertainty studies: distributions, indices, scatter, bands, corners.
 
+mod comparison;
 mod corner;
 mod density;
 mod histogram;
+mod inference;
+mod known;
 mod shares;
 
 use super::labels::{brief, capital, short};
 use super::{Chart, Document, Field, Look, Plot, ReportError, save, shown};
-use crate::stats::{Estimate, Indices, NORMAL_95, Observed, Output, Posterior, SHARES, Study, Summary};
+use crate::stats::{Estimate, Indices, Output, SHARES, Study, Summary};
 use crate::store::Coordinate;
+pub use comparison::{Compared, Comparison, Way};
 use density::Side;
+pub use inference::{Inference, Observation, inference};
 use shares::Row;
 use std::path::{Path, PathBuf};
 
@@ -19,8 +24,6 @@ const INFER: &str = "afmsweep infer";
 /// Points of a sweep that have pictures of their own, and parameters that have scatter pictures.
 const MOST_POINTS: usize = 6;
 const MOST_PARAMETERS: usize = 12;
-/// Parameters of a corner.
-const MOST_IN_CORNER: usize = 7;
 /// A parameter whose largest value is so many times its least has a logarithmic axis.
 const DECADE: f64 = 8.0;
 
@@ -244,6 +247,8 @@ fn decides(
         true => title,
         false => format!("{title}. Not told apart from zero: {}", lost.join("; ")),
     };
+    let overlap = summary.overlap_told().map_or_else(String::new, |told| format!(". {}", capital(&told)));
+    let caption = caption + &overlap;
     page.figure(&format!("{stem}_indices"), &caption, svg);
     Ok(())
 }
@@ -295,66 +300,4 @@ fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError>
         }
     }
     Ok(())
-}
-
-/// What was observed, then the median of each parameter and what lies 95 % around it.
-fn quantiles(study: &Study, found: &Posterior, observed: &[Observed]) -> Vec<Vec<String>> {
-    let mut rows = vec![["", "value", "95 % from", "to"].map(str::to_owned).to_vec()];
-    for one in observed {
-        let known = study.outputs.iter().find(|output| output.name == one.name);
-        let (name, units) =
-            known.map_or(("", ""), |output| (output.long_name.as_str(), output.units.as_str()));
-        let at = |value: f64| shown(value, units, 4);
-        let half = NORMAL_95 * one.sd;
-        rows.push(vec![
-            format!("observed: {name}"),
-            at(one.value),
-            at(one.value - half),
-            at(one.value + half),
-        ]);
-    }
-    for parameter in &study.parameters {
-        let at = |share: f64| shown(found.quantile(&parameter.values, share), &parameter.units, 4);
-        rows.push(vec![parameter.long_name.clone(), at(0.5), at(0.025), at(0.975)]);
-    }
-    rows
-}
-
-/// Writes the page of what was inferred at a point; gives its path.
-///
-/// # Errors
-/// As [`statistics`].
-pub fn inference(
-    study: &Study,
-    found: &Posterior,
-    observed: &[Observed],
-    folder: &Path,
-) -> Result<PathBuf, ReportError> {
-    let mut page = Page::new(format!("{}: inference", study.title));
-    let failed = match found.left_out {
-        0 => String::new(),
-        count => format!(" {count} rows that failed are not among them."),
-    };
-    page.document.paragraph(
-        "",
-        format!("{} rows count as {:.0} of equal weight.{failed}", found.rows.len(), found.effective),
-    );
-    page.document.table("", quantiles(study, found, observed));
-    let columns: Vec<Vec<f64>> = study
-        .parameters
-        .iter()
-        .take(MOST_IN_CORNER)
-        .map(|one| found.rows.iter().map(|row| one.values[*row]).collect())
-        .collect();
-    let labels: Vec<String> = study.parameters.iter().map(short).collect();
-    let sides: Vec<Side> = study
-        .parameters
-        .iter()
-        .zip(&labels)
-        .zip(&columns)
-        .map(|((parameter, label), values)| side(parameter, label, values))
-        .collect();
-    let title = "What the parameters are after the observations";
-    page.figure("corner", title, corner::draw(title, &sides, &found.weights)?);
-    page.save(folder, INFER)
 }
