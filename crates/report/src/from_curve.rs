@@ -7,7 +7,8 @@ use crate::reconstruct::{Orbit, force};
 use crate::store::{ForceCurve, Results};
 use crate::units::{self, Dimension};
 
-const GAP: &str = "approach.gap";
+/// The quantity of approach and retraction.
+pub(super) const GAP: &str = "approach.gap";
 
 /// The points of the curve over the gap that an instance is one of.
 struct Points {
@@ -16,7 +17,7 @@ struct Points {
     gaps: Vec<f64>,
     /// Whether they were gone through the other way.
     backward: bool,
-    word: &'static str,
+    word: String,
 }
 
 /// Force over indentation, each named after where it is from.
@@ -28,10 +29,10 @@ pub(super) fn forces(results: &Results, instance: u64) -> Vec<ForceCurve> {
     let mut found = Vec::new();
     if let Some(points) = usize::try_from(instance).ok().and_then(|one| Points::through(results, one)) {
         if let Some(largest) = points.largest(results) {
-            found.push(named("largest of each point", points.word, largest));
+            found.push(named("largest of each point", &points.word, largest));
         }
         if let Some(reconstructed) = points.reconstructed(results) {
-            found.push(named("reconstructed from the curve", points.word, reconstructed));
+            found.push(named("reconstructed from the curve", &points.word, reconstructed));
         }
     }
     if let Some(waveforms) = &results.waveforms
@@ -52,6 +53,8 @@ impl Points {
         let first = instance - instance % length;
         let way = results.axes.iter().rev().nth(1).filter(|axis| axis.name == "direction");
         let backward = way.is_some() && (first / length) % 2 == 1;
+        let alone = if axis.values.first() >= axis.values.last() { "approach" } else { "retraction" };
+        let word = way.map_or(alone, |way| way.words.get(usize::from(backward)).map_or("", String::as_str));
         let mut places: Vec<usize> = (0..length).collect();
         places.sort_by(|a, b| axis.values[*b].total_cmp(&axis.values[*a]));
         let falling = axis.values.first() >= axis.values.last();
@@ -59,7 +62,7 @@ impl Points {
             order: places.iter().map(|place| first + place).collect(),
             gaps: places.iter().map(|place| axis.values[*place]).collect(),
             backward: backward == falling,
-            word: if backward { "backward" } else { "forward" },
+            word: word.to_owned(),
         })
     }
 

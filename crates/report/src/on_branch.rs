@@ -94,6 +94,13 @@ fn of_some(all: &Waveforms, kept: impl Fn(u64) -> bool) -> Waveforms {
     }
 }
 
+/// Words for branches, and the branch of each state and of each second one; empty where the file does not tell.
+pub(super) fn of_states(results: &Results) -> (Vec<String>, [Vec<u8>; 2]) {
+    let words = find(&results.flags).map_or_else(Vec::new, |one| one.meanings.clone());
+    let second = results.other_branch.as_ref().map_or_else(Vec::new, |branch| codes(&branch.flags));
+    (words, [codes(&results.flags), second])
+}
+
 fn find(flags: &[Flags]) -> Option<&Flags> {
     flags.iter().find(|one| one.name == FLAG)
 }

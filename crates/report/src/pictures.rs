@@ -6,12 +6,12 @@ use super::floor::SCALES;
 use super::force_curve;
 use super::frame::State;
 use super::hover::Hover;
-use super::labels::{capital, shown};
-use super::picture::{Kind, Picture, states};
+use super::labels::{capital, caption};
+use super::picture::{Kind, Picture, places, states};
 use super::quantity::Unit;
 use super::view::{View, Wish};
 use super::{csv, from_curve, variable, waveform};
-use crate::store::{ForceCurve, Results, Variable};
+use crate::store::{Coordinate, ForceCurve, Results, Variable};
 
 /// Pictures of single instances at most, of each kind.
 const MOST_INSTANCES: usize = 24;
@@ -123,24 +123,7 @@ fn left_out(row: usize, count: usize, what: &str) -> String {
 /// A title with the swept values of that instance.
 fn with_case(results: &Results, title: &str, instance: u64) -> String {
     let Ok(instance) = usize::try_from(instance) else { return title.to_owned() };
-    let parts = case(results, instance);
+    let one = |(axis, at): (&Coordinate, usize)| caption(axis, axis.values[at]);
+    let parts: Vec<String> = places(results, instance).into_iter().map(one).collect();
     if parts.is_empty() { title.to_owned() } else { format!("{title}: {}", parts.join(", ")) }
-}
-
-/// The value of each axis at an instance.
-pub(super) fn case(results: &Results, instance: usize) -> Vec<String> {
-    let mut rest = instance;
-    let mut parts = Vec::new();
-    for axis in results.axes.iter().rev() {
-        let length = axis.values.len().max(1);
-        let at = if results.list { rest } else { rest % length };
-        if !results.list {
-            rest /= length;
-        }
-        if let Some(value) = axis.values.get(at) {
-            parts.push(shown(axis, *value));
-        }
-    }
-    parts.reverse();
-    parts
 }

@@ -69,7 +69,7 @@ impl Unit {
     }
 
     /// As [`Unit::value`], with so many significant digits.
-    fn digits(&self, value: f64, digits: usize) -> String {
+    pub fn digits(&self, value: f64, digits: usize) -> String {
         if value.is_nan() {
             return number(value, digits);
         }

@@ -1,7 +1,7 @@
 //! Pages of uncertainty studies: distributions, indices, scatter, bands, corners.
 
 mod corner;
-mod density;
+pub(super) mod density;
 mod histogram;
 mod shares;
 
