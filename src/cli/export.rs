@@ -1,6 +1,7 @@
 //! `afmsweep export`: the samples of a results file for other programs, and a journal as a results file.
 
 use super::{Voice, look_in, print};
+use afmsweep::report::defused;
 use afmsweep::stats::{Study, sorted_out};
 use afmsweep::{Status, store};
 use anyhow::{Context, bail};
@@ -103,7 +104,7 @@ fn rows(study: &Study, failed: Failed, point: usize) -> Vec<usize> {
 }
 
 fn header(name: &str, units: &str) -> String {
-    if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") }
+    defused(if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") })
 }
 
 /// One table: where a row stands beside the samples, its parameters by their paths, its observables.
@@ -125,10 +126,11 @@ fn csv(study: &Study, failed: Failed) -> anyhow::Result<String> {
                 .iter()
                 .zip(&place)
                 .map(|(axis, at)| {
-                    axis.words.get(*at).cloned().unwrap_or_else(|| format!("{:?}", axis.values[*at]))
+                    let word = axis.words.get(*at).cloned().map(defused);
+                    word.unwrap_or_else(|| format!("{:?}", axis.values[*at]))
                 })
                 .collect();
-            cells.extend(study.ids.get(row).cloned());
+            cells.extend(study.ids.get(row).cloned().map(defused));
             cells.extend(study.parameters.iter().map(|one| format!("{:?}", one.values[row])));
             cells.extend(study.outputs.iter().map(|one| format!("{:?}", one.values[instance])));
             cells.extend(with_status.then(|| study.status_word(instance).to_owned()));

@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use plotters::coord::Shift;
-use plotters::element::{Circle, PathElement, Rectangle, Text};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
@@ -96,6 +96,12 @@ impl Canvas<'_> {
     pub fn rectangle(&self, a: (f64, f64), b: (f64, f64), colour: RGBColor) -> Result<(), ReportError> {
         let shape = Rectangle::new([fine(a), fine(b)], colour.filled());
         self.area.draw(&shape).map_err(ReportError::draw)
+    }
+
+    /// An area that covers its ground by this share.
+    pub fn shade(&self, points: &[(f64, f64)], (colour, cover): (RGBColor, f64)) -> Result<(), ReportError> {
+        let points: Vec<(i32, i32)> = points.iter().map(|&point| fine(point)).collect();
+        self.area.draw(&Polygon::new(points, colour.mix(cover).filled())).map_err(ReportError::draw)
     }
 
     /// An image, given by its address, that fills this rectangle. The drawing library has no such element: a rectangle of a

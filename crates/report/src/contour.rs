@@ -7,7 +7,7 @@ use super::frame::{Frame, State};
 use std::collections::HashMap;
 
 /// Pixels for each line that a map may have.
-const ROOM: f64 = 80.0;
+const ROOM: f64 = 64.0;
 /// Shorter ones, in pixels, are not drawn, and more pieces than this at one value are noise.
 const SHORTEST: f64 = 24.0;
 const MOST_PIECES: usize = 30;
@@ -45,8 +45,7 @@ pub(super) fn draw(field: &Field, cells: &[(f64, State)]) -> Result<(), ReportEr
             frame.canvas.line(line, WHITE, 2.6)?;
             frame.canvas.line(line, INK, 1.1)?;
         }
-        let text = if bar.unit.text.is_empty() { text } else { format!("{text} {}", bar.unit.text) };
-        labels.on(&lines, &text)?;
+        labels.on(&lines, &bar.unit.of(&text));
     }
     labels.draw()
 }
@@ -155,7 +154,7 @@ struct Labels<'a, 'b, 'c> {
 
 impl Labels<'_, '_, '_> {
     /// Finds a place on the longest of these lines that has one.
-    fn on(&mut self, lines: &[Vec<(f64, f64)>], text: &str) -> Result<(), ReportError> {
+    fn on(&mut self, lines: &[Vec<(f64, f64)>], text: &str) {
         let half = (text_width(text, LETTERS) / 2.0 + 2.0, LETTERS / 2.0 + 2.0);
         let frame = self.frame;
         let inside = |(x, y): (f64, f64)| {
@@ -174,7 +173,6 @@ impl Labels<'_, '_, '_> {
         };
         let place = lines.iter().flat_map(places).find(is_free);
         self.taken.extend(place.map(|at| (at, half, text.to_owned())));
-        Ok(())
     }
 
     fn draw(&self) -> Result<(), ReportError> {

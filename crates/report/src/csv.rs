@@ -10,7 +10,7 @@ use std::fmt::Write;
 const MOST_ROWS: usize = 100_000;
 
 /// A name with its unit, as a column's head.
-fn head(name: &str, units: &str) -> String {
+pub(super) fn head(name: &str, units: &str) -> String {
     let text = defused(if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") });
     // A comma or a quote would end the cell.
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
@@ -87,7 +87,7 @@ pub(super) fn of_variable(results: &Results, variable: &Variable) -> Option<Stri
 }
 
 /// A number that reads back as it is; nothing for one that is not there.
-fn cell(text: &mut String, value: f64) {
+pub(super) fn cell(text: &mut String, value: f64) {
     text.push(',');
     if !value.is_nan() {
         let _ = write!(text, "{value:e}");

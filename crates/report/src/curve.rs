@@ -57,6 +57,8 @@ pub(super) struct Curves<'a> {
     pub columns: usize,
     /// What the curves differ by; empty for one curve.
     pub by: String,
+    /// Whether the curves are ways there and back, of which the second is dashed.
+    pub ways: bool,
     /// Words for branches by their number; none where the file does not tell.
     pub branches: Vec<String>,
     pub style: Style,
@@ -161,10 +163,10 @@ impl Curves<'_> {
         let several = self.has_branches();
         Pen {
             shade: shade(place, count),
-            dashed: series[number].second,
+            dashed: series[number].second || (self.ways && place == 1),
             signs: number == 0,
-            by_branch: several && count == 1,
-            thin: several && count > 1,
+            by_branch: several && (count == 1 || self.ways),
+            thin: several && count > 1 && !self.ways,
             shift: match self.style {
                 Style::Lines => 0.0,
                 _ => BESIDE * (place as f64 - 0.5 * (count as f64 - 1.0)),
@@ -183,14 +185,20 @@ impl Curves<'_> {
         let several = series.iter().filter(|one| !one.second).count() > 1;
         let name = |(number, one): (usize, &Series)| {
             let name = if number == 0 { format!("{} {}", self.by, one.name) } else { one.name.clone() };
-            let shade = self.pen(series, number).shade;
-            let sample = if self.style == Style::Symbols { Key::Dot(shade) } else { Key::Line(shade) };
+            let pen = self.pen(series, number);
+            let shade = if pen.by_branch { GREY } else { pen.shade };
+            let sample = match self.style {
+                Style::Symbols => Key::Dot(shade),
+                _ if pen.dashed => Key::Dashes(shade),
+                _ => Key::Line(shade),
+            };
             (several && !one.second).then(|| (sample, name.trim().to_owned()))
         };
         let mut entries: Vec<(Key, String)> = series.iter().enumerate().filter_map(name).collect();
         if self.has_branches() {
             let words = self.branches.iter().enumerate().skip(1);
-            entries.extend(words.filter(|(code, _)| !several || *code == 1).map(|(code, word)| match several {
+            let thin = several && !self.ways;
+            entries.extend(words.filter(|(code, _)| !thin || *code == 1).map(|(code, word)| match thin {
                 true => (Key::Thin(GREY), format!("thin: {word}")),
                 false => (Key::Line(LINES[(code - 1) % LINES.len()]), word.clone()),
             }));

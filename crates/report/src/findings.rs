@@ -75,7 +75,10 @@ fn jumps(results: &Results) -> Option<String> {
     };
     let told = |number: usize| {
         let places = at(number);
-        let word = ways.map_or(String::new(), |words| format!(" {}", words[number]));
+        let word = ways.map_or(String::new(), |words| match words[number].as_str() {
+            way @ ("forward" | "backward") => format!(" {way}"),
+            way => format!(" on {way}"),
+        });
         let (first, last) = (
             places.iter().copied().fold(f64::INFINITY, f64::min),
             places.iter().copied().fold(f64::NEG_INFINITY, f64::max),

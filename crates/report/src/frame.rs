@@ -136,6 +136,8 @@ pub(super) enum Key {
     /// An upright stroke.
     Tick(RGBColor),
     Swatch(RGBColor),
+    /// That covers its ground by a share.
+    Shade(RGBColor, f64),
     Marked(RGBColor),
     Hatched,
 }
@@ -167,6 +169,9 @@ pub(super) fn key(
             Key::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
             Key::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
             Key::Swatch(colour) => canvas.rectangle(a, b, colour)?,
+            Key::Shade(colour, cover) => {
+                canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?
+            }
             Key::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
                 mark(canvas, middle)?;
@@ -213,6 +218,12 @@ impl Frame<'_, '_> {
     /// Pixels of a value pair; NaN where it cannot be shown.
     pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (self.left + self.x.place(x) * self.width, self.top + (1.0 - self.y.place(y)) * self.height)
+    }
+
+    /// Whether a place lies in it.
+    pub fn holds(&self, (x, y): (f64, f64)) -> bool {
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        (self.left..=right).contains(&x) && (self.top..=bottom).contains(&y)
     }
 
     /// The fine grid, to be drawn before the data.

@@ -2,6 +2,7 @@
 //! reconstructed from amplitudes and shifts.
 
 use super::frame::State;
+use super::picture::places;
 use crate::observe::Status;
 use crate::reconstruct::{Orbit, force};
 use crate::store::{ForceCurve, Results};
@@ -9,6 +10,9 @@ use crate::units::{self, Dimension};
 
 /// The quantity of approach and retraction.
 pub(super) const GAP: &str = "approach.gap";
+
+/// What the largest forces over the largest indentations are called.
+pub(super) const LARGEST: &str = "largest of each point";
 
 /// The points of the curve over the gap that an instance is one of.
 struct Points {
@@ -29,7 +33,7 @@ pub(super) fn forces(results: &Results, instance: u64) -> Vec<ForceCurve> {
     let mut found = Vec::new();
     if let Some(points) = usize::try_from(instance).ok().and_then(|one| Points::through(results, one)) {
         if let Some(largest) = points.largest(results) {
-            found.push(named("largest of each point", &points.word, largest));
+            found.push(named(LARGEST, &points.word, largest));
         }
         if let Some(reconstructed) = points.reconstructed(results) {
             found.push(named("reconstructed from the curve", &points.word, reconstructed));
@@ -122,6 +126,19 @@ fn first_mode(results: &Results) -> Option<(f64, f64)> {
     let mode = lever.get("modes").and_then(|modes| modes.get(0)).unwrap_or(lever);
     let value = |key: &str, dimension| units::parse(mode.get(key)?.as_str()?, dimension).ok();
     Some((value("stiffness", Dimension::Stiffness)?, value("frequency", Dimension::Frequency)?))
+}
+
+/// The decay length of the attraction at an instance, where the file tells it.
+pub(super) fn decay_length(results: &Results, instance: u64) -> Option<f64> {
+    let instance = usize::try_from(instance).ok()?;
+    for (axis, at) in places(results, instance) {
+        let columns = axis.columns.iter().chain([axis]);
+        if let Some(swept) = columns.into_iter().find(|one| one.scene_path == "contact.decay_length") {
+            return swept.values.get(at).copied();
+        }
+    }
+    let scene: toml::Table = results.text("scene_resolved")?.parse().ok()?;
+    units::parse(scene.get("contact")?.get("decay_length")?.as_str()?, Dimension::Length).ok()
 }
 
 /// Whether the instance is ok.

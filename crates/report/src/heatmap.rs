@@ -149,13 +149,9 @@ impl Heatmap<'_> {
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.
 fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
-    let inside = |(x, y): (f64, f64)| {
-        let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
-        (frame.left..=right).contains(&x) && (frame.top..=bottom).contains(&y)
-    };
     for (number, line) in lines.iter().enumerate() {
         let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
-        for piece in places.split(|&at| !inside(at)) {
+        for piece in places.split(|&at| !frame.holds(at)) {
             frame.canvas.line(piece, WHITE, 3.6)?;
             match number {
                 0 => frame.canvas.line(piece, INK, 1.6)?,

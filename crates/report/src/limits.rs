@@ -134,8 +134,12 @@ pub(super) fn kept(results: &Results, wish: &Wish) -> Result<(Kept, String), Rep
     kept.best = Some(Best { observable: variable.name.clone(), instance, value });
     let name = brief(if variable.long_name.is_empty() { &variable.name } else { &variable.long_name }, &variable.name);
     let said = Unit::fitting(&variable.units, value.abs()).short(value);
-    let size = if smallest { "Smallest" } else { "Largest" };
-    let text = format!("{size} {name} with {words}: {said}{}; {count}{}.", at(results, instance), over(results, &left));
+    let what = match (smallest, name.strip_prefix("largest ")) {
+        (false, rest) => format!("Largest {}", rest.unwrap_or(&name)),
+        (true, None) => format!("Smallest {name}"),
+        (true, Some(_)) => format!("Lowest {name}"),
+    };
+    let text = format!("{what} with {words}: {said}{}; {count}{}.", at(results, instance), over(results, &left));
     Ok((kept, text))
 }
 

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::band::{self, Band};
 use super::floor::SCALES;
 use super::force_curve;
-use super::frame::State;
+use super::frame::{Key, State, Tally};
 use super::hover::Hover;
 use super::labels::{capital, caption};
 use super::picture::{Kind, Picture, places, states};
@@ -40,8 +40,8 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
     }
     if let Some(waveforms) = &results.waveforms {
         for (row, instance) in waveforms.instances.iter().enumerate().take(MOST_INSTANCES) {
-            let title = format!("Waveform of instance {instance}");
-            let svg = waveform::draw(waveforms, row, &with_case(results, &title, *instance))?;
+            let title = with_case(results, &format!("Waveform of instance {instance}"), *instance);
+            let svg = waveform::draw(waveforms, row, &title)?;
             let note = left_out(row, waveforms.instances.len(), "waveforms");
             let name = format!("waveform_{instance}");
             let csv = Some(csv::of_waveform(waveforms, row));
@@ -57,8 +57,8 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
         let told = from_curve::forces(results, *instance);
         let laws = results.force_curves.iter().filter(|curve| curve.instance == *instance);
         let curves: Vec<&ForceCurve> = laws.chain(&told).collect();
-        let title = format!("Force curve of instance {instance}");
-        let svg = force_curve::draw(&curves, &with_case(results, &title, *instance))?;
+        let title = with_case(results, &format!("Force curve of instance {instance}"), *instance);
+        let svg = force_curve::draw(&curves, &title, from_curve::decay_length(results, *instance))?;
         let note = left_out(row, instances.len(), "force curves");
         let name = format!("force_curve_{instance}");
         let csv = Some(csv::of_force_curves(&curves));
@@ -74,7 +74,7 @@ fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, Re
         return Ok(None);
     }
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let title = format!("{}, median and band of curves", capital(name));
+    let title = format!("{}, median and bands", capital(name));
     Ok(band::draw(results, variable, &title)?.map(|Band { svg, note, csv }| Picture {
         kind,
         name: format!("{}_band", variable.name),
@@ -99,7 +99,8 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
     match (zeros, values.len()) {
-        (0, 0 | 1) => None,
+        (0, 0) => Some(without(&name, &states)),
+        (0, 1) => None,
         (zeros, 0) => Some(format!("{name}: 0 within its error in all {zeros} instances that have a value.")),
         (0, count) if high - low <= SAME * low.abs().max(high.abs()) => {
             let value = Unit::fitting(&variable.units, high.abs()).value(high);
@@ -107,6 +108,13 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// That no instance has a value, and why.
+fn without(name: &str, states: &[(f64, State)]) -> String {
+    let tally = Tally::of(states.iter().map(|one| one.1));
+    let words = tally.entries([Key::Hatched; 5]).into_iter().map(|one| one.1).collect::<Vec<_>>();
+    format!("{name}: no instance has a value: {}.", words.join(", "))
 }
 
 /// Values that differ by less than this share of themselves are the same.

@@ -73,9 +73,13 @@ impl Unit {
         if value.is_nan() {
             return number(value, digits);
         }
-        let number = number(self.show(value), digits);
+        self.of(&number(self.show(value), digits))
+    }
+
+    /// A number that is written in this unit, with it.
+    pub fn of(&self, number: &str) -> String {
         match self.text.as_str() {
-            "" => number,
+            "" => number.to_owned(),
             "°" => format!("{number}°"),
             unit => format!("{number} {unit}"),
         }

@@ -19,6 +19,8 @@ use std::sync::Arc;
 /// Harmonics shown at most: curves or maps side by side, and rows of slices.
 const MOST_HARMONICS: usize = 6;
 const MOST_ROWS: usize = 3;
+/// What curves that are ways there and back differ by.
+const WAYS: &str = "ways";
 /// Instances whose harmonics stand side by side in one picture.
 const MOST_STICKS: usize = 6;
 /// Values of the first and of the second axis that are shown side by side and below each other.
@@ -190,9 +192,11 @@ impl Subject<'_> {
                 let names = self.names(axes, view);
                 let followed = view.x + 1 == axes.len();
                 let panels = panels.into_iter().map(|panel| self.lines(panel, &names, followed)).collect();
-                // Ways along a curve say themselves what they are.
-                let by = view.curves.map(|axis| &axes[axis]).filter(|axis| axis.name != DIRECTION);
-                let by = by.map_or(String::new(), |axis| brief(label(axis), &axis.name));
+                let by = view.curves.map(|axis| &axes[axis]);
+                let by = by.map_or(String::new(), |axis| match axis.name.as_str() {
+                    DIRECTION => WAYS.to_owned(),
+                    name => brief(label(axis), name),
+                });
                 let style = if x.words.is_empty() { Style::Lines } else { Style::Symbols };
                 self.curves((x, &by, style), columns, panels, note)
             }
@@ -301,8 +305,11 @@ impl Subject<'_> {
         note: String,
     ) -> Result<Shown, ReportError> {
         let (heading, units, long_name) = (self.heading.as_str(), self.units, self.axis_name.as_str());
-        let (by, branches) = (by.to_owned(), self.branches.clone());
-        let curves = Curves { heading, units, long_name, x, columns, by, branches, style, panels };
+        let branches = self.branches.clone();
+        // Ways along a curve say themselves what they are.
+        let ways = by == WAYS;
+        let by = if ways { String::new() } else { by.to_owned() };
+        let curves = Curves { heading, units, long_name, x, columns, by, ways, branches, style, panels };
         let (svg, hover) = curves.draw()?;
         Ok((svg, hover, note))
     }

@@ -5,8 +5,9 @@ pub(super) mod density;
 mod histogram;
 mod shares;
 
+use super::band::{self, Bands};
 use super::labels::{brief, capital, short};
-use super::{Chart, Document, Field, Look, Plot, ReportError, save, shown};
+use super::{Document, ReportError, save, shown};
 use crate::stats::{Estimate, Indices, NORMAL_95, Observed, Output, Posterior, SHARES, Study, Summary};
 use crate::store::Coordinate;
 use density::Side;
@@ -75,7 +76,9 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
     bands(&mut page, study, told)?;
     for (point, observables) in told.iter().enumerate().take(MOST_POINTS) {
         let at = place(study, point);
-        if !at.is_empty() {
+        // Beside bands single points are folded: the page would be many screens long.
+        let whole = over(study).map(|_| std::mem::take(&mut page.document));
+        if whole.is_none() && !at.is_empty() {
             page.document.heading(&at);
         }
         for (output, summary) in observables {
@@ -84,6 +87,10 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
                 Some(summary) => observable(&mut page, study, (point, output), summary)?,
                 None => page.document.paragraph(&output.name, "too many rows failed: nothing is told"),
             }
+        }
+        if let Some(whole) = whole {
+            let inside = std::mem::replace(&mut page.document, whole);
+            page.document.fold(&at, inside);
         }
     }
     if told.len() > MOST_POINTS {
@@ -248,48 +255,35 @@ fn decides(
     Ok(())
 }
 
-/// Quantiles of each observable over the last axis of the sweep, where that is one of numbers.
+/// The axis that bands are drawn over: the last one of the sweep.
+fn over(study: &Study) -> Option<&Coordinate> {
+    study.beside.last().filter(|axis| axis.values.len() > 1)
+}
+
+/// Quantiles of each observable over the last axis of the sweep.
 fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError> {
-    let Some(axis) = study.beside.last().filter(|axis| axis.words.is_empty() && axis.values.len() > 1) else {
-        return Ok(());
-    };
+    let Some(axis) = over(study) else { return Ok(()) };
     let length = axis.values.len();
     for (number, (output, _)) in told.first().into_iter().flatten().enumerate() {
         for (first, row) in told.chunks(length).enumerate().take(MOST_POINTS) {
-            let line = |n: usize| -> Vec<(f64, f64)> {
-                let of = |(at, point): (usize, &Vec<(&Output, Option<Summary>)>)| {
-                    let spread = point.get(number).and_then(|(_, told)| told.as_ref()?.spread.as_ref());
-                    (axis.values[at], spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
-                };
-                row.iter().enumerate().map(of).collect()
+            let spread = |point: &Vec<(&Output, Option<Summary>)>| {
+                let spread = point.get(number).and_then(|(_, told)| told.as_ref()?.spread.as_ref());
+                // 5, 25, 50, 75 and 95 %.
+                [1, 2, 3, 4, 5].map(|n| spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
             };
-            // 2.5, 25, 50, 75 and 97.5 %.
-            let drawn = [(0, true), (2, false), (3, false), (4, false), (6, true)];
-            let look = |(n, dashed): (usize, bool)| Look {
-                name: format!("{} %", 100.0 * SHARES[n]),
-                width: if n == 3 { 2.2 } else { 1.2 },
-                dashed,
-                dots: length <= 12,
-            };
-            let ratio = axis.values.iter().copied().fold(0.0, f64::max)
-                / axis.values.iter().copied().fold(f64::INFINITY, f64::min);
+            let points = row.iter().map(spread).collect();
             let heading = match study.beside.len() {
                 1 => format!("{} over {}", output.long_name, axis.long_name),
                 _ => {
                     format!("{} over {}, {}", output.long_name, axis.long_name, place(study, first * length))
                 }
             };
-            let chart = Chart {
-                title: heading.clone(),
-                x: Field { label: axis.long_name.clone(), units: axis.units.clone(), log: ratio > DECADE },
-                series: drawn.map(look).to_vec(),
-                panels: vec![Plot {
-                    label: output.long_name.clone(),
-                    units: output.units.clone(),
-                    lines: drawn.iter().map(|(n, _)| line(*n)).collect(),
-                    marks: Vec::new(),
-                    height: 280.0,
-                }],
+            let chart = Bands {
+                title: &heading,
+                x: axis,
+                label: &called(output),
+                units: &output.units,
+                series: vec![band::Series { name: String::new(), points }],
             };
             page.figure(&format!("{}_bands_{first}", output.name), &heading, chart.draw()?);
         }
