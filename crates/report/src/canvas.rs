@@ -14,6 +14,8 @@ const FINE: f64 = 10.0;
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
 pub(super) const PALE: RGBColor = RGBColor(228, 228, 228);
+/// What stands back: outside the limits asked for.
+pub(super) const BACK: RGBColor = RGBColor(202, 202, 202);
 pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
 /// Stands for an image until the picture is whole.
 const PLACEHOLDER: RGBColor = RGBColor(1, 2, 3);

@@ -2,19 +2,21 @@
 
 use super::ReportError;
 use super::axis::Axis;
-use super::canvas::{Canvas, GREY, PALE};
-use super::frame::{BEYOND, Frame, NOTHING, State, colour, faded, mark, status_word};
+use super::canvas::{BACK, Canvas, GREY, PALE};
+use super::frame::{BEYOND, Frame, NOTHING, State, colour, mark, status_word};
 use super::hover;
 use super::labels::short;
 use super::labels::shown;
 use super::raster::{self, FINER};
 use crate::store::Coordinate;
-use plotters::style::RGBColor;
+use plotters::style::{Color, RGBAColor, RGBColor};
 
 /// The colour of a value that is nothing within its error.
 pub(super) const NONE: RGBColor = RGBColor(176, 176, 176);
 /// Cells along an axis at most; finer grids are averaged.
 pub(super) const MOST_CELLS: usize = 512;
+/// Over [`PALE`], what [`BACK`] is on a light and on a dark page.
+const VEIL: RGBAColor = RGBAColor(144, 144, 144, 0.31);
 /// More cells than this in a picture are drawn as images.
 pub(super) const RASTER: usize = 2000;
 /// Doubtful cells of panels with at most so many are marked.
@@ -125,7 +127,7 @@ impl Field<'_, '_> {
             State::Empty => Some(PALE),
             State::Zero => Some(NONE),
             State::Good | State::Doubtful(_) => Some(colour(self.bar.place(value))),
-            State::Excluded => Some(faded(colour(self.bar.place(value)))),
+            State::Excluded => Some(BACK),
         }
     }
 
@@ -174,8 +176,10 @@ impl Field<'_, '_> {
             let row = upper.partition_point(|end| *end > y).min(upper.len() - 1);
             for (i, column) in column_of.iter().enumerate() {
                 colours.push(match self.shade(cells[row * columns + column]) {
-                    None => ((i + j) % 12 < 2).then_some(GREY),
-                    shade => shade.filter(|shade| *shade != PALE),
+                    None => ((i + j) % 12 < 2).then_some(GREY.to_rgba()),
+                    Some(PALE) => None,
+                    Some(BACK) => Some(VEIL),
+                    Some(shade) => Some(shade.to_rgba()),
                 });
             }
         }

@@ -7,7 +7,7 @@ use super::frame::{Frame, State};
 use std::collections::HashMap;
 
 /// Pixels for each line that a map may have.
-const ROOM: f64 = 64.0;
+const ROOM: f64 = 50.0;
 /// Shorter ones, in pixels, are not drawn, and more pieces than this at one value are noise.
 const SHORTEST: f64 = 24.0;
 const MOST_PIECES: usize = 30;
@@ -32,7 +32,7 @@ pub(super) fn draw(field: &Field, cells: &[(f64, State)]) -> Result<(), ReportEr
     let (columns, rows) = field.centres();
     let at = |(x, y): (f64, f64)| (between(&columns, x), between(&rows, y));
     let mut labels = Labels { frame, taken: Vec::new() };
-    let (levels, _) = bar.ticks(((frame.height / ROOM) as usize).max(2));
+    let (levels, _) = bar.ticks(((frame.height / ROOM) as usize).clamp(2, 5));
     for (level, text) in levels.into_iter().filter(|(place, _)| (0.02..0.98).contains(place)) {
         let lines = lines(&places, columns.len(), level);
         let lines = lines.into_iter().map(|line| thinned(line.into_iter().map(at)));

@@ -2,9 +2,9 @@
 
 use super::ReportError;
 use super::axis::{Axis, least_of_decades};
-use super::canvas::{Anchor, GREY, INK, LINES, picture};
+use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
 use super::frame::{
-    Frame, KEY_ROW, Key, SMALL, State, Tally, colour, faded, key, key_rows, left_margin, title,
+    Frame, KEY_ROW, Key, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
 };
 use super::hover::{Hover, Told};
 use super::labels::{label, shown};
@@ -150,7 +150,7 @@ impl Curves<'_> {
         let branch = series.branch.get(i).copied().unwrap_or(0);
         let own = if pen.by_branch { LINES[usize::from(branch.max(1) - 1) % LINES.len()] } else { pen.shade };
         let torn = series.torn.get(i) == Some(&true);
-        let shade = if state == State::Excluded { faded(own) } else { own };
+        let shade = if state == State::Excluded { BACK } else { own };
         let thin = pen.thin && branch == 1;
         Point { x: self.x.values[i], value, state, place: i, shift: pen.shift, torn, branch, shade, thin }
     }
@@ -393,6 +393,6 @@ pub(super) fn state_entries<'a>(series: impl Iterator<Item = &'a Series>) -> Vec
         Key::Dot(GREY),
         Key::Tick(GREY),
         Key::Cross(GREY),
-        Key::Dot(faded(LINES[0])),
+        Key::Dot(BACK),
     ])
 }

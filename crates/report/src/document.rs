@@ -284,6 +284,7 @@ figure svg,figure img{max-width:100%;height:auto}\
 @media(prefers-color-scheme:dark){body{color:#ddd;background:#191919}a{color:#8bf}td,th{border-color:#444 !important}\
 th,figcaption,.caption{color:#aaa !important}pre{background:#262626 !important}#tip{background:#ddd;color:#191919}\
 svg [fill='#FFFFFF']{fill:#191919}svg [fill='#222222']{fill:#ddd}svg [stroke='#222222']{stroke:#ddd}\
+svg [fill='#CACACA']{fill:#505050}svg [stroke='#CACACA']{stroke:#505050}\
 svg [fill='#E4E4E4']{fill:#333}svg [stroke='#E4E4E4']{stroke:#333}svg [fill='#787878']{fill:#999}\
 svg [stroke='#787878']{stroke:#999}\
 svg [fill='#005FAA']{fill:#5aaef0}svg [stroke='#005FAA']{stroke:#5aaef0}}figcaption,.caption{font-size:.85rem;color:#555}\

@@ -1,5 +1,6 @@
 //! The first sentences of a page: what came out, and how good it is.
 
+use super::SAMPLES;
 use super::floor::accuracy;
 use super::frame::{EXCLUDED, State, status_word};
 use super::labels::capital;
@@ -132,6 +133,7 @@ fn ranges(results: &Results, fixed: &[(usize, usize)]) -> Option<String> {
         .iter()
         .enumerate()
         .filter(|(number, axis)| axis.words.is_empty() && fixed.iter().all(|one| one.0 != *number))
+        .filter(|(_, axis)| axis.scene_path != SAMPLES)
         .filter_map(|(_, axis)| {
             Some(format!("{} {}", brief(label(axis), &axis.name), over(&axis.values, &axis.units)?))
         })

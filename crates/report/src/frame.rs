@@ -368,9 +368,3 @@ fn cut(text: &str, room: f64) -> String {
     }
     format!("{}…", shown.trim_end())
 }
-
-/// The colour of a value that stands back: outside the limits asked for.
-pub(super) fn faded(RGBColor(r, g, b): RGBColor) -> RGBColor {
-    let mix = |one: u8| (0.16 * f64::from(one) + 0.84 * 190.0).round() as u8;
-    RGBColor(mix(r), mix(g), mix(b))
-}

@@ -2,11 +2,11 @@
 
 use super::ReportError;
 use super::axis::{Axis, least_of_decades, spans_decades};
-use super::canvas::{Anchor, Canvas, INK, PALE, WHITE, picture};
+use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
 use super::cells::{Cells, Field, MARKED, MOST_CELLS, NONE, RASTER};
 use super::contour;
 use super::frame::{
-    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, faded, key, key_rows, left_margin, title, upward,
+    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
 };
 use super::hover::Hover;
 use crate::store::Coordinate;
@@ -130,9 +130,8 @@ impl Heatmap<'_> {
             let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
             entries.push((sample, name.clone()));
         }
-        let [some, back] = [colour(0.4), faded(colour(0.4))];
-        let samples =
-            [Key::Marked(some), Key::Swatch(NONE), Key::Swatch(PALE), Key::Hatched, Key::Swatch(back)];
+        let [marked, back] = [Key::Marked(colour(0.4)), Key::Swatch(BACK)];
+        let samples = [marked, Key::Swatch(NONE), Key::Swatch(PALE), Key::Hatched, back];
         for (sample, mut words) in tally.entries(samples) {
             if matches!(sample, Key::Marked(_)) && cells > MARKED {
                 words += ", not marked";

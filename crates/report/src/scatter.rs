@@ -2,9 +2,9 @@
 
 use super::ReportError;
 use super::axis::Axis;
-use super::canvas::{GREY, LINES, picture};
+use super::canvas::{BACK, GREY, LINES, picture};
 use super::curve::{Series, absent, drawn, state_entries, values_axis};
-use super::frame::{Frame, KEY_ROW, Key, State, colour, faded, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Key, State, colour, key, key_rows, left_margin, title};
 use super::hover::{Hover, Told};
 use super::labels::shown;
 use super::raster::Dots;
@@ -76,7 +76,7 @@ fn cloud(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), R
         }
         match state {
             State::Good if at.1.is_finite() => frame.canvas.dot(at, 2.4, LINES[0])?,
-            State::Excluded if at.1.is_finite() => frame.canvas.dot(at, 2.0, faded(LINES[0]))?,
+            State::Excluded if at.1.is_finite() => frame.canvas.dot(at, 2.0, BACK)?,
             State::Zero if at.1.is_finite() => frame.canvas.dot(at, 2.4, GREY)?,
             State::Doubtful(_) if at.1.is_finite() => frame.canvas.ring(at, 3.0, LINES[0])?,
             state => absent(frame, at.0, state)?,
@@ -95,7 +95,7 @@ fn dense(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), R
         let place = frame.at(at, value);
         match state {
             State::Excluded if place.0.is_finite() && place.1.is_finite() => {
-                back.dot((place.0 - frame.left, place.1 - frame.top), 1.6, faded(LINES[0]));
+                back.dot((place.0 - frame.left, place.1 - frame.top), 1.6, BACK);
                 any_back = true;
             }
             State::Failed(_) | State::Empty | State::Excluded => lost.push((place.0, state)),
