@@ -65,9 +65,7 @@ pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
             .iter()
             .map(|one| serde_json::json!({ "title": one.title, "file": one.file, "csv": one.csv }))
             .collect();
-        let best = |best: &Best| {
-            serde_json::json!({ "observable": best.observable, "instance": best.instance, "value": best.value })
-        };
+        let best = |best: &Best| serde_json::json!({ "observable": best.observable, "instance": best.instance, "value": best.value });
         let kept = report.kept.as_ref().map(|kept| {
             let best = kept.best.as_ref().map(best);
             serde_json::json!({ "instances": kept.instances, "of": kept.of, "best": best })

@@ -110,9 +110,12 @@ fn points_reached_by_a_jump_are_marked() {
     let page = std::fs::read_to_string(desk.path("results/jumps/report.md")).unwrap();
     assert!(page.contains("| way along the curve | direction | 2 | approach | retraction |"), "{page}");
     let law = std::fs::read_to_string(desk.path("results/jumps/force_curve_200.svg")).unwrap();
-    for (text, there) in
-        [("dmt", true), ("largest of each point, approach", true), ("dmt, approach", false), ("retract", false)]
-    {
+    for (text, there) in [
+        ("dmt", true),
+        ("largest of each point, approach", true),
+        ("dmt, approach", false),
+        ("retract", false),
+    ] {
         assert_eq!(law.contains(text), there, "{text}");
     }
     assert!(picture.contains(">\nretraction\n<") && !picture.contains("way along"));

@@ -13,6 +13,7 @@ fn tapping(axes: Vec<Coordinate>) -> Results {
     let data = |step: f64| (0..count).map(|i| i as f64 * step).collect::<Vec<f64>>();
     results.variables =
         vec![variable("amplitude", "m", None, data(1e-9)), variable("force_max", "N", None, data(2e-9))];
+    results.variables.iter_mut().for_each(|one| one.long_name.clone_from(&one.name));
     results.status.fill(0);
     (results.other_branch, results.waveforms) = (None, None);
     results.force_curves.clear();
@@ -26,8 +27,9 @@ fn axis(name: &str, count: usize) -> Coordinate {
 
 fn named(words: &[&str]) -> Coordinate {
     let values = (0..words.len()).map(|i| i as f64).collect();
+    let columns = vec![coordinate("youngs_modulus", "Pa", vec![1e9; words.len()])];
     let words = words.iter().map(|word| (*word).to_owned()).collect();
-    Coordinate { long_name: "material".into(), words, ..coordinate("material", "1", values) }
+    Coordinate { long_name: "material".into(), words, columns, ..coordinate("material", "", values) }
 }
 
 fn pairs(limits: &[(&str, &str)]) -> Vec<(String, String)> {
@@ -65,11 +67,11 @@ fn what_is_outside_the_limits_stands_back_and_what_is_left_is_told() {
     assert_eq!(csv.matches(",outside_limits\n").count(), 7);
 
     // Limits join; above alone asks for the smallest of the others.
-    let wish = Wish { above: pairs(&[("amplitude", "3 nm")]), ..wish };
+    let wish = Wish { above: pairs(&[("amplitude", "3.5 nm")]), ..wish };
     assert_eq!(drawn(&results, &wish).1.unwrap().kept.unwrap().instances, 1);
-    let wish = Wish { above: pairs(&[("amplitude", "3 nm")]), ..Wish::default() };
+    let wish = Wish { above: pairs(&[("amplitude", "3.5 nm")]), ..Wish::default() };
     let told = drawn(&results, &wish).1.unwrap();
-    assert!(told.findings[0].starts_with("Smallest the force_max with amplitude above 3 nm: 8 nN at gap 5 nm"));
+    assert!(told.findings[0].starts_with("Smallest force_max with amplitude above 3.5 nm: 8 nN at gap 5 nm"));
     let wish = Wish { below: pairs(&[("amplitude", "-1 nm")]), ..Wish::default() };
     let told = drawn(&results, &wish).1.unwrap();
     assert_eq!(told.findings[0], "None of 12 instances has amplitude below −1 nm.");
@@ -80,12 +82,16 @@ fn what_is_outside_the_limits_stands_back_and_what_is_left_is_told() {
 fn limits_of_unknown_names_and_without_units_are_refused() {
     let results = tapping(vec![axis("gap", 6)]);
     for (limit, words) in [
-        (("forcemax", "5nN"), "--below forcemax: expected one of amplitude, force_max; did you mean force_max?"),
+        (
+            ("forcemax", "5nN"),
+            "--below forcemax: expected one of amplitude, force_max; did you mean force_max?",
+        ),
         (("force_max", "5"), "--below force_max=5: expected a value with its unit, such as force_max=3nN"),
         (("force_max", "5 nm"), "expected a value with its unit"),
     ] {
         let wish = Wish { below: pairs(&[limit]), ..Wish::default() };
-        assert_eq!(drawn(&results, &wish).1.unwrap_err().to_string().find(words), Some(0), "{words}");
+        let error = drawn(&results, &wish).1.unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
     }
 }
 
@@ -106,9 +112,11 @@ fn maps_have_lines_at_round_values() {
         }
         assert_eq!(report.text("amplitude.svg").contains("<image"), count == 60);
         // Whole numbers have nothing between them.
-        results.variables = vec![variable("contacts", "1", None, (0..count * count).map(|i| i as f64).collect())];
+        results.variables =
+            vec![variable("contacts", "1", None, (0..count * count).map(|i| i as f64).collect())];
         let words = Report::of(&results).words("contacts.svg");
-        assert_eq!(words.matches("100").count(), words.matches("1000").count(), "{words}");
+        let round = if count == 15 { "100" } else { "1000" };
+        assert_eq!(words.lines().filter(|line| *line == round).count(), 1, "{words}");
     }
 }
 
@@ -153,11 +161,15 @@ fn the_axis_of_the_curves_can_be_chosen() {
 /// The lines of curves as places in tenths of pixels, with their colours.
 fn lines(svg: &str) -> Vec<(String, Vec<f64>)> {
     let document = roxmltree::Document::parse(svg).unwrap();
-    let curves = document.descendants().filter(|node| {
-        node.has_tag_name("polyline") && node.attribute("stroke-width") == Some("18")
-    });
-    let places = |points: &str| points.split_whitespace().map(|at| at.split_once(',').unwrap().0.parse().unwrap()).collect();
-    curves.map(|node| (node.attribute("stroke").unwrap().into(), places(node.attribute("points").unwrap()))).collect()
+    let curves = document
+        .descendants()
+        .filter(|node| node.has_tag_name("polyline") && node.attribute("stroke-width") == Some("18"));
+    let places = |points: &str| {
+        points.split_whitespace().map(|at| at.split_once(',').unwrap().0.parse().unwrap()).collect()
+    };
+    curves
+        .map(|node| (node.attribute("stroke").unwrap().into(), places(node.attribute("points").unwrap())))
+        .collect()
 }
 
 /// Truth: the branches and the jump put in: ten points on the first branch, then ten of which the sixth was jumped to.
@@ -197,7 +209,6 @@ fn names_are_ticks_without_lines_and_not_to_the_right_of_numbers() {
     for name in ["LDPE", "Gold", "material"] {
         assert!(words.lines().any(|line| line == name), "{name}: {words}");
     }
-    assert!(!words.lines().any(|line| line == "1"), "{words}");
     assert_eq!(lines(&report.text("amplitude.svg")), []);
     // Fewer numbers than names.
     let results = tapping(vec![axis("gap", 2), named(&["a", "b", "c", "d"])]);

@@ -17,7 +17,8 @@ fn digits_tell_neighbours_apart() {
     let frequencies: Vec<f64> = (0..161).map(|i| 298e3 + 25.0 * f64::from(i)).collect();
     let mut one = results(vec![coordinate("drive_frequency", "Hz", frequencies)], false);
     one.status.fill(0);
-    one.variables = vec![variable("phase", "degree", None, (0..161).map(|i| 44.41 + 1e-4 * f64::from(i)).collect())];
+    one.variables =
+        vec![variable("phase", "degree", None, (0..161).map(|i| 44.41 + 1e-4 * f64::from(i)).collect())];
     one.flags = vec![Flags {
         name: "jump".into(),
         long_name: "jump".into(),
@@ -77,7 +78,8 @@ fn spreadsheets_find_no_formulas() {
     let labels = ["=cmd|' /C calc'!A0", "+1+1", "-1e-9", "@sum", "PS"];
     let material = Coordinate {
         words: labels.map(str::to_owned).to_vec(),
-        ..coordinate("material", "1", (0..5).map(f64::from).collect())
+        columns: vec![coordinate("youngs_modulus", "Pa", vec![1e9; 5])],
+        ..coordinate("material", "", (0..5).map(f64::from).collect())
     };
     let mut results = results(vec![material], false);
     results.status.fill(0);
@@ -89,12 +91,16 @@ fn spreadsheets_find_no_formulas() {
 /// Truth: 40 samples at each of nine gaps, whose values are those of the gap times 1 to 40.
 #[test]
 fn samples_become_bands_and_no_map_over_their_numbers() {
-    let samples = Coordinate { scene_path: "samples".into(), ..coordinate("sample", "1", (0..40).map(f64::from).collect()) };
+    let samples = Coordinate {
+        scene_path: "samples".into(),
+        ..coordinate("sample", "1", (0..40).map(f64::from).collect())
+    };
     let gap = coordinate("approach_gap", "m", ramp(9, 1e-9));
     let mut results = results(vec![samples, gap], false);
     (results.other_branch, results.waveforms) = (None, None);
     results.status.fill(0);
-    results.variables = vec![variable("amplitude", "m", None, (0..360).map(|i| (i / 9 + 1) as f64 * 1e-9).collect())];
+    results.variables =
+        vec![variable("amplitude", "m", None, (0..360).map(|i| (i / 9 + 1) as f64 * 1e-9).collect())];
     let report = Report::of(&results);
     report.check();
     let page = report.text("index.html");
@@ -105,7 +111,8 @@ fn samples_become_bands_and_no_map_over_their_numbers() {
     }
     assert!(report.text("amplitude_band.svg").matches("<polygon").count() >= 2);
     let csv = report.text("amplitude_band.csv");
-    let row: Vec<f64> = csv.lines().nth(1).unwrap().split(',').skip(2).map(|cell| cell.parse().unwrap()).collect();
+    let row: Vec<f64> =
+        csv.lines().nth(1).unwrap().split(',').skip(2).map(|cell| cell.parse().unwrap()).collect();
     let expected = [2.95e-9, 10.75e-9, 20.5e-9, 30.25e-9, 38.05e-9];
     assert!(row.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12), "{row:?}");
 }
@@ -127,4 +134,12 @@ fn warnings_on_the_page_carry_their_cure() {
     results.flags[1].meanings[0] = "between_laws".into();
     let page = Report::of(&results).text("index.html");
     assert!(page.contains("run the other law as well"), "{page}");
+}
+
+#[test]
+fn the_page_says_that_instances_carry_warnings() {
+    let results = Results { status: vec![0; 12], ..grid() };
+    let page = Report::of(&results).text("index.html");
+    // Bits are set in three of four instances.
+    assert!(page.contains("All 12 instances are ok") && page.contains("9 of 12 carry a warning"), "{page}");
 }

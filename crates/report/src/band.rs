@@ -83,7 +83,10 @@ impl Bands<'_> {
                 if frame.x.has_names() || piece.len() == 1 {
                     for i in piece {
                         let (a, b) = (at(i, low), at(i, high));
-                        canvas.shade(&[(a.0 - 4.0, a.1), (a.0 + 4.0, a.1), (b.0 + 4.0, b.1), (b.0 - 4.0, b.1)], (shade, cover))?;
+                        canvas.shade(
+                            &[(a.0 - 4.0, a.1), (a.0 + 4.0, a.1), (b.0 + 4.0, b.1), (b.0 - 4.0, b.1)],
+                            (shade, cover),
+                        )?;
                     }
                 } else {
                     let there = piece.iter().map(|i| at(i, low));
@@ -178,7 +181,8 @@ fn csv(x: &Coordinate, variable: &Variable, series: &[Series]) -> String {
     text.push('\n');
     for one in series {
         for (i, (value, point)) in x.values.iter().zip(&one.points).enumerate() {
-            let place = x.words.get(i).map_or_else(|| format!("{value:e}"), |word| super::csv::head(word, ""));
+            let place =
+                x.words.get(i).map_or_else(|| format!("{value:e}"), |word| super::csv::head(word, ""));
             text += &format!("{},{place}", super::csv::head(&one.name, ""));
             point.iter().for_each(|value| super::csv::cell(&mut text, *value));
             text.push('\n');

@@ -112,9 +112,7 @@ impl Field<'_, '_> {
             return Ok(());
         }
         let (columns, rows) = self.centres();
-        for (number, _) in
-            cells.iter().enumerate().filter(|(_, cell)| matches!(cell.1, State::Doubtful(_)))
-        {
+        for (number, _) in cells.iter().enumerate().filter(|(_, cell)| matches!(cell.1, State::Doubtful(_))) {
             mark(self.frame.canvas, (columns[number % columns.len()], rows[number / columns.len()]))?;
         }
         Ok(())

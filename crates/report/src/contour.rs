@@ -189,7 +189,10 @@ mod tests {
     use super::*;
 
     fn lattice(columns: usize, rows: usize, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-        (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).map(|(x, y)| f(x as f64, y as f64)).collect()
+        (0..rows)
+            .flat_map(|y| (0..columns).map(move |x| (x, y)))
+            .map(|(x, y)| f(x as f64, y as f64))
+            .collect()
     }
 
     /// Truth: the plane put in, on which interpolation is exact.

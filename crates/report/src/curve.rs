@@ -3,9 +3,7 @@
 use super::ReportError;
 use super::axis::{Axis, least_of_decades};
 use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
-use super::frame::{
-    Frame, KEY_ROW, Key, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
-};
+use super::frame::{Frame, KEY_ROW, Key, SMALL, State, Tally, colour, key, key_rows, left_margin, title};
 use super::hover::{Hover, Told};
 use super::labels::{label, shown};
 use crate::store::Coordinate;
@@ -388,11 +386,5 @@ pub(super) fn values_axis<'a>(
 pub(super) fn state_entries<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<(Key, String)> {
     let first = series.filter(|one| !one.second);
     let tally = Tally::of(first.flat_map(|one| &one.values).map(|(_, state)| *state));
-    tally.entries([
-        Key::Ring(LINES[0]),
-        Key::Dot(GREY),
-        Key::Tick(GREY),
-        Key::Cross(GREY),
-        Key::Dot(BACK),
-    ])
+    tally.entries([Key::Ring(LINES[0]), Key::Dot(GREY), Key::Tick(GREY), Key::Cross(GREY), Key::Dot(BACK)])
 }

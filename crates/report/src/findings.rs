@@ -49,7 +49,11 @@ fn incomplete(results: &Results) -> Option<String> {
         let phases: Vec<&str> = words.split(' ').collect();
         format!("; it lacks {}", phases.join(", "))
     });
-    Some(format!("Incomplete: {} of {} instances are done{lacks}.", grouped(done), grouped(results.status.len())))
+    Some(format!(
+        "Incomplete: {} of {} instances are done{lacks}.",
+        grouped(done),
+        grouped(results.status.len())
+    ))
 }
 
 /// A count with commas: `20,000`.

@@ -104,7 +104,8 @@ fn field(curves: &[&ForceCurve], decay: Option<f64>) -> Option<(Ends, Ends)> {
     // A tip that only hovers is shown from where it comes closest.
     let (from, to) = (deepest.min(0.0) - out, deepest.max(0.0) + ROOM * deepest.max(out / REACH));
     let seen = |one: &Ends| (from..=to).contains(&one.0);
-    let (low, high) = met().filter(seen).fold((0.0f64, 0.0f64), |ends, one| (ends.0.min(one.1), ends.1.max(one.1)));
+    let (low, high) =
+        met().filter(seen).fold((0.0f64, 0.0f64), |ends, one| (ends.0.min(one.1), ends.1.max(one.1)));
     // The law's pull belongs to the picture where the tip comes near.
     let pull = curves.iter().flat_map(|curve| pairs(curve)).filter(seen).map(|one| one.1);
     let low = pull.filter(|_| deepest > 0.0).fold(low, f64::min);

@@ -169,9 +169,7 @@ pub(super) fn key(
             Key::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
             Key::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
             Key::Swatch(colour) => canvas.rectangle(a, b, colour)?,
-            Key::Shade(colour, cover) => {
-                canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?
-            }
+            Key::Shade(colour, cover) => canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?,
             Key::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
                 mark(canvas, middle)?;

@@ -3,6 +3,7 @@
 
 use super::frame::State;
 use super::picture::places;
+use super::view::DIRECTION;
 use crate::observe::Status;
 use crate::reconstruct::{Orbit, force};
 use crate::store::{ForceCurve, Results};
@@ -112,6 +113,18 @@ fn data<'a>(results: &'a Results, name: &str) -> Option<&'a [f64]> {
 /// Of a run along curves, where states were not reached continuously.
 pub(super) fn jumps(results: &Results) -> Option<&[u8]> {
     results.flags.iter().find(|flags| flags.name == "jump").map(|flags| flags.data.as_slice())
+}
+
+/// Of instances along curves, from which no line leads to the next one: a jump is told at the point after it on the way.
+pub(super) fn torn(results: &Results) -> Vec<bool> {
+    let (Some(jumps), Some(axis)) = (jumps(results), results.axes.last()) else { return Vec::new() };
+    let length = axis.values.len().max(1);
+    let ways = results.axes.iter().any(|axis| axis.name == DIRECTION && axis.values.len() == 2);
+    let one = |i: usize| match ways && (i / length) % 2 == 1 {
+        true => jumps[i] != 0,
+        false => jumps.get(i + 1).is_some_and(|flag| *flag != 0),
+    };
+    (0..jumps.len()).map(one).collect()
 }
 
 /// Stiffness and frequency of the lever's first mode, where the scene gives them for all instances.

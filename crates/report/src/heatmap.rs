@@ -49,7 +49,11 @@ impl Heatmap<'_> {
     /// The picture with lines at round values, and what lies where in it.
     pub(super) fn draw_told(&self) -> Result<(String, Hover), ReportError> {
         let least = least_of_decades(self.values());
-        self.over(least.is_some(), self.values().filter(|value| least.is_none_or(|least| *value >= least)), true)
+        self.over(
+            least.is_some(),
+            self.values().filter(|value| least.is_none_or(|least| *value >= least)),
+            true,
+        )
     }
 
     fn values(&self) -> impl Iterator<Item = f64> + Clone {

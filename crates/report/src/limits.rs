@@ -22,7 +22,11 @@ impl Limit<'_> {
     fn words(&self) -> String {
         let way = if self.below { "below" } else { "above" };
         let largest = if self.value == 0.0 { 1.0 } else { self.value.abs() };
-        format!("{} {way} {}", self.variable.name, Unit::fitting(&self.variable.units, largest).value(self.value))
+        format!(
+            "{} {way} {}",
+            self.variable.name,
+            Unit::fitting(&self.variable.units, largest).value(self.value)
+        )
     }
 
     fn holds(&self, value: Option<f64>) -> bool {
@@ -132,14 +136,18 @@ pub(super) fn kept(results: &Results, wish: &Wish) -> Result<(Kept, String), Rep
         return Ok((kept, format!("{count} with {words}.")));
     };
     kept.best = Some(Best { observable: variable.name.clone(), instance, value });
-    let name = brief(if variable.long_name.is_empty() { &variable.name } else { &variable.long_name }, &variable.name);
+    let name = brief(
+        if variable.long_name.is_empty() { &variable.name } else { &variable.long_name },
+        &variable.name,
+    );
     let said = Unit::fitting(&variable.units, value.abs()).short(value);
     let what = match (smallest, name.strip_prefix("largest ")) {
         (false, rest) => format!("Largest {}", rest.unwrap_or(&name)),
         (true, None) => format!("Smallest {name}"),
         (true, Some(_)) => format!("Lowest {name}"),
     };
-    let text = format!("{what} with {words}: {said}{}; {count}{}.", at(results, instance), over(results, &left));
+    let text =
+        format!("{what} with {words}: {said}{}; {count}{}.", at(results, instance), over(results, &left));
     Ok((kept, text))
 }
 

@@ -5,7 +5,7 @@ use super::SAMPLES;
 use super::canvas::text_width;
 use super::curve::{Curves, Series, Style};
 use super::frame::{SMALL, State};
-use super::from_curve::jumps;
+use super::from_curve::{jumps, torn};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
 use super::labels::{brief, capital, caption, label, shown};
@@ -146,7 +146,8 @@ impl Subject<'_> {
     fn over_harmonics(&self, names: Vec<String>) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let series = names.into_iter().zip(self.states.chunks(self.harmonics));
-        let series = series.map(|(name, values)| Series { name, values: values.to_vec(), ..Series::default() });
+        let series =
+            series.map(|(name, values)| Series { name, values: values.to_vec(), ..Series::default() });
         let panels = vec![(String::new(), series.collect())];
         self.curves((&orders, "", Style::Sticks), 1, panels, String::new())
     }
@@ -352,18 +353,6 @@ fn above(slow: &[(&Coordinate, f64)], order: Option<String>) -> String {
     };
     let fits = |named: &usize| text_width(&words(*named), SMALL) <= ROOM;
     words((0..=slow.len()).rev().find(fits).unwrap_or(0))
-}
-
-/// Of instances along curves, from which no line leads to the next one: a jump is told at the point after it on the way.
-fn torn(results: &Results) -> Vec<bool> {
-    let (Some(jumps), Some(axis)) = (jumps(results), results.axes.last()) else { return Vec::new() };
-    let length = axis.values.len().max(1);
-    let ways = results.axes.iter().any(|axis| axis.name == DIRECTION && axis.values.len() == 2);
-    let one = |i: usize| match ways && (i / length) % 2 == 1 {
-        true => jumps[i] != 0,
-        false => jumps.get(i + 1).is_some_and(|flag| *flag != 0),
-    };
-    (0..jumps.len()).map(one).collect()
 }
 
 /// A note where not all values of an axis are shown.

@@ -15,7 +15,12 @@ const CELLS: usize = 48;
 const WEIGHTED: usize = 24;
 
 /// Draws rows (x, y), with weights or without, into a frame.
-pub(in super::super) fn rows(frame: &Frame, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), ReportError> {
+pub(in super::super) fn rows(
+    frame: &Frame,
+    x: &[f64],
+    y: &[f64],
+    weights: &[f64],
+) -> Result<(), ReportError> {
     if weights.is_empty() && x.len() <= DOTS {
         let radius = if x.len() > 300 { 1.3 } else { 2.2 };
         for (x, y) in x.iter().zip(y) {
@@ -39,7 +44,8 @@ pub(in super::super) fn rows(frame: &Frame, x: &[f64], y: &[f64], weights: &[f64
     // By the root: rare cells are seen too.
     let shade = |share: f64| (share > 1e-3 * most).then(|| colour((share / most).sqrt()));
     let (wide, high) = ((frame.width * FINER) as usize, (frame.height * FINER) as usize);
-    let at = |row: usize, column: usize| shares[(high - 1 - row) * cells / high * cells + column * cells / wide];
+    let at =
+        |row: usize, column: usize| shares[(high - 1 - row) * cells / high * cells + column * cells / wide];
     let pixels = (0..high).flat_map(|row| (0..wide).map(move |column| (row, column)));
     let colours: Vec<Option<RGBColor>> = pixels.map(|(row, column)| shade(at(row, column))).collect();
     let end = (frame.left + frame.width, frame.top + frame.height);
