@@ -148,8 +148,14 @@ fn length(line: &[(f64, f64)]) -> f64 {
 /// The values on the lines, drawn after all lines.
 struct Labels<'a, 'b, 'c> {
     frame: &'a Frame<'b, 'c>,
-    /// Middle and half size of each, and its text.
-    taken: Vec<((f64, f64), (f64, f64), String)>,
+    taken: Vec<Label>,
+}
+
+/// A value on a line: its middle, half of its size, and what it says.
+struct Label {
+    at: (f64, f64),
+    half: (f64, f64),
+    text: String,
 }
 
 impl Labels<'_, '_, '_> {
@@ -162,8 +168,9 @@ impl Labels<'_, '_, '_> {
                 && (frame.top + half.1..=frame.top + frame.height - half.1).contains(&y)
         };
         let is_free = |at: &(f64, f64)| {
-            let apart = |((x, y), size, _): &((f64, f64), (f64, f64), String)| {
-                (x - at.0).abs() > half.0 + size.0 || (y - at.1).abs() > half.1 + size.1
+            let apart = |other: &Label| {
+                (other.at.0 - at.0).abs() > half.0 + other.half.0
+                    || (other.at.1 - at.1).abs() > half.1 + other.half.1
             };
             inside(*at) && self.taken.iter().all(apart)
         };
@@ -172,11 +179,11 @@ impl Labels<'_, '_, '_> {
             shares.map(|share| line[((line.len() - 1) as f64 * share) as usize])
         };
         let place = lines.iter().flat_map(places).find(is_free);
-        self.taken.extend(place.map(|at| (at, half, text.to_owned())));
+        self.taken.extend(place.map(|at| Label { at, half, text: text.to_owned() }));
     }
 
     fn draw(&self) -> Result<(), ReportError> {
-        for ((x, y), (across, up), text) in &self.taken {
+        for Label { at: (x, y), half: (across, up), text } in &self.taken {
             self.frame.canvas.rectangle((x - across, y - up), (x + across, y + up), WHITE)?;
             self.frame.canvas.text(text, (*x, *y), LETTERS, Anchor::Middle, INK)?;
         }

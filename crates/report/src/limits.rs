@@ -8,7 +8,7 @@ use super::quantity::Unit;
 use super::view::{Wish, typed, unknown};
 use super::{Best, Kept};
 use crate::observe::Observable;
-use crate::store::{NO_STATE, Results, Variable};
+use crate::store::{Coordinate, NO_STATE, Results, Variable};
 
 /// A limit of one observable.
 struct Limit<'a> {
@@ -79,15 +79,18 @@ pub(super) fn applied(mut results: Results, wish: &Wish) -> Result<(Results, boo
         return Ok((results, false));
     }
     let count = results.status.len();
-    let outside = |of: &dyn Fn(&Variable) -> Option<Vec<(f64, State)>>| -> Vec<bool> {
+    let outside = |second: bool| -> Vec<bool> {
+        let of = |variable| match second {
+            true => second_states(&results, variable),
+            false => Some(states(&results, variable)),
+        };
         let tables: Vec<_> = limits.iter().map(|limit| (limit, of(limit.variable))).collect();
         let holds = |i: usize| {
             tables.iter().all(|(limit, states)| limit.holds(states.as_ref().and_then(|all| counted(&all[i]))))
         };
         (0..count).map(|i| !holds(i)).collect()
     };
-    let first = outside(&|variable| Some(states(&results, variable)));
-    let second = outside(&|variable| second_states(&results, variable));
+    let (first, second) = (outside(false), outside(true));
     let mark = |status: &mut Vec<u8>, outside: &[bool]| {
         let known = |code: u8| !matches!(State::of(code, 0.0), State::Failed(_)) && code != NO_STATE;
         for (code, _) in status.iter_mut().zip(outside).filter(|(code, outside)| **outside && known(**code)) {
@@ -164,8 +167,7 @@ fn at(results: &Results, instance: usize) -> String {
     let all = places(results, instance);
     let told = |named: bool| {
         let several = all.iter().filter(|(axis, _)| axis.values.len() > 1 && axis.words.is_empty() != named);
-        let one = |(axis, at): &(&_, usize)| {
-            let axis: &crate::store::Coordinate = axis;
+        let one = |(axis, at): &(&Coordinate, usize)| {
             format!("{} {}", brief(label(axis), &axis.name), shown(axis, axis.values[*at]))
         };
         several.map(one).collect::<Vec<_>>().join(", ")

@@ -243,7 +243,7 @@ impl Subject<'_> {
         let stride: usize = axes[axis + 1..].iter().map(|one| one.values.len()).product();
         let mut there = vec![false; length];
         for (number, (_, state)) in self.states.iter().enumerate() {
-            if state.has_value() || *state == State::Zero {
+            if state.has_value() || matches!(state, State::Zero | State::Excluded) {
                 there[number / self.harmonics / stride % length] = true;
             }
         }
