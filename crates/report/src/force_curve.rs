@@ -63,22 +63,24 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) ->
             canvas.line(&[(x, top), (x, top + height)], INK, 0.8)?;
         }
         for (number, curve) in curves.iter().enumerate() {
-            let places: Vec<(f64, f64)> = pairs(curve).map(|(depth, force)| frame.at(depth, force)).collect();
-            let shade = LINES[number % LINES.len()];
-            if is_cloud(curve) {
-                let shown = places.iter().filter(|at| frame.holds(**at));
-                shown.copied().try_for_each(|at| canvas.dot(at, 1.8, shade))?;
-                continue;
-            }
-            for piece in inside(&frame, &places) {
-                match is_retraction(curve) {
-                    true => canvas.dashes(&piece, shade, 2.0)?,
-                    false => canvas.line(&piece, shade, 2.0)?,
-                }
-            }
+            stroke(&frame, curve, number)?;
         }
         frame.edges(true, true)?;
         key(canvas, (left, key_top), left + width, &entries)
+    })
+}
+
+/// Draws the curve of this number, as far as it is in the frame.
+fn stroke(frame: &Frame, curve: &ForceCurve, number: usize) -> Result<(), ReportError> {
+    let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
+    let places: Vec<(f64, f64)> = pairs(curve).map(|(depth, force)| frame.at(depth, force)).collect();
+    if is_cloud(curve) {
+        let mut shown = places.into_iter().filter(|at| frame.holds(*at));
+        return shown.try_for_each(|at| canvas.dot(at, 1.8, shade));
+    }
+    inside(frame, &places).iter().try_for_each(|piece| match is_retraction(curve) {
+        true => canvas.dashes(piece, shade, 2.0),
+        false => canvas.line(piece, shade, 2.0),
     })
 }
 

@@ -107,13 +107,7 @@ impl Heatmap<'_> {
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
                 let map = Field { frame: &frame, across: &across, up: &up, bar: &bar };
-                let cells = map.merged(&panel.values, self.x.values.len());
-                map.draw(&cells, raster)?;
-                if contours {
-                    contour::draw(&map, &cells)?;
-                }
-                hover.cells(map.told(&cells, self.x, self.y));
-                overlay(&frame, &panel.lines)?;
+                self.panel(&map, panel, (raster, contours), &mut hover)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.ticks(lowest, column == 0)?;
                 // One label for all columns, below the lowest row.
@@ -125,6 +119,23 @@ impl Heatmap<'_> {
             key(canvas, (left, key_top), total_width, &entries)
         })?;
         Ok((svg, hover))
+    }
+
+    /// The cells of a panel and the lines over them.
+    fn panel(
+        &self,
+        map: &Field,
+        panel: &Panel,
+        (raster, contours): (bool, bool),
+        hover: &mut Hover,
+    ) -> Result<(), ReportError> {
+        let cells = map.merged(&panel.values, self.x.values.len());
+        map.draw(&cells, raster)?;
+        if contours {
+            contour::draw(map, &cells)?;
+        }
+        hover.cells(map.told(&cells, self.x, self.y));
+        overlay(map.frame, &panel.lines)
     }
 
     fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
