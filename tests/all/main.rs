@@ -94,6 +94,7 @@ mod report_curves;
 mod report_limits;
 mod report_names;
 mod report_pages;
+mod report_uncertainty;
 mod report_words;
 mod scenes;
 mod shader_text;

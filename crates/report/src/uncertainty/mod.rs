@@ -6,7 +6,7 @@ mod histogram;
 mod shares;
 
 use super::band::{self, Bands};
-use super::labels::{brief, capital, short};
+use super::labels::{brief, capital, caption, short};
 use super::{Document, ReportError, save, shown};
 use crate::stats::{Estimate, Indices, NORMAL_95, Observed, Output, Posterior, SHARES, Study, Summary};
 use crate::store::Coordinate;
@@ -74,7 +74,8 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
         ),
     );
     bands(&mut page, study, told)?;
-    for (point, observables) in told.iter().enumerate().take(MOST_POINTS) {
+    let every = told.len().div_ceil(MOST_POINTS).max(1);
+    for (point, observables) in told.iter().enumerate().step_by(every) {
         let at = place(study, point);
         // Beside bands single points are folded: the page would be many screens long.
         let whole = over(study).map(|_| std::mem::take(&mut page.document));
@@ -93,8 +94,9 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
             page.document.fold(&at, inside);
         }
     }
-    if told.len() > MOST_POINTS {
-        let left = format!("{} points of the sweep have no pictures of their own.", told.len() - MOST_POINTS);
+    if every > 1 {
+        let left = told.len() - told.len().div_ceil(every);
+        let left = format!("{left} points of the sweep have no pictures of their own.");
         page.document.paragraph("", left);
     }
     page.save(folder, STATS)
@@ -102,12 +104,12 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
 
 /// Where a point of the sweep stands.
 fn place(study: &Study, point: usize) -> String {
-    let at = study.place(point);
-    let words = study.beside.iter().zip(at).map(|(axis, at)| match axis.words.get(at) {
-        Some(word) => format!("{} {word}", axis.long_name),
-        None => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
-    });
-    words.collect::<Vec<_>>().join(", ")
+    words(study, point).collect::<Vec<_>>().join(", ")
+}
+
+/// What each axis beside the samples stands at.
+fn words(study: &Study, point: usize) -> impl Iterator<Item = String> + '_ {
+    study.beside.iter().zip(study.place(point)).map(|(axis, at)| caption(axis, axis.values[at]))
 }
 
 fn observable(
@@ -272,12 +274,10 @@ fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError>
                 [1, 2, 3, 4, 5].map(|n| spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
             };
             let points = row.iter().map(spread).collect();
-            let heading = match study.beside.len() {
-                1 => format!("{} over {}", output.long_name, axis.long_name),
-                _ => {
-                    format!("{} over {}, {}", output.long_name, axis.long_name, place(study, first * length))
-                }
-            };
+            let others = study.beside.len() - 1;
+            let at: String =
+                words(study, first * length).take(others).map(|word| format!(", {word}")).collect();
+            let heading = format!("{} over {}{at}", capital(&called(output)), short(axis));
             let chart = Bands {
                 title: &heading,
                 x: axis,
