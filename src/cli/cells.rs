@@ -1,6 +1,4 @@
-//! Cells of tables for other programs: heads with units, numbers with all their digits, labels that no spreadsheet runs.
-
-use std::borrow::Cow;
+//! Cells of tables for other programs: heads with units, numbers with all their digits.
 
 /// A name with its unit, as a column's head.
 pub(super) fn head(name: &str, units: &str) -> String {
@@ -10,11 +8,4 @@ pub(super) fn head(name: &str, units: &str) -> String {
 /// A number that reads back as it is.
 pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
-}
-
-/// A label. Where a spreadsheet would take it for a formula it gets an apostrophe, which makes it a text; numbers stay
-/// numbers.
-pub(super) fn label(text: &str) -> Cow<'_, str> {
-    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
-    if formula { format!("'{text}").into() } else { text.into() }
 }

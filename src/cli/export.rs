@@ -1,7 +1,8 @@
 //! `afmsweep export`: the rows of a results file for other programs, and a journal as a results file.
 
-use super::cells::{head, label, number};
+use super::cells::{head, number};
 use super::{Voice, look_in, print};
+use afmsweep::report::defused;
 use afmsweep::stats::{Study, outputs, sorted_out, status_word};
 use afmsweep::store::{Coordinate, Results};
 use afmsweep::{Status, store};
@@ -162,7 +163,7 @@ fn csv(results: &Results, failed: Failed) -> anyhow::Result<String> {
     for instance in instances {
         let place = place(results, instance);
         let along = columns.iter().map(|one| match one.of.words.get(place[one.axis]) {
-            Some(word) => label(word).into_owned(),
+            Some(word) => defused(word.clone()),
             None => number(one.of.values[place[one.axis]]),
         });
         let values = outputs.iter().map(|one| number(one.values[instance]));

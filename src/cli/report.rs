@@ -1,12 +1,13 @@
 //! `afmsweep report`: pictures and tables from a results file.
 
 use super::{Voice, print_json};
-use afmsweep::report::{self, Wish};
+use afmsweep::report::{self, Best, Wish};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
 #[command(after_help = "Examples: afmsweep report results/lever.h5\n          \
-                        afmsweep report results/map.h5 --x sample.youngs_modulus --y sample.surface_energy --at approach.gap=16nm")]
+                        afmsweep report results/map.h5 --x sample.youngs_modulus --y sample.surface_energy --at approach.gap=16nm\n          \
+                        afmsweep report results/set_point.h5 --below force_max=5nN")]
 pub struct ReportArgs {
     /// Results file (HDF5)
     file: PathBuf,
@@ -19,9 +20,18 @@ pub struct ReportArgs {
     /// The axis upwards: maps in place of curves
     #[arg(long, value_name = "PATH")]
     y: Option<String>,
+    /// The axis whose values, up to nine, are curves in one picture
+    #[arg(long, value_name = "PATH")]
+    curves: Option<String>,
     /// An axis that stands at one value, the nearest there is; may be given for several axes
     #[arg(long, value_name = "PATH=VALUE", value_parser = place)]
     at: Vec<(String, String)>,
+    /// Greys what is not below this value of an observable, and says what is left; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = place)]
+    below: Vec<(String, String)>,
+    /// Likewise what is not above it
+    #[arg(long, value_name = "NAME=VALUE", value_parser = place)]
+    above: Vec<(String, String)>,
     /// The states of one branch alone, the second ones among them: attractive or repulsive
     #[arg(long, value_name = "BRANCH")]
     branch: Option<String>,
@@ -30,15 +40,22 @@ pub struct ReportArgs {
     json: bool,
 }
 
-/// `approach.gap=16nm`.
+/// `approach.gap=16nm`, `force_max=5nN`.
 fn place(text: &str) -> Result<(String, String), String> {
-    let (path, value) = text.split_once('=').ok_or("expected PATH=VALUE, such as approach.gap=16nm")?;
+    let (path, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as approach.gap=16nm")?;
     Ok((path.trim().to_owned(), value.trim().to_owned()))
 }
 
 pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
-    let wish =
-        Wish { x: args.x.clone(), y: args.y.clone(), at: args.at.clone(), branch: args.branch.clone() };
+    let wish = Wish {
+        x: args.x.clone(),
+        y: args.y.clone(),
+        curves: args.curves.clone(),
+        at: args.at.clone(),
+        below: args.below.clone(),
+        above: args.above.clone(),
+        branch: args.branch.clone(),
+    };
     let report = report::write(&args.file, args.output.as_deref(), &wish)?;
     let page = report.folder.join("index.html");
     voice.say(format_args!("report in {}", page.display()));
@@ -48,10 +65,16 @@ pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
             .iter()
             .map(|one| serde_json::json!({ "title": one.title, "file": one.file, "csv": one.csv }))
             .collect();
+        let best = |best: &Best| serde_json::json!({ "observable": best.observable, "instance": best.instance, "value": best.value });
+        let kept = report.kept.as_ref().map(|kept| {
+            let best = kept.best.as_ref().map(best);
+            serde_json::json!({ "instances": kept.instances, "of": kept.of, "best": best })
+        });
         print_json(&serde_json::json!({
             "version": 1,
             "page": page.to_string_lossy(),
             "findings": report.findings,
+            "kept": kept,
             "pictures": pictures,
             "left_out": report.left_out,
         }))?;

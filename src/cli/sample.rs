@@ -1,8 +1,9 @@
 //! `afmsweep sample`: the points of a scene's samples alone, as CSV.
 
-use super::cells::{head, label, number};
+use super::cells::{head, number};
 use super::table::TableArgs;
 use super::{Voice, instances, print};
+use afmsweep::report::defused;
 use afmsweep::scene::{Axis, Scene};
 use anyhow::{Context, bail};
 use std::path::PathBuf;
@@ -59,7 +60,7 @@ fn csv(columns: &[&Axis], ids: &[String]) -> anyhow::Result<String> {
     let rows = columns.first().map_or(0, |column| column.values.len());
     for row in 0..rows {
         let values = columns.iter().map(|column| number(column.values[row]));
-        writer.write_record(ids.get(row).map(|id| label(id).into_owned()).into_iter().chain(values))?;
+        writer.write_record(ids.get(row).map(|id| defused(id.clone())).into_iter().chain(values))?;
     }
     Ok(String::from_utf8(writer.into_inner()?)?)
 }

@@ -211,7 +211,15 @@ fn the_command_draws_over_the_axes_asked_for() {
     assert!(
         fs::read_to_string(home.path().join("a/index.html")).unwrap().contains("At the tip_radius 10 nm.")
     );
+    assert_eq!(object["kept"], serde_json::Value::Null);
+    let (_, out, _) = run(&["--below", "amplitude=50nm", "--json", "-q"]);
+    let object: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (&object["kept"]["of"], &object["kept"]["best"]["observable"]),
+        (&108.into(), &"phase".into())
+    );
     for (arguments, words) in [
+        (["--below", "amplitud=5nm"], "did you mean amplitude?"),
         (
             ["--x", "aproach.gap"],
             "--x aproach.gap: expected one of approach.gap, scene.sample_youngs_modulus, scene.tip_radius; did you mean \

@@ -50,7 +50,7 @@ fn curves_become_bands_and_forces_beside_their_law() {
     }
     let folder = desk.path("results/many");
     let band = std::fs::read_to_string(folder.join("amplitude_band.svg")).unwrap();
-    for words in ["forward, median", "backward, 5 % and 95 %"] {
+    for words in ["approach", "retraction", "median", "25 to 75 %", "5 to 95 %"] {
         assert!(band.contains(words), "no {words:?}");
     }
     // At a gap in the middle, of eleven curves the sixth in order is the middle one.
@@ -59,14 +59,14 @@ fn curves_become_bands_and_forces_beside_their_law() {
     let mut first: Vec<f64> = (0..11).map(|curve| amplitudes[curve * 2 * 241 + 120]).collect();
     first.sort_by(f64::total_cmp);
     let row: Vec<&str> = table.lines().nth(1 + 120).unwrap().split(',').collect();
-    assert_eq!((row[0], row[3].parse()), ("forward", Ok(first[5])));
+    assert_eq!((row[0], row[4].parse()), ("approach", Ok(first[5])));
     assert_eq!(table.lines().count(), 1 + 2 * 241);
     // Forces over the indentation: of the largest of each point, of the orbit and of the reconstruction.
     let table = std::fs::read_to_string(folder.join("force_curve_200.csv")).unwrap();
     let law = |depth: f64| 4.0 / 3.0 * 50e6 / (1.0 - 0.09) * 10e-9_f64.sqrt() * depth.max(0.0).powf(1.5);
     for (name, least, share) in [
-        ("reconstructed from the curve,forward", 200, 0.01),
-        ("largest of each point,forward", 200, 1e-3),
+        ("reconstructed from the curve,approach", 200, 0.01),
+        ("largest of each point,approach", 200, 1e-3),
         ("along the orbit,waveform", 60, 1e-6),
     ] {
         let rows: Vec<(f64, f64)> = table
@@ -106,16 +106,19 @@ fn points_reached_by_a_jump_are_marked() {
     desk.works(&["report", desk.results(&scene).to_str().unwrap(), "-q"]);
     let picture = std::fs::read_to_string(desk.path("results/jumps/amplitude.svg")).unwrap();
     assert!(picture.contains("reached by a jump"));
-    // One word per thing: ways along the curve are forward and backward, and a law without memory has one curve.
+    // One word per thing: ways along the gap are approach and retraction, and a law without memory has one curve.
     let page = std::fs::read_to_string(desk.path("results/jumps/report.md")).unwrap();
-    assert!(page.contains("| way along the curve | direction | 2 | forward | backward |"), "{page}");
+    assert!(page.contains("| way along the curve | direction | 2 | approach | retraction |"), "{page}");
     let law = std::fs::read_to_string(desk.path("results/jumps/force_curve_200.svg")).unwrap();
-    for (text, there) in
-        [("dmt", true), ("largest of each point, forward", true), ("approach", false), ("retract", false)]
-    {
+    for (text, there) in [
+        ("dmt", true),
+        ("largest of each point, approach", true),
+        ("dmt, approach", false),
+        ("retract", false),
+    ] {
         assert_eq!(law.contains(text), there, "{text}");
     }
-    assert!(picture.contains(">\nbackward\n<") && !picture.contains("way along"));
+    assert!(picture.contains(">\nretraction\n<") && !picture.contains("way along"));
     // Dots of 4.2 pixels in tenths.
     assert_eq!(picture.matches("r=\"42\"").count(), count, "{picture}");
 }

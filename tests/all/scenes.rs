@@ -191,7 +191,7 @@ fn what_is_left_out_is_the_preset() {
     assert_eq!(parse("[run]\nperiods = 20").run.measure, 20);
     let waveforms =
         parse("[run]\nperiods = 3\n[output]\nwaveforms = { instances = [0] }").output.waveforms.unwrap();
-    assert_eq!((waveforms.samples_per_period, waveforms.periods), (64, 3));
+    assert_eq!((waveforms.samples_per_period, waveforms.periods), (256, 3));
 }
 
 #[test]

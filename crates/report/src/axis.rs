@@ -1,6 +1,8 @@
 //! One axis of a picture: what range it shows, linear or logarithmic, and where its ticks stand.
 
+use super::labels::short;
 use super::quantity::{Unit, number, superscript};
+use crate::store::Coordinate;
 
 /// A range of SI values, its unit and its label.
 #[derive(Clone, Debug)]
@@ -12,6 +14,8 @@ pub(super) struct Axis {
     pub unit: Unit,
     /// With the unit.
     pub label: String,
+    /// What stands at 0, 1 and so on in place of numbers.
+    names: Vec<String>,
 }
 
 /// A labelled tick: its place along the axis from 0 to 1.
@@ -46,7 +50,22 @@ impl Axis {
             (low, high) = (low - margin, high + margin);
         }
         let label = unit.label(label);
-        Self { low, high, log, unit, label }
+        Self { low, high, log, unit, label, names: Vec::new() }
+    }
+
+    /// The axis of what is swept, with names where it has names.
+    pub fn of(swept: &Coordinate, margin: f64) -> Self {
+        let log = swept.words.is_empty() && is_log_spaced(&swept.values);
+        let axis = Self::over(swept.values.iter().copied(), &swept.units, &short(swept), log, margin);
+        match swept.words.len() {
+            0 => axis,
+            count => Self { names: swept.words.clone(), ..axis.between(-0.5, count as f64 - 0.5) },
+        }
+    }
+
+    /// Whether names stand along it.
+    pub fn has_names(&self) -> bool {
+        !self.names.is_empty()
     }
 
     /// The same axis with these ends, given on the scale of [`Axis::scaled`].
@@ -74,7 +93,14 @@ impl Axis {
 
     /// About `count` labelled ticks, and the places of small ones between them.
     pub fn ticks(&self, count: usize) -> (Vec<Tick>, Vec<f64>) {
-        if self.log { self.log_ticks(count) } else { (self.linear_ticks(count), Vec::new()) }
+        match (self.names.as_slice(), self.log) {
+            ([], true) => self.log_ticks(count),
+            ([], false) => (self.linear_ticks(count), Vec::new()),
+            (names, _) => {
+                let tick = |(i, name): (usize, &String)| (self.place_scaled(i as f64), name.clone());
+                (names.iter().enumerate().map(tick).collect(), Vec::new())
+            }
+        }
     }
 
     fn linear_ticks(&self, count: usize) -> Vec<Tick> {
@@ -115,7 +141,9 @@ impl Axis {
             });
             return (ticks.collect(), Vec::new());
         }
-        let multiples: &[f64] = if span < 1.6 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        // A single power of ten gives no scale.
+        let powers = (decades.0..=decades.1).filter(|power| inside(&f64::from(*power))).count();
+        let multiples: &[f64] = if span < 1.6 || powers < 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let every = ((span / count.max(1) as f64).ceil() as i32).max(1);
         let mut ticks = Vec::new();
         let mut small = Vec::new();
@@ -176,6 +204,17 @@ pub(super) fn spans_decades(values: impl Iterator<Item = f64>) -> bool {
     low > 0.0 && high / low > 300.0
 }
 
+/// The least value that a logarithmic axis goes down to, where these need one. A few that lie far below all others, as where
+/// a tip grazes, are not what it goes by.
+pub(super) fn least_of_decades(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let few = sorted.len().div_ceil(50).min(sorted.len() / 8);
+    let (least, next) = (*sorted.first()?, *sorted.get(few)?);
+    let low = if next > 10.0 * least { next } else { least };
+    spans_decades([low, *sorted.last()?].into_iter()).then_some(low).filter(|_| least > 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,6 +244,36 @@ mod tests {
                 assert!(axis.ticks(5).0.iter().all(|(place, _)| place.is_finite()), "{values:?}");
             }
         }
+    }
+
+    /// Truth: the values put in.
+    #[test]
+    fn a_short_logarithmic_axis_has_more_ticks_than_one() {
+        let axis = Axis::over([1.3e9, 70e9].into_iter(), "Pa", "modulus", true, 0.0);
+        assert_eq!(texts(&axis, 5), ["2", "5", "10", "20", "50"]);
+    }
+
+    #[test]
+    fn one_value_far_below_the_others_stretches_no_axis() {
+        let near: Vec<f64> = (1..40).map(f64::from).collect();
+        assert_eq!(least_of_decades(near.iter().copied().chain([1e-4])), None);
+        assert_eq!(least_of_decades(near.iter().copied()), None);
+        let wide = || (0..40).map(|i| 10f64.powf(f64::from(i) / 10.0));
+        assert_eq!(least_of_decades(wide()), Some(1.0));
+        assert_eq!(least_of_decades(wide().chain([1e-9])), Some(1.0));
+        assert_eq!(least_of_decades(wide().chain([0.0])), None);
+    }
+
+    #[test]
+    fn names_are_the_ticks() {
+        let material = Coordinate {
+            name: "material".into(),
+            words: vec!["PS".into(), "PMMA".into()],
+            values: vec![0.0, 1.0].into(),
+            ..Coordinate::default()
+        };
+        let axis = Axis::of(&material, 0.0);
+        assert_eq!(axis.ticks(9).0, [(0.25, "PS".to_owned()), (0.75, "PMMA".to_owned())]);
     }
 
     #[test]

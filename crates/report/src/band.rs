@@ -1,18 +1,108 @@
-//! Many curves in one picture: at each point the middle of their values and the band that holds most of them.
+//! What values are over an axis of many cases: the middle, and shaded where half of them and where nine of ten lie.
 
-use super::ReportError;
-use super::axis::is_log_spaced;
-use super::chart::{Chart, Field, Look, Plot};
+use super::axis::Axis;
+use super::canvas::{INK, LINES, picture};
+use super::frame::{Frame, KEY_ROW, Key, key, key_rows, left_margin, title};
 use super::from_curve::{is_ok, jumps};
-use super::labels::short;
-use crate::store::{Results, Variable};
+use super::labels::{brief, shown};
+use super::picture::places;
+use super::view::DIRECTION;
+use super::{ReportError, SAMPLES};
+use crate::store::{Coordinate, Results, Variable};
 
 /// So many curves make a band.
 const FEWEST: usize = 10;
-/// Words of the two ways.
-const WAYS: [&str; 2] = ["forward", "backward"];
-/// Shares of the values below each line.
-const SHARES: [f64; 3] = [0.05, 0.5, 0.95];
+/// Bands in one picture at most.
+const MOST: usize = 6;
+/// Shares of the values below each line of a band, the middle one among them.
+pub(super) const SHARES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+/// How much of the ground the outer and the inner band cover.
+const COVER: [f64; 2] = [0.16, 0.3];
+
+/// One band: its name and, at each place of the axis, the values at [`SHARES`].
+pub(super) struct Series {
+    pub name: String,
+    pub points: Vec<[f64; 5]>,
+}
+
+/// Bands over a common axis.
+pub(super) struct Bands<'a> {
+    pub title: &'a str,
+    pub x: &'a Coordinate,
+    pub label: &'a str,
+    pub units: &'a str,
+    pub series: Vec<Series>,
+}
+
+impl Bands<'_> {
+    /// The picture as SVG. Names along the axis have bars in place of areas.
+    pub fn draw(&self) -> Result<String, ReportError> {
+        let x_axis = Axis::of(self.x, 0.0);
+        let values = self.series.iter().flat_map(|one| &one.points).flatten().copied();
+        let y_axis = Axis::over(values, self.units, self.label, false, 0.06);
+        let mut entries: Vec<(Key, String)> = Vec::new();
+        for (number, one) in self.series.iter().enumerate().filter(|_| self.series.len() > 1) {
+            entries.push((Key::Line(LINES[number % LINES.len()]), one.name.clone()));
+        }
+        let middle = if self.series.len() > 1 { INK } else { LINES[0] };
+        entries.push((Key::Line(middle), "median".to_owned()));
+        entries.push((Key::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
+        entries.push((Key::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
+        let (width, height, top) = (560.0, 360.0, 40.0);
+        let left = left_margin(&y_axis, height);
+        let total_width = left + width + 28.0;
+        let key_top = top + height + 64.0;
+        let total = (total_width, key_top + key_rows(width, &entries) * KEY_ROW);
+        picture(total, |canvas| {
+            title(canvas, self.title, left, total_width)?;
+            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+            frame.grid()?;
+            for number in 0..self.series.len() {
+                self.band(&frame, number)?;
+            }
+            frame.edges(true, true)?;
+            key(canvas, (left, key_top), left + width, &entries)
+        })
+    }
+
+    /// One band; places without values interrupt it.
+    fn band(&self, frame: &Frame, number: usize) -> Result<(), ReportError> {
+        let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
+        let mut order: Vec<usize> = (0..self.x.values.len()).collect();
+        order.sort_by(|a, b| self.x.values[*a].total_cmp(&self.x.values[*b]));
+        let points = &self.series[number].points;
+        let whole = |i: &usize| points[*i].iter().all(|value| value.is_finite());
+        let beside = if frame.x.has_names() { 10.0 } else { 0.0 };
+        let shift = beside * (number as f64 - 0.5 * (self.series.len() as f64 - 1.0));
+        let at = |i: &usize, which: usize| {
+            let (x, y) = frame.at(self.x.values[*i], points[*i][which]);
+            (x + shift, y)
+        };
+        for piece in order.split(|i| !whole(i)).filter(|piece| !piece.is_empty()) {
+            for ((low, high), cover) in [(0, 4), (1, 3)].into_iter().zip(COVER) {
+                if frame.x.has_names() || piece.len() == 1 {
+                    for i in piece {
+                        let (a, b) = (at(i, low), at(i, high));
+                        canvas.shade(
+                            &[(a.0 - 4.0, a.1), (a.0 + 4.0, a.1), (b.0 + 4.0, b.1), (b.0 - 4.0, b.1)],
+                            (shade, cover),
+                        )?;
+                    }
+                } else {
+                    let there = piece.iter().map(|i| at(i, low));
+                    let back = piece.iter().rev().map(|i| at(i, high));
+                    canvas.shade(&there.chain(back).collect::<Vec<_>>(), (shade, cover))?;
+                }
+            }
+            let middle: Vec<(f64, f64)> = piece.iter().map(|i| at(i, 2)).collect();
+            match frame.x.has_names() || piece.len() == 1 {
+                true => middle.iter().try_for_each(|at| canvas.dot(*at, 3.4, shade))?,
+                false => canvas.line(&middle, shade, 2.2)?,
+            }
+        }
+        Ok(())
+    }
+}
 
 /// A picture, a note on it and its numbers.
 pub(super) struct Band {
@@ -21,54 +111,84 @@ pub(super) struct Band {
     pub csv: String,
 }
 
-/// None where the results have no or few curves.
+/// The bands of a variable over many curves or samples. None where there are few.
 pub(super) fn draw(
     results: &Results,
     variable: &Variable,
     heading: &str,
 ) -> Result<Option<Band>, ReportError> {
-    let (Some(_), Some(axis), None) = (jumps(results), results.axes.last(), variable.harmonics) else {
-        return Ok(None);
-    };
-    let both = results.axes.iter().rev().nth(1).is_some_and(|axis| axis.name == "direction");
-    let (length, ways) = (axis.values.len(), if both { 2 } else { 1 });
-    let curves = results.status.len() / (length * ways).max(1);
-    if curves < FEWEST || results.list {
+    if results.list || variable.harmonics.is_some() {
         return Ok(None);
     }
-    let (mut series, mut lines) = (Vec::new(), Vec::new());
-    let mut csv = format!("way,{} [{}]", axis.name, axis.units);
-    SHARES.iter().for_each(|share| csv += &format!(",share {share} [{}]", variable.units));
-    csv.push('\n');
-    for (way, word) in WAYS.iter().enumerate().take(ways) {
-        let values = |point: usize| -> Vec<f64> {
-            let instances = (0..curves).map(|curve| (curve * ways + way) * length + point);
-            let held = instances.filter(|i| is_ok(results, *i)).map(|i| variable.data[i]);
-            let mut held: Vec<f64> = held.filter(|value| value.is_finite()).collect();
-            held.sort_by(f64::total_cmp);
-            held
-        };
-        let bands: Vec<[f64; 3]> =
-            (0..length).map(values).map(|held| SHARES.map(|share| quantile(&held, share))).collect();
-        for (x, [low, middle, high]) in axis.values.iter().zip(&bands) {
-            csv += &format!("{word},{x:e},{low:e},{middle:e},{high:e}\n");
+    let axes = &results.axes;
+    let samples = axes.iter().position(|axis| axis.scene_path == SAMPLES);
+    let Some(x) = axis_of(axes, samples.is_some() || jumps(results).is_some()) else { return Ok(None) };
+    // What is not pooled makes bands of their own: the ways, and beside samples all other axes.
+    let apart: Vec<usize> = (0..axes.len())
+        .filter(|axis| *axis != x && samples != Some(*axis))
+        .filter(|axis| samples.is_some() || axes[*axis].name == DIRECTION)
+        .collect();
+    let count: usize = apart.iter().map(|axis| axes[*axis].values.len()).product();
+    let pooled = results.status.len() / (count * axes[x].values.len()).max(1);
+    if pooled < FEWEST {
+        return Ok(None);
+    }
+    let shown_bands = count.min(MOST);
+    let length = axes[x].values.len();
+    let mut held: Vec<Vec<f64>> = vec![Vec::new(); shown_bands * length];
+    let mut names = vec![String::new(); shown_bands];
+    for i in (0..results.status.len()).filter(|i| is_ok(results, *i) && variable.data[*i].is_finite()) {
+        let places = places(results, i);
+        let band = apart.iter().fold(0, |band, axis| band * axes[*axis].values.len() + places[*axis].1);
+        if band < shown_bands {
+            held[band * length + places[x].1].push(variable.data[i]);
+            if names[band].is_empty() {
+                let one = |axis: &usize| shown(places[*axis].0, axes[*axis].values[places[*axis].1]);
+                names[band] = apart.iter().map(one).collect::<Vec<_>>().join(", ");
+            }
         }
-        let line = |which: usize| axis.values.iter().zip(&bands).map(move |(x, band)| (*x, band[which]));
-        let gap = std::iter::once((f64::NAN, f64::NAN));
-        let name = if both { format!("{word}, ") } else { String::new() };
-        let look = |name: String, width, dashed| Look { name, width, dashed, dots: false };
-        series.push(look(format!("{name}median"), 2.4, false));
-        lines.push(line(1).collect());
-        series.push(look(format!("{name}5 % and 95 %"), 1.4, true));
-        lines.push(line(0).chain(gap).chain(line(2)).collect());
     }
-    let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let panel =
-        Plot { label: label.clone(), units: variable.units.clone(), lines, marks: Vec::new(), height: 360.0 };
-    let x = Field { label: short(axis), units: axis.units.clone(), log: is_log_spaced(&axis.values) };
-    let chart = Chart { title: heading.to_owned(), x, series, panels: vec![panel] };
-    let note = format!("Of {curves} curves, at each point of those that are ok.");
-    Ok(Some(Band { svg: chart.draw()?, note, csv }))
+    let quantiles = |values: &mut Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        SHARES.map(|share| quantile(values, share))
+    };
+    let points: Vec<[f64; 5]> = held.iter_mut().map(quantiles).collect();
+    let series = names.into_iter().zip(points.chunks(length));
+    let series: Vec<Series> = series.map(|(name, points)| Series { name, points: points.to_vec() }).collect();
+    let csv = csv(&axes[x], variable, &series);
+    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    let label = brief(name, &variable.name);
+    let bands = Bands { title: heading, x: &axes[x], label: &label, units: &variable.units, series };
+    let what = if samples.is_some() { "samples" } else { "curves" };
+    let mut note = format!("Of {pooled} {what}, at each point of those that are ok.");
+    if count > MOST {
+        note += &format!(" The first {MOST} of {count} bands.");
+    }
+    Ok(Some(Band { svg: bands.draw()?, note, csv }))
+}
+
+/// The axis that bands are drawn over: the last one of numbers; beside samples otherwise one of names.
+fn axis_of(axes: &[Coordinate], many: bool) -> Option<usize> {
+    let usable = |axis: &usize| axes[*axis].scene_path != SAMPLES && axes[*axis].values.len() > 1;
+    let numbers = |axis: &usize| usable(axis) && axes[*axis].words.is_empty();
+    let all = || (0..axes.len()).rev().filter(|_| many);
+    all().find(numbers).or_else(|| all().find(usable))
+}
+
+fn csv(x: &Coordinate, variable: &Variable, series: &[Series]) -> String {
+    let mut text = format!("band,{}", super::csv::head(&x.name, &x.units));
+    SHARES.iter().for_each(|share| text += &format!(",share {share} [{}]", variable.units));
+    text.push('\n');
+    for one in series {
+        for (i, (value, point)) in x.values.iter().zip(&one.points).enumerate() {
+            let place =
+                x.words.get(i).map_or_else(|| format!("{value:e}"), |word| super::csv::head(word, ""));
+            text += &format!("{},{place}", super::csv::head(&one.name, ""));
+            point.iter().for_each(|value| super::csv::cell(&mut text, *value));
+            text.push('\n');
+        }
+    }
+    text
 }
 
 /// The value below which this share of sorted values lies, between neighbours linear; NaN of none.

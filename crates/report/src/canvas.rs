@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use plotters::coord::Shift;
-use plotters::element::{Circle, PathElement, Rectangle, Text};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
@@ -14,6 +14,8 @@ const FINE: f64 = 10.0;
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
 pub(super) const PALE: RGBColor = RGBColor(228, 228, 228);
+/// What stands back: outside the limits asked for.
+pub(super) const BACK: RGBColor = RGBColor(202, 202, 202);
 pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
 /// Stands for an image until the picture is whole.
 const PLACEHOLDER: RGBColor = RGBColor(1, 2, 3);
@@ -96,6 +98,12 @@ impl Canvas<'_> {
     pub fn rectangle(&self, a: (f64, f64), b: (f64, f64), colour: RGBColor) -> Result<(), ReportError> {
         let shape = Rectangle::new([fine(a), fine(b)], colour.filled());
         self.area.draw(&shape).map_err(ReportError::draw)
+    }
+
+    /// An area that covers its ground by this share.
+    pub fn shade(&self, points: &[(f64, f64)], (colour, cover): (RGBColor, f64)) -> Result<(), ReportError> {
+        let points: Vec<(i32, i32)> = points.iter().map(|&point| fine(point)).collect();
+        self.area.draw(&Polygon::new(points, colour.mix(cover).filled())).map_err(ReportError::draw)
     }
 
     /// An image, given by its address, that fills this rectangle. The drawing library has no such element: a rectangle of a

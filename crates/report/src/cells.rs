@@ -1,20 +1,22 @@
 //! The cells of a map: which values they show, and how they are drawn.
 
 use super::ReportError;
-use super::axis::{Axis, is_log_spaced};
-use super::canvas::{Canvas, GREY, PALE};
-use super::frame::{Frame, NOTHING, State, colour, mark};
+use super::axis::Axis;
+use super::canvas::{BACK, Canvas, GREY, PALE};
+use super::frame::{BEYOND, Frame, NOTHING, State, colour, mark, status_word};
 use super::hover;
 use super::labels::short;
 use super::labels::shown;
 use super::raster::{self, FINER};
 use crate::store::Coordinate;
-use plotters::style::RGBColor;
+use plotters::style::{Color, RGBAColor, RGBColor};
 
 /// The colour of a value that is nothing within its error.
 pub(super) const NONE: RGBColor = RGBColor(176, 176, 176);
 /// Cells along an axis at most; finer grids are averaged.
 pub(super) const MOST_CELLS: usize = 512;
+/// Over [`PALE`], what [`BACK`] is on a light and on a dark page.
+const VEIL: RGBAColor = RGBAColor(144, 144, 144, 0.31);
 /// More cells than this in a picture are drawn as images.
 pub(super) const RASTER: usize = 2000;
 /// Doubtful cells of panels with at most so many are marked.
@@ -31,7 +33,6 @@ pub(super) struct Cells {
 
 impl Cells {
     pub fn along(coordinate: &Coordinate) -> Self {
-        let name = short(coordinate);
         let values = &coordinate.values;
         let mut order: Vec<usize> = (0..values.len()).collect();
         order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -39,14 +40,13 @@ impl Cells {
             && order.windows(2).all(|pair| values[pair[0]] < values[pair[1]]);
         // Values that occur twice or are not finite have no place of their own; their number has.
         let (axis, places) = if usable {
-            let log = is_log_spaced(values);
-            let axis = Axis::over(values.iter().copied(), &coordinate.units, &name, log, 0.0);
+            let axis = Axis::of(coordinate, 0.0);
             let places: Vec<f64> = order.iter().map(|&i| axis.scaled(values[i])).collect();
             (axis, places)
         } else {
             order.sort_unstable();
             let places: Vec<f64> = (0..values.len()).map(|i| i as f64).collect();
-            let label = format!("{name}, number of the value");
+            let label = format!("{}, number of the value", short(coordinate));
             (Axis::over(places.iter().copied(), "1", &label, false, 0.0), places)
         };
         let mut edges: Vec<f64> = places.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect();
@@ -85,6 +85,14 @@ impl Field<'_, '_> {
         self.up.members.iter().flat_map(|ys| self.across.members.iter().map(|xs| cell(ys, xs))).collect()
     }
 
+    /// Pixels of the middles of the columns, and of the rows from below.
+    pub fn centres(&self) -> (Vec<f64>, Vec<f64>) {
+        let middle = |pair: &[f64], at: &dyn Fn(f64) -> f64| (at(pair[0]) + at(pair[1])) / 2.0;
+        let columns = self.across.edges.windows(2).map(|pair| middle(pair, &|edge| self.x_at(edge)));
+        let rows = self.up.edges.windows(2).map(|pair| middle(pair, &|edge| self.y_at(edge)));
+        (columns.collect(), rows.collect())
+    }
+
     fn x_at(&self, edge: f64) -> f64 {
         self.frame.left + self.frame.x.place_scaled(edge) * self.frame.width
     }
@@ -103,12 +111,9 @@ impl Field<'_, '_> {
         if cells.len() > MARKED {
             return Ok(());
         }
-        let columns = self.across.members.len();
-        for (number, _) in cells.iter().enumerate().filter(|(_, cell)| cell.1 == State::Doubtful) {
-            let (row, column) = (number / columns, number % columns);
-            let x = (self.x_at(self.across.edges[column]) + self.x_at(self.across.edges[column + 1])) / 2.0;
-            let y = (self.y_at(self.up.edges[row]) + self.y_at(self.up.edges[row + 1])) / 2.0;
-            mark(self.frame.canvas, (x, y))?;
+        let (columns, rows) = self.centres();
+        for (number, _) in cells.iter().enumerate().filter(|(_, cell)| matches!(cell.1, State::Doubtful(_))) {
+            mark(self.frame.canvas, (columns[number % columns.len()], rows[number / columns.len()]))?;
         }
         Ok(())
     }
@@ -116,10 +121,11 @@ impl Field<'_, '_> {
     /// The colour of a cell, except of one that failed.
     fn shade(&self, (value, state): (f64, State)) -> Option<RGBColor> {
         match state {
-            State::Failed => None,
+            State::Failed(_) => None,
             State::Empty => Some(PALE),
             State::Zero => Some(NONE),
-            State::Good | State::Doubtful => Some(colour(self.bar.place(value))),
+            State::Good | State::Doubtful(_) => Some(colour(self.bar.place(value))),
+            State::Excluded => Some(BACK),
         }
     }
 
@@ -151,7 +157,8 @@ impl Field<'_, '_> {
         Ok(())
     }
 
-    /// One image of all cells; what failed is striped in it.
+    /// One image of all cells; what failed is striped in it. What has no value is clear: the ground behind it follows the
+    /// page's colours.
     fn image(&self, cells: &[(f64, State)]) -> Result<(), ReportError> {
         let Frame { canvas, left, top, width, height, .. } = *self.frame;
         let (wide, high) = ((width * FINER) as usize, (height * FINER) as usize);
@@ -166,10 +173,15 @@ impl Field<'_, '_> {
             let y = top + (j as f64 + 0.5) / FINER;
             let row = upper.partition_point(|end| *end > y).min(upper.len() - 1);
             for (i, column) in column_of.iter().enumerate() {
-                let stripe = if (i + j) % 12 < 2 { GREY } else { PALE };
-                colours.push(Some(self.shade(cells[row * columns + column]).unwrap_or(stripe)));
+                colours.push(match self.shade(cells[row * columns + column]) {
+                    None => ((i + j) % 12 < 2).then_some(GREY.to_rgba()),
+                    Some(PALE) => None,
+                    Some(BACK) => Some(VEIL),
+                    Some(shade) => Some(shade.to_rgba()),
+                });
             }
         }
+        canvas.rectangle((left, top), (left + width, top + height), PALE)?;
         canvas.image((left, top), (left + width, top + height), raster::image(wide, high, &colours)?)
     }
 
@@ -183,10 +195,13 @@ impl Field<'_, '_> {
         };
         let value = |(value, state): &(f64, State)| match state {
             State::Good => self.bar.unit.value(*value),
-            State::Doubtful => format!("{} (doubtful)", self.bar.unit.value(*value)),
+            State::Doubtful(code) => {
+                format!("{} ({})", self.bar.unit.value(*value), status_word(*code))
+            }
+            State::Excluded => format!("{} ({BEYOND})", self.bar.unit.value(*value)),
             State::Zero => NOTHING.to_owned(),
             State::Empty => "no value".to_owned(),
-            State::Failed => "failed".to_owned(),
+            State::Failed(code) => status_word(*code),
         };
         hover::Cells {
             corner: (self.frame.left, self.frame.top),
@@ -209,28 +224,37 @@ fn fill(canvas: &Canvas, run: Option<Run>) -> Result<(), ReportError> {
 
 /// The mean of a cell's values, and what most of its instances are.
 fn merge<'a>(cell: impl Iterator<Item = &'a (f64, State)>) -> (f64, State) {
-    let (mut sum, mut good, mut doubtful, mut zero, mut empty, mut failed) = (0.0, 0, 0, 0, 0, 0);
+    // Counts and sums of what has a value, is outside the limits, nothing, without a value, failed.
+    let mut counts = [0usize; 5];
+    let mut sums = [0.0; 5];
+    let (mut doubtful, mut doubt, mut failure) = (0, State::Good, State::Empty);
     for (value, state) in cell {
-        match state {
-            State::Good => good += 1,
-            State::Doubtful => doubtful += 1,
-            State::Zero => zero += 1,
-            State::Empty => empty += 1,
-            State::Failed => failed += 1,
-        }
-        if state.has_value() {
-            sum += value;
-        }
+        let kind = match state {
+            State::Good => 0,
+            State::Doubtful(_) => {
+                (doubtful, doubt) = (doubtful + 1, *state);
+                0
+            }
+            State::Excluded => 1,
+            State::Zero => 2,
+            State::Empty => 3,
+            State::Failed(_) => {
+                failure = *state;
+                4
+            }
+        };
+        counts[kind] += 1;
+        sums[kind] += value;
     }
-    let valued = good + doubtful;
-    let state = if zero > valued && zero >= empty + failed {
-        State::Zero
-    } else if valued == 0 || valued < empty + failed {
-        if failed >= empty { State::Failed } else { State::Empty }
-    } else if doubtful > good {
-        State::Doubtful
-    } else {
-        State::Good
-    };
-    (sum / f64::from(valued.max(1)), state)
+    let [valued, excluded, zero, empty, failed] = counts;
+    let mean = |kind: usize| sums[kind] / counts[kind].max(1) as f64;
+    match () {
+        () if excluded > valued && excluded >= empty + failed => (mean(1), State::Excluded),
+        () if zero > valued && zero >= empty + failed => (0.0, State::Zero),
+        () if valued == 0 || valued < empty + failed => {
+            (f64::NAN, if failed >= empty { failure } else { State::Empty })
+        }
+        () if 2 * doubtful > valued => (mean(0), doubt),
+        () => (mean(0), State::Good),
+    }
 }

@@ -1,17 +1,32 @@
 //! The numbers of a picture, in SI units, for spreadsheets and other plotters.
 
+use super::frame::EXCLUDED;
+use super::picture::places;
 use crate::observe::Status;
-use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable, Waveforms};
+use crate::store::{ForceCurve, NO_STATE, Results, Variable, Waveforms};
 use std::fmt::Write;
 
 /// Rows at most: whoever wants more reads the results file.
 const MOST_ROWS: usize = 100_000;
 
 /// A name with its unit, as a column's head.
-fn head(name: &str, units: &str) -> String {
-    let text = if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") };
+pub(super) fn head(name: &str, units: &str) -> String {
+    let text = defused(if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") });
     // A comma or a quote would end the cell.
-    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+}
+
+/// A text that no spreadsheet takes for a formula: what begins as one gets an apostrophe before it. Numbers stay numbers.
+///
+/// ```
+/// use afmsweep_report::defused;
+/// assert_eq!(defused("=1+1".into()), "'=1+1");
+/// assert_eq!(defused("-2.5".into()), "-2.5");
+/// assert_eq!(defused("PMMA".into()), "PMMA");
+/// ```
+pub fn defused(text: String) -> String {
+    let runs = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.trim().parse::<f64>().is_err();
+    if runs { format!("'{text}") } else { text }
 }
 
 /// What a status code means, in a word; nothing where there is no such state.
@@ -19,6 +34,7 @@ fn word(code: u8) -> String {
     match Status::from_code(code) {
         Some(status) => status.meaning().to_owned(),
         None if code == NO_STATE => String::new(),
+        None if code == EXCLUDED => "outside_limits".to_owned(),
         None => code.to_string(),
     }
 }
@@ -53,14 +69,7 @@ pub(super) fn of_variable(results: &Results, variable: &Variable) -> Option<Stri
     for i in 0..count {
         // Writing to a String cannot fail.
         let _ = write!(text, "{i}");
-        let mut rest = i;
-        let mut places: Vec<(&Coordinate, usize)> = Vec::new();
-        for axis in results.axes.iter().rev() {
-            let length = axis.values.len().max(1);
-            places.push((axis, if results.list { i } else { rest % length }));
-            rest /= length;
-        }
-        for (axis, at) in places.into_iter().rev() {
+        for (axis, at) in places(results, i) {
             match axis.words.get(at) {
                 Some(word) => text = text + "," + &head(word, ""),
                 None => cell(&mut text, axis.values[at]),
@@ -78,7 +87,7 @@ pub(super) fn of_variable(results: &Results, variable: &Variable) -> Option<Stri
 }
 
 /// A number that reads back as it is; nothing for one that is not there.
-fn cell(text: &mut String, value: f64) {
+pub(super) fn cell(text: &mut String, value: f64) {
     text.push(',');
     if !value.is_nan() {
         let _ = write!(text, "{value:e}");

@@ -1,31 +1,25 @@
 //! Values over one axis as curves, and values of a list as clouds of points.
 
 use super::ReportError;
-use super::axis::{Axis, is_log_spaced, spans_decades};
-use super::canvas::{Anchor, GREY, INK, LINES, WHITE, picture};
-use super::frame::{
-    DOUBTFUL, Frame, KEY_ROW, Key, NOTHING, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
-};
+use super::axis::{Axis, least_of_decades};
+use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
+use super::frame::{Frame, KEY_ROW, Key, SMALL, State, Tally, colour, key, key_rows, left_margin, title};
 use super::hover::{Hover, Told};
-use super::labels::short;
-use super::labels::shown;
-use super::raster::Dots;
+use super::labels::{label, shown};
 use crate::store::Coordinate;
 use plotters::style::RGBColor;
 
-/// Points of a picture that are shapes of their own; more are one image.
-const MOST_SHAPES: usize = 2000;
-/// Points of one panel that the pointer is told of at most.
-const MOST_TOLD: usize = 500;
-/// The colour of points in an image: it is seen on a light and on a dark page.
-const BOTH: RGBColor = RGBColor(20, 115, 195);
 /// Markers on a curve are drawn up to this many points.
 const MOST_MARKERS: usize = 80;
-
 /// Radius of the dot on a point that was reached by a jump.
 const JUMP: f64 = 4.2;
+/// Pixels between symbols of several series at one place.
+const BESIDE: f64 = 8.0;
+/// Width of a line, and of one on the first branch where colours tell other things.
+const WIDE: f64 = 1.8;
+const THIN: f64 = 0.8;
 
-/// One curve or cloud: a value and its state for each instance.
+/// One curve: a value and its state for each instance.
 #[derive(Default)]
 pub(super) struct Series {
     pub name: String,
@@ -34,6 +28,20 @@ pub(super) struct Series {
     pub second: bool,
     /// Of a curve that is followed: the points that were reached by a jump.
     pub jumps: Vec<bool>,
+    /// Likewise: the points from which none leads to the next one.
+    pub torn: Vec<bool>,
+    /// The branch of each point, by its number in [`Curves::branches`]; empty where the file does not tell.
+    pub branch: Vec<u8>,
+}
+
+/// How values over an axis are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Style {
+    Lines,
+    /// Without lines: nothing lies between names.
+    Symbols,
+    /// Upright lines from the lower end: nothing lies between orders.
+    Sticks,
 }
 
 /// Curves side by side on common axes.
@@ -47,6 +55,11 @@ pub(super) struct Curves<'a> {
     pub columns: usize,
     /// What the curves differ by; empty for one curve.
     pub by: String,
+    /// Whether the curves are ways there and back, of which the second is dashed.
+    pub ways: bool,
+    /// Words for branches by their number; none where the file does not tell.
+    pub branches: Vec<String>,
+    pub style: Style,
     /// Captions and curves; the same curves in every panel.
     pub panels: Vec<(String, Vec<Series>)>,
 }
@@ -55,13 +68,15 @@ impl Curves<'_> {
     /// The picture, and what lies where in it.
     pub fn draw(&self) -> Result<(String, Hover), ReportError> {
         let x = self.x;
-        let x_axis =
-            Axis::over(x.values.iter().copied(), &x.units, &short(x), is_log_spaced(&x.values), 0.03);
+        let x_axis = match self.style {
+            Style::Sticks => Axis::over(x.values.iter().copied(), &x.units, label(x), false, 0.06),
+            _ => Axis::of(x, 0.03),
+        };
         let all = || self.panels.iter().flat_map(|(_, series)| series);
         let y_axis = values_axis(all(), self.units, self.long_name);
         let mut order: Vec<usize> = (0..x.values.len()).filter(|&i| x.values[i].is_finite()).collect();
         order.sort_by(|&a, &b| x.values[a].total_cmp(&x.values[b]));
-        let lines = self.panels.first().map_or(Vec::new(), |(_, series)| line_entries(&self.by, series));
+        let lines = self.panels.first().map_or(Vec::new(), |(_, series)| self.line_entries(series));
         let mut entries: Vec<(Key, String)> = lines.into_iter().chain(state_entries(all())).collect();
         if all().any(|one| one.jumps.contains(&true)) {
             entries.push((Key::Dot(INK), "reached by a jump".to_owned()));
@@ -107,13 +122,15 @@ impl Curves<'_> {
     fn series(&self, frame: &Frame, series: &[Series], order: &[usize]) -> Result<Vec<Told>, ReportError> {
         let mut told = Vec::new();
         for (number, one) in series.iter().enumerate() {
-            let points: Vec<Point> =
-                order.iter().map(|&i| Point::of(self.x.values[i], one.values[i])).collect();
-            let pen = Pen::of(series, number);
-            draw_line(frame, &points, &pen)?;
-            draw_markers(frame, &points, &pen)?;
+            let pen = self.pen(series, number);
+            let points: Vec<Point> = order.iter().map(|&i| self.point(one, i, &pen)).collect();
+            match self.style {
+                Style::Lines => draw_line(frame, &points, &pen)?,
+                style => draw_apart(frame, &points, style)?,
+            }
+            draw_markers(frame, &points, self.style != Style::Lines)?;
             for (point, _) in points.iter().zip(order).filter(|(_, i)| one.jumps.get(**i) == Some(&true)) {
-                point.place(frame).map_or(Ok(()), |at| frame.canvas.dot(at, JUMP, pen.shade))?;
+                point.place(frame).map_or(Ok(()), |at| frame.canvas.dot(at, JUMP, point.shade))?;
             }
             for (point, i) in points.iter().zip(order) {
                 let Some(at) = point.place(frame) else { continue };
@@ -125,6 +142,72 @@ impl Curves<'_> {
         }
         Ok(told)
     }
+
+    fn point(&self, series: &Series, i: usize, pen: &Pen) -> Point {
+        let (value, state) = drawn(series.values[i]);
+        let branch = series.branch.get(i).copied().unwrap_or(0);
+        let own = if pen.by_branch { LINES[usize::from(branch.max(1) - 1) % LINES.len()] } else { pen.shade };
+        let torn = series.torn.get(i) == Some(&true);
+        let shade = if state == State::Excluded { BACK } else { own };
+        let thin = pen.thin && branch == 1;
+        Point { x: self.x.values[i], value, state, place: i, shift: pen.shift, torn, branch, shade, thin }
+    }
+
+    /// How the curve of this number is drawn. A second state shares the colour of its first; a single curve has the colours
+    /// of its branches.
+    fn pen(&self, series: &[Series], number: usize) -> Pen {
+        let first = |series: &[Series]| series.iter().filter(|one| !one.second).count();
+        let (place, count) = (first(&series[..=number]).max(1) - 1, first(series));
+        let several = self.has_branches();
+        Pen {
+            shade: shade(place, count),
+            dashed: series[number].second || (self.ways && place == 1),
+            signs: number == 0,
+            by_branch: several && (count == 1 || self.ways),
+            thin: several && count > 1 && !self.ways,
+            shift: match self.style {
+                Style::Lines => 0.0,
+                _ => BESIDE * (place as f64 - 0.5 * (count as f64 - 1.0)),
+            },
+        }
+    }
+
+    /// Whether points are on different branches.
+    fn has_branches(&self) -> bool {
+        let all = || self.panels.iter().flat_map(|(_, series)| series).flat_map(|one| &one.branch);
+        !self.branches.is_empty() && [1, 2].iter().all(|branch| all().any(|one| one == branch))
+    }
+
+    /// Names of the curves where there are several, the first with what they differ by, and of the branches.
+    fn line_entries(&self, series: &[Series]) -> Vec<(Key, String)> {
+        let several = series.iter().filter(|one| !one.second).count() > 1;
+        let name = |(number, one): (usize, &Series)| {
+            let name = if number == 0 { format!("{} {}", self.by, one.name) } else { one.name.clone() };
+            let pen = self.pen(series, number);
+            let shade = if pen.by_branch { GREY } else { pen.shade };
+            let sample = match self.style {
+                Style::Symbols => Key::Dot(shade),
+                _ if pen.dashed => Key::Dashes(shade),
+                _ => Key::Line(shade),
+            };
+            (several && !one.second).then(|| (sample, name.trim().to_owned()))
+        };
+        let mut entries: Vec<(Key, String)> = series.iter().enumerate().filter_map(name).collect();
+        if self.has_branches() {
+            let words = self.branches.iter().enumerate().skip(1);
+            let thin = several && !self.ways;
+            entries.extend(words.filter(|(code, _)| !thin || *code == 1).map(|(code, word)| match thin {
+                true => (Key::Thin(GREY), format!("thin: {word}")),
+                false => (Key::Line(LINES[(code - 1) % LINES.len()]), word.clone()),
+            }));
+        }
+        let has_second = |one: &Series| one.second && one.values.iter().any(|value| value.1.has_value());
+        if series.iter().any(has_second) {
+            let shade = if several || self.has_branches() { GREY } else { LINES[0] };
+            entries.push((Key::Dashes(shade), "second state".to_owned()));
+        }
+        entries
+    }
 }
 
 /// How a curve is drawn.
@@ -133,15 +216,11 @@ struct Pen {
     dashed: bool,
     /// Whether signs stand for points without a place: below the first curve.
     signs: bool,
-}
-
-impl Pen {
-    /// Of the curve of this number. A second state shares the colour of its first.
-    fn of(series: &[Series], number: usize) -> Self {
-        let first = |series: &[Series]| series.iter().filter(|one| !one.second).count();
-        let place = first(&series[..=number]).max(1) - 1;
-        Self { shade: shade(place, first(series)), dashed: series[number].second, signs: number == 0 }
-    }
+    /// Whether each point has the colour of its branch, or the lines of the first branch are thin.
+    by_branch: bool,
+    thin: bool,
+    /// Pixels to the right of its place.
+    shift: f64,
 }
 
 /// Colours told apart, or, of more curves than there are, from dark to light in their order.
@@ -159,53 +238,99 @@ struct Point {
     x: f64,
     value: f64,
     state: State,
+    /// Its number along the axis.
+    place: usize,
+    shift: f64,
+    torn: bool,
+    branch: u8,
+    shade: RGBColor,
+    thin: bool,
 }
 
 impl Point {
-    fn of(x: f64, value: (f64, State)) -> Self {
-        let (value, state) = drawn(value);
-        Self { x, value, state }
+    /// Its place on the picture, if it has one. What lies far below the rest stands at the lower edge.
+    fn place(&self, frame: &Frame) -> Option<(f64, f64)> {
+        let (x, y) = frame.at(self.x, self.value);
+        let shown = self.state.has_value() || matches!(self.state, State::Zero | State::Excluded);
+        let at = (x + self.shift, y.clamp(frame.top, frame.top + frame.height));
+        (shown && at.0.is_finite() && at.1.is_finite()).then_some(at)
     }
 
-    /// Its place on the picture, if it has one.
-    fn place(&self, frame: &Frame) -> Option<(f64, f64)> {
-        let at = frame.at(self.x, self.value);
-        let shown = self.state.has_value() || self.state == State::Zero;
-        (shown && at.0.is_finite() && at.1.is_finite()).then_some(at)
+    /// Whether a line leads to its neighbour: not across a jump, and not from one branch to another.
+    fn joins(&self, other: &Self) -> bool {
+        let first = if self.place < other.place { self } else { other };
+        !first.torn && (self.branch == other.branch || self.branch == 0 || other.branch == 0)
     }
 }
 
 /// Joins the points that are neighbours; to one that is doubtful there is no line.
 fn draw_line(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), ReportError> {
+    // Points of one look, and the look of each piece.
     let mut piece: Vec<(f64, f64)> = Vec::new();
+    let mut look = (pen.shade, false);
+    let mut before: Option<&Point> = None;
     for point in points {
-        if let Some(at) = point.place(frame) {
-            match point.state {
-                State::Doubtful => draw_piece(frame, &mut piece, pen)?,
-                _ => piece.push(at),
-            }
-            continue;
-        }
-        draw_piece(frame, &mut piece, pen)?;
+        let place = point.place(frame);
         let x = frame.at(point.x, f64::NAN).0;
-        if x.is_finite() && pen.signs {
+        if place.is_none() && x.is_finite() && pen.signs {
             absent(frame, x, point.state)?;
         }
+        let Some(at) = place.filter(|_| !matches!(point.state, State::Doubtful(_))) else {
+            draw_piece(frame, &mut piece, look, pen)?;
+            before = None;
+            continue;
+        };
+        match before.filter(|before| before.joins(point)) {
+            None => draw_piece(frame, &mut piece, look, pen)?,
+            Some(before) => {
+                let back = if before.state == State::Excluded { before } else { point };
+                let next = (back.shade, point.thin);
+                if next != look && piece.len() > 1 {
+                    let last = piece.last().copied();
+                    draw_piece(frame, &mut piece, look, pen)?;
+                    piece.extend(last);
+                }
+                look = next;
+            }
+        }
+        piece.push(at);
+        before = Some(point);
     }
-    draw_piece(frame, &mut piece, pen)
+    draw_piece(frame, &mut piece, look, pen)
 }
 
-fn draw_markers(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), ReportError> {
+/// Symbols or sticks without lines between them.
+fn draw_apart(frame: &Frame, points: &[Point], style: Style) -> Result<(), ReportError> {
+    for point in points {
+        match point.place(frame) {
+            Some(at) if style == Style::Sticks => {
+                let zero = frame.top + (1.0 - frame.y.place(0.0)) * frame.height;
+                let bottom = frame.top + frame.height;
+                let foot = if zero.is_finite() { zero.clamp(frame.top, bottom) } else { bottom };
+                frame.canvas.line(&[(at.0, foot), at], point.shade, 2.4)?;
+            }
+            None => absent(frame, frame.at(point.x, f64::NAN).0 + point.shift, point.state)?,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn draw_markers(frame: &Frame, points: &[Point], always: bool) -> Result<(), ReportError> {
     for (number, point) in points.iter().enumerate() {
         let Some(at) = point.place(frame) else { continue };
         let beside = |i: Option<usize>| {
-            i.and_then(|i| points.get(i)).is_some_and(|point| point.place(frame).is_some())
+            let other = i.and_then(|i| points.get(i));
+            other.is_some_and(|other| other.place(frame).is_some() && other.joins(point))
         };
         let alone = !beside(number.checked_sub(1)) && !beside(Some(number + 1));
+        let radius = if always { 3.6 } else { 2.6 };
         match point.state {
-            State::Doubtful => frame.canvas.ring(at, 3.5, pen.shade)?,
-            State::Zero => frame.canvas.dot(at, 2.6, GREY)?,
-            _ if points.len() <= MOST_MARKERS || alone => frame.canvas.dot(at, 2.6, pen.shade)?,
+            State::Doubtful(_) => frame.canvas.ring(at, 3.5, point.shade)?,
+            State::Zero => frame.canvas.dot(at, radius, GREY)?,
+            _ if always || points.len() <= MOST_MARKERS || alone => {
+                frame.canvas.dot(at, radius, point.shade)?
+            }
             _ => {}
         }
     }
@@ -213,156 +338,53 @@ fn draw_markers(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), Report
 }
 
 /// Where a value stands: one that is nothing, at 0.
-fn drawn((value, state): (f64, State)) -> (f64, State) {
+pub(super) fn drawn((value, state): (f64, State)) -> (f64, State) {
     (if state == State::Zero { 0.0 } else { value }, state)
 }
 
-fn draw_piece(frame: &Frame, piece: &mut Vec<(f64, f64)>, pen: &Pen) -> Result<(), ReportError> {
+fn draw_piece(
+    frame: &Frame,
+    piece: &mut Vec<(f64, f64)>,
+    (shade, thin): (RGBColor, bool),
+    pen: &Pen,
+) -> Result<(), ReportError> {
+    let width = if thin { THIN } else { WIDE };
     match pen.dashed {
-        true => frame.canvas.dashes(piece, pen.shade, 1.8)?,
-        false => frame.canvas.line(piece, pen.shade, 1.8)?,
+        true => frame.canvas.dashes(piece, shade, width)?,
+        false => frame.canvas.line(piece, shade, width)?,
     }
     piece.clear();
     Ok(())
 }
 
 /// A sign at the lower edge for an instance without a value.
-fn absent(frame: &Frame, x: f64, state: State) -> Result<(), ReportError> {
+pub(super) fn absent(frame: &Frame, x: f64, state: State) -> Result<(), ReportError> {
     let y = frame.top + frame.height - 8.0;
     match state {
-        State::Failed => frame.canvas.cross((x, y), 3.5, GREY),
+        State::Failed(_) => frame.canvas.cross((x, y), 3.5, GREY),
         _ => frame.canvas.line(&[(x, y - 4.0), (x, y + 4.0)], GREY, 1.3),
     }
 }
 
-fn values_axis<'a>(series: impl Iterator<Item = &'a Series>, units: &str, long_name: &str) -> Axis {
+/// The axis of the values, those outside the limits among them.
+pub(super) fn values_axis<'a>(
+    series: impl Iterator<Item = &'a Series>,
+    units: &str,
+    long_name: &str,
+) -> Axis {
     let all: Vec<(f64, State)> = series.flat_map(|one| one.values.iter().copied()).collect();
-    let shown = all.iter().filter(|(_, state)| state.has_value()).map(|(value, _)| *value);
-    let log = spans_decades(shown.clone());
+    let is_drawn = |state: State| state.has_value() || state == State::Excluded;
+    let shown = || all.iter().filter(|one| is_drawn(one.1)).map(|one| one.0);
+    let least = least_of_decades(shown());
     // What is nothing stands at 0, which has no place on a logarithmic axis.
-    let zero = all.iter().any(|(_, state)| *state == State::Zero);
-    Axis::over(shown.chain((zero && !log).then_some(0.0)), units, long_name, log, 0.06)
+    let zero = least.is_none() && all.iter().any(|(_, state)| *state == State::Zero);
+    let kept = shown().filter(|value| least.is_none_or(|least| *value >= least));
+    Axis::over(kept.chain(zero.then_some(0.0)), units, long_name, least.is_some(), 0.06)
 }
 
-/// Names of the curves where there are several, the first with what they differ by.
-fn line_entries(by: &str, series: &[Series]) -> Vec<(Key, String)> {
-    let several = series.iter().filter(|one| !one.second).count() > 1;
-    let name = |(number, one): (usize, &Series)| {
-        let name = if number == 0 { format!("{by} {}", one.name) } else { one.name.clone() };
-        (several && !one.second).then(|| (Key::Line(Pen::of(series, number).shade), name.trim().to_owned()))
-    };
-    let second = series.iter().any(|one| one.second && one.values.iter().any(|value| value.1.has_value()));
-    let dashes =
-        second.then(|| (Key::Dashes(if several { GREY } else { LINES[0] }), "second state".to_owned()));
-    series.iter().enumerate().filter_map(name).chain(dashes).collect()
-}
-
-fn state_entries<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<(Key, String)> {
+/// What a key says of points that are no plain values.
+pub(super) fn state_entries<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<(Key, String)> {
     let first = series.filter(|one| !one.second);
     let tally = Tally::of(first.flat_map(|one| &one.values).map(|(_, state)| *state));
-    let mut entries = Vec::new();
-    if tally.doubtful > 0 {
-        entries.push((Key::Ring(LINES[0]), format!("{DOUBTFUL} ({})", tally.doubtful)));
-    }
-    if tally.zero > 0 {
-        entries.push((Key::Dot(GREY), format!("{NOTHING} ({})", tally.zero)));
-    }
-    if tally.failed > 0 {
-        entries.push((Key::Cross(GREY), format!("failed ({})", tally.failed)));
-    }
-    if tally.empty > 0 {
-        entries.push((Key::Tick(GREY), format!("no value, nothing failed ({})", tally.empty)));
-    }
-    entries
-}
-
-/// One panel for each parameter of a list, and what lies where in it.
-pub(super) fn scatter(
-    heading: &str,
-    (units, long_name): (&str, &str),
-    parameters: &[Coordinate],
-    series: &Series,
-) -> Result<(String, Hover), ReportError> {
-    let y_axis = values_axis(std::iter::once(series), units, long_name);
-    let count = series.values.len();
-    let columns = if parameters.len() == 4 { 2 } else { parameters.len().clamp(1, 3) };
-    let rows = parameters.len().div_ceil(columns);
-    let (width, height) = if columns == 1 { (560.0, 360.0) } else { (270.0, 230.0) };
-    let (left, top, gap, down) = (left_margin(&y_axis, height), 40.0, 22.0, 62.0);
-    let entries = state_entries(std::iter::once(series));
-    let shapes = count * parameters.len() <= MOST_SHAPES;
-    let field = columns as f64 * (width + gap) - gap;
-    let total_width = left + field + 28.0;
-    let key_top = top + rows as f64 * (height + down) + 4.0;
-    let total = (total_width, key_top + key_rows(field, &entries) * KEY_ROW);
-    let mut hover = Hover::default();
-    let svg = picture(total, |canvas| {
-        title(canvas, heading, left, total_width)?;
-        for (number, parameter) in parameters.iter().enumerate() {
-            let log = is_log_spaced(&parameter.values);
-            let values = parameter.values.iter().copied();
-            let x_axis = Axis::over(values, &parameter.units, &short(parameter), log, 0.04);
-            let (row, column) = (number / columns, number % columns);
-            let frame = Frame {
-                canvas,
-                left: left + column as f64 * (width + gap),
-                top: top + row as f64 * (height + down),
-                width,
-                height,
-                x: &x_axis,
-                y: &y_axis,
-            };
-            frame.grid()?;
-            hover.points(cloud(&frame, parameter, series, shapes)?);
-            frame.edges(true, column == 0)?;
-        }
-        key(canvas, (left, key_top), left + field, &entries)
-    })?;
-    Ok((svg, hover))
-}
-
-/// The points of one panel, as shapes or as one image; gives some of them with what they stand for.
-fn cloud(
-    frame: &Frame,
-    parameter: &Coordinate,
-    series: &Series,
-    shapes: bool,
-) -> Result<Vec<Told>, ReportError> {
-    let mut told = Vec::new();
-    let mut dots = Dots::new(frame.width, frame.height);
-    let every = series.values.len().div_ceil(MOST_TOLD).max(1);
-    for (number, (&value, &x)) in series.values.iter().zip(parameter.values.iter()).enumerate() {
-        let (value, state) = drawn(value);
-        let at = frame.at(x, value);
-        if !at.0.is_finite() {
-            continue;
-        }
-        let inside = (at.0 - frame.left, at.1 - frame.top);
-        match state {
-            State::Good | State::Zero if at.1.is_finite() => {
-                let shade = match state {
-                    State::Zero => GREY,
-                    _ if shapes => LINES[0],
-                    _ => BOTH,
-                };
-                if shapes { frame.canvas.dot(at, 2.4, shade)? } else { dots.dot(inside, 1.8, shade) }
-            }
-            State::Doubtful if at.1.is_finite() && shapes => frame.canvas.ring(at, 3.0, LINES[0])?,
-            State::Doubtful if at.1.is_finite() => {
-                dots.dot(inside, 3.0, LINES[0]);
-                dots.dot(inside, 1.7, WHITE);
-            }
-            state if shapes => absent(frame, at.0, state)?,
-            _ => dots.dot((inside.0, frame.height - 4.0), 1.5, GREY),
-        }
-        if at.1.is_finite() && number.is_multiple_of(every) {
-            let (x, value) = (shown(parameter, x), frame.y.unit.value(value));
-            told.push((at, format!("instance {number}, {x}: {value}")));
-        }
-    }
-    if !shapes {
-        let end = (frame.left + frame.width, frame.top + frame.height);
-        frame.canvas.image((frame.left, frame.top), end, dots.image()?)?;
-    }
-    Ok(told)
+    tally.entries([Key::Ring(LINES[0]), Key::Dot(GREY), Key::Tick(GREY), Key::Cross(GREY), Key::Dot(BACK)])
 }

@@ -27,6 +27,11 @@ pub enum Block {
         caption: String,
         svg: Option<String>,
     },
+    /// What a reader unfolds.
+    Folded {
+        summary: String,
+        document: Document,
+    },
 }
 
 /// A page: a title and what stands below it.
@@ -63,9 +68,19 @@ impl Document {
         self.blocks.push(Block::Figure { file, caption, svg: Some(svg.to_owned()) });
     }
 
+    /// Blocks below a line that unfolds them.
+    pub fn fold(&mut self, summary: &str, document: Document) {
+        self.blocks.push(Block::Folded { summary: summary.to_owned(), document });
+    }
+
     /// The page as HTML; `generator` names the program's part that made it.
     pub fn html(&self, generator: &str) -> String {
-        let mut page = open(&self.title, generator);
+        format!("{}{}{CLOSE}", open(&self.title, generator), self.body())
+    }
+
+    /// The blocks as HTML.
+    fn body(&self) -> String {
+        let mut page = String::new();
         let mut beside = false;
         // Writing to a String cannot fail.
         for block in &self.blocks {
@@ -96,6 +111,10 @@ impl Document {
                          <figcaption>{caption}. <a href=\"{file}\">{file}</a></figcaption>\n</figure>"
                     )
                 }
+                Block::Folded { summary, document } => {
+                    let (summary, body) = (escape(summary), document.body());
+                    writeln!(page, "<details><summary>{summary}</summary>\n{body}</details>")
+                }
                 Block::Figure { file, caption, svg: None } => {
                     let (short, file) = (escape(brief(caption)), escape(file));
                     let caption = escape(caption);
@@ -110,16 +129,26 @@ impl Document {
         if beside {
             page.push_str("</div>\n");
         }
-        page.push_str(CLOSE);
         page
     }
 
     /// The page as Markdown.
     pub fn markdown(&self) -> String {
-        let mut page = format!("# {}\n\n", plain(&self.title));
+        let mut page = format!("# {}\n\n{}", plain(&self.title), self.text());
+        page.truncate(page.trim_end().len());
+        page.push('\n');
+        page
+    }
+
+    /// The blocks as Markdown.
+    fn text(&self) -> String {
+        let mut page = String::new();
         for block in &self.blocks {
             let _ = match block {
                 Block::Heading(text) => write!(page, "## {}\n\n", plain(text)),
+                Block::Folded { summary, document } => {
+                    write!(page, "## {}\n\n{}", plain(summary), document.text())
+                }
                 Block::Paragraph { lead, text } if lead.is_empty() => write!(page, "{}\n\n", plain(text)),
                 Block::Paragraph { lead, text } => write!(page, "**{}** {}\n\n", plain(lead), plain(text)),
                 Block::Table(table) => {
@@ -134,8 +163,6 @@ impl Document {
                 }
             };
         }
-        page.truncate(page.trim_end().len());
-        page.push('\n');
         page
     }
 }
@@ -257,6 +284,7 @@ figure svg,figure img{max-width:100%;height:auto}\
 @media(prefers-color-scheme:dark){body{color:#ddd;background:#191919}a{color:#8bf}td,th{border-color:#444 !important}\
 th,figcaption,.caption{color:#aaa !important}pre{background:#262626 !important}#tip{background:#ddd;color:#191919}\
 svg [fill='#FFFFFF']{fill:#191919}svg [fill='#222222']{fill:#ddd}svg [stroke='#222222']{stroke:#ddd}\
+svg [fill='#CACACA']{fill:#505050}svg [stroke='#CACACA']{stroke:#505050}\
 svg [fill='#E4E4E4']{fill:#333}svg [stroke='#E4E4E4']{stroke:#333}svg [fill='#787878']{fill:#999}\
 svg [stroke='#787878']{stroke:#999}\
 svg [fill='#005FAA']{fill:#5aaef0}svg [stroke='#005FAA']{stroke:#5aaef0}}figcaption,.caption{font-size:.85rem;color:#555}\

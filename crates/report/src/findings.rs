@@ -1,24 +1,69 @@
 //! The first sentences of a page: what came out, and how good it is.
 
+use super::SAMPLES;
 use super::floor::accuracy;
-use super::frame::{State, status_word};
+use super::frame::{EXCLUDED, State, status_word};
 use super::labels::capital;
-use super::labels::{brief, label};
+use super::labels::{brief, label, shown, span};
 use super::on_branch;
-use super::picture::{Kind, states};
-use super::quantity::{Unit, number};
+use super::picture::{Kind, places, states};
+use super::quantity::number;
 use crate::observe::Status;
-use crate::store::{NO_STATE, Results, Variable};
+use crate::store::{Attribute, NO_STATE, Results, Variable};
 
 /// Observables that are told at most.
 const MOST: usize = 3;
 
 /// These sentences, as far as there is something to say.
-pub(super) fn all(results: &Results) -> Vec<String> {
-    [ranges(results), jumps(results), branches(results), Some(quality(results))]
-        .into_iter()
-        .flatten()
-        .collect()
+/// Of those that are shown: `fixed` are the axes that stand at one value. `limits` is the sentence on what is left.
+pub(super) fn all(results: &Results, fixed: &[(usize, usize)], limits: Option<String>) -> Vec<String> {
+    let said = [
+        incomplete(results),
+        limits,
+        ranges(results, fixed),
+        jumps(results),
+        branches(results),
+        Some(quality(results)),
+    ];
+    said.into_iter().flatten().collect()
+}
+
+/// The results with no state where an axis of `fixed` stands at another value.
+pub(super) fn of_shown(results: &Results, fixed: &[(usize, usize)]) -> Results {
+    let mut results = results.clone();
+    for i in 0..results.status.len() {
+        let places = places(&results, i);
+        if fixed.iter().any(|(axis, at)| places[*axis].1 != *at) {
+            results.status[i] = NO_STATE;
+        }
+    }
+    results
+}
+
+/// How much of a run that was stopped there is.
+fn incomplete(results: &Results) -> Option<String> {
+    let value = results.attributes.iter().find(|(name, _)| name == "complete").map(|one| &one.1)?;
+    let Attribute::Number(0.0) = value else { return None };
+    let done = results.status.iter().filter(|code| **code != Status::NotRun as u8).count();
+    let lacks = results.text("missing").map_or(String::new(), |words| {
+        let phases: Vec<&str> = words.split(' ').collect();
+        format!("; it lacks {}", phases.join(", "))
+    });
+    Some(format!(
+        "Incomplete: {} of {} instances are done{lacks}.",
+        grouped(done),
+        grouped(results.status.len())
+    ))
+}
+
+/// A count with commas: `20,000`.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let commas = |(i, digit): (usize, char)| {
+        let comma = i > 0 && (digits.len() - i).is_multiple_of(3);
+        comma.then_some(',').into_iter().chain([digit]).collect::<Vec<char>>()
+    };
+    digits.chars().enumerate().flat_map(commas).collect()
 }
 
 /// How many curves jump on each way, and from where to where.
@@ -29,13 +74,25 @@ fn jumps(results: &Results) -> Option<String> {
     let ways = others.last().map(|axis| &axis.words).filter(|words| !words.is_empty());
     let way = |instance: usize| ways.map_or(0, |words| (instance / points) % words.len());
     let at = |way_of: usize| {
-        let here = move |(i, code): (usize, &u8)| (*code == 1 && way(i) == way_of).then_some(i);
+        let shown = |i: usize| !matches!(results.status[i], NO_STATE | EXCLUDED);
+        let here = move |(i, code): (usize, &u8)| (*code == 1 && way(i) == way_of && shown(i)).then_some(i);
         flags.data.iter().enumerate().filter_map(here).map(|i| x.values[i % points]).collect::<Vec<f64>>()
     };
     let told = |number: usize| {
         let places = at(number);
-        let word = ways.map_or(String::new(), |words| format!(" {}", words[number]));
-        let place = span(places.iter().copied(), &x.units)?;
+        let word = ways.map_or(String::new(), |words| match words[number].as_str() {
+            way @ ("forward" | "backward") => format!(" {way}"),
+            way => format!(" on {way}"),
+        });
+        let (first, last) = (
+            places.iter().copied().fold(f64::INFINITY, f64::min),
+            places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        );
+        let place = match places.len() {
+            0 => return None,
+            _ if first == last => shown(x, first),
+            _ => format!("{} to {}", shown(x, first), shown(x, last)),
+        };
         Some(format!("{}{word} at {} {place}", places.len(), brief(label(x), &x.name)))
     };
     let told: Vec<String> = (0..ways.map_or(1, Vec::len)).filter_map(told).collect();
@@ -64,7 +121,7 @@ fn branches(results: &Results) -> Option<String> {
 }
 
 /// From where to where the first observables go, and over what.
-fn ranges(results: &Results) -> Option<String> {
+fn ranges(results: &Results, fixed: &[(usize, usize)]) -> Option<String> {
     if results.status.len() < 2 {
         return None;
     }
@@ -78,15 +135,23 @@ fn ranges(results: &Results) -> Option<String> {
     let axes: Vec<String> = results
         .axes
         .iter()
-        .filter(|axis| axis.words.is_empty())
-        .filter_map(|axis| {
+        .enumerate()
+        .filter(|(number, axis)| axis.words.is_empty() && fixed.iter().all(|one| one.0 != *number))
+        .filter(|(_, axis)| axis.scene_path != SAMPLES)
+        .filter_map(|(_, axis)| {
             Some(format!("{} {}", brief(label(axis), &axis.name), over(&axis.values, &axis.units)?))
         })
         .collect();
+    let at = |(axis, at): &(usize, usize)| {
+        let axis = &results.axes[*axis];
+        format!("{} {}", brief(label(axis), &axis.name), shown(axis, axis.values[*at]))
+    };
+    let at: Vec<String> = fixed.iter().map(at).collect();
+    let at = if at.is_empty() { String::new() } else { format!("at {}, ", at.join(", ")) };
     let text = told.join("; ");
     Some(match axes.as_slice() {
-        [] => format!("{}.", capital(&text)),
-        axes => format!("Over {}: {text}.", axes.join(", ")),
+        [] => format!("{}.", capital(&format!("{at}{text}"))),
+        axes => capital(&format!("{at}over {}: {text}.", axes.join(", "))),
     })
 }
 
@@ -104,19 +169,6 @@ fn range(results: &Results, variable: &Variable) -> Option<String> {
     };
     let values = states.iter().zip(&results.status).filter_map(value);
     Some(format!("{name} {}", span(values, &variable.units)?))
-}
-
-/// `2 nm to 5 nm`, in the unit of the larger; the one value where they are all the same.
-fn span(values: impl Iterator<Item = f64>, units: &str) -> Option<String> {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    if low > high {
-        return None;
-    }
-    let fitting = |value: f64| if value == 0.0 { low.abs().max(high.abs()) } else { value.abs() };
-    let show = |value: f64| Unit::fitting(units, fitting(value)).short(value);
-    Some(if low == high { show(high) } else { format!("{} to {}", show(low), show(high)) })
 }
 
 /// How many are ok, how large their errors are, and how many carry a warning.

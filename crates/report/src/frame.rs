@@ -6,20 +6,27 @@ use super::canvas::{Anchor, Canvas, GREY, INK, PALE, WHITE, text_width};
 use crate::observe::Status;
 use crate::store::NO_STATE;
 use plotters::style::RGBColor;
+use std::collections::BTreeMap;
 
 /// Letters of ticks and keys, of labels, of titles.
 pub(super) const SMALL: f64 = 12.0;
 pub(super) const LABEL: f64 = 13.0;
 pub(super) const TITLE: f64 = 15.0;
 
-/// What keys say of values that are doubtful, and of those that are nothing.
-pub(super) const DOUBTFUL: &str = "not steady, sensitive or above the accuracy";
+/// What keys say of values that are nothing, of none where nothing failed, and of those beyond the reader's limits.
 pub(super) const NOTHING: &str = "0 within error";
+pub(super) const NO_VALUE: &str = "no value, nothing failed";
+pub(super) const BEYOND: &str = "outside the limits asked for";
+
+/// Stands for the status of an instance that is outside the reader's limits.
+pub(super) const EXCLUDED: u8 = 254;
 
 /// What a status code means, in words.
 pub(super) fn status_word(code: u8) -> String {
     match Status::from_code(code) {
+        Some(Status::NoSetpoint) => "no set-point".to_owned(),
         Some(status) => status.meaning().replace('_', " "),
+        None if code == EXCLUDED => BEYOND.to_owned(),
         None if code == NO_STATE => "no such state".to_owned(),
         None => format!("code {code}"),
     }
@@ -30,14 +37,16 @@ pub(super) fn status_word(code: u8) -> String {
 pub enum State {
     /// A value to be trusted.
     Good,
-    /// A value of an instance that is not steady, sensitive or above the accuracy asked for.
-    Doubtful,
+    /// A value of an instance that is not steady, sensitive or above the accuracy asked for, by the code of its status.
+    Doubtful(u8),
     /// A value that is nothing within its error.
     Zero,
     /// No value though nothing failed: never in contact.
     Empty,
-    /// No value to be had.
-    Failed,
+    /// No value to be had, by the code of the status.
+    Failed(u8),
+    /// Outside the limits that the reader asked for.
+    Excluded,
 }
 
 impl State {
@@ -46,11 +55,13 @@ impl State {
         match Status::from_code(status) {
             Some(Status::Ok) if value.is_finite() => Self::Good,
             Some(Status::NotSteady | Status::Sensitive | Status::AccuracyNotMet) if value.is_finite() => {
-                Self::Doubtful
+                Self::Doubtful(status)
             }
             Some(Status::Ok | Status::NotSteady | Status::Sensitive | Status::AccuracyNotMet) => Self::Empty,
             None if status == NO_STATE => Self::Empty,
-            _ => Self::Failed,
+            None if status == EXCLUDED && value.is_finite() => Self::Excluded,
+            None if status == EXCLUDED => Self::Empty,
+            _ => Self::Failed(status),
         }
     }
 
@@ -61,17 +72,18 @@ impl State {
 
     /// Whether there is a value to show.
     pub fn has_value(self) -> bool {
-        matches!(self, Self::Good | Self::Doubtful)
+        matches!(self, Self::Good | Self::Doubtful(_))
     }
 }
 
-/// How many instances are in each state.
-#[derive(Clone, Copy, Debug, Default)]
+/// How many instances are in each state, and in which words to say it.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
-    pub doubtful: usize,
-    pub zero: usize,
-    pub empty: usize,
-    pub failed: usize,
+    doubtful: BTreeMap<u8, usize>,
+    failed: BTreeMap<u8, usize>,
+    zero: usize,
+    empty: usize,
+    excluded: usize,
 }
 
 impl Tally {
@@ -80,13 +92,35 @@ impl Tally {
         for state in states {
             match state {
                 State::Good => {}
-                State::Doubtful => tally.doubtful += 1,
+                State::Doubtful(code) => *tally.doubtful.entry(code).or_default() += 1,
+                State::Failed(code) => *tally.failed.entry(code).or_default() += 1,
                 State::Zero => tally.zero += 1,
                 State::Empty => tally.empty += 1,
-                State::Failed => tally.failed += 1,
+                State::Excluded => tally.excluded += 1,
             }
         }
         tally
+    }
+
+    /// Entries of a key for what there is, with a sample for each: of what is doubtful, nothing, without a value, failed,
+    /// outside the limits.
+    pub fn entries(&self, samples: [Key; 5]) -> Vec<(Key, String)> {
+        let codes = |counts: &BTreeMap<u8, usize>| {
+            let one = |(code, count): (&u8, &usize)| format!("{} ({count})", status_word(*code));
+            counts.iter().map(one).collect::<Vec<_>>().join(", ")
+        };
+        let count = |words: &str, count: usize| match count {
+            0 => String::new(),
+            count => format!("{words} ({count})"),
+        };
+        let words = [
+            codes(&self.doubtful),
+            count(NOTHING, self.zero),
+            count(NO_VALUE, self.empty),
+            codes(&self.failed),
+            count(BEYOND, self.excluded),
+        ];
+        samples.into_iter().zip(words).filter(|one| !one.1.is_empty()).collect()
     }
 }
 
@@ -94,6 +128,7 @@ impl Tally {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Key {
     Line(RGBColor),
+    Thin(RGBColor),
     Dashes(RGBColor),
     Dot(RGBColor),
     Ring(RGBColor),
@@ -101,6 +136,8 @@ pub(super) enum Key {
     /// An upright stroke.
     Tick(RGBColor),
     Swatch(RGBColor),
+    /// That covers its ground by a share.
+    Shade(RGBColor, f64),
     Marked(RGBColor),
     Hatched,
 }
@@ -125,12 +162,14 @@ pub(super) fn key(
         let middle = (x + 11.0, y);
         match *sample {
             Key::Line(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Key::Thin(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 0.8)?,
             Key::Dashes(colour) => canvas.dashes(&[(a.0, y), (b.0, y)], colour, 2.0)?,
             Key::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
             Key::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
             Key::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
             Key::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
             Key::Swatch(colour) => canvas.rectangle(a, b, colour)?,
+            Key::Shade(colour, cover) => canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?,
             Key::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
                 mark(canvas, middle)?;
@@ -179,6 +218,12 @@ impl Frame<'_, '_> {
         (self.left + self.x.place(x) * self.width, self.top + (1.0 - self.y.place(y)) * self.height)
     }
 
+    /// Whether a place lies in it.
+    pub fn holds(&self, (x, y): (f64, f64)) -> bool {
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        (self.left..=right).contains(&x) && (self.top..=bottom).contains(&y)
+    }
+
     /// The fine grid, to be drawn before the data.
     pub fn grid(&self) -> Result<(), ReportError> {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
@@ -219,9 +264,12 @@ impl Frame<'_, '_> {
         let canvas = self.canvas;
         let (ticks, small) = self.x.ticks(self.x_count());
         let mut free = f64::NEG_INFINITY;
+        // Names are cut to their places, so that none is missing.
+        let room = if self.x.has_names() { self.width / ticks.len().max(1) as f64 } else { f64::INFINITY };
         for (place, text) in &ticks {
             let x = self.left + place * self.width;
             canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
+            let text = &cut(text, room - 5.0);
             let half = text_width(text, SMALL) / 2.0;
             if x_labels && x - half > free {
                 canvas.text(text, (x, bottom + 15.0), SMALL, Anchor::Middle, INK)?;
@@ -303,12 +351,18 @@ pub(super) fn title(canvas: &Canvas, text: &str, left: f64, right: f64) -> Resul
     let room = right - left - 8.0;
     let fits = |size: &f64| text_width(text, *size) <= room;
     let size = [TITLE, 14.0, LABEL, SMALL].into_iter().find(fits);
-    let mut shown = text.to_owned();
-    if size.is_none() {
-        while !shown.is_empty() && text_width(&shown, SMALL) + SMALL > room {
-            shown.pop();
-        }
-        shown = format!("{}…", shown.trim_end());
-    }
+    let shown = if size.is_some() { text.to_owned() } else { cut(text, room) };
     canvas.text(&shown, (left, 20.0), size.unwrap_or(SMALL), Anchor::Left, INK)
+}
+
+/// A text in small letters, cut where there is no room for it.
+fn cut(text: &str, room: f64) -> String {
+    if text_width(text, SMALL) <= room {
+        return text.to_owned();
+    }
+    let mut shown = text.to_owned();
+    while !shown.is_empty() && text_width(&shown, SMALL) + SMALL > room {
+        shown.pop();
+    }
+    format!("{}…", shown.trim_end())
 }

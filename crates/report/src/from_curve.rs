@@ -2,12 +2,18 @@
 //! reconstructed from amplitudes and shifts.
 
 use super::frame::State;
+use super::picture::places;
+use super::view::DIRECTION;
 use crate::observe::Status;
 use crate::reconstruct::{Orbit, force};
 use crate::store::{ForceCurve, Results};
 use crate::units::{self, Dimension};
 
-const GAP: &str = "approach.gap";
+/// The quantity of approach and retraction.
+pub(super) const GAP: &str = "approach.gap";
+
+/// What the largest forces over the largest indentations are called.
+pub(super) const LARGEST: &str = "largest of each point";
 
 /// The points of the curve over the gap that an instance is one of.
 struct Points {
@@ -16,7 +22,7 @@ struct Points {
     gaps: Vec<f64>,
     /// Whether they were gone through the other way.
     backward: bool,
-    word: &'static str,
+    word: String,
 }
 
 /// Force over indentation, each named after where it is from.
@@ -28,10 +34,10 @@ pub(super) fn forces(results: &Results, instance: u64) -> Vec<ForceCurve> {
     let mut found = Vec::new();
     if let Some(points) = usize::try_from(instance).ok().and_then(|one| Points::through(results, one)) {
         if let Some(largest) = points.largest(results) {
-            found.push(named("largest of each point", points.word, largest));
+            found.push(named(LARGEST, &points.word, largest));
         }
         if let Some(reconstructed) = points.reconstructed(results) {
-            found.push(named("reconstructed from the curve", points.word, reconstructed));
+            found.push(named("reconstructed from the curve", &points.word, reconstructed));
         }
     }
     if let Some(waveforms) = &results.waveforms
@@ -52,6 +58,8 @@ impl Points {
         let first = instance - instance % length;
         let way = results.axes.iter().rev().nth(1).filter(|axis| axis.name == "direction");
         let backward = way.is_some() && (first / length) % 2 == 1;
+        let alone = if axis.values.first() >= axis.values.last() { "approach" } else { "retraction" };
+        let word = way.map_or(alone, |way| way.words.get(usize::from(backward)).map_or("", String::as_str));
         let mut places: Vec<usize> = (0..length).collect();
         places.sort_by(|a, b| axis.values[*b].total_cmp(&axis.values[*a]));
         let falling = axis.values.first() >= axis.values.last();
@@ -59,7 +67,7 @@ impl Points {
             order: places.iter().map(|place| first + place).collect(),
             gaps: places.iter().map(|place| axis.values[*place]).collect(),
             backward: backward == falling,
-            word: if backward { "backward" } else { "forward" },
+            word: word.to_owned(),
         })
     }
 
@@ -107,6 +115,18 @@ pub(super) fn jumps(results: &Results) -> Option<&[u8]> {
     results.flags.iter().find(|flags| flags.name == "jump").map(|flags| flags.data.as_slice())
 }
 
+/// Of instances along curves, from which no line leads to the next one: a jump is told at the point after it on the way.
+pub(super) fn torn(results: &Results) -> Vec<bool> {
+    let (Some(jumps), Some(axis)) = (jumps(results), results.axes.last()) else { return Vec::new() };
+    let length = axis.values.len().max(1);
+    let ways = results.axes.iter().any(|axis| axis.name == DIRECTION && axis.values.len() == 2);
+    let one = |i: usize| match ways && (i / length) % 2 == 1 {
+        true => jumps[i] != 0,
+        false => jumps.get(i + 1).is_some_and(|flag| *flag != 0),
+    };
+    (0..jumps.len()).map(one).collect()
+}
+
 /// Stiffness and frequency of the lever's first mode, where the scene gives them for all instances.
 fn first_mode(results: &Results) -> Option<(f64, f64)> {
     let swept = |path: &str| path.starts_with("instrument.cantilever");
@@ -119,6 +139,19 @@ fn first_mode(results: &Results) -> Option<(f64, f64)> {
     let mode = lever.get("modes").and_then(|modes| modes.get(0)).unwrap_or(lever);
     let value = |key: &str, dimension| units::parse(mode.get(key)?.as_str()?, dimension).ok();
     Some((value("stiffness", Dimension::Stiffness)?, value("frequency", Dimension::Frequency)?))
+}
+
+/// The decay length of the attraction at an instance, where the file tells it.
+pub(super) fn decay_length(results: &Results, instance: u64) -> Option<f64> {
+    let instance = usize::try_from(instance).ok()?;
+    for (axis, at) in places(results, instance) {
+        let columns = axis.columns.iter().chain([axis]);
+        if let Some(swept) = columns.into_iter().find(|one| one.scene_path == "contact.decay_length") {
+            return swept.values.get(at).copied();
+        }
+    }
+    let scene: toml::Table = results.text("scene_resolved")?.parse().ok()?;
+    units::parse(scene.get("contact")?.get("decay_length")?.as_str()?, Dimension::Length).ok()
 }
 
 /// Whether the instance is ok.

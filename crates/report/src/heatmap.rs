@@ -1,12 +1,12 @@
 //! Values over two axes as coloured cells, alone or as panels over slices of further axes.
 
 use super::ReportError;
-use super::axis::{Axis, spans_decades};
-use super::canvas::{Anchor, Canvas, INK, PALE, WHITE, picture};
+use super::axis::{Axis, least_of_decades, spans_decades};
+use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
 use super::cells::{Cells, Field, MARKED, MOST_CELLS, NONE, RASTER};
+use super::contour;
 use super::frame::{
-    DOUBTFUL, Frame, KEY_ROW, Key, LABEL, NOTHING, SMALL, State, Tally, colour, key, key_rows, left_margin,
-    title, upward,
+    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
 };
 use super::hover::Hover;
 use crate::store::Coordinate;
@@ -42,16 +42,36 @@ impl Heatmap<'_> {
     /// # Errors
     /// [`ReportError::Draw`].
     pub fn draw(&self) -> Result<String, ReportError> {
-        Ok(self.draw_told()?.0)
+        let values = || self.values();
+        Ok(self.over(spans_decades(values()), values(), false)?.0)
     }
 
-    /// The picture, and what lies where in it.
+    /// The picture with lines at round values, and what lies where in it.
     pub(super) fn draw_told(&self) -> Result<(String, Hover), ReportError> {
+        let least = least_of_decades(self.values());
+        self.over(
+            least.is_some(),
+            self.values().filter(|value| least.is_none_or(|least| *value >= least)),
+            true,
+        )
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> + Clone {
+        let all = self.panels.iter().flat_map(|panel| &panel.values);
+        all.filter(|(_, state)| state.has_value()).map(|(value, _)| *value)
+    }
+
+    /// Over a bar of these values, with contours or without.
+    fn over(
+        &self,
+        log: bool,
+        values: impl Iterator<Item = f64> + Clone,
+        contours: bool,
+    ) -> Result<(String, Hover), ReportError> {
         let mut hover = Hover::default();
         let (across, up) = (Cells::along(self.x), Cells::along(self.y));
-        let all = || self.panels.iter().flat_map(|panel| &panel.values);
-        let shown = all().filter(|(_, state)| state.has_value()).map(|(value, _)| *value);
-        let bar = Axis::over(shown.clone(), self.units, self.long_name, spans_decades(shown), 0.0);
+        let states = self.panels.iter().flat_map(|panel| &panel.values).map(|(_, state)| *state);
+        let bar = Axis::over(values, self.units, self.long_name, log, 0.0);
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let rows = self.panels.len().div_ceil(columns);
         let single = self.panels.len() == 1;
@@ -67,7 +87,7 @@ impl Heatmap<'_> {
         let bar_labels = left_margin(&bar, field.1);
         let total_width = bar_left + 18.0 + bar_labels + 6.0;
         let per_panel = across.members.len() * up.members.len();
-        let entries = self.entries(all().map(|(_, state)| *state), per_panel);
+        let entries = self.entries(states, per_panel);
         let raster = per_panel * self.panels.len() > RASTER;
         let key_top = top + field.1 + 64.0;
         let total = (total_width, key_top + key_rows(total_width - left, &entries) * KEY_ROW);
@@ -87,10 +107,7 @@ impl Heatmap<'_> {
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
                 let map = Field { frame: &frame, across: &across, up: &up, bar: &bar };
-                let cells = map.merged(&panel.values, self.x.values.len());
-                map.draw(&cells, raster)?;
-                hover.cells(map.told(&cells, self.x, self.y));
-                overlay(&frame, &panel.lines)?;
+                self.panel(&map, panel, (raster, contours), &mut hover)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.ticks(lowest, column == 0)?;
                 // One label for all columns, below the lowest row.
@@ -104,6 +121,23 @@ impl Heatmap<'_> {
         Ok((svg, hover))
     }
 
+    /// The cells of a panel and the lines over them.
+    fn panel(
+        &self,
+        map: &Field,
+        panel: &Panel,
+        (raster, contours): (bool, bool),
+        hover: &mut Hover,
+    ) -> Result<(), ReportError> {
+        let cells = map.merged(&panel.values, self.x.values.len());
+        map.draw(&cells, raster)?;
+        if contours {
+            contour::draw(map, &cells)?;
+        }
+        hover.cells(map.told(&cells, self.x, self.y));
+        overlay(map.frame, &panel.lines)
+    }
+
     fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
         let tally = Tally::of(states);
         let mut entries: Vec<(Key, String)> = Vec::new();
@@ -111,19 +145,13 @@ impl Heatmap<'_> {
             let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
             entries.push((sample, name.clone()));
         }
-        if tally.zero > 0 {
-            entries.push((Key::Swatch(NONE), format!("{NOTHING} ({})", tally.zero)));
-        }
-        if tally.empty > 0 {
-            entries.push((Key::Swatch(PALE), format!("no value, nothing failed ({})", tally.empty)));
-        }
-        if tally.failed > 0 {
-            entries.push((Key::Hatched, format!("failed ({})", tally.failed)));
-        }
-        if tally.doubtful > 0 {
-            let unmarked = if cells > MARKED { ", not marked" } else { "" };
-            let text = format!("{DOUBTFUL} ({}{unmarked})", tally.doubtful);
-            entries.push((Key::Marked(colour(0.4)), text));
+        let [marked, back] = [Key::Marked(colour(0.4)), Key::Swatch(BACK)];
+        let samples = [marked, Key::Swatch(NONE), Key::Swatch(PALE), Key::Hatched, back];
+        for (sample, mut words) in tally.entries(samples) {
+            if matches!(sample, Key::Marked(_)) && cells > MARKED {
+                words += ", not marked";
+            }
+            entries.push((sample, words));
         }
         if self.x.values.len().max(self.y.values.len()) > MOST_CELLS {
             let text = "each cell is the mean of its neighbouring instances that have a value".to_owned();
@@ -135,13 +163,9 @@ impl Heatmap<'_> {
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.
 fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
-    let inside = |(x, y): (f64, f64)| {
-        let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
-        (frame.left..=right).contains(&x) && (frame.top..=bottom).contains(&y)
-    };
     for (number, line) in lines.iter().enumerate() {
         let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
-        for piece in places.split(|&at| !inside(at)) {
+        for piece in places.split(|&at| !frame.holds(at)) {
             frame.canvas.line(piece, WHITE, 3.6)?;
             match number {
                 0 => frame.canvas.line(piece, INK, 1.6)?,

@@ -29,7 +29,43 @@ pub(super) fn shown(axis: &Coordinate, value: f64) -> String {
         return word.clone();
     }
     let largest = axis.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    Unit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() }).value(value)
+    let unit = Unit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() });
+    unit.digits(value, digits(&axis.values).max(4))
+}
+
+/// Digits that tell neighbouring values apart.
+fn digits(values: &[f64]) -> usize {
+    let apart = values.windows(2).filter(|pair| pair[0] != pair[1]);
+    apart.map(|pair| telling(pair[0], pair[1])).max().unwrap_or(0)
+}
+
+/// Digits that tell one value from another, with one to spare.
+pub(super) fn telling(one: f64, other: f64) -> usize {
+    let ratio = one.abs().max(other.abs()) / (one - other).abs();
+    if ratio.is_finite() { (ratio.log10().ceil().max(0.0) as usize + 1).min(12) } else { 0 }
+}
+
+/// `2 nm to 5 nm`, in the unit of the larger, with as many digits as tell both ends apart; the one value where they are
+/// all the same.
+pub(super) fn span(values: impl Iterator<Item = f64>, units: &str) -> Option<String> {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if low > high {
+        return None;
+    }
+    let fitting = |value: f64| if value == 0.0 { low.abs().max(high.abs()) } else { value.abs() };
+    let digits = telling(low, high).clamp(3, 7);
+    let show = |value: f64| Unit::fitting(units, fitting(value)).digits(value, digits);
+    Some(if show(low) == show(high) { show(high) } else { format!("{} to {}", show(low), show(high)) })
+}
+
+/// A value that says of what it is: `tip radius 5 nm`; a way along a curve says so itself.
+pub(super) fn caption(axis: &Coordinate, value: f64) -> String {
+    match axis.name.as_str() {
+        "direction" => shown(axis, value),
+        _ => format!("{} {}", short(axis), shown(axis, value)),
+    }
 }
 
 /// First letter large.

@@ -7,6 +7,7 @@ mod band;
 mod canvas;
 mod cells;
 mod chart;
+mod contour;
 mod csv;
 mod curve;
 mod document;
@@ -18,12 +19,14 @@ mod from_curve;
 mod heatmap;
 mod hover;
 mod labels;
+mod limits;
 mod on_branch;
 mod page;
 mod picture;
 mod pictures;
 mod quantity;
 mod raster;
+mod scatter;
 mod tables;
 pub mod uncertainty;
 mod variable;
@@ -31,6 +34,7 @@ mod view;
 mod waveform;
 
 pub use chart::{Chart, Field, Look, Mark, Plot};
+pub use csv::defused;
 pub use document::{Block, Document, Table};
 pub use frame::State;
 pub use heatmap::{Heatmap, Panel};
@@ -85,6 +89,29 @@ pub struct Report {
     pub left_out: Vec<String>,
     /// What came out, and how good it is, in two sentences.
     pub findings: Vec<String>,
+    /// What is left within the reader's limits; none without limits.
+    pub kept: Option<Kept>,
+}
+
+/// What is left within the limits that a reader asked for.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Kept {
+    /// Instances within the limits, of those that are looked at.
+    pub instances: usize,
+    pub of: usize,
+    /// The best of them, by the first observable without a limit.
+    pub best: Option<Best>,
+}
+
+/// The largest value of an observable, or the smallest where all limits are lower ones.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Best {
+    pub observable: String,
+    pub instance: usize,
+    /// SI.
+    pub value: f64,
 }
 
 /// A picture of a page.
@@ -113,10 +140,18 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, 
         None => read(file)?,
         Some(branch) => on_branch::chosen(read(file)?, branch)?,
     };
-    let results = samples_as_list(results);
+    let (results, limited) = limits::applied(ways_named(samples_as_list(results)), wish)?;
     let drawn = pictures::all(&results, wish)?;
-    let page = ("index.html".to_owned(), page::html(&results, file, &drawn));
-    let text = ("report.md".to_owned(), page::markdown(&results, file, &drawn));
+    let fixed = if results.list { Vec::new() } else { view::fixed(&results, wish)? };
+    let slice = (!fixed.is_empty()).then(|| findings::of_shown(&results, &fixed));
+    let looked_at = slice.as_ref().unwrap_or(&results);
+    let (kept, sentence) = match limited {
+        true => limits::kept(looked_at, wish).map(|(kept, sentence)| (Some(kept), Some(sentence)))?,
+        false => (None, None),
+    };
+    let findings = findings::all(looked_at, &fixed, sentence);
+    let page = ("index.html".to_owned(), page::html(&results, file, (&drawn, &findings)));
+    let text = ("report.md".to_owned(), page::markdown(&results, file, (&drawn, &findings)));
     let mut files = vec![page, text];
     let mut pictures = Vec::new();
     for picture in drawn.pictures {
@@ -126,7 +161,22 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, 
         files.extend(csv.zip(picture.csv));
     }
     save(&folder, MARKER, &files)?;
-    Ok(Report { folder, pictures, left_out: drawn.left_out, findings: findings::all(&results) })
+    Ok(Report { folder, pictures, left_out: drawn.left_out, findings, kept })
+}
+
+/// The ways along a curve over the gap are approach and retraction.
+fn ways_named(mut results: Results) -> Results {
+    let Some((last, others)) = results.axes.split_last_mut() else { return results };
+    let falls = last.values.first() >= last.values.last();
+    if let Some(ways) = others.iter_mut().find(|axis| axis.name == view::DIRECTION && axis.words.len() == 2)
+        && last.scene_path == from_curve::GAP
+    {
+        ways.words = ["approach", "retraction"].map(str::to_owned).to_vec();
+        if !falls {
+            ways.words.reverse();
+        }
+    }
+    results
 }
 
 /// Samples without a sweep beside them have no order: they are drawn as a list is, over each of their quantities.

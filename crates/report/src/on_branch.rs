@@ -1,6 +1,7 @@
 //! The states of one branch, out of the first and the second ones.
 
 use super::ReportError;
+use super::frame::EXCLUDED;
 use crate::store::{Branch, Flags, NO_STATE, Results, Variable, Waveforms};
 
 const FLAG: &str = "branch";
@@ -8,10 +9,12 @@ const FLAG: &str = "branch";
 /// What each state has of its own beside its observables; all else is the instance's.
 const OF_STATES: [&str; 2] = ["error_estimate", "multiplier"];
 
-/// How many instances are on each branch, in the order of the flag's words; none where the file does not tell.
+/// How many of the instances that are shown are on each branch, in the order of the flag's words; none where the file does not tell.
 pub(super) fn counts(results: &Results) -> Option<Vec<(&str, usize)>> {
     let flags = find(&results.flags)?;
-    let count = |code| flags.data.iter().filter(|one| **one == code).count();
+    let shown = |(one, status): &(&u8, &u8)| (!matches!(**status, NO_STATE | EXCLUDED)).then_some(**one);
+    let known: Vec<u8> = flags.data.iter().zip(&results.status).filter_map(|both| shown(&both)).collect();
+    let count = |code| known.iter().filter(|one| **one == code).count();
     Some((0u8..=u8::MAX).zip(&flags.meanings).map(|(code, word)| (word.as_str(), count(code))).collect())
 }
 
@@ -92,6 +95,13 @@ fn of_some(all: &Waveforms, kept: impl Fn(u64) -> bool) -> Waveforms {
         indentation: some(&all.indentation),
         force: some(&all.force),
     }
+}
+
+/// Words for branches, and the branch of each state and of each second one; empty where the file does not tell.
+pub(super) fn of_states(results: &Results) -> (Vec<String>, [Vec<u8>; 2]) {
+    let words = find(&results.flags).map_or_else(Vec::new, |one| one.meanings.clone());
+    let second = results.other_branch.as_ref().map_or_else(Vec::new, |branch| codes(&branch.flags));
+    (words, [codes(&results.flags), second])
 }
 
 fn find(flags: &[Flags]) -> Option<&Flags> {

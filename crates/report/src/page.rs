@@ -5,7 +5,7 @@ use super::labels::capital;
 use super::labels::is_long;
 use super::picture::{Kind, Picture};
 use super::pictures::Drawn;
-use super::{MARKER, findings, hover, tables};
+use super::{MARKER, hover, tables};
 use crate::store::{Attribute, Results};
 use std::fmt::Write;
 use std::path::Path;
@@ -53,12 +53,16 @@ fn cut(text: &str) -> String {
 }
 
 /// `index.html`: findings, pictures, tables, and how it was computed.
-pub(super) fn html(results: &Results, file: &Path, Drawn { pictures, left_out }: &Drawn) -> String {
+pub(super) fn html(
+    results: &Results,
+    file: &Path,
+    (Drawn { pictures, left_out }, findings): (&Drawn, &[String]),
+) -> String {
     let mut page = document::open(&heading(results, file), MARKER);
     // Writing to a String cannot fail.
     let _ = writeln!(page, "<p>From <code>{}</code>.</p>", escape(&file.display().to_string()));
-    for line in findings::all(results) {
-        let _ = writeln!(page, "<p class=\"finding\">{}</p>", escape(&line));
+    for line in findings {
+        let _ = writeln!(page, "<p class=\"finding\">{}</p>", escape(line));
     }
     if pictures.is_empty() {
         page.push_str(
@@ -130,12 +134,16 @@ fn figure(picture: &Picture) -> String {
 }
 
 /// `report.md`, in the same order.
-pub(super) fn markdown(results: &Results, file: &Path, Drawn { pictures, left_out }: &Drawn) -> String {
+pub(super) fn markdown(
+    results: &Results,
+    file: &Path,
+    (Drawn { pictures, left_out }, findings): (&Drawn, &[String]),
+) -> String {
     let mut page = String::new();
     let _ = write!(page, "# {}\n\n", plain(&heading(results, file)));
     let _ = write!(page, "From {}.\n\n", code(&file.display().to_string()));
-    for line in findings::all(results) {
-        let _ = write!(page, "{}\n\n", plain(&line));
+    for line in findings {
+        let _ = write!(page, "{}\n\n", plain(line));
     }
     let show = |page: &mut String, kind: Kind| {
         for picture in of_kind(pictures, kind) {

@@ -3,8 +3,9 @@
 use super::floor::errors;
 use super::frame::State;
 use super::hover::Hover;
+use super::labels::shown;
 use crate::observe::Observable;
-use crate::store::{NO_STATE, Results, Variable};
+use crate::store::{Coordinate, NO_STATE, Results, Variable};
 
 /// What a picture is about, and so where it stands on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,4 +70,23 @@ pub(super) fn second_states(results: &Results, variable: &Variable) -> Option<Ve
         Some(status) => (value, State::of(*status, value)),
     };
     Some(second.data.iter().enumerate().map(state).collect())
+}
+
+/// The value of each axis at an instance.
+pub(super) fn case(results: &Results, instance: usize) -> Vec<String> {
+    places(results, instance).into_iter().map(|(axis, at)| shown(axis, axis.values[at])).collect()
+}
+
+/// Each axis, and the number of its value at an instance.
+pub(super) fn places(results: &Results, instance: usize) -> Vec<(&Coordinate, usize)> {
+    let mut rest = instance;
+    let mut found = Vec::new();
+    for axis in results.axes.iter().rev() {
+        let length = axis.values.len().max(1);
+        found.push((axis, if results.list { instance } else { rest % length }));
+        rest /= length;
+    }
+    found.reverse();
+    found.retain(|(axis, at)| *at < axis.values.len());
+    found
 }

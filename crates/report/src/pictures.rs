@@ -4,14 +4,14 @@ use super::ReportError;
 use super::band::{self, Band};
 use super::floor::SCALES;
 use super::force_curve;
-use super::frame::State;
+use super::frame::{Key, State, Tally};
 use super::hover::Hover;
-use super::labels::{capital, shown};
-use super::picture::{Kind, Picture, states};
+use super::labels::{capital, caption};
+use super::picture::{Kind, Picture, places, states};
 use super::quantity::Unit;
 use super::view::{View, Wish};
 use super::{csv, from_curve, variable, waveform};
-use crate::store::{ForceCurve, Results, Variable};
+use crate::store::{Coordinate, ForceCurve, Results, Variable};
 
 /// Pictures of single instances at most, of each kind.
 const MOST_INSTANCES: usize = 24;
@@ -40,8 +40,8 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
     }
     if let Some(waveforms) = &results.waveforms {
         for (row, instance) in waveforms.instances.iter().enumerate().take(MOST_INSTANCES) {
-            let title = format!("Waveform of instance {instance}");
-            let svg = waveform::draw(waveforms, row, &with_case(results, &title, *instance))?;
+            let title = with_case(results, &format!("Waveform of instance {instance}"), *instance);
+            let svg = waveform::draw(waveforms, row, &title)?;
             let note = left_out(row, waveforms.instances.len(), "waveforms");
             let name = format!("waveform_{instance}");
             let csv = Some(csv::of_waveform(waveforms, row));
@@ -57,8 +57,8 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
         let told = from_curve::forces(results, *instance);
         let laws = results.force_curves.iter().filter(|curve| curve.instance == *instance);
         let curves: Vec<&ForceCurve> = laws.chain(&told).collect();
-        let title = format!("Force curve of instance {instance}");
-        let svg = force_curve::draw(&curves, &with_case(results, &title, *instance))?;
+        let title = with_case(results, &format!("Force curve of instance {instance}"), *instance);
+        let svg = force_curve::draw(&curves, &title, from_curve::decay_length(results, *instance))?;
         let note = left_out(row, instances.len(), "force curves");
         let name = format!("force_curve_{instance}");
         let csv = Some(csv::of_force_curves(&curves));
@@ -74,7 +74,7 @@ fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, Re
         return Ok(None);
     }
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let title = format!("{}, median and band of curves", capital(name));
+    let title = format!("{}, median and bands", capital(name));
     Ok(band::draw(results, variable, &title)?.map(|Band { svg, note, csv }| Picture {
         kind,
         name: format!("{}_band", variable.name),
@@ -99,7 +99,8 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
     match (zeros, values.len()) {
-        (0, 0 | 1) => None,
+        (0, 0) => Some(without(&name, &states)),
+        (0, 1) => None,
         (zeros, 0) => Some(format!("{name}: 0 within its error in all {zeros} instances that have a value.")),
         (0, count) if high - low <= SAME * low.abs().max(high.abs()) => {
             let value = Unit::fitting(&variable.units, high.abs()).value(high);
@@ -107,6 +108,13 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// That no instance has a value, and why.
+fn without(name: &str, states: &[(f64, State)]) -> String {
+    let tally = Tally::of(states.iter().map(|one| one.1));
+    let words = tally.entries([Key::Hatched; 5]).into_iter().map(|one| one.1).collect::<Vec<_>>();
+    format!("{name}: no instance has a value: {}.", words.join(", "))
 }
 
 /// Values that differ by less than this share of themselves are the same.
@@ -123,24 +131,7 @@ fn left_out(row: usize, count: usize, what: &str) -> String {
 /// A title with the swept values of that instance.
 fn with_case(results: &Results, title: &str, instance: u64) -> String {
     let Ok(instance) = usize::try_from(instance) else { return title.to_owned() };
-    let parts = case(results, instance);
+    let one = |(axis, at): (&Coordinate, usize)| caption(axis, axis.values[at]);
+    let parts: Vec<String> = places(results, instance).into_iter().map(one).collect();
     if parts.is_empty() { title.to_owned() } else { format!("{title}: {}", parts.join(", ")) }
-}
-
-/// The value of each axis at an instance.
-pub(super) fn case(results: &Results, instance: usize) -> Vec<String> {
-    let mut rest = instance;
-    let mut parts = Vec::new();
-    for axis in results.axes.iter().rev() {
-        let length = axis.values.len().max(1);
-        let at = if results.list { rest } else { rest % length };
-        if !results.list {
-            rest /= length;
-        }
-        if let Some(value) = axis.values.get(at) {
-            parts.push(shown(axis, *value));
-        }
-    }
-    parts.reverse();
-    parts
 }

@@ -69,13 +69,17 @@ impl Unit {
     }
 
     /// As [`Unit::value`], with so many significant digits.
-    fn digits(&self, value: f64, digits: usize) -> String {
+    pub fn digits(&self, value: f64, digits: usize) -> String {
         if value.is_nan() {
             return number(value, digits);
         }
-        let number = number(self.show(value), digits);
+        self.of(&number(self.show(value), digits))
+    }
+
+    /// A number that is written in this unit, with it.
+    pub fn of(&self, number: &str) -> String {
         match self.text.as_str() {
-            "" => number,
+            "" => number.to_owned(),
             "°" => format!("{number}°"),
             unit => format!("{number} {unit}"),
         }

@@ -3,7 +3,7 @@
 use super::ReportError;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use plotters::style::RGBColor;
+use plotters::style::{Color, RGBAColor, RGBColor};
 
 /// Pixels of an image for each pixel of the picture.
 pub(super) const FINER: f64 = 2.0;
@@ -45,10 +45,10 @@ impl Dots {
 }
 
 /// A field of colours, row by row from above, as the `data:` address of a PNG image; none is clear.
-pub(super) fn image(
+pub(super) fn image<C: Color>(
     width: usize,
     height: usize,
-    colours: &[Option<RGBColor>],
+    colours: &[Option<C>],
 ) -> Result<String, ReportError> {
     let failed = |error: &dyn std::fmt::Display| ReportError::Draw { why: error.to_string() };
     let size = |length: usize| u32::try_from(length).map_err(|error| failed(&error));
@@ -58,7 +58,10 @@ pub(super) fn image(
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
         let mut writer = encoder.write_header().map_err(|error| failed(&error))?;
-        let bytes = |colour: &Option<RGBColor>| colour.map_or([0; 4], |one| [one.0, one.1, one.2, 255]);
+        let bytes = |colour: &Option<C>| {
+            let Some(RGBAColor(r, g, b, alpha)) = colour.as_ref().map(Color::to_rgba) else { return [0; 4] };
+            [r, g, b, (255.0 * alpha).round() as u8]
+        };
         let data: Vec<u8> = colours.iter().flat_map(bytes).collect();
         writer.write_image_data(&data).map_err(|error| failed(&error))?;
         writer.finish().map_err(|error| failed(&error))?;

@@ -4,8 +4,7 @@ use super::document::Table;
 use super::frame::{NOTHING, State, status_word};
 use super::labels::is_long;
 use super::labels::{brief, label};
-use super::picture::states;
-use super::pictures::case;
+use super::picture::{case, states};
 use super::quantity::{Unit, number};
 use crate::observe::Status;
 use crate::store::{Attribute, NO_STATE, Results};
@@ -113,9 +112,21 @@ fn status(results: &Results) -> Table {
     Table { caption: "What became of the instances".into(), rows }
 }
 
-/// Contact laws used, warnings, and whatever else is told in words.
+/// What helps where a contact law is used outside its assumptions; nothing for other words.
+fn cure(word: &str) -> &'static str {
+    match word {
+        "law_does_not_fit" => "set contact.law to the law that fits Tabor's parameter, or to \"auto\"",
+        "between_laws" => "adhesion off by up to a third: run the other law as well to see what hangs on it",
+        "adhesion_left_out" => "set contact.law to \"auto\", or sample.surface_energy to zero",
+        "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
+        "rigid_tip" => "give the tip its youngs_modulus and poisson_ratio",
+        _ => "",
+    }
+}
+
+/// Contact laws used, warnings with what helps, and whatever else is told in words.
 fn flags(results: &Results) -> Table {
-    let mut rows = vec![row(["contact", "", "instances"])];
+    let mut rows = vec![row(["contact", "", "instances", "what helps"])];
     for flags in &results.flags {
         for (number, word) in flags.meanings.iter().enumerate() {
             let is_set = |data: u8| match flags.bits {
@@ -124,14 +135,35 @@ fn flags(results: &Results) -> Table {
             };
             let count = flags.data.iter().filter(|data| is_set(**data)).count();
             if count > 0 {
-                rows.push(vec![flags.long_name.clone(), word.replace('_', " "), count.to_string()]);
+                let said = word.replace('_', " ");
+                rows.push(vec![flags.long_name.clone(), said, count.to_string(), cure(word).to_owned()]);
             }
         }
     }
     Table { caption: "Contact laws and warnings".into(), rows }
 }
 
+/// The values of a single case.
+fn single(results: &Results) -> Table {
+    let mut rows = vec![row(["observable", "name", "value"])];
+    for variable in results.variables.iter().filter(|one| one.harmonics.is_none()) {
+        let value = match states(results, variable).first() {
+            Some((_, State::Zero)) => NOTHING.to_owned(),
+            Some((value, state)) if state.has_value() => {
+                Unit::fitting(&variable.units, value.abs()).value(*value)
+            }
+            _ => "–".to_owned(),
+        };
+        let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+        rows.push(vec![label.clone(), variable.name.clone(), value]);
+    }
+    Table { caption: "Observables".into(), rows }
+}
+
 fn observables(results: &Results) -> Table {
+    if results.status.len() == 1 {
+        return single(results);
+    }
     let mut rows = vec![row(["observable", "name", "smallest", "median", "largest", "values", "without"])];
     for variable in &results.variables {
         let states = states(results, variable);

@@ -1,21 +1,28 @@
 //! The pictures of one variable, over as many axes as the results have.
 
 use super::ReportError;
-use super::curve::{self, Curves, Series};
-use super::frame::State;
-use super::from_curve::jumps;
+use super::SAMPLES;
+use super::canvas::text_width;
+use super::curve::{Curves, Series, Style};
+use super::frame::{SMALL, State};
+use super::from_curve::{jumps, torn};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
-use super::labels::{brief, label};
-use super::labels::{capital, shown};
-use super::picture::{Kind, Picture, second_states, states};
-use super::view::{View, Wish};
+use super::labels::{brief, capital, caption, label, shown};
+use super::on_branch;
+use super::picture::{Kind, Picture, case, second_states, states};
+use super::scatter;
+use super::view::{DIRECTION, View, Wish};
 use crate::store::{Coordinate, Results, Variable};
 use std::sync::Arc;
 
 /// Harmonics shown at most: curves or maps side by side, and rows of slices.
 const MOST_HARMONICS: usize = 6;
 const MOST_ROWS: usize = 3;
+/// What curves that are ways there and back differ by.
+const WAYS: &str = "ways";
+/// Instances whose harmonics stand side by side in one picture.
+const MOST_STICKS: usize = 6;
 /// Values of the first and of the second axis that are shown side by side and below each other.
 const MOST_ACROSS: usize = 4;
 const MOST_DOWN: usize = 3;
@@ -33,6 +40,11 @@ struct Subject<'a> {
     second: Option<Vec<(f64, State)>>,
     /// Whether an instance was not reached continuously along its curve; empty without curves.
     jumps: Vec<bool>,
+    /// Whether no line leads from an instance to the next one; likewise.
+    torn: Vec<bool>,
+    /// The words for branches, and the branch of each instance and of its second state; empty where the file does not tell.
+    branches: Vec<String>,
+    branch: [Vec<u8>; 2],
 }
 
 /// A drawn picture and a note on it.
@@ -41,6 +53,7 @@ type Shown = (String, Hover, String);
 /// The pictures of a variable: none of a single number, two where a map has second states.
 pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Result<Vec<Picture>, ReportError> {
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    let (branches, branch) = on_branch::of_states(results);
     let mut subject = Subject {
         units: &variable.units,
         heading: capital(name),
@@ -49,6 +62,9 @@ pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Resul
         states: states(results, variable),
         second: second_states(results, variable),
         jumps: jumps(results).unwrap_or_default().iter().map(|flag| *flag != 0).collect(),
+        torn: torn(results),
+        branches,
+        branch,
     };
     let kind = Kind::of(variable);
     let picture = |subject: &Subject, end: &str, (svg, hover, note): Shown| Picture {
@@ -66,7 +82,18 @@ pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Resul
             None => Vec::new(),
         });
     }
+    let instances = results.status.len();
+    if subject.harmonics > 1 && instances <= MOST_STICKS && wish.x.is_none() && wish.y.is_none() {
+        let names = (0..instances).map(|i| case(results, i).join(", ")).collect();
+        return Ok(vec![picture(&subject, "", subject.over_harmonics(names)?)]);
+    }
     let Some(view) = View::of(results, wish)? else { return Ok(Vec::new()) };
+    // The number of a sample says nothing: the band over all of them does.
+    let wished = |axis: &Coordinate| [&wish.x, &wish.y].into_iter().flatten().any(|name| *name == axis.name);
+    let numbered = |axis: usize| results.axes[axis].scene_path == SAMPLES && !wished(&results.axes[axis]);
+    if view.panels.iter().chain(&view.curves).chain(&view.y).chain([&view.x]).any(|axis| numbered(*axis)) {
+        return Ok(Vec::new());
+    }
     let mut pictures = vec![picture(&subject, "", subject.over(&results.axes, &view)?)];
     // Curves show both states in one picture, maps cannot.
     if let Some(second) = subject.second.take().filter(|_| view.y.is_some()) {
@@ -110,17 +137,19 @@ impl Subject<'_> {
                 let chosen = super::view::parameter(results, wish)?;
                 self.over_list(chosen.map_or(parameters, std::slice::from_ref)).map(Some)
             }
-            _ if self.harmonics > 1 => self.over_harmonics().map(Some),
+            _ if self.harmonics > 1 => self.over_harmonics(vec![String::new()]).map(Some),
             _ => Ok(None),
         }
     }
 
-    /// The harmonics of the one instance as a curve.
-    fn over_harmonics(&self) -> Result<Shown, ReportError> {
+    /// The harmonics of a few instances of these names, as sticks.
+    fn over_harmonics(&self, names: Vec<String>) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
-        let values = self.states.iter().take(self.harmonics).copied().collect();
-        let series = vec![Series { values, ..Series::default() }];
-        self.curves((&orders, ""), 1, vec![(String::new(), series)], String::new())
+        let series = names.into_iter().zip(self.states.chunks(self.harmonics));
+        let series =
+            series.map(|(name, values)| Series { name, values: values.to_vec(), ..Series::default() });
+        let panels = vec![(String::new(), series.collect())];
+        self.curves((&orders, "", Style::Sticks), 1, panels, String::new())
     }
 
     /// Clouds of points, one for each parameter, and a note on what is left out.
@@ -130,7 +159,7 @@ impl Subject<'_> {
             harmonics => format!("The first of {harmonics} harmonics."),
         };
         let series = Series { values: self.harmonic(0), ..Series::default() };
-        let (svg, hover) = curve::scatter(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
+        let (svg, hover) = scatter::draw(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
         Ok((svg, hover, note))
     }
 
@@ -144,7 +173,7 @@ impl Subject<'_> {
             _ => 1,
         };
         let chosen: Vec<Vec<usize>> =
-            slow.iter().enumerate().map(|(depth, axis)| spread(axis.values.len(), most(depth))).collect();
+            (0..slow.len()).map(|depth| self.spread(axes, view.panels[depth], most(depth))).collect();
         let mut notes: Vec<String> =
             slow.iter().zip(&chosen).filter_map(|(axis, picked)| some_of(axis, picked)).collect();
         notes.extend(view.note(axes));
@@ -162,32 +191,66 @@ impl Subject<'_> {
             Some(y) => self.maps(&axes[y], x, columns, panels, note),
             None => {
                 let names = self.names(axes, view);
-                let split = |values: Vec<(f64, State)>, second: bool| {
-                    let rows = values.chunks(x.values.len()).map(<[_]>::to_vec);
-                    rows.map(|values| (values, second)).collect::<Vec<_>>()
-                };
-                let panel = |Slice { caption, values, second, jumps }: Slice| {
-                    let first = split(values, false);
-                    let second = second.map_or(Vec::new(), |values| split(values, true));
-                    let torn: Vec<&[bool]> = jumps.chunks(x.values.len()).collect();
-                    let series = names.iter().enumerate().flat_map(|(i, name)| {
-                        let both = first.get(i).into_iter().chain(second.get(i));
-                        both.map(|(values, second)| Series {
-                            name: name.clone(),
-                            values: values.clone(),
-                            second: *second,
-                            jumps: torn.get(i).filter(|_| !second).map_or(Vec::new(), |torn| torn.to_vec()),
-                        })
-                        .collect::<Vec<_>>()
-                    });
-                    (caption, series.collect())
-                };
-                let panels = panels.into_iter().map(panel).collect();
-                // `forward` and `backward` say themselves what they are.
-                let by = view.curves.map(|axis| &axes[axis]).filter(|axis| axis.name != "direction");
-                let by = by.map_or(String::new(), |axis| brief(label(axis), &axis.name));
-                self.curves((x, &by), columns, panels, note)
+                let followed = view.x + 1 == axes.len();
+                let panels = panels.into_iter().map(|panel| self.lines(panel, &names, followed)).collect();
+                let by = view.curves.map(|axis| &axes[axis]);
+                let by = by.map_or(String::new(), |axis| match axis.name.as_str() {
+                    DIRECTION => WAYS.to_owned(),
+                    name => brief(label(axis), name),
+                });
+                let style = if x.words.is_empty() { Style::Lines } else { Style::Symbols };
+                self.curves((x, &by, style), columns, panels, note)
             }
+        }
+    }
+
+    /// The curves of a panel, a second state's after each; jumps count where they are `followed` along the axis.
+    fn lines(&self, slice: Slice, names: &[String], followed: bool) -> (String, Vec<Series>) {
+        let Slice { caption, instances, values, second } = slice;
+        let length = instances.len() / names.len().max(1);
+        let of = |table: &[bool], rows: &[usize]| -> Vec<bool> {
+            let here = rows.iter().filter(|_| followed);
+            here.filter_map(|i| table.get(*i).copied()).collect()
+        };
+        let mut series = Vec::new();
+        for (number, name) in names.iter().enumerate() {
+            let range = number * length..(number + 1) * length;
+            let rows = &instances[range.clone()];
+            let states = [Some(&values), second.as_ref()];
+            for (order, states) in states.into_iter().enumerate().filter_map(|(n, one)| Some((n, one?))) {
+                let branch = &self.branch[order];
+                let (jumps, torn) = if order == 0 {
+                    (of(&self.jumps, rows), of(&self.torn, rows))
+                } else {
+                    (Vec::new(), Vec::new())
+                };
+                series.push(Series {
+                    name: name.clone(),
+                    values: states[range.clone()].to_vec(),
+                    second: order == 1,
+                    jumps,
+                    torn,
+                    branch: rows.iter().filter_map(|i| branch.get(*i).copied()).collect(),
+                });
+            }
+        }
+        (caption, series)
+    }
+
+    /// Some values of an axis, evenly spread over those that have any result.
+    fn spread(&self, axes: &[Coordinate], axis: usize, most: usize) -> Vec<usize> {
+        let length = axes[axis].values.len();
+        let stride: usize = axes[axis + 1..].iter().map(|one| one.values.len()).product();
+        let mut there = vec![false; length];
+        for (number, (_, state)) in self.states.iter().enumerate() {
+            if state.has_value() || matches!(state, State::Zero | State::Excluded) {
+                there[number / self.harmonics / stride % length] = true;
+            }
+        }
+        let told: Vec<usize> = (0..length).filter(|at| there[*at]).collect();
+        match told.is_empty() {
+            true => spread(length, most),
+            false => spread(told.len(), most).into_iter().map(|at| told[at]).collect(),
         }
     }
 
@@ -216,20 +279,18 @@ impl Subject<'_> {
                     let picks = [*column, *row].into_iter().chain(chosen.iter().skip(2).map(|one| one[0]));
                     let picks: Vec<usize> = picks.take(chosen.len()).collect();
                     let slow = view.panels.iter().map(|axis| &axes[*axis]).zip(&picks).take(2);
-                    let mut captions: Vec<String> =
-                        slow.map(|(axis, &pick)| caption(axis, axis.values[pick])).collect();
-                    if self.harmonics > 1 {
-                        captions.push(format!("harmonic {}", harmonic + 1));
-                    }
+                    let slow: Vec<(&Coordinate, f64)> =
+                        slow.map(|(axis, &pick)| (axis, axis.values[pick])).collect();
+                    let order = (self.harmonics > 1).then(|| format!("harmonic {}", harmonic + 1));
                     let instances = view.instances(axes, &picks);
                     let take = |states: &Vec<(f64, State)>| -> Vec<(f64, State)> {
                         instances.iter().map(|i| states[i * self.harmonics + harmonic]).collect()
                     };
                     panels.push(Slice {
-                        caption: captions.join(", "),
+                        caption: above(&slow, order),
                         values: take(&self.states),
                         second: self.second.as_ref().map(take),
-                        jumps: instances.iter().filter_map(|i| self.jumps.get(*i).copied()).collect(),
+                        instances,
                     });
                 }
             }
@@ -239,14 +300,18 @@ impl Subject<'_> {
 
     fn curves(
         &self,
-        (x, by): (&Coordinate, &str),
+        (x, by, style): (&Coordinate, &str, Style),
         columns: usize,
         panels: Vec<(String, Vec<Series>)>,
         note: String,
     ) -> Result<Shown, ReportError> {
         let (heading, units, long_name) = (self.heading.as_str(), self.units, self.axis_name.as_str());
-        let (svg, hover) =
-            Curves { heading, units, long_name, x, columns, by: by.to_owned(), panels }.draw()?;
+        let branches = self.branches.clone();
+        // Ways along a curve say themselves what they are.
+        let ways = by == WAYS;
+        let by = if ways { String::new() } else { by.to_owned() };
+        let curves = Curves { heading, units, long_name, x, columns, by, ways, branches, style, panels };
+        let (svg, hover) = curves.draw()?;
         Ok((svg, hover, note))
     }
 
@@ -267,20 +332,27 @@ impl Subject<'_> {
     }
 }
 
-/// A panel's caption, values, and values of the second states.
+/// A panel's caption, its instances, their values, and the values of their second states.
 struct Slice {
     caption: String,
+    instances: Vec<usize>,
     values: Vec<(f64, State)>,
     /// Of the second states, where there are any.
     second: Option<Vec<(f64, State)>>,
-    /// Whether a point was reached by a jump; empty without curves.
-    jumps: Vec<bool>,
 }
 
-/// A value above a panel; a plain number says of what.
-fn caption(axis: &Coordinate, value: f64) -> String {
-    let plain = axis.units == "1" && axis.words.is_empty();
-    if plain { format!("{} {}", label(axis), shown(axis, value)) } else { shown(axis, value) }
+/// What stands above a panel: of what the values are as far as there is room.
+fn above(slow: &[(&Coordinate, f64)], order: Option<String>) -> String {
+    const ROOM: f64 = 256.0;
+    let words = |named: usize| {
+        let one = |(n, (axis, value)): (usize, &(&Coordinate, f64))| match n < named {
+            true => caption(axis, *value),
+            false => shown(axis, *value),
+        };
+        slow.iter().enumerate().map(one).chain(order.clone()).collect::<Vec<_>>().join(", ")
+    };
+    let fits = |named: &usize| text_width(&words(*named), SMALL) <= ROOM;
+    words((0..=slow.len()).rev().find(fits).unwrap_or(0))
 }
 
 /// A note where not all values of an axis are shown.

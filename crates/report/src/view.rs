@@ -12,6 +12,12 @@ const SHORT: usize = 6;
 /// Likewise one that the scene gives as a list of `values`.
 const SHORT_LIST: usize = 12;
 
+/// Curves in one picture that were asked for, at most.
+const MOST_CURVES: usize = 9;
+/// The axis of the ways along a curve, and their words in the file.
+pub(super) const DIRECTION: &str = "direction";
+const WAYS: [&str; 2] = ["forward", "backward"];
+
 /// What a reader wants to see; without words the report chooses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wish {
@@ -19,8 +25,13 @@ pub struct Wish {
     pub x: Option<String>,
     /// The axis upwards: maps in place of curves.
     pub y: Option<String>,
+    /// The axis whose values are curves in one picture.
+    pub curves: Option<String>,
     /// Axes that stand at one value each: path or name, and the value with its unit.
     pub at: Vec<(String, String)>,
+    /// Observables by name and the values, with their units, below or above which they have to be; the rest is greyed.
+    pub below: Vec<(String, String)>,
+    pub above: Vec<(String, String)>,
     /// The states of this branch alone, by the flag's word: `attractive` or `repulsive`.
     pub branch: Option<String>,
 }
@@ -47,16 +58,17 @@ impl View {
     /// An axis or a value that the results do not have.
     pub fn of(results: &Results, wish: &Wish) -> Result<Option<Self>, ReportError> {
         let axes = &results.axes;
-        let mut fixed = Vec::new();
-        for (name, value) in &wish.at {
-            let axis = find(results, "--at", name)?;
-            fixed.push((axis, nearest(&axes[axis], name, value)?));
-        }
+        let mut fixed = fixed(results, wish)?;
         let find = |option, name: &Option<String>| {
             name.as_deref().map(|name| find(results, option, name)).transpose()
         };
         let (x, y) = (find("--x", &wish.x)?, find("--y", &wish.y)?);
-        let single = |axis: &usize| axes[*axis].values.len() < 2 && x != Some(*axis) && y != Some(*axis);
+        let laid_over = find("--curves", &wish.curves)?;
+        if let Some(axis) = laid_over.map(|axis| &axes[axis]) {
+            check_curves(axis, wish)?;
+        }
+        let wished = [x, y, laid_over];
+        let single = |axis: &usize| axes[*axis].values.len() < 2 && !wished.contains(&Some(*axis));
         let is_fixed = |fixed: &[(usize, usize)], axis: usize| fixed.iter().any(|(one, _)| *one == axis);
         for axis in (0..axes.len()).filter(single) {
             if axes.len() > 1 && !is_fixed(&fixed, axis) {
@@ -69,22 +81,29 @@ impl View {
             Some(free.remove(place))
         };
         let short = |axis: usize| axes[axis].values.len() <= most_curves(results, &axes[axis]);
-        if let Some(axis) = [x, y].into_iter().flatten().find(|axis| is_fixed(&fixed, *axis)) {
+        if let Some(axis) = wished.into_iter().flatten().find(|axis| is_fixed(&fixed, *axis)) {
             return Err(ReportError::wish("--at", &axes[axis].name, "an axis that is not drawn along"));
         }
-        let (x_wanted, y_wanted) = (take(x), take(y));
-        let last_long = |free: &[usize]| free.iter().rev().copied().find(|axis| !short(*axis));
-        let longest = |free: &[usize]| free.iter().copied().max_by_key(|axis| axes[*axis].values.len());
-        let x = match x_wanted.or_else(|| last_long(&free)).or_else(|| longest(&free)) {
+        let (x_wanted, y_wanted, curves_wanted) = (take(x), take(y), take(laid_over));
+        // Names have no order: they stand to the right, or upwards, only where nothing else does.
+        let is_named = |axis: usize| !axes[axis].words.is_empty();
+        let last_long =
+            |free: &[usize]| free.iter().rev().copied().find(|axis| !short(*axis) && !is_named(*axis));
+        let longest = |free: &[usize]| {
+            free.iter().copied().max_by_key(|axis| (!is_named(*axis), axes[*axis].values.len()))
+        };
+        let x = match x_wanted.or_else(|| last_long(&free)).or_else(|| longest(&free)).or(curves_wanted) {
             Some(x) => x,
             None => return Ok(None),
         };
         free.retain(|axis| *axis != x);
         let some_short = free.iter().rev().copied().find(|axis| short(*axis));
-        let curves_wanted = x_wanted.is_some() && y_wanted.is_none() && some_short.is_some();
-        let y = y_wanted.or_else(|| last_long(&free).filter(|_| !curves_wanted));
+        let no_map = x_wanted.is_some() && y_wanted.is_none() && some_short.is_some();
+        let no_map = no_map || curves_wanted.is_some();
+        let y = y_wanted.or_else(|| last_long(&free).filter(|_| !no_map));
         free.retain(|axis| Some(*axis) != y);
-        let curves = some_short.filter(|_| y.is_none());
+        let curves = curves_wanted.filter(|axis| *axis != x);
+        let curves = curves.or(some_short.filter(|_| y.is_none() && curves_wanted.is_none()));
         free.retain(|axis| Some(*axis) != curves);
         Ok(Some(Self { x, y, curves, panels: free, fixed }))
     }
@@ -114,6 +133,18 @@ impl View {
     }
 }
 
+/// The axes that a reader wants to see at one value, and the number of the value.
+///
+/// # Errors
+/// An axis or a value that the results do not have.
+pub(super) fn fixed(results: &Results, wish: &Wish) -> Result<Vec<(usize, usize)>, ReportError> {
+    let place = |(name, value): &(String, String)| {
+        let axis = find(results, "--at", name)?;
+        Ok((axis, nearest(&results.axes[axis], name, value)?))
+    };
+    wish.at.iter().map(place).collect()
+}
+
 /// The parameter of a list that a reader wants to see alone.
 ///
 /// # Errors
@@ -134,6 +165,18 @@ pub(super) fn parameter<'a>(
         (_, Some((name, _))) => only("--at", name),
         _ => Ok(wish.x.as_ref().map(|x| find(results, "--x", x)).transpose()?.map(|i| &results.axes[i])),
     }
+}
+
+/// Whether an axis can be laid over as curves.
+fn check_curves(axis: &Coordinate, wish: &Wish) -> Result<(), ReportError> {
+    let expected = match axis.values.len() {
+        count if count > MOST_CURVES => {
+            format!("an axis of at most {MOST_CURVES} values; this one has {count}, of which --at shows one")
+        }
+        _ if wish.y.is_some() => "no --y beside it: maps have no curves".to_owned(),
+        _ => return Ok(()),
+    };
+    Err(ReportError::wish("--curves", &axis.name, &expected))
 }
 
 /// How many values of an axis still make curves.
@@ -157,27 +200,42 @@ fn find(results: &Results, option: &'static str, name: &str) -> Result<usize, Re
     };
     axes.iter().position(named).or_else(alone).ok_or_else(|| {
         let names: Vec<String> = axes.iter().map(path).collect();
-        let near = suggest::nearest(name, names.iter().map(String::as_str));
-        let meant = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
-        let expected = match names.as_slice() {
-            [] => "nothing: the scene has no sweep".to_owned(),
-            names => format!("one of {}{meant}", names.join(", ")),
-        };
-        ReportError::wish(option, name, &expected)
+        match names.as_slice() {
+            [] => ReportError::wish(option, name, "nothing: the scene has no sweep"),
+            names => unknown(option, name, names),
+        }
     })
+}
+
+/// That there is nothing of this name, and what was perhaps meant.
+pub(super) fn unknown(option: &'static str, name: &str, names: &[String]) -> ReportError {
+    let near = suggest::nearest(name, names.iter().map(String::as_str));
+    let meant = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+    ReportError::wish(option, name, &format!("one of {}{meant}", names.join(", ")))
+}
+
+/// A value as it was typed, in the SI unit that the file has for it.
+pub(super) fn typed(value: &str, units: &str) -> Option<f64> {
+    let value = value.trim();
+    match Dimension::ALL.into_iter().find(|one| one.si_unit() == units) {
+        Some(Dimension::Dimensionless) => value.parse().ok(),
+        Some(dimension) => units::parse(value, dimension).ok(),
+        None => {
+            let bare = ["°", "degree", "deg"].iter().find_map(|unit| value.strip_suffix(unit));
+            bare.unwrap_or(value).trim().parse().ok()
+        }
+    }
 }
 
 /// The number of the value of an axis that is nearest to this one.
 fn nearest(axis: &Coordinate, name: &str, value: &str) -> Result<usize, ReportError> {
     let wrong = |expected: String| ReportError::wish("--at", &format!("{name}={value}"), &expected);
     if !axis.words.is_empty() {
-        let place = axis.words.iter().position(|word| word == value.trim());
+        let is_way = |n: usize| axis.name == DIRECTION && WAYS[n.min(1)] == value.trim();
+        let place = (0..axis.words.len()).find(|n| axis.words[*n] == value.trim() || is_way(*n));
         return place.ok_or_else(|| wrong(format!("one of {}", axis.words.join(", "))));
     }
-    let number = match Dimension::ALL.into_iter().find(|one| one.si_unit() == axis.units) {
-        Some(Dimension::Dimensionless) | None => value.trim().parse().ok(),
-        Some(dimension) => units::parse(value.trim(), dimension).ok(),
-    };
+    let number = typed(value, &axis.units);
     let ends = axis.values.first().zip(axis.values.last());
     let (first, last) = ends.map_or((f64::NAN, f64::NAN), |(first, last)| (*first, *last));
     let number = number.ok_or_else(|| {
@@ -239,7 +297,7 @@ mod tests {
         let wish = |x: &str, y: &str, at: &[(&str, &str)]| {
             let word = |text: &str| (!text.is_empty()).then(|| text.to_owned());
             let at = at.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
-            Wish { x: word(x), y: word(y), at, branch: None }
+            Wish { x: word(x), y: word(y), at, ..Wish::default() }
         };
         let one = view(&[20, 19, 9], &wish("path.a.0", "a_1", &[("path.a.2", "3 nm")]));
         assert_eq!((one.x, one.y, one.fixed), (0, Some(1), vec![(2, 2)]));

@@ -22,8 +22,12 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
     let (tip, top_of_rod) = (of(&waveforms.tip_travel), of(&waveforms.actuator_top));
     let (indentation, force) = (of(&waveforms.indentation), of(&waveforms.force));
     let t_axis = Axis::over(time.iter().copied(), "s", "time", false, 0.0);
+    // A base at rest is no line.
+    let moves = top_of_rod.iter().any(|value| value.is_finite() && *value != 0.0);
+    let base: Option<(&str, &[f64])> = moves.then_some(("actuator's top, or the base", &top_of_rod));
+    let travels = [("tip", tip.as_slice())].into_iter().chain(base).collect();
     let panels = [
-        Panel { label: "travel", units: "m", lines: vec![("tip", &tip), ("actuator's top", &top_of_rod)] },
+        Panel { label: "travel", units: "m", lines: travels },
         Panel {
             label: "indentation",
             units: "m",

@@ -201,7 +201,7 @@ fn waveforms(
     faults: &mut Faults,
 ) -> Checked<Option<WaveformRequest>> {
     const PATH: &str = "output.waveforms";
-    const FORM: &str = "{ instances = [0, 100], samples_per_period = 64, periods = 4 }";
+    const FORM: &str = "{ instances = [0, 100], samples_per_period = 256, periods = 4 }";
     values::table(value, PATH, FORM)?;
     let Some(table) = known(value, PATH, &WAVEFORM_KEYS, faults) else { return Ok(None) };
     let Some(list) = table.get("instances") else {
@@ -211,7 +211,7 @@ fn waveforms(
             .help("add the numbers of the instances to keep"));
     };
     let mut request =
-        WaveformRequest { instances: Vec::new(), samples_per_period: 64, periods: run.periods.min(4) };
+        WaveformRequest { instances: Vec::new(), samples_per_period: 256, periods: run.periods.min(4) };
     let mut seen = std::collections::HashSet::new();
     for entry in values::list(list, "output.waveforms.instances", "a list such as [0, 100]")? {
         let last = instances.saturating_sub(1) as u64;

@@ -4,6 +4,8 @@ use super::super::ReportError;
 use super::super::axis::Axis;
 use super::super::canvas::{GREY, LINES, picture};
 use super::super::frame::{Frame, KEY_ROW, Key, colour, key, left_margin, title};
+use super::super::raster::{self, FINER};
+use plotters::style::RGBColor;
 
 /// Rows that are drawn as dots.
 const DOTS: usize = 1500;
@@ -13,7 +15,12 @@ const CELLS: usize = 48;
 const WEIGHTED: usize = 24;
 
 /// Draws rows (x, y), with weights or without, into a frame.
-pub(super) fn rows(frame: &Frame, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), ReportError> {
+pub(in super::super) fn rows(
+    frame: &Frame,
+    x: &[f64],
+    y: &[f64],
+    weights: &[f64],
+) -> Result<(), ReportError> {
     if weights.is_empty() && x.len() <= DOTS {
         let radius = if x.len() > 300 { 1.3 } else { 2.2 };
         for (x, y) in x.iter().zip(y) {
@@ -34,19 +41,15 @@ pub(super) fn rows(frame: &Frame, x: &[f64], y: &[f64], weights: &[f64]) -> Resu
         }
     }
     let most = shares.iter().copied().fold(0.0, f64::max);
-    let (wide, high) = (frame.width / cells as f64, frame.height / cells as f64);
-    for (n, share) in shares.iter().enumerate().filter(|(_, share)| **share > 1e-3 * most) {
-        let (up, across) = (n / cells, n % cells);
-        let left = frame.left + across as f64 * wide;
-        let bottom = frame.top + frame.height - up as f64 * high;
-        // By the root: rare cells are seen too.
-        frame.canvas.rectangle(
-            (left, bottom - high),
-            (left + wide, bottom),
-            colour((share / most).sqrt()),
-        )?;
-    }
-    Ok(())
+    // By the root: rare cells are seen too.
+    let shade = |share: f64| (share > 1e-3 * most).then(|| colour((share / most).sqrt()));
+    let (wide, high) = ((frame.width * FINER) as usize, (frame.height * FINER) as usize);
+    let at =
+        |row: usize, column: usize| shares[(high - 1 - row) * cells / high * cells + column * cells / wide];
+    let pixels = (0..high).flat_map(|row| (0..wide).map(move |column| (row, column)));
+    let colours: Vec<Option<RGBColor>> = pixels.map(|(row, column)| shade(at(row, column))).collect();
+    let end = (frame.left + frame.width, frame.top + frame.height);
+    frame.canvas.image((frame.left, frame.top), end, raster::image(wide, high, &colours)?)
 }
 
 /// An axis of a picture: its values by row, label, unit, and whether it is logarithmic.

@@ -2,14 +2,15 @@
 
 mod comparison;
 mod corner;
-mod density;
+pub(super) mod density;
 mod histogram;
 mod inference;
 mod known;
 mod shares;
 
-use super::labels::{brief, capital, short};
-use super::{Chart, Document, Field, Look, Plot, ReportError, save, shown};
+use super::band::{self, Bands};
+use super::labels::{brief, capital, caption, short};
+use super::{Document, ReportError, save, shown};
 use crate::stats::{Estimate, Indices, Output, SHARES, Study, Summary};
 use crate::store::Coordinate;
 pub use comparison::{Compared, Comparison, Way};
@@ -76,9 +77,12 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
         ),
     );
     bands(&mut page, study, told)?;
-    for (point, observables) in told.iter().enumerate().take(MOST_POINTS) {
+    let every = told.len().div_ceil(MOST_POINTS).max(1);
+    for (point, observables) in told.iter().enumerate().step_by(every) {
         let at = place(study, point);
-        if !at.is_empty() {
+        // Beside bands single points are folded: the page would be many screens long.
+        let whole = over(study).map(|_| std::mem::take(&mut page.document));
+        if whole.is_none() && !at.is_empty() {
             page.document.heading(&at);
         }
         for (output, summary) in observables {
@@ -88,9 +92,14 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
                 None => page.document.paragraph(&output.name, "too many rows failed: nothing is told"),
             }
         }
+        if let Some(whole) = whole {
+            let inside = std::mem::replace(&mut page.document, whole);
+            page.document.fold(&at, inside);
+        }
     }
-    if told.len() > MOST_POINTS {
-        let left = format!("{} points of the sweep have no pictures of their own.", told.len() - MOST_POINTS);
+    if every > 1 {
+        let left = told.len() - told.len().div_ceil(every);
+        let left = format!("{left} points of the sweep have no pictures of their own.");
         page.document.paragraph("", left);
     }
     page.save(folder, STATS)
@@ -98,12 +107,12 @@ pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, 
 
 /// Where a point of the sweep stands.
 fn place(study: &Study, point: usize) -> String {
-    let at = study.place(point);
-    let words = study.beside.iter().zip(at).map(|(axis, at)| match axis.words.get(at) {
-        Some(word) => format!("{} {word}", axis.long_name),
-        None => format!("{} {}", axis.long_name, shown(axis.values[at], &axis.units, 4)),
-    });
-    words.collect::<Vec<_>>().join(", ")
+    words(study, point).collect::<Vec<_>>().join(", ")
+}
+
+/// What each axis beside the samples stands at.
+fn words(study: &Study, point: usize) -> impl Iterator<Item = String> + '_ {
+    study.beside.iter().zip(study.place(point)).map(|(axis, at)| caption(axis, axis.values[at]))
 }
 
 fn observable(
@@ -253,48 +262,33 @@ fn decides(
     Ok(())
 }
 
-/// Quantiles of each observable over the last axis of the sweep, where that is one of numbers.
+/// The axis that bands are drawn over: the last one of the sweep.
+fn over(study: &Study) -> Option<&Coordinate> {
+    study.beside.last().filter(|axis| axis.values.len() > 1)
+}
+
+/// Quantiles of each observable over the last axis of the sweep.
 fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError> {
-    let Some(axis) = study.beside.last().filter(|axis| axis.words.is_empty() && axis.values.len() > 1) else {
-        return Ok(());
-    };
+    let Some(axis) = over(study) else { return Ok(()) };
     let length = axis.values.len();
     for (number, (output, _)) in told.first().into_iter().flatten().enumerate() {
         for (first, row) in told.chunks(length).enumerate().take(MOST_POINTS) {
-            let line = |n: usize| -> Vec<(f64, f64)> {
-                let of = |(at, point): (usize, &Vec<(&Output, Option<Summary>)>)| {
-                    let spread = point.get(number).and_then(|(_, told)| told.as_ref()?.spread.as_ref());
-                    (axis.values[at], spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
-                };
-                row.iter().enumerate().map(of).collect()
+            let spread = |point: &Vec<(&Output, Option<Summary>)>| {
+                let spread = point.get(number).and_then(|(_, told)| told.as_ref()?.spread.as_ref());
+                // 5, 25, 50, 75 and 95 %.
+                [1, 2, 3, 4, 5].map(|n| spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
             };
-            // 2.5, 25, 50, 75 and 97.5 %.
-            let drawn = [(0, true), (2, false), (3, false), (4, false), (6, true)];
-            let look = |(n, dashed): (usize, bool)| Look {
-                name: format!("{} %", 100.0 * SHARES[n]),
-                width: if n == 3 { 2.2 } else { 1.2 },
-                dashed,
-                dots: length <= 12,
-            };
-            let ratio = axis.values.iter().copied().fold(0.0, f64::max)
-                / axis.values.iter().copied().fold(f64::INFINITY, f64::min);
-            let heading = match study.beside.len() {
-                1 => format!("{} over {}", output.long_name, axis.long_name),
-                _ => {
-                    format!("{} over {}, {}", output.long_name, axis.long_name, place(study, first * length))
-                }
-            };
-            let chart = Chart {
-                title: heading.clone(),
-                x: Field { label: axis.long_name.clone(), units: axis.units.clone(), log: ratio > DECADE },
-                series: drawn.map(look).to_vec(),
-                panels: vec![Plot {
-                    label: output.long_name.clone(),
-                    units: output.units.clone(),
-                    lines: drawn.iter().map(|(n, _)| line(*n)).collect(),
-                    marks: Vec::new(),
-                    height: 280.0,
-                }],
+            let points = row.iter().map(spread).collect();
+            let others = study.beside.len() - 1;
+            let at: String =
+                words(study, first * length).take(others).map(|word| format!(", {word}")).collect();
+            let heading = format!("{} over {}{at}", capital(&called(output)), short(axis));
+            let chart = Bands {
+                title: &heading,
+                x: axis,
+                label: &called(output),
+                units: &output.units,
+                series: vec![band::Series { name: String::new(), points }],
             };
             page.figure(&format!("{}_bands_{first}", output.name), &heading, chart.draw()?);
         }
