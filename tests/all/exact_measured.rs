@@ -127,8 +127,8 @@ fn a_known_gap_gives_the_posterior_of_linear_regression() {
     let measured = measured(|gap| linear([2.3, -1.4], gap), 0.0, 1.0);
     let (study, fit) = fit(&results, &measured, &Free::default());
     let truth = regression(3, &rows(&measured, false));
-    for n in 0..2 {
-        is_normal(&fit, &study.parameters[n].values, truth[n], &format!("parameter {n}"));
+    for (n, (parameter, truth)) in study.parameters.iter().zip(&truth).enumerate() {
+        is_normal(&fit, &parameter.values, *truth, &format!("parameter {n}"));
     }
     assert!(fit.offset.is_none() && fit.scale.is_none() && fit.bridged == 0);
     // Of 60 values with two unknowns.
@@ -142,8 +142,8 @@ fn an_unknown_offset_is_one_more_unknown_of_the_regression() {
     let offset = Some(Distribution::Uniform { from: -2.0, to: 2.0 });
     let (study, fit) = fit(&results, &measured, &Free { offset, ..Free::default() });
     let truth = regression(3, &rows(&measured, true));
-    for n in 0..2 {
-        is_normal(&fit, &study.parameters[n].values, truth[n], &format!("parameter {n}"));
+    for (n, (parameter, truth)) in study.parameters.iter().zip(&truth).enumerate() {
+        is_normal(&fit, &parameter.values, *truth, &format!("parameter {n}"));
     }
     is_normal(&fit, fit.offset.as_ref().unwrap(), truth[2], "offset");
     let (parameter, offset) = (&study.parameters[1].values, fit.offset.as_ref().unwrap());

@@ -112,8 +112,8 @@ mod tests {
     /// Truth: a normal peak's integral and quantiles, wide and narrow, and two of them.
     #[test]
     fn normal_peaks_are_integrated_and_drawn() {
-        for (centre, sd) in [(0.5, 0.1), (0.4321, 1e-3), (0.7654321, 1e-6), (0.21, 0.02)] {
-            let found = Marginal::of(16, |x| -0.5 * ((x - centre) / sd as f64).powi(2));
+        for (centre, sd) in [(0.5, 0.1f64), (0.4321, 1e-3), (0.765_432_1, 1e-6), (0.21, 0.02)] {
+            let found = Marginal::of(16, |x| -0.5 * ((x - centre) / sd).powi(2));
             let truth = (sd * std::f64::consts::TAU.sqrt()).ln();
             assert!((found.log() - truth).abs() < 2e-3, "{centre} {sd}: {} {truth}", found.log());
             for part in [0.001, 0.025, 0.3, 0.5, 0.975] {
