@@ -33,8 +33,12 @@ pub(super) fn shown(axis: &Coordinate, value: f64) -> String {
     unit.digits(value, digits(&axis.values).max(4))
 }
 
-/// Digits that tell neighbouring values apart.
+/// Digits that tell neighbouring values apart; samples in no order have none.
 fn digits(values: &[f64]) -> usize {
+    let rises = values.first() <= values.last();
+    if values.windows(2).any(|pair| (pair[0] < pair[1]) != rises && pair[0] != pair[1]) {
+        return 0;
+    }
     let apart = values.windows(2).filter(|pair| pair[0] != pair[1]);
     apart.map(|pair| telling(pair[0], pair[1])).max().unwrap_or(0)
 }

@@ -184,6 +184,9 @@ fn at(results: &Results, instance: usize) -> String {
 /// Over what the instances that are left lie, of the axes of which some is gone: `, at tip radius 5 nm to 10 nm`.
 fn over(results: &Results, left: &[usize]) -> String {
     let mut parts = Vec::new();
+    if results.list {
+        return String::new();
+    }
     for (number, axis) in results.axes.iter().enumerate().filter(|one| one.1.values.len() > 1) {
         let mut there = vec![false; axis.values.len()];
         left.iter().for_each(|i| there[places(results, *i)[number].1] = true);

@@ -95,7 +95,7 @@ fn dense(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), R
         let place = frame.at(at, value);
         match state {
             State::Excluded if place.0.is_finite() && place.1.is_finite() => {
-                back.dot((place.0 - frame.left, place.1 - frame.top), 1.6, BACK);
+                back.dot((place.0 - frame.left, place.1 - frame.top), 1.6, GREY);
                 any_back = true;
             }
             State::Failed(_) | State::Empty | State::Excluded => lost.push((place.0, state)),
