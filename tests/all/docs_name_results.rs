@@ -15,8 +15,10 @@ use std::path::Path;
 /// A searched grid with everything asked for, and a list whose instances have frequencies of their own.
 fn runs() -> Vec<Swept> {
     let names: Vec<String> = Observable::all().map(|one| format!("\"{}\"", one.name())).collect();
-    let output =
-        format!("[output]\nobservables = [{}]\nwaveforms = {{ instances = [0, 1] }}\nspectra = {{ instances = [0] }}\n", names.join(", "));
+    let output = format!(
+        "[output]\nobservables = [{}]\nwaveforms = {{ instances = [0, 1] }}\nspectra = {{ instances = [0] }}\n",
+        names.join(", ")
+    );
     let grid = "[sweep]\n\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"2 GPa\"] }\n";
     let list = "[samples]\n\"drive.frequency\" = [\"74 kHz\", \"75 kHz\"]\n";
     let run = |sweep: &str| {
