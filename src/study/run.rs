@@ -63,6 +63,9 @@ impl Ran {
         if let Some(request) = &self.scene.output.waveforms {
             results.waveforms = Some(record::waveforms(&self.plan, &States::default(), request)?);
         }
+        if let Some(instances) = &self.scene.output.spectra {
+            results.spectra = Some(record::spectra(&self.plan, &States::default(), instances)?);
+        }
         Ok(results)
     }
 }

@@ -74,7 +74,7 @@ fn choices(text: &str) -> Vec<String> {
 }
 
 /// Every table of a scene, by its heading, and a scene that asks for a key it does not have.
-const TABLES: [(&str, &str); 15] = [
+const TABLES: [(&str, &str); 16] = [
     ("Top level", "zzz = 1"),
     ("`[instrument]`", "[instrument]\nzzz = 1"),
     ("`[instrument.actuator]`", "[instrument.actuator]\nzzz = 1"),
@@ -90,6 +90,7 @@ const TABLES: [(&str, &str); 15] = [
     ("`[run]`", "[run]\nzzz = 1"),
     ("`[output]`", "[output]\nzzz = 1"),
     ("`[output]` `waveforms`", "[output]\nwaveforms = { instances = [0], zzz = 1 }"),
+    ("`[output]` `spectra`", "[output]\nspectra = { instances = [0], zzz = 1 }"),
 ];
 
 #[test]

@@ -15,8 +15,10 @@ use std::path::Path;
 /// A searched grid with everything asked for, and a list whose instances have frequencies of their own.
 fn runs() -> Vec<Swept> {
     let names: Vec<String> = Observable::all().map(|one| format!("\"{}\"", one.name())).collect();
-    let output =
-        format!("[output]\nobservables = [{}]\nwaveforms = {{ instances = [0, 1] }}\n", names.join(", "));
+    let output = format!(
+        "[output]\nobservables = [{}]\nwaveforms = {{ instances = [0, 1] }}\nspectra = {{ instances = [0] }}\n",
+        names.join(", ")
+    );
     let grid = "[sweep]\n\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"2 GPa\"] }\n";
     let list = "[samples]\n\"drive.frequency\" = [\"74 kHz\", \"75 kHz\"]\n";
     let run = |sweep: &str| {
@@ -144,6 +146,7 @@ fn everything_in_a_results_file_is_told() {
     // Where nothing is left out by the runs themselves.
     let searched = &swept[0].results;
     assert!(searched.other_branch.is_some() && searched.audit.is_some() && searched.waveforms.is_some());
+    assert!(searched.spectra.is_some());
     assert!(!searched.force_curves.is_empty() && stopped.flags.iter().any(|flags| flags.name == "precision"));
 }
 
@@ -158,9 +161,15 @@ fn every_status_and_every_other_word_is_told() {
     for word in laws.iter().chain(&BRANCHES).chain(&WARNINGS).chain(&JUMPS).chain(&["forward", "backward"]) {
         document.says("Variables", word);
     }
-    for phase in
-        [Phase::Planning, Phase::Stepping, Phase::Refinement, Phase::Branches, Phase::Audit, Phase::Waveforms]
-    {
+    for phase in [
+        Phase::Planning,
+        Phase::Stepping,
+        Phase::Refinement,
+        Phase::Branches,
+        Phase::Audit,
+        Phase::Waveforms,
+        Phase::Spectra,
+    ] {
         document.says("An incomplete file", phase.word());
     }
     for observable in Observable::all() {

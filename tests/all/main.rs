@@ -55,6 +55,7 @@ mod cli_search;
 mod cli_sense;
 mod cli_shards;
 mod cli_signals;
+mod cli_spectra;
 mod cli_study;
 mod cli_tables;
 mod cli_waveforms;

@@ -1,7 +1,7 @@
 //! The results file: what is written is read back, and nothing is overwritten or half-written.
 //! Truth: the data put in; for the labels, Python's readers (`tests/python/check_results.py`).
 
-use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
+use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar, with_spectra};
 use afmsweep::store::{Attribute, Results, StoreError, Writer, partial_path, read};
 use std::path::Path;
 
@@ -56,6 +56,24 @@ fn a_single_instance_and_a_single_point_axis_come_back_as_written() {
 #[test]
 fn waveforms_with_times_of_their_own_come_back_as_written() {
     assert_round_trip(&own_times());
+}
+
+#[test]
+fn spectra_of_unequal_length_come_back_as_written() {
+    let results = with_spectra();
+    assert_round_trip(&results);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    results.write(&path, false).unwrap();
+    // A reader notices what was changed in it.
+    let file = hdf5::File::open_rw(&path).unwrap();
+    let dataset = file.dataset("spectra/force_amplitude").unwrap();
+    let mut numbers: Vec<f64> = dataset.read_raw().unwrap();
+    numbers[0] *= 2.0;
+    dataset.write_raw(&numbers).unwrap();
+    drop((dataset, file));
+    let error = read(&path).unwrap_err().to_string();
+    assert!(error.contains("spectra is not what the run wrote"), "{error}");
 }
 
 #[test]
@@ -276,7 +294,7 @@ fn results_that_do_not_fit_together_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     type Spoil = fn(&mut Results);
-    let cases: [(&str, Spoil); 12] = [
+    let cases: [(&str, Spoil); 13] = [
         ("no instance", |r| r.status.clear()),
         ("12 instances", |r| _ = r.status.pop()),
         ("steps_per_period", |r| _ = r.steps_per_period.pop()),
@@ -286,12 +304,13 @@ fn results_that_do_not_fit_together_are_refused_by_name() {
         ("status", |r| r.variables[0].name = "status".into()),
         ("a/b", |r| r.variables[0].name = "a/b".into()),
         ("waveforms", |r| r.waveforms.iter_mut().for_each(|w| w.force[0].truncate(3))),
+        ("spectra", |r| r.spectra.iter_mut().for_each(|s| s.force_phase[0].truncate(3))),
         ("force curve", |r| _ = r.force_curves[0].force.pop()),
         ("one word", |r| r.force_curves[0].law = "two words".into()),
         ("called plan", |r| r.attributes.push(("plan".into(), Attribute::Number(0.0)))),
     ];
     for (expected, spoil) in cases {
-        let mut results = grid();
+        let mut results = with_spectra();
         spoil(&mut results);
         let mut writer = Writer::create(&path, SCENE, false).unwrap();
         let error = writer.write(&results).unwrap_err();

@@ -3,7 +3,7 @@
 // Each test file uses its own part of this.
 
 use afmsweep::store::{
-    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, Results, Variable, Waveforms,
+    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, Results, Spectra, Variable, Waveforms,
 };
 
 pub const SCENE: &str = "title = \"one\"\n";
@@ -166,6 +166,27 @@ pub fn own_times() -> Results {
         actuator_top: rows(1e-9),
         indentation: rows(1e-9),
         force: rows(1e-9),
+    });
+    results
+}
+
+/// A grid with two spectra, the second of which has fewer harmonics.
+pub fn with_spectra() -> Results {
+    let mut results = grid();
+    let rows = |scale: f64| {
+        let mut rows = vec![ramp(40, scale), ramp(40, scale * 2.0)];
+        rows[1][30..].fill(f64::NAN);
+        rows
+    };
+    results.spectra = Some(Spectra {
+        instances: vec![3, 5],
+        frequency: [1e5, 2e5].map(|first| (1..=40).map(|n| f64::from(n) * first).collect()).to_vec(),
+        tip_amplitude: rows(1e-9),
+        tip_phase: rows(1.0),
+        deflection_amplitude: rows(2e-9),
+        deflection_phase: rows(2.0),
+        force_amplitude: rows(1e-10),
+        force_phase: rows(3.0),
     });
     results
 }

@@ -40,9 +40,14 @@ UNITS = {
     "force": "N",
     "contact_radius": "m",
     "time": "s",
+    "frequency": "Hz",
+    "tip_amplitude": "m",
+    "tip_phase": "degree",
+    "force_amplitude": "N",
+    "force_phase": "degree",
 }
 MEANINGS = ["ok", "not_steady", "sensitive", "non_finite", "out_of_range", "not_run", "accuracy_not_met", "no_setpoint"]
-GROUPS = ["waveforms", "force_curves", "audit", "other_branch", "provenance"]
+GROUPS = ["waveforms", "spectra", "force_curves", "audit", "other_branch", "provenance"]
 ENGINES = ["h5netcdf", "netcdf4"]
 
 
@@ -154,6 +159,16 @@ def check_group(name, data, root):
             assert data[key].dims == dims and data[key].dtype == np.float64, key
         assert (np.diff(data["time"].values) > 0).all(), "time runs backwards"
         assert "sample" in data.dims or "time" in data.coords
+    elif name == "spectra":
+        assert data["instance"].dims == ("spectrum",)
+        assert same(data["order"], np.arange(1, data.sizes["order"] + 1))
+        first = data["frequency"].values[:, :1]
+        assert np.allclose(data["frequency"], first * data["order"].values, rtol=1e-12)
+        for key in ["tip", "deflection", "force"]:
+            size, lag = data[f"{key}_amplitude"], data[f"{key}_phase"]
+            assert size.dims == lag.dims == ("spectrum", "order") and size.dtype == np.float64, key
+            assert not (size < 0).any() and not (lag < 0).any() and not (lag >= 360).any(), key
+            assert same(np.isnan(lag), np.isnan(size) | (size == 0)), key
     elif name == "force_curves":
         check_flags(data["law"], ["none", "hertz", "dmt", "jkr"])
         check_flags(data["branch"], ["approach", "retract"])

@@ -16,6 +16,7 @@ mod floor;
 mod force_curve;
 mod frame;
 mod from_curve;
+mod harmonics;
 mod heatmap;
 mod hover;
 mod labels;

@@ -15,6 +15,9 @@ const MOST_INLINE: usize = 3_000_000;
 /// Bytes of a text that are shown at most.
 const MOST_TEXT: usize = 20_000;
 
+/// What stands above the spectra.
+const SPECTRA: &str = "Spectra";
+
 /// The title of the page.
 fn heading(results: &Results, file: &Path) -> String {
     match results.title.trim() {
@@ -70,6 +73,10 @@ pub(super) fn html(
         );
     }
     figures(&mut page, of_kind(pictures, Kind::Asked));
+    if of_kind(pictures, Kind::Spectrum).next().is_some() {
+        let _ = writeln!(page, "<h2>{SPECTRA}</h2>");
+        figures(&mut page, of_kind(pictures, Kind::Spectrum));
+    }
     for line in left_out {
         let _ = writeln!(page, "<p class=\"caption\">Not drawn: {}</p>", escape(line));
     }
@@ -155,6 +162,7 @@ pub(super) fn markdown(
         }
     };
     show(&mut page, Kind::Asked);
+    show(&mut page, Kind::Spectrum);
     for line in left_out {
         let _ = write!(page, "Not drawn: {}\n\n", plain(line));
     }

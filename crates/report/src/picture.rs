@@ -12,6 +12,8 @@ use crate::store::{Coordinate, NO_STATE, Results, Variable};
 pub(super) enum Kind {
     /// What a user asked for: observables, waveforms, force curves.
     Asked,
+    /// Spectra, which stand below a heading of their own.
+    Spectrum,
     /// How it was computed: estimates, periods, multipliers.
     Computed,
 }

@@ -10,7 +10,7 @@ use super::labels::{capital, caption};
 use super::picture::{Kind, Picture, places, states};
 use super::quantity::Unit;
 use super::view::{View, Wish};
-use super::{csv, from_curve, variable, waveform};
+use super::{csv, from_curve, harmonics, variable, waveform};
 use crate::store::{Coordinate, ForceCurve, Results, Variable};
 
 /// Pictures of single instances at most, of each kind.
@@ -47,6 +47,20 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
             let csv = Some(csv::of_waveform(waveforms, row));
             let hover = Hover::default();
             pictures.push(Picture { kind: Kind::Asked, name, title, note, svg, hover, csv });
+        }
+    }
+    if let Some(spectra) = &results.spectra {
+        for (row, instance) in spectra.instances.iter().enumerate().take(MOST_INSTANCES) {
+            let title = with_case(results, &format!("Spectrum of instance {instance}"), *instance);
+            let (svg, hover) = harmonics::draw(spectra, row, &title)?;
+            let note = format!(
+                "{} {}",
+                harmonics::told(spectra, row),
+                left_out(row, spectra.instances.len(), "spectra")
+            );
+            let (kind, name) = (Kind::Spectrum, format!("spectrum_{instance}"));
+            let csv = Some(harmonics::csv(spectra, row));
+            pictures.push(Picture { kind, name, title, note: note.trim_end().to_owned(), svg, hover, csv });
         }
     }
     let mut instances: Vec<u64> = results.force_curves.iter().map(|curve| curve.instance).collect();

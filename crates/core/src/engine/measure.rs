@@ -159,7 +159,7 @@ pub(super) fn fundamental(measured: &mut Measured, travel: Complex<f64>, driven:
 }
 
 /// Lag behind the drive's sine of a phasor with this argument (rad), degree, 0 to below 360.
-fn lag(angle: f64) -> f64 {
+pub(crate) fn lag(angle: f64) -> f64 {
     let lag = (-angle.to_degrees()).rem_euclid(360.0);
     // The remainder of a tiny negative number rounds up to the whole turn, and -0 is no phase.
     if lag < 360.0 { lag + 0.0 } else { 0.0 }

@@ -30,6 +30,7 @@ pub use busy::Busy;
 pub use columns::{Columns, Wanted};
 pub use cpu::{Cpu, processor};
 pub use estimate::estimate;
+pub(crate) use measure::lag;
 pub use newton::{Searches, Seek, Seeks, Sought};
 pub use progress::{Held, Phase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};

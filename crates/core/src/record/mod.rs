@@ -6,6 +6,7 @@ mod frame;
 mod numbers;
 mod rows;
 mod search;
+mod spectra;
 mod warnings;
 mod waveforms;
 
@@ -25,6 +26,7 @@ pub use audit::audit;
 pub use column::{BRANCHES, JUMPS};
 pub use frame::Frame;
 pub use numbers::Numbers;
+pub use spectra::{spectra, spectra_of_run};
 pub use warnings::{WARNINGS, Warned};
 pub use waveforms::{waveforms, waveforms_kept};
 
@@ -63,7 +65,7 @@ pub fn frame(scene: &Scene, (plan, warned): (&Plan, &Warned), facts: &Facts) -> 
     Frame::new(scene, (plan, warned.instance_steps), facts)
 }
 
-/// Everything the results file holds of a plan that was run once as it is, waveforms apart.
+/// Everything the results file holds of a plan that was run once as it is, waveforms and spectra apart.
 ///
 /// # Errors
 /// None that is known.

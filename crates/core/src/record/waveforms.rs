@@ -1,6 +1,6 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
-use crate::control::{InMemory, Keep, Question, Ran, What};
+use crate::control::{Controlled, InMemory, Keep, Question, Ran, What};
 use crate::engine::{EngineError, trace};
 use crate::instrument::Place;
 use crate::plan::{Plan, Station};
@@ -31,14 +31,19 @@ pub fn waveforms_kept(
     request: &WaveformRequest,
     keep: &dyn Keep,
 ) -> Result<Waveforms, EngineError> {
-    let mut instances: Vec<u32> = request.instances.iter().map(|&instance| instance as u32).collect();
-    let all = instances.clone();
+    let (some, places) = gathered(run, &request.instances)?;
+    waveforms_of((&some.plan, &some.found), &places, request, keep)
+}
+
+/// Some instances of a run, and where each of them is among these.
+pub(super) fn gathered(run: &Ran, wanted: &[usize]) -> Result<(Controlled, Vec<u32>), EngineError> {
+    let all: Vec<u32> = wanted.iter().map(|&instance| instance as u32).collect();
+    let mut instances = all.clone();
     instances.sort_unstable();
     instances.dedup();
-    let some = run.some(&instances)?;
     let place = |i: &u32| instances.partition_point(|other| other < i) as u32;
-    let places: Vec<u32> = all.iter().map(place).collect();
-    waveforms_of((&some.plan, &some.found), &places, request, keep)
+    let places = all.iter().map(place).collect();
+    Ok((run.some(&instances)?, places))
 }
 
 /// Those of the instances at these places of a plan, which are the ones asked for.

@@ -16,6 +16,7 @@ pub enum Phase {
     Branches,
     Audit,
     Waveforms,
+    Spectra,
 }
 
 impl Phase {
@@ -28,6 +29,7 @@ impl Phase {
             Self::Branches => "branches",
             Self::Audit => "audit",
             Self::Waveforms => "waveforms",
+            Self::Spectra => "spectra",
         }
     }
 }

@@ -98,7 +98,7 @@ pub(super) struct Done<'k, 's> {
     pub command_line: String,
 }
 
-/// Results of the phases, waveforms last. `start`: when the run began, and the seconds of its planning and stepping.
+/// Results of the phases, waveforms and spectra last. `start`: when the run began, and the seconds of its planning and stepping.
 pub(super) fn collect<'k>(
     done: Done<'k, '_>,
     (start, planning, stepping): (Instant, f64, f64),
@@ -130,6 +130,11 @@ pub(super) fn collect<'k>(
         // Of a run that was stopped they would be begun anew.
         let request = request.filter(|_| !progress.stopped());
         request.map(|request| record::waveforms_kept(&run, request, keep)).transpose()
+    })?;
+    let listed = scene.output.spectra.as_deref();
+    frame.results.spectra = missing.phase((Phase::Spectra, listed.is_some()), progress, || {
+        let listed = listed.filter(|_| !progress.stopped());
+        listed.map(|instances| record::spectra_of_run(&run, instances)).transpose()
     })?;
     frame.searched(&run.plan, run.curves, others.is_some());
     record::audit(&mut frame.results, &run.plan, &audited, &verdict);

@@ -1,8 +1,8 @@
 //! Refuses results whose parts do not fit together, before anything is laid out.
 
 use super::{
-    AuditTable, Branch, ERROR, Flags, ForceCurve, OBSERVABLE, RESERVED, Results, StoreError, Variable,
-    Waveforms,
+    AuditTable, Branch, ERROR, Flags, ForceCurve, OBSERVABLE, RESERVED, Results, Spectra, StoreError,
+    Variable, Waveforms,
 };
 use std::collections::HashSet;
 
@@ -50,6 +50,7 @@ pub(super) fn check(results: &Results, count: usize) -> Result<(), StoreError> {
     if let Some(waveforms) = &results.waveforms {
         check_waveforms(waveforms)?;
     }
+    results.spectra.iter().try_for_each(check_spectra)?;
     results.force_curves.iter().try_for_each(check_force_curve)
 }
 
@@ -201,4 +202,13 @@ fn check_waveforms(waveforms: &Waveforms) -> Result<(), StoreError> {
         "the waveforms of {} instances have rows of unequal number or length",
         instances.len()
     )))
+}
+
+fn check_spectra(spectra: &Spectra) -> Result<(), StoreError> {
+    let (count, length) = (spectra.instances.len(), spectra.harmonics());
+    let whole = |rows: &Vec<Vec<f64>>| rows.len() == count && rows.iter().all(|row| row.len() == length);
+    match count == 0 || (length > 0 && Spectra::COLUMNS.iter().all(|column| whole((column.of)(spectra)))) {
+        true => Ok(()),
+        false => refuse(format!("the spectra of {count} instances have rows of unequal number or length")),
+    }
 }

@@ -37,6 +37,7 @@ mod run_file;
 mod share;
 #[cfg(feature = "hdf5")]
 mod source;
+mod spectra;
 #[cfg(feature = "hdf5")]
 mod sums;
 #[cfg(feature = "hdf5")]
@@ -63,6 +64,7 @@ pub use read::{read, scene_of};
 pub use run_file::RunFile;
 #[cfg(feature = "hdf5")]
 pub use share::open as open_journal;
+pub use spectra::{Spectra, SpectrumColumn};
 #[cfg(feature = "hdf5")]
 pub use write::laid_out;
 
@@ -87,16 +89,17 @@ const HDF5_VERSION: &str = "hdf5_version";
 
 /// Groups of numbers that every file has; one may hold nothing.
 #[cfg(feature = "hdf5")]
-const GROUPS: [&str; 4] = ["waveforms", "force_curves", "audit", "other_branch"];
+const GROUPS: [&str; 5] = ["waveforms", "spectra", "force_curves", "audit", "other_branch"];
 
 /// Names that no axis and no variable may take.
 #[cfg(feature = "hdf5")]
-const RESERVED: [&str; 9] = [
+const RESERVED: [&str; 10] = [
     "status",
     "steps_per_period",
     "instance",
     "harmonic",
     "waveforms",
+    "spectra",
     "force_curves",
     "audit",
     "other_branch",
@@ -118,6 +121,7 @@ pub struct Results {
     /// Further words about each instance, as the law it uses.
     pub flags: Vec<Flags>,
     pub waveforms: Option<Waveforms>,
+    pub spectra: Option<Spectra>,
     /// Static curves of the contact, any number of them.
     pub force_curves: Vec<ForceCurve>,
     /// Instances redone by the reference integrator.

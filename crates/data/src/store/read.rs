@@ -5,7 +5,7 @@ use super::share::JOURNAL;
 use super::source::Source;
 use super::{
     Attribute, AuditTable, Branch, Coordinate, ERROR, Flags, ForceCurve, HDF5_VERSION, OBSERVABLE,
-    OWN_ATTRIBUTES, PROVENANCE, Results, StoreError, Variable, Waveforms,
+    OWN_ATTRIBUTES, PROVENANCE, Results, Spectra, StoreError, Variable, Waveforms,
 };
 use hdf5::Group;
 use hdf5::types::TypeDescriptor;
@@ -86,6 +86,7 @@ impl Source {
             status,
             steps_per_period,
             waveforms: self.waveforms(&root)?,
+            spectra: self.spectra(&root)?,
             force_curves: self.force_curves(&root)?,
             audit: self.audit(&root)?,
             comments: comments(&root, &others),
@@ -206,6 +207,26 @@ impl Source {
             actuator_top: table("actuator_top")?,
             indentation: table("indentation")?,
             force: table("force")?,
+            instances,
+        }))
+    }
+
+    fn spectra(&self, root: &Group) -> Result<Option<Spectra>, StoreError> {
+        let Some(group) = self.group(root, "spectra")? else { return Ok(None) };
+        let instances = self.instances(&group)?;
+        let length = match self.dataset(&group, "frequency")?.shape().as_slice() {
+            [rows, length] if *rows == instances.len() && *length > 0 => *length,
+            shape => return Err(self.damaged(format_args!("the spectra have dimensions {shape:?}"))),
+        };
+        let table = |name| self.table(&group, name, instances.len(), length);
+        Ok(Some(Spectra {
+            frequency: table("frequency")?,
+            tip_amplitude: table("tip_amplitude")?,
+            tip_phase: table("tip_phase")?,
+            deflection_amplitude: table("deflection_amplitude")?,
+            deflection_phase: table("deflection_phase")?,
+            force_amplitude: table("force_amplitude")?,
+            force_phase: table("force_phase")?,
             instances,
         }))
     }

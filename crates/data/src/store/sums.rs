@@ -5,7 +5,7 @@
 //! not of bytes: a file that was repacked, or that somebody has added to, still fits it.
 
 use super::{
-    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Variable,
+    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Spectra, Variable,
     Waveforms,
 };
 use std::collections::HashMap;
@@ -79,6 +79,9 @@ fn all(results: &Results, known: &HashMap<String, u64>) -> Vec<(String, u64)> {
     let mut put = |name: &str, sum: Sum| sums.push((name.to_owned(), sum.0));
     if let Some(waveforms) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
         put("waveforms", of_waveforms(waveforms));
+    }
+    if let Some(spectra) = results.spectra.as_ref().filter(|one| !one.instances.is_empty()) {
+        put("spectra", of_spectra(spectra));
     }
     if !results.force_curves.is_empty() {
         put("force_curves", results.force_curves.iter().fold(Sum::new(), with_curve));
@@ -169,6 +172,12 @@ fn of_waveforms(waveforms: &Waveforms) -> Sum {
     let Waveforms { instances, time, tip_travel, actuator_top, indentation, force } = waveforms;
     let sum = instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
     let rows = [time, tip_travel, actuator_top, indentation, force].into_iter().flatten();
+    rows.fold(sum, |sum, row| sum.numbers(row))
+}
+
+fn of_spectra(spectra: &Spectra) -> Sum {
+    let sum = spectra.instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
+    let rows = Spectra::COLUMNS.iter().flat_map(|column| (column.of)(spectra));
     rows.fold(sum, |sum, row| sum.numbers(row))
 }
 

@@ -10,6 +10,7 @@ mod filled;
 mod groups;
 mod packed;
 mod root;
+mod spectra;
 mod waveforms;
 
 use super::check::{check, check_all};

@@ -86,8 +86,8 @@ impl Instrument {
         })
     }
 
-    /// How far a place moves under a force on the tip at `omega`, m/N.
-    fn follows(&self, place: Place, omega: f64) -> Complex<f64> {
+    /// How far a place moves under a force on the tip at `omega` (rad/s), all modes, m/N.
+    pub fn follows(&self, place: Place, omega: f64) -> Complex<f64> {
         let moves = |mode: &Mode| mode.receptance(omega).0 * (place.share(mode) * mode.force);
         self.modes.iter().map(moves).sum()
     }

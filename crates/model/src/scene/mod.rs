@@ -271,6 +271,8 @@ pub struct Output {
     /// In the order asked for, without repeats.
     pub observables: Vec<Observable>,
     pub waveforms: Option<WaveformRequest>,
+    /// Instances whose spectra are kept, each below the scene's number of instances.
+    pub spectra: Option<Vec<usize>>,
 }
 
 /// `[output] waveforms`

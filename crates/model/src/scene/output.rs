@@ -1,6 +1,7 @@
 //! `[run]` and `[output]`.
 
 use super::STEPPED_MODES;
+use super::axes;
 use super::draft::Draft;
 use super::error::{Checked, Fault, Faults};
 use super::params::Lever;
@@ -22,8 +23,12 @@ pub(super) const BRANCHES: [(&str, bool); 2] = [("one", false), ("both", true)];
 /// The keys of `[run]`.
 pub(super) const KEYS: [&str; 8] =
     ["start", "steady", "branches", "periods", "measure", "accuracy", "modes", "steps_per_period"];
-/// The keys of `[output]` `waveforms`.
+/// The keys of `[output]`, of its `waveforms` and of its `spectra`.
+const OUTPUT_KEYS: [&str; 3] = ["observables", "waveforms", "spectra"];
 pub(super) const WAVEFORM_KEYS: [&str; 3] = ["instances", "samples_per_period", "periods"];
+pub(super) const SPECTRUM_KEYS: [&str; 1] = ["instances"];
+/// What stands for the list of all instances.
+pub(super) const ALL: &str = "all";
 
 const OBSERVABLES: &str = "output.observables";
 
@@ -45,6 +50,8 @@ const LIKELY_STEPS: u64 = 64;
 const MOST_SAMPLES_PER_PERIOD: u64 = 65_536;
 /// Most samples of all waveforms together: 32 bytes each in the file, and five times that in memory.
 const MOST_SAMPLES: u64 = 10_000_000;
+/// Most spectra: up to 57 kilobytes each in the file.
+const MOST_SPECTRA: usize = 10_000;
 
 /// The table of a section; keys that it does not have are mistakes.
 fn known<'a, 'i>(
@@ -146,10 +153,15 @@ fn length(table: &DeTable, run: &mut Run) -> Checked<()> {
     Ok(())
 }
 
-/// Reads `[output]`.
-pub(super) fn output(section: Option<&Value>, run: &Run, instances: usize, faults: &mut Faults) -> Output {
-    let mut output = Output { observables: USUAL.to_vec(), waveforms: None };
-    let table = section.and_then(|section| known(section, "output", &["observables", "waveforms"], faults));
+/// Reads `[output]` of a scene with so many instances; a mistake may leave their number unknown.
+pub(super) fn output(
+    section: Option<&Value>,
+    run: &Run,
+    instances: Option<usize>,
+    faults: &mut Faults,
+) -> Output {
+    let mut output = Output { observables: USUAL.to_vec(), waveforms: None, spectra: None };
+    let table = section.and_then(|section| known(section, "output", &OUTPUT_KEYS, faults));
     let Some(table) = table else { return output };
     if let Some(value) = table.get("observables") {
         output.observables = observables(value, faults);
@@ -157,6 +169,10 @@ pub(super) fn output(section: Option<&Value>, run: &Run, instances: usize, fault
     if let Some(value) = table.get("waveforms") {
         let read = waveforms(value, run, instances, faults);
         output.waveforms = faults.take(read).flatten();
+    }
+    if let Some(value) = table.get("spectra") {
+        let read = spectra(value, run, instances, faults);
+        output.spectra = faults.take(read).flatten();
     }
     output
 }
@@ -197,35 +213,17 @@ fn observable(entry: &Value, found: &[Observable]) -> Checked<Observable> {
 fn waveforms(
     value: &Value,
     run: &Run,
-    instances: usize,
+    instances: Option<usize>,
     faults: &mut Faults,
 ) -> Checked<Option<WaveformRequest>> {
     const PATH: &str = "output.waveforms";
     const FORM: &str = "{ instances = [0, 100], samples_per_period = 256, periods = 4 }";
-    values::table(value, PATH, FORM)?;
-    let Some(table) = known(value, PATH, &WAVEFORM_KEYS, faults) else { return Ok(None) };
-    let Some(list) = table.get("instances") else {
-        return Err(Fault::at(value.span(), format!("`{PATH}` lacks `instances`"))
-            .label("found no `instances`")
-            .expected(FORM)
-            .help("add the numbers of the instances to keep"));
+    let Some(table) = with_instances(value, (PATH, FORM), &WAVEFORM_KEYS, faults)? else { return Ok(None) };
+    let mut request = WaveformRequest {
+        instances: listed(table, (PATH, MOST_SAMPLES as usize), instances)?,
+        samples_per_period: 256,
+        periods: run.periods.min(4),
     };
-    let mut request =
-        WaveformRequest { instances: Vec::new(), samples_per_period: 256, periods: run.periods.min(4) };
-    let mut seen = std::collections::HashSet::new();
-    for entry in values::list(list, "output.waveforms.instances", "a list such as [0, 100]")? {
-        let last = instances.saturating_sub(1) as u64;
-        let instance = values::count(entry, "output.waveforms.instances", 0..=last).map_err(|fault| {
-            fault.help(format!("the scene's last instance is number {last}, counted from 0"))
-        })?;
-        if !seen.insert(instance) {
-            return Err(Fault::at(entry.span(), "`output.waveforms.instances` repeats an instance")
-                .label("found again here")
-                .expected("each instance once")
-                .help("remove one of the two"));
-        }
-        request.instances.push(instance as usize);
-    }
     if let Some(value) = table.get("samples_per_period") {
         request.samples_per_period =
             values::count(value, "output.waveforms.samples_per_period", 2..=MOST_SAMPLES_PER_PERIOD)? as u32;
@@ -246,4 +244,76 @@ fn waveforms(
             .help("ask for fewer instances, periods or samples per period"));
     }
     Ok(Some(request))
+}
+
+/// None where a key is not known, which is told already.
+fn spectra(
+    value: &Value,
+    run: &Run,
+    instances: Option<usize>,
+    faults: &mut Faults,
+) -> Checked<Option<Vec<usize>>> {
+    const PATH: &str = "output.spectra";
+    const FORM: &str = "{ instances = [0, 100] }";
+    let Some(table) = with_instances(value, (PATH, FORM), &SPECTRUM_KEYS, faults)? else { return Ok(None) };
+    if run.start == Start::Rest {
+        return Err(Fault::at(value.span(), "a start from rest has no spectra")
+            .label("its motion is not periodic")
+            .expected("start = \"steady\" with spectra")
+            .help("remove one of the two lines; waveforms show a start from rest"));
+    }
+    listed(table, (PATH, MOST_SPECTRA), instances).map(Some)
+}
+
+/// The table of such a form, which has `instances`; none where a key is not known, which is told already.
+fn with_instances<'a, 'i>(
+    value: &'a Value<'i>,
+    (path, form): (&str, &str),
+    keys: &[&str],
+    faults: &mut Faults,
+) -> Checked<Option<&'a DeTable<'i>>> {
+    values::table(value, path, form)?;
+    let Some(table) = known(value, path, keys, faults) else { return Ok(None) };
+    if table.get("instances").is_none() {
+        return Err(Fault::at(value.span(), format!("`{path}` lacks `instances`"))
+            .label("found no `instances`")
+            .expected(form)
+            .help("add the numbers of the instances to keep, or instances = \"all\""));
+    }
+    Ok(Some(table))
+}
+
+/// The instances that a table lists, `most` of them, or all of the scene's.
+fn listed(table: &DeTable, (path, most): (&str, usize), instances: Option<usize>) -> Checked<Vec<usize>> {
+    let Some(list) = table.get("instances") else { return Ok(Vec::new()) };
+    let path = format!("{path}.instances");
+    let all = list.get_ref().as_str() == Some(ALL);
+    let entries = match all {
+        true => None,
+        false => Some(values::list(list, &path, "a list such as [0, 100], or \"all\"")?),
+    };
+    let count = entries.map_or(instances.unwrap_or(0), |entries| entries.len());
+    if count > most {
+        return Err(Fault::at(list.span(), format!("`{path}` has too many instances"))
+            .label(format!("found {count}"))
+            .expected(format!("at most {most}"))
+            .help("list fewer of them"));
+    }
+    let Some(entries) = entries else { return Ok((0..count).collect()) };
+    let last = instances.unwrap_or(axes::MOST_INSTANCES).saturating_sub(1) as u64;
+    let mut found = Vec::new();
+    let mut seen = std::collections::HashSet::new();
+    for entry in entries {
+        let instance = values::count(entry, &path, 0..=last).map_err(|fault| {
+            fault.help(format!("the scene's last instance is number {last}, counted from 0"))
+        })?;
+        if !seen.insert(instance) {
+            return Err(Fault::at(entry.span(), format!("`{path}` repeats an instance"))
+                .label("found again here")
+                .expected("each instance once")
+                .help("remove one of the two"));
+        }
+        found.push(instance as usize);
+    }
+    Ok(found)
 }

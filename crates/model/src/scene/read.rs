@@ -1,7 +1,6 @@
 //! From the file's text to a checked scene: the sections of the instrument, the sample and the drive.
 
 use super::address::Address;
-use super::axes;
 use super::draft::{Draft, Said, keys_of};
 use super::error::{Checked, Fault, Faults, SceneError};
 use super::levers::{self};
@@ -142,7 +141,7 @@ fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene,
     draft.faults.take(checked);
     let checked = setpoint::check(document.get("run"), &run, &sweep, &draft);
     draft.faults.take(checked);
-    let instances = if known { sweep.len() } else { axes::MOST_INSTANCES };
+    let instances = known.then(|| sweep.len());
     let mut output = output::output(document.get("output"), &run, instances, &mut draft.faults);
     // The gap is what a set-point leads to.
     if draft.params.approach.held.is_some() && !output.observables.contains(&Observable::Gap) {

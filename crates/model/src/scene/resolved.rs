@@ -167,14 +167,25 @@ impl Scene {
         writeln!(text, "\n[output]\nobservables = [{}]", names.join(", "))?;
         if let Some(waveforms) = &self.output.waveforms {
             let (samples, periods) = (waveforms.samples_per_period, waveforms.periods);
-            let instances: Vec<String> = waveforms.instances.iter().map(usize::to_string).collect();
-            let instances = instances.join(", ");
+            let instances = self.written_instances(&waveforms.instances);
             writeln!(
                 text,
-                "waveforms = {{ instances = [{instances}], samples_per_period = {samples}, periods = {periods} }}"
+                "waveforms = {{ instances = {instances}, samples_per_period = {samples}, periods = {periods} }}"
             )?;
         }
+        if let Some(instances) = &self.output.spectra {
+            writeln!(text, "spectra = {{ instances = {} }}", self.written_instances(instances))?;
+        }
         Ok(())
+    }
+
+    /// Several that are all there are have a word of their own.
+    fn written_instances(&self, instances: &[usize]) -> String {
+        if instances.len() > 1 && instances.iter().copied().eq(0..self.sweep.len()) {
+            return quoted(output::ALL);
+        }
+        let numbers: Vec<String> = instances.iter().map(usize::to_string).collect();
+        format!("[{}]", numbers.join(", "))
     }
 }
 

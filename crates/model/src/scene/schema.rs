@@ -5,7 +5,7 @@
 use super::address::Address;
 use super::curve;
 use super::levers;
-use super::output::{BRANCHES, KEYS, STARTS, WAVEFORM_KEYS, WAYS};
+use super::output::{ALL, BRANCHES, KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
@@ -337,26 +337,36 @@ fn output(describe: &dyn Fn(&str) -> String) -> Value {
         "uniqueItems": true,
         "items": { "type": "string", "enum": names },
     });
-    let mut waveforms = Map::new();
-    for key in WAVEFORM_KEYS {
-        let value = match key {
-            "instances" => json!({
-                "type": "array",
-                "minItems": 1,
-                "uniqueItems": true,
-                "items": { "type": "integer", "minimum": 0 },
-            }),
+    let mut properties = Map::new();
+    properties.insert("observables".into(), told(observables, &describe("output.observables")));
+    for (name, keys) in [("waveforms", &WAVEFORM_KEYS[..]), ("spectra", &SPECTRUM_KEYS[..])] {
+        properties.insert(name.into(), of_instances(name, keys, describe));
+    }
+    object(properties)
+}
+
+/// A table of `[output]` that lists instances.
+fn of_instances(name: &str, keys: &[&str], describe: &dyn Fn(&str) -> String) -> Value {
+    let mut entries = Map::new();
+    for key in keys {
+        let value = match *key {
+            "instances" => json!({ "anyOf": [
+                { "const": ALL },
+                {
+                    "type": "array",
+                    "minItems": 1,
+                    "uniqueItems": true,
+                    "items": { "type": "integer", "minimum": 0 },
+                },
+            ] }),
             "samples_per_period" => json!({ "type": "integer", "minimum": 2, "maximum": 65_536 }),
             _ => json!({ "type": "integer", "minimum": 1 }),
         };
-        waveforms.insert(key.into(), told(value, &describe(&format!("output.waveforms.{key}"))));
+        entries.insert((*key).into(), told(value, &describe(&format!("output.{name}.{key}"))));
     }
-    let mut waveforms = object(waveforms);
-    if let Some(object) = waveforms.as_object_mut() {
+    let mut table = object(entries);
+    if let Some(object) = table.as_object_mut() {
         object.insert("required".into(), json!(["instances"]));
     }
-    let mut properties = Map::new();
-    properties.insert("observables".into(), told(observables, &describe("output.observables")));
-    properties.insert("waveforms".into(), told(waveforms, &describe("output.waveforms")));
-    object(properties)
+    told(table, &describe(&format!("output.{name}")))
 }

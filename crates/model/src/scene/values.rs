@@ -214,7 +214,7 @@ fn elsewhere(word: &str) -> Option<String> {
 
 /// The section that does have a key of that name.
 fn home_of(key: &str) -> Option<&'static str> {
-    const OTHERS: [(&str, &str); 14] = [
+    const OTHERS: [(&str, &str); 15] = [
         ("preset", "instrument"),
         ("model", "instrument.actuator"),
         ("modes", "instrument.cantilever"),
@@ -227,6 +227,7 @@ fn home_of(key: &str) -> Option<&'static str> {
         ("steps_per_period", "run"),
         ("observables", "output"),
         ("waveforms", "output"),
+        ("spectra", "output"),
         ("actuator", "instrument"),
         ("tip", "instrument"),
     ];

@@ -200,8 +200,18 @@ fn labels(list: &Value, path: &str) -> Checked<Vec<String>> {
 
 /// A name that a dimension of the results file can have.
 fn named(key: &Key) -> Checked<()> {
-    const TAKEN: [&str; 8] =
-        ["instance", "direction", "harmonic", "status", "branch", "sample", "law", "waveform"];
+    const TAKEN: [&str; 10] = [
+        "instance",
+        "direction",
+        "harmonic",
+        "status",
+        "branch",
+        "sample",
+        "law",
+        "waveform",
+        "spectrum",
+        "order",
+    ];
     let name = key.get_ref().as_ref();
     let begins = name.starts_with(|c: char| c.is_ascii_lowercase());
     let plain = begins && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');

@@ -1,7 +1,7 @@
 //! The groups below the root: every file has all of them, so that readers need not ask which there are.
 
 use super::super::{ERROR, GROUPS, HDF5_VERSION, OBSERVABLE, PROVENANCE, Results};
-use super::{Beside, Filled, Layout, branches, curves, labels, waveforms};
+use super::{Beside, Filled, Layout, branches, curves, labels, spectra, waveforms};
 use crate::store::AuditTable;
 use hdf5::File;
 
@@ -10,6 +10,9 @@ pub(super) fn write(file: &File, filled: &Filled, scene_text: &str) -> hdf5::Res
     let results = filled.frame;
     if let Some(one) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
         waveforms::write(file, one)?;
+    }
+    if let Some(one) = results.spectra.as_ref().filter(|one| !one.instances.is_empty()) {
+        spectra::write(file, one)?;
     }
     if !results.force_curves.is_empty() {
         curves::write(file, &results.force_curves)?;

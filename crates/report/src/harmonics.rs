@@ -1,0 +1,149 @@
+//! One instance's harmonics as sticks: travel and force in panels above each other.
+
+use super::ReportError;
+use super::axis::Axis;
+use super::canvas::{Anchor, INK, LINES, picture};
+use super::frame::{Frame, SMALL, left_margin, title};
+use super::hover::Hover;
+use super::quantity::shown;
+use crate::store::Spectra;
+
+/// Amplitudes below this share of a panel's largest are not drawn.
+const FLOOR: f64 = 1e-6;
+/// A harmonic above this share of the first is told in words.
+const TOLD: f64 = 0.01;
+/// Harmonics that are told one by one.
+const MOST_TOLD: usize = 12;
+
+/// One quantity over the harmonics.
+struct Panel<'a> {
+    label: &'static str,
+    units: &'static str,
+    amplitude: &'a [f64],
+    phase: &'a [f64],
+    axis: Axis,
+    /// What the axis ends at.
+    floor: f64,
+}
+
+/// The picture of row `row` of the spectra, and what the pointer is told of it.
+pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(String, Hover), ReportError> {
+    let of = |rows: &'_ [Vec<f64>]| rows.get(row).cloned().unwrap_or_default();
+    let frequency = of(&spectra.frequency);
+    let (tip, tip_phase) = (of(&spectra.tip_amplitude), of(&spectra.tip_phase));
+    let (force, force_phase) = (of(&spectra.force_amplitude), of(&spectra.force_phase));
+    let panels = [
+        Panel::new(("travel of the tip", "m"), &tip, &tip_phase),
+        Panel::new(("force on the tip", "N"), &force, &force_phase),
+    ];
+    let last = last(&panels) as f64;
+    let first = frequency.first().copied().unwrap_or(f64::NAN);
+    let label = format!("harmonic of {}", shown(first, "Hz", 6));
+    let x_axis = Axis::over([0.0, last + 1.0].into_iter(), "1", &label, false, 0.0);
+    let (width, height, gap, top) = (640.0, 190.0, 16.0, 40.0);
+    let left = panels.iter().map(|panel| left_margin(&panel.axis, height)).fold(0.0, f64::max);
+    let total_width = left + width + 24.0;
+    let bottom = top + 2.0 * (height + gap) - gap;
+    let mut hover = Hover::default();
+    let svg = picture((total_width, bottom + 52.0), |canvas| {
+        title(canvas, heading, left, total_width)?;
+        for (number, panel) in panels.iter().enumerate() {
+            let top = top + number as f64 * (height + gap);
+            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &panel.axis };
+            frame.grid()?;
+            hover.points(panel.sticks(&frame, &frequency)?);
+            frame.edges(number == 1, true)?;
+        }
+        Ok(())
+    })?;
+    Ok((svg, hover))
+}
+
+/// The last harmonic that any of the panels shows, 1 at least.
+fn last(panels: &[Panel]) -> usize {
+    let of = |panel: &Panel| panel.amplitude.iter().rposition(|value| *value >= panel.floor);
+    panels.iter().filter_map(of).max().map_or(1, |at| at + 1)
+}
+
+impl<'a> Panel<'a> {
+    fn new((label, units): (&'static str, &'static str), amplitude: &'a [f64], phase: &'a [f64]) -> Self {
+        let most = amplitude.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
+        let shown = || amplitude.iter().copied().filter(|value| *value > 0.0 && *value >= FLOOR * most);
+        // Whole decades around what is shown.
+        let ends = [shown().fold(most, f64::min) / 2.0, most * 2.0];
+        let axis = Axis::over(ends.into_iter(), units, label, true, 0.0);
+        Self { label, units, amplitude, phase, axis, floor: FLOOR * most.max(f64::MIN_POSITIVE) }
+    }
+
+    /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
+    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<((f64, f64), String)>, ReportError> {
+        let bottom = frame.top + frame.height;
+        let mut told = Vec::new();
+        for (i, &amplitude) in self.amplitude.iter().enumerate().filter(|(_, value)| **value >= self.floor) {
+            let at = frame.at((i + 1) as f64, amplitude);
+            if !(at.0.is_finite() && at.1.is_finite()) {
+                continue;
+            }
+            let value = |all: &[f64], units| shown(all.get(i).copied().unwrap_or(f64::NAN), units, 4);
+            frame.canvas.line(&[(at.0, bottom), at], LINES[0], 2.0)?;
+            frame.canvas.dot(at, 2.6, LINES[0])?;
+            told.push((
+                at,
+                format!(
+                    "harmonic {} at {}: {} {}, lag {}",
+                    i + 1,
+                    value(frequency, "Hz"),
+                    self.label,
+                    shown(amplitude, self.units, 4),
+                    value(self.phase, "degree")
+                ),
+            ));
+        }
+        if told.is_empty() {
+            let middle = (frame.left + frame.width / 2.0, frame.top + frame.height / 2.0);
+            frame.canvas.text("nothing", middle, SMALL, Anchor::Middle, INK)?;
+        }
+        Ok(told)
+    }
+}
+
+/// What is seen: the harmonics of travel and of force beyond the first that are more than a hundredth of it.
+pub(super) fn told(spectra: &Spectra, row: usize) -> String {
+    let one = |what: &str, rows: &[Vec<f64>]| {
+        let amplitude = rows.get(row).map_or(&[][..], Vec::as_slice);
+        let first = amplitude.first().copied().unwrap_or(f64::NAN);
+        let above = |(_, value): &(usize, &f64)| **value > TOLD * first;
+        let numbers: Vec<usize> =
+            amplitude.iter().enumerate().skip(1).filter(above).map(|(i, _)| i + 1).collect();
+        match numbers.as_slice() {
+            [] => format!("of the {what} none"),
+            [some @ .., last] if some.len() < MOST_TOLD => {
+                let some: Vec<String> = some.iter().map(usize::to_string).collect();
+                let before = if some.is_empty() { String::new() } else { some.join(", ") + " and " };
+                format!("of the {what} {before}{last}")
+            }
+            all => format!("of the {what} {} of those up to {}", all.len(), all[all.len() - 1]),
+        }
+    };
+    format!(
+        "Harmonics above 1 % of the first: {}; {}.",
+        one("travel", &spectra.tip_amplitude),
+        one("force", &spectra.force_amplitude)
+    )
+}
+
+/// Its numbers; harmonics that its steps do not resolve have none.
+pub(super) fn csv(spectra: &Spectra, row: usize) -> String {
+    let heads = Spectra::COLUMNS.map(|column| format!("{} [{}]", column.name, column.units));
+    let mut text = format!("harmonic,{}\n", heads.join(","));
+    for i in 0..spectra.harmonics() {
+        text += &(i + 1).to_string();
+        for column in Spectra::COLUMNS {
+            let value = (column.of)(spectra).get(row).and_then(|row| row.get(i)).copied();
+            text +=
+                &value.filter(|value| !value.is_nan()).map_or(",".to_owned(), |value| format!(",{value:e}"));
+        }
+        text.push('\n');
+    }
+    text
+}
