@@ -1,7 +1,7 @@
 //! The results file as Python's readers see it: xarray with both engines, netCDF4, h5py, and h5dump.
 //! Truth: those programs, through `tests/python/check_results.py`.
 
-use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
+use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar, with_spectra};
 use afmsweep::store::{Attribute, Results, Writer};
 use std::io::Write;
 use std::path::Path;
@@ -55,6 +55,7 @@ fn examples() -> Vec<(&'static str, Results)> {
         ("grid.h5", grid()),
         ("list.h5", list()),
         ("scalar.h5", scalar()),
+        ("spectra.h5", with_spectra()),
         ("own_times.h5", own_times),
         ("long_text.h5", long_text),
         ("bare.h5", bare),

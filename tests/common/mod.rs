@@ -81,6 +81,7 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
             indentation: rows(1, 1e-11),
             force: rows(1, 1e-12),
         }),
+        spectra: None,
         force_curves: ["approach", "retract"]
             .iter()
             .enumerate()

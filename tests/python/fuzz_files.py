@@ -98,7 +98,8 @@ periods = 120
 measure = 10
 """
     + TAIL
-    + "waveforms = { instances = [0, 1, 2], samples_per_period = 64, periods = 2 }\n",
+    + "waveforms = { instances = [0, 1, 2], samples_per_period = 64, periods = 2 }\n"
+    + "spectra = { instances = [2, 0] }\n",
 }
 
 

@@ -56,7 +56,7 @@ PHASES = ["stepping", "refinement", "branches", "waveforms", "audit"]
 
 def numbers(file):
     """The variables of the root that a run computes, and those of its second states, by name."""
-    left_out = {"audit", "waveforms", "force_curves", "provenance"}
+    left_out = {"audit", "waveforms", "spectra", "force_curves", "provenance"}
     found = {}
     file.visititems(lambda name, one: found.update({name: one[...]} if isinstance(one, h5py.Dataset) else {}))
     return {name: data for name, data in found.items() if name.split("/")[0] not in left_out}

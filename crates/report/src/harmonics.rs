@@ -78,6 +78,9 @@ impl<'a> Panel<'a> {
     /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
     fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<((f64, f64), String)>, ReportError> {
         let bottom = frame.top + frame.height;
+        // Many of them are thin.
+        let apart = frame.at(2.0, f64::NAN).0 - frame.at(1.0, f64::NAN).0;
+        let (width, radius) = ((0.6 * apart).min(2.0), (0.5 * apart).clamp(0.6, 2.6));
         let mut told = Vec::new();
         for (i, &amplitude) in self.amplitude.iter().enumerate().filter(|(_, value)| **value >= self.floor) {
             let at = frame.at((i + 1) as f64, amplitude);
@@ -85,8 +88,8 @@ impl<'a> Panel<'a> {
                 continue;
             }
             let value = |all: &[f64], units| shown(all.get(i).copied().unwrap_or(f64::NAN), units, 4);
-            frame.canvas.line(&[(at.0, bottom), at], LINES[0], 2.0)?;
-            frame.canvas.dot(at, 2.6, LINES[0])?;
+            frame.canvas.line(&[(at.0, bottom), at], LINES[0], width)?;
+            frame.canvas.dot(at, radius, LINES[0])?;
             told.push((
                 at,
                 format!(
