@@ -125,7 +125,7 @@ pub(super) fn told(spectra: &Spectra, row: usize) -> String {
                 let before = if some.is_empty() { String::new() } else { some.join(", ") + " and " };
                 format!("of the {what} {before}{last}")
             }
-            all => format!("of the {what} {} of those up to {}", all.len(), all[all.len() - 1]),
+            all => format!("of the {what} {} up to harmonic {}", all.len(), all[all.len() - 1]),
         }
     };
     format!(
