@@ -214,3 +214,97 @@ fn set_points_that_only_waiting_passes_are_held() {
         assert!(one.measured.force_mean > 0.0, "{share}");
     }
 }
+
+/// Truth: the power balance, as above, at phases that are asked for; the photodiode's share of its free amplitude, which on a driven
+/// base in a liquid is another than the tip's.
+#[test]
+fn phases_and_deflections_are_held() {
+    let scene = tapping(
+        "setpoint_of = \"phase\"",
+        "\"drive.free_amplitude\" = { values = [\"20 nm\"] }\n\"approach.setpoint\" = { values = [60, 50, 110, 120] }",
+    );
+    for (one, degrees) in run(&scene).results.iter().zip([60.0, 50.0, 110.0, 120.0f64]) {
+        assert_eq!(one.status, Status::Ok, "{degrees}");
+        assert!(
+            (one.measured.phase - degrees).abs().to_radians() < 0.06e-3,
+            "{degrees}: {}",
+            one.measured.phase
+        );
+        let share = one.measured.harmonics[0] / 20e-9;
+        assert!((share - degrees.to_radians().sin()).abs() < 1e-3, "{degrees}: {share}");
+        assert_eq!(one.measured.force_mean > 0.0, degrees < 90.0, "{degrees}");
+    }
+    let liquid = r#"
+[instrument.cantilever]
+modes = [{ stiffness = "0.1 N/m", frequency = "30 kHz", quality_factor = 2 }]
+[instrument.actuator]
+model = "rigid"
+[instrument.tip]
+radius = "20 nm"
+[sample]
+youngs_modulus = "100 MPa"
+surface_energy = "0 J/m^2"
+[contact]
+law = "hertz"
+[drive]
+frequency = "30 kHz"
+free_amplitude = "20 nm"
+[approach]
+setpoint_of = "deflection"
+[sweep]
+"approach.setpoint" = { values = [0.6, 0.7, 0.8, 0.9] }
+[output]
+observables = ["amplitude", "deflection_amplitude", "force_max"]
+"#;
+    let ran = run(&parse(liquid));
+    for (i, (one, share)) in ran.results.iter().zip([0.6, 0.7, 0.8, 0.9]).enumerate() {
+        let free = &ran.plan.driven(i as u32).free;
+        let held = one.measured.deflection_amplitude / free.deflection(free.tip).norm();
+        let tip = one.measured.harmonics[0] / 20e-9;
+        assert_eq!(one.status, Status::Ok, "{share}");
+        assert!(
+            (held - share).abs() < 1e-3 * 0.06 && (tip - share).abs() > 0.01,
+            "{share}: {held}, tip {tip}"
+        );
+    }
+}
+
+/// A sharp tip sinks into a gel by many free amplitudes before its amplitude falls. Truth: the curve over the gap.
+#[test]
+fn soft_samples_hold_set_points_far_below_their_surface() {
+    let soft = |approach: &str| {
+        parse(&format!(
+            r#"
+[instrument.cantilever]
+modes = [{{ stiffness = "0.1 N/m", frequency = "30 kHz", quality_factor = 2 }}]
+[instrument.tip]
+radius = "20 nm"
+[sample]
+youngs_modulus = "100 kPa"
+surface_energy = "0 J/m^2"
+[contact]
+law = "hertz"
+[drive]
+on = "tip"
+frequency = "30 kHz"
+free_amplitude = "20 nm"
+{approach}
+[output]
+observables = ["amplitude"]
+"#
+        ))
+    };
+    let held = run(&soft("[approach]\nsetpoint = 0.9"));
+    let one = held.results.get(0);
+    let gap = one.measured.gap;
+    assert!(one.status == Status::Ok && gap < -400e-9, "{gap}");
+    let curve = "[curve]\nquantity = \"approach.gap\"\nfrom = \"25 nm\"\npoints = 26\nto = \"";
+    let along = run(&soft(&format!("{curve}{} nm\"", 1e9 * gap)));
+    let last = along.results.get(25).measured.harmonics[0] / 20e-9;
+    assert!((last - 0.9).abs() < 1e-3, "{last}");
+    let shallow = run(&soft("[approach]\nsetpoint = 0.9\ndeepest = \"100 nm\""));
+    assert_eq!(shallow.results.get(0).status, Status::NoSetpoint);
+    let told =
+        |note: &String| note.contains("1 set-points are not met") && note.contains("[approach] deepest");
+    assert!(shallow.notes.iter().any(told), "{:?}", shallow.notes);
+}

@@ -33,6 +33,8 @@ const SCENES: &[(&str, &str)] = &[
     ("gap = \"16 nm\"", "gap = 16"),
     ("gap = \"16 nm\"", "gap = \"16\""),
     ("gap = \"16 nm\"", "gap = 16 nm"),
+    ("radius = \"8 nm\"", "radius = 8e-9"),
+    ("youngs_modulus = \"2.7 GPa\"", "youngs_modulus = \"2.7 GPa\"\nthickness = \"200 nm\""),
     ("gap = \"16 nm\"", "gap = \"16 nN\""),
     ("gap = \"16 nm\"", "gap = \"16 nanometer\""),
     ("gap = \"16 nm\"", "gap = \"16 parsec\""),

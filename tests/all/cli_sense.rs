@@ -345,3 +345,28 @@ fn small_words_are_right() {
     let error = Scene::parse(Path::new("test.toml"), ragged).unwrap_err().to_string();
     assert!(error.contains("found 1 value;"), "{error}");
 }
+
+/// Truth: the same scene from its file.
+#[test]
+fn a_scene_comes_from_standard_input() {
+    use std::io::Write;
+    use std::process::Stdio;
+    let desk = Desk::new();
+    let scene = desk.write("own.toml", CALIBRATED);
+    desk.works(&["run", "own.toml", "--no-audit", "-o", "file.h5"]);
+    let mut child = desk
+        .command(&["run", "-", "--no-audit"])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let text = std::fs::read_to_string(&scene).expect("it was written");
+    child.stdin.take().expect("it reads").write_all(text.as_bytes()).expect("it reads all");
+    let said = child.wait_with_output().expect("it ends");
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let read = |name: &str| store::read(&desk.path(name)).expect("it is whole");
+    assert_eq!(read("results/stdin.h5").variables, read("file.h5").variables);
+    // Nobody's own sample is a warning.
+    let stderr = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert!(stderr.contains("warning: from the preset"), "{stderr}");
+}

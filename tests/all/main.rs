@@ -87,6 +87,7 @@ mod exact_reference_engine;
 mod exact_rods;
 mod exact_tangents;
 mod fuzz_inputs;
+mod guard_left_behind;
 mod hard_cases;
 mod hard_contact;
 mod hard_instrument;

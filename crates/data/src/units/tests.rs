@@ -167,8 +167,9 @@ fn agrees_with_runits() {
 fn refusals_say_what_and_why() {
     use Dimension::*;
     use UnitErrorKind::*;
-    let cases: [(&str, Dimension, UnitErrorKind, &str); 18] = [
+    let cases: [(&str, Dimension, UnitErrorKind, &str); 19] = [
         ("30", Length, MissingUnit, "give its unit: \"30 nm\" or \"30 um\""),
+        ("8e-9", Length, MissingUnit, "give its unit: \"8 nm\", if it is in m"),
         ("0", SurfaceEnergy, MissingUnit, "\"0 J/m^2\""),
         ("30 GPa", Length, WrongDimension(Some(Pressure)), "a pressure"),
         ("30 nm", Dimensionless, WrongDimension(Some(Length)), "leave the unit out"),
