@@ -221,9 +221,9 @@ fn set_points_that_only_waiting_passes_are_held() {
 fn phases_and_deflections_are_held() {
     let scene = tapping(
         "setpoint_of = \"phase\"",
-        "\"drive.free_amplitude\" = { values = [\"20 nm\"] }\n\"approach.setpoint\" = { values = [60, 50, 110, 120] }",
+        "\"drive.free_amplitude\" = { values = [\"20 nm\"] }\n\"approach.setpoint\" = { values = [60, 50, 105, 110] }",
     );
-    for (one, degrees) in run(&scene).results.iter().zip([60.0, 50.0, 110.0, 120.0f64]) {
+    for (one, degrees) in run(&scene).results.iter().zip([60.0, 50.0, 105.0, 110.0f64]) {
         assert_eq!(one.status, Status::Ok, "{degrees}");
         assert!(
             (one.measured.phase - degrees).abs().to_radians() < 0.06e-3,
