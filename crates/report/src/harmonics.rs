@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::Axis;
 use super::canvas::{Anchor, INK, LINES, picture};
 use super::frame::{Frame, SMALL, left_margin, title};
-use super::hover::Hover;
+use super::hover::{Hover, Told};
 use super::quantity::shown;
 use crate::store::Spectra;
 
@@ -76,7 +76,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
-    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<((f64, f64), String)>, ReportError> {
+    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<Told>, ReportError> {
         let bottom = frame.top + frame.height;
         // Many of them are thin.
         let apart = frame.at(2.0, f64::NAN).0 - frame.at(1.0, f64::NAN).0;
