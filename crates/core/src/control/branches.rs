@@ -99,6 +99,14 @@ enum Which {
     Second,
 }
 
+/// A search from a neighbour's state, by the number of that neighbour's side.
+struct Trial {
+    instance: u32,
+    side: u32,
+    neighbour: u32,
+    which: Which,
+}
+
 /// Its bit among the states of neighbours that an instance has been searched from.
 fn bit(side: u32, which: Which) -> u64 {
     1 << (2 * side + u32::from(which == Which::Second))
@@ -150,13 +158,14 @@ impl Hunt<'_> {
             for &i in look.iter().filter(|i| !self.seconds.contains_key(i)) {
                 if let Some((side, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
                     tried[i as usize] |= bit(side, which);
-                    wave.push((i, (side, j), which));
+                    wave.push(Trial { instance: i, side, neighbour: j, which });
                 }
             }
             look = self.wave((&wave, neighbours), all, pieces)?;
             let next: Vec<u32> = look.iter().flat_map(|i| neighbours.around(*i)).map(|(_, j)| j).collect();
             // Who found nothing may have other neighbours to try.
-            look = wave.into_iter().map(|(i, ..)| i).chain(next).filter(|i| may[*i as usize]).collect();
+            look =
+                wave.into_iter().map(|one| one.instance).chain(next).filter(|i| may[*i as usize]).collect();
             look.sort_unstable();
             look.dedup();
         }
@@ -166,20 +175,21 @@ impl Hunt<'_> {
     /// Searches from neighbours' states; gives the instances that now have a second state.
     fn wave(
         &mut self,
-        (wave, neighbours): (&[(u32, (u32, u32), Which)], &Neighbours),
+        (wave, neighbours): (&[Trial], &Neighbours),
         all: &mut Others,
         pieces: &Pieces,
     ) -> Result<Vec<u32>, EngineError> {
         let plan = &self.run.plan;
-        let numbers: Vec<u32> = wave.iter().map(|(i, ..)| *i).collect();
+        let numbers: Vec<u32> = wave.iter().map(|one| one.instance).collect();
         let part = plan.part(&numbers);
-        let place = |(n, (_, (side, j), which)): (usize, &(u32, (u32, u32), Which))| {
-            let Some(state) = self.state(*j, *which) else { return Station::free(&part, n as u32) };
-            let beyond = neighbours.around(*j).find(|(other, _)| other == side);
+        let place = |(n, one): (usize, &Trial)| {
+            let Trial { side, neighbour: j, which, .. } = *one;
+            let Some(state) = self.state(j, which) else { return Station::free(&part, n as u32) };
+            let beyond = neighbours.around(j).find(|(other, _)| *other == side);
             let both =
                 beyond.into_iter().flat_map(|(_, k)| [Which::First, Which::Second].map(|which| (k, which)));
             let before: Vec<_> = both.filter_map(|(k, which)| Some((k, self.state(k, which)?))).collect();
-            steady::carried_on((plan, *j, &state), &before, &part, n as u32)
+            steady::carried_on((plan, j, &state), &before, &part, n as u32)
         };
         let places: Vec<Station> = wave.iter().enumerate().map(place).collect();
         let mut found = Vec::new();
