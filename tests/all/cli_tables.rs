@@ -179,10 +179,17 @@ fn every_scene_loads_and_plans() {
         ));
         assert!(kept[0] > 0.5, "{name}: the first mode kept carries most: {kept:?}");
         assert!(plan["estimated_time_s"].as_f64().unwrap() > 0.0);
-        assert!(plan["expected_time_s"].as_f64().unwrap() > 0.0);
+        // Trials that take too long tell no time.
+        let expected = plan.get("expected_time_s").expect("it is told, or null");
+        assert!(expected.is_null() || expected.as_f64().is_some_and(|seconds| seconds > 0.0), "{expected}");
         assert!(plan["file_bytes"].as_u64().unwrap() > 0 && plan["memory_bytes"].as_u64().unwrap() > 0);
         let text = desk.works(&["plan", name]);
-        assert!(text.out.contains("steps/period") && text.out.starts_with("expected time "), "{}", text.out);
+        assert!(
+            text.out.contains("steps/period")
+                && (text.out.starts_with("expected time ") || text.out.starts_with("no expected time")),
+            "{}",
+            text.out
+        );
         assert_eq!(text.err, "");
         assert!(!desk.path("results").exists(), "a plan writes nothing");
     }

@@ -108,7 +108,7 @@ impl UnitError {
                 // Zero is zero in any unit; any other number's unit is a guess, so offer the usual ones.
                 let usual = expected.usual_units();
                 let si = number.times_ten_to(0).unwrap_or(f64::NAN);
-                let small = si.abs() > 0.0 && si.abs() < SMALL && !usual.contains(&expected.si_unit());
+                let small = si.abs() > 0.0 && si.abs() < SMALL && usual.first() != Some(&expected.si_unit());
                 let shown: Vec<String> = if si == 0.0 {
                     vec![format!("\"{value} {}\"", expected.si_unit())]
                 } else if small {
