@@ -156,7 +156,7 @@ fn every_scene_loads_and_plans() {
     let desk = Desk::new();
     for path in scenes() {
         let name = path.to_str().unwrap();
-        let plan = desk.json(&["plan", name, "--json"]);
+        let plan = desk.json(&["plan", name, "--json", "-q"]);
         let scene = Scene::load(&path).unwrap();
         assert_eq!(plan["instances"].as_u64(), Some(scene.len() as u64), "{name}");
         let classes = plan["classes"].as_array().unwrap();
@@ -183,7 +183,7 @@ fn every_scene_loads_and_plans() {
         let expected = plan.get("expected_time_s").expect("it is told, or null");
         assert!(expected.is_null() || expected.as_f64().is_some_and(|seconds| seconds > 0.0), "{expected}");
         assert!(plan["file_bytes"].as_u64().unwrap() > 0 && plan["memory_bytes"].as_u64().unwrap() > 0);
-        let text = desk.works(&["plan", name]);
+        let text = desk.works(&["plan", name, "-q"]);
         assert!(
             text.out.contains("steps/period")
                 && (text.out.starts_with("expected time ") || text.out.starts_with("no expected time")),
