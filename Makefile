@@ -14,6 +14,7 @@
 # make dask-slurm-check   a run in shares by dask-jobqueue on that node (a minute)
 # make dakota-check   studies driven by Dakota: its points, its calibration (some seconds)
 # make kill-check   100 kills at random moments of runs of every kind, 30 full disks, 30 second runs on a journal, and 2,000 bits turned over in a journal and in results files (half an hour)
+# make same-bits OTHER=PROGRAM   whether another version of the program gives the same bits for the same work, over 128 sweeps; TIMES=5: processor seconds of both in turns (some minutes)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
 STATIC ?=
@@ -25,7 +26,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check slurm-check dask-check dask-slurm-check dakota-check peers clean
+.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -94,6 +95,9 @@ many: build $(PYTHON)
 
 signal-check: build $(PYTHON)
 	.venv/bin/python tests/python/signals.py $(PROGRAM)
+
+same-bits: build $(PYTHON)
+	.venv/bin/python tests/python/same_bits.py $(PROGRAM) $(OTHER) --times $(or $(TIMES),0)
 
 kill-check: build $(PYTHON)
 	.venv/bin/python tests/python/kills.py $(PROGRAM)

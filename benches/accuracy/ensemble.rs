@@ -40,6 +40,9 @@ pub const LEVERS: Ensemble = Ensemble {
     truth: Truth::Own,
 };
 
+/// All kinds of levers shaken at the base, most of them off resonance.
+pub const SHAKEN: Ensemble = Ensemble { from: Ranges::SHAKEN, ..LEVERS };
+
 /// Of the reference where it waits: three digits below the finest accuracy asked for.
 const TOLERANCE: f64 = 1e-9;
 /// And where it looks for the state next to a run's own.

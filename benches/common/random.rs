@@ -27,7 +27,13 @@ impl Random {
 /// Ends of what is random, each spread evenly over its logarithm, gaps evenly.
 #[derive(Clone, Copy, Debug)]
 pub struct Ranges {
-    /// N/m and Hz; the drive is at the lever's frequency.
+    /// What the drive acts on: "tip", or "actuator" (a rigid base).
+    pub on: &'static str,
+    /// The drive's frequency over the lever's.
+    pub detuning: [f64; 2],
+    /// Of the lever's own effective mass (stiffness over the square of its angular frequency).
+    pub tip_mass: [f64; 2],
+    /// N/m and Hz
     pub stiffness: [f64; 2],
     pub frequency: [f64; 2],
     pub quality: [f64; 2],
@@ -43,6 +49,9 @@ pub struct Ranges {
 impl Ranges {
     /// One lever of tapping in air.
     pub const USUAL: Self = Self {
+        on: "tip",
+        detuning: [1.0; 2],
+        tip_mass: [0.0; 2],
         stiffness: [40.0; 2],
         frequency: [300e3; 2],
         quality: [10.0, 60.0],
@@ -54,6 +63,9 @@ impl Ranges {
     };
     /// From soft levers in liquids to stiff ones in air, each instance another.
     pub const LEVERS: Self = Self {
+        on: "tip",
+        detuning: [1.0; 2],
+        tip_mass: [0.0; 2],
         stiffness: [0.03, 100.0],
         frequency: [10e3, 1e6],
         quality: [1.5, 1000.0],
@@ -61,6 +73,20 @@ impl Ranges {
         work: [1e-3, 0.2],
         radius: [2e-9, 200e-9],
         amplitude: [1e-9, 200e-9],
+        gap: [0.2, 1.05],
+    };
+    /// Wider ranges yet, shaken at the base, off resonance, with a mass at the tip.
+    pub const SHAKEN: Self = Self {
+        on: "actuator",
+        detuning: [0.85, 1.15],
+        tip_mass: [1e-3, 0.3],
+        stiffness: [0.02, 300.0],
+        frequency: [3e3, 3e6],
+        quality: [1.2, 3000.0],
+        modulus: [0.2e6, 400e9],
+        work: [1e-5, 0.2],
+        radius: [1e-9, 500e-9],
+        amplitude: [0.5e-9, 300e-9],
         gap: [0.2, 1.05],
     };
 }
@@ -82,7 +108,7 @@ pub struct Wide<'a> {
 pub fn scene(wide: &Wide) -> Scene {
     let Wide { law, count, seed, accuracy, from, run } = *wide;
     let mut random = Random(seed);
-    let mut lists: [(&str, &str, Vec<f64>); 9] = [
+    let mut lists: [(&str, &str, Vec<f64>); 10] = [
         ("sample.youngs_modulus", "Pa", vec![]),
         ("sample.surface_energy", "J/m^2", vec![]),
         ("instrument.tip.radius", "m", vec![]),
@@ -92,6 +118,7 @@ pub fn scene(wide: &Wide) -> Scene {
         ("instrument.cantilever.stiffness", "N/m", vec![]),
         ("instrument.cantilever.frequency", "Hz", vec![]),
         ("drive.frequency", "Hz", vec![]),
+        ("instrument.tip.mass", "kg", vec![]),
     ];
     for _ in 0..count {
         let mut any = |[low, high]: [f64; 2]| random.log(low, high);
@@ -105,16 +132,20 @@ pub fn scene(wide: &Wide) -> Scene {
         };
         let stiffness = one(from.stiffness, &mut random);
         let frequency = one(from.frequency, &mut random);
-        let values = [modulus, work, radius, quality, amplitude, gap, stiffness, frequency, frequency];
+        let drive = frequency * one(from.detuning, &mut random);
+        let lever = stiffness / (std::f64::consts::TAU * frequency).powi(2);
+        let mass = lever * one(from.tip_mass, &mut random);
+        let values = [modulus, work, radius, quality, amplitude, gap, stiffness, frequency, drive, mass];
         for ((.., list), value) in lists.iter_mut().zip(values) {
             list.push(value);
         }
     }
     // What does not vary is in the scene.
     let varies = |list: &[f64]| list.windows(2).any(|pair| pair[0] != pair[1]);
+    let on = from.on;
     let samples: String = lists
         .iter()
-        .filter(|(.., list)| varies(list) || list.len() < 2)
+        .filter(|(.., list)| varies(list) || (list.len() < 2 && list.iter().all(|value| *value > 0.0)))
         .map(|(path, unit, list)| {
             let words: Vec<String> = list
                 .iter()
@@ -138,7 +169,7 @@ model = "rigid"
 [contact]
 law = "{law}"
 [drive]
-on = "tip"
+on = "{on}"
 frequency = "300 kHz"
 free_amplitude = "20 nm"
 [approach]
