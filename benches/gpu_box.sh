@@ -39,7 +39,7 @@ run() {
     [ -z "$quick" ] || { sizes=1000,4000 instances=4096; }
     "$program" devices --json | tee "$out/devices.json"
     # The steps go on if one fails: what the others find is wanted all the same.
-    { "$box/gpu" --test-threads 1 --nocapture 2>&1 || true; } | tee "$out/agree.log"
+    { timeout 200 "$box/gpu" --test-threads 1 --nocapture 2>&1 || true; } | tee "$out/agree.log"
     for scene in quickstart paper_fig4_hertz paper_fig4_dmt paper_fig4_jkr; do
         timeout 100 "$program" check "$box/scenes/$scene.toml" -i 6 2>&1 || true
     done | tee "$out/check.log"

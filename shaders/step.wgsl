@@ -124,7 +124,7 @@ fn fly(lever: Case, state: ptr<function, State>, kick: Kick) {
 
 fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: real, decay: Decay) -> Sample {
     let met = meet(lever, *state, cosine, sine, decay);
-    let kick = $law_kick(law, met.at, (*state).touching);
+    let kick = law_kick(law, met.at, (*state).touching);
     let impulse = kick.impulse;
     (*state).touching = kick.touching;
     fly(lever, state, kick);

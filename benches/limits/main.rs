@@ -98,7 +98,8 @@ fn plan(variant: &Variant, instances: usize, precision: Precision) -> Plan {
 /// Share of the periods that is measured.
 const MEASURED: f64 = 0.25;
 
-/// Instance-steps per second, by the longest of runs that take about `seconds`.
+/// Instance-steps per second of runs that take about `seconds` longer than one of a single period: what is done once for an
+/// instance is not counted, which on a fast device takes longer than many periods.
 fn rate(plan: &Plan, engine: &dyn Engine, seconds: f64) -> f64 {
     let mut plan = plan.clone();
     let most = plan.run.periods;
@@ -106,19 +107,20 @@ fn rate(plan: &Plan, engine: &dyn Engine, seconds: f64) -> f64 {
         (plan.run.periods, plan.run.measure) = (periods, (MEASURED * f64::from(periods)).max(1.0) as u32);
         let start = Instant::now();
         engine.run(&plan, &Progress::default()).expect("the plan can be run");
-        plan.instance_steps() as f64 / start.elapsed().as_secs_f64()
+        (plan.instance_steps() as f64, start.elapsed().as_secs_f64())
     };
     run(1);
-    let mut best: f64 = 0.0;
-    let mut periods = 1;
+    let (once, set_up) = run(1);
+    let mut periods = 4;
     loop {
-        let start = Instant::now();
-        best = best.max(run(periods));
-        let took = start.elapsed().as_secs_f64();
-        if took > 0.5 * seconds || periods == most {
-            return best.max(run(periods));
+        let (steps, took) = run(periods);
+        let stepping = (took - set_up).max(1e-3 * seconds);
+        if stepping > 0.5 * seconds || periods == most {
+            let (_, again) = run(periods);
+            return (steps - once) / (took.min(again) - set_up).max(1e-9);
         }
-        periods = (f64::from(periods) * (seconds / took).clamp(1.5, 16.0)).ceil().min(f64::from(most)) as u32;
+        periods =
+            (f64::from(periods) * (seconds / stepping).clamp(1.5, 16.0)).ceil().min(f64::from(most)) as u32;
     }
 }
 

@@ -1,8 +1,7 @@
 //! Floating-point operations of one instance-step, counted in the parsed shader: the CPU kernel is its twin.
 
-use afmsweep::kernel::{Entry, ShaderSpec};
-use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::Start;
+use afmsweep::kernel::Entry;
+use afmsweep::plan::Plan;
 use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 
 /// Sums, products, quotients, roots, min, max and abs of a step, and in the share of them that is `measured` of what it
@@ -11,15 +10,7 @@ use naga::{Block, Expression, Function, MathFunction, Module, Statement};
 /// counted, the kernel has none.
 pub fn operations(plan: &Plan, measured: f64) -> [f64; 2] {
     let class = &plan.classes()[0];
-    let spec = ShaderSpec {
-        entry: Entry::Sweep,
-        law: class.law.shader(),
-        modes: class.modes,
-        wants: plan.wants,
-        measured: true,
-        decay: plan.run.start == Start::Rest,
-        double: plan.precision == Precision::F64,
-    };
+    let spec = plan.shader(class, Entry::Sweep);
     let module = naga::front::wgsl::parse_str(&spec.compose()).expect("the shader is right");
     [false, true].map(|branches| {
         let counted = |name: &str| of_function(&module, named(&module, name), branches) as f64;

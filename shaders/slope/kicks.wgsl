@@ -32,7 +32,7 @@ fn see(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: r
     var decay: Decay;
     let touching = (*state).touching;
     let met = meet(lever, *state, cosine, sine, decay);
-    let kick = $law_kick(law, met.at, touching);
+    let kick = law_kick(law, met.at, touching);
     (*state).touching = kick.touching;
     fly(lever, state, kick);
     return Seen(met.at, touching, abs(kick.impulse), kick.contact);
@@ -48,29 +48,20 @@ fn acts(here: Seen, before: Seen, after: Seen, little: real) -> bool {
     return ZERO < here.contact || (ZERO < here.size && steep);
 }
 
-fn slope_of(law: Law, here: Seen) -> DualKick {
-    let at = DualApproach(
-        Dual(here.at.indentation, vec3<real>(ONE, ZERO, ZERO)),
-        Dual(here.at.speed, vec3<real>(ZERO, ONE, ZERO)),
-        Dual(here.at.acceleration, vec3<real>(ZERO, ZERO, ONE)),
-    );
-    return dual_$law_kick(law, at, dual_of(here.touching));
-}
-
 // Something that is not zero.
 fn some(by: vec3<real>) -> bool {
     return by.x != ZERO || by.y != ZERO || by.z != ZERO;
 }
 
-fn write_down(i: u32, kick: u32, by: DualKick) {
+fn write_down(i: u32, kick: u32, by: KickSlope) {
     let first = kick * PARTIALS;
-    partials[at(first, i)] = by.impulse.by.x;
-    partials[at(first + 1u, i)] = by.impulse.by.y;
-    partials[at(first + 2u, i)] = by.impulse.by.z;
+    partials[at(first, i)] = by.impulse.x;
+    partials[at(first + 1u, i)] = by.impulse.y;
+    partials[at(first + 2u, i)] = by.impulse.z;
     //% if shifts
-    partials[at(first + 3u, i)] = by.shift.by.x;
-    partials[at(first + 4u, i)] = by.shift.by.y;
-    partials[at(first + 5u, i)] = by.shift.by.z;
+    partials[at(first + 3u, i)] = by.shift.x;
+    partials[at(first + 4u, i)] = by.shift.y;
+    partials[at(first + 5u, i)] = by.shift.z;
     //% end
 }
 
@@ -135,11 +126,11 @@ fn kicks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             // Nothing was before the first step.
             here = after;
         } else {
-            var by: DualKick;
+            var by: KickSlope;
             if acts(here, before, after, little) {
-                by = slope_of(law, here);
+                by = law_slope(law, here.at, here.touching);
             }
-            if some(by.impulse.by) || some(by.shift.by) {
+            if some(by.impulse) || some(by.shift) {
                 write_down(i, kicks, by);
                 marks[at(3u + kicks, i)] = since;
                 kicks += 1u;

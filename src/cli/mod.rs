@@ -23,6 +23,7 @@ mod report;
 mod run;
 mod sample;
 mod schema;
+mod shader;
 mod shell;
 mod signals;
 mod slurm;
@@ -90,6 +91,8 @@ enum Command {
     Export(export::ExportArgs),
     /// Every engine on a few instances, side by side with the reference
     Check(check::CheckArgs),
+    /// The shader (WGSL) that a GPU gets for a scene
+    Shader(shader::ShaderArgs),
     /// Speed and error of each engine over the size of the ensemble
     Bench(bench::BenchArgs),
     /// A commented scene to begin with
@@ -166,6 +169,7 @@ pub fn main() -> ExitCode {
         Command::Infer(args) => infer::main(&args, voice),
         Command::Export(args) => export::main(&args, voice),
         Command::Check(args) => check::main(&args, voice),
+        Command::Shader(args) => shader::main(&args, voice),
         Command::Bench(args) => bench::main(&args, voice),
         Command::Init(args) => init::main(&args),
         Command::Explain(args) => explain::main(&args),

@@ -1,6 +1,8 @@
 //! `init` and `explain`: a scene to begin with, and what words mean. Truth: the program's own lists.
 
 use crate::program::Desk;
+use afmsweep::kernel::Entry;
+use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::QUANTITIES;
 use afmsweep::{Observable, Scene, Status};
 use std::path::Path;
@@ -36,6 +38,27 @@ fn the_first_scene_runs_and_is_met() {
     let text = desk.works(&["init"]).out;
     std::fs::write(desk.path("scene.toml"), text).unwrap();
     desk.works(&["run", "scene.toml", "-o", "scene.h5", "--strict"]);
+}
+
+/// The shader of a scene is that of the library, and of the law that the scene names.
+#[test]
+fn the_shader_that_is_shown_is_the_one_that_runs() {
+    let desk = Desk::new();
+    let text = desk.works(&["init"]).out;
+    std::fs::write(desk.path("scene.toml"), &text).unwrap();
+    let scene = Scene::parse(Path::new("scene.toml"), &text).unwrap();
+    for (word, precision) in [("f32", Precision::F32), ("f64", Precision::F64)] {
+        let plan = Plan::new(&scene, precision).unwrap();
+        let class = plan.classes().into_iter().find(|class| class.instances.contains(&0)).unwrap();
+        for entry in Entry::ALL {
+            let shown =
+                desk.works(&["shader", "scene.toml", "--entry", entry.name(), "--precision", word]).out;
+            assert_eq!(shown.trim_end(), plan.shader(&class, entry).compose().trim_end());
+            let kicks = matches!(entry, Entry::Sweep | Entry::Kicks);
+            assert_eq!(shown.contains("fn law_kick"), kicks, "{}", entry.name());
+        }
+    }
+    desk.refuses(&["shader", "scene.toml", "--instance", "9999"], &["there is no instance 9999"]);
 }
 
 /// What was used is cited, and nothing else.

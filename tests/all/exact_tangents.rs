@@ -50,7 +50,7 @@ fn constants(law: Law, count: usize, filled: usize, steps: usize, i: usize) -> V
         "inverse_decay" => 3.3,
         _ => 2.5,
     };
-    let law = law.shader().fields.iter().map(of);
+    let law = law.fields().iter().map(of);
     let free = [19.0, 6.0, TAU / steps as f64, 19.2 - 0.37 * i as f64];
     lever.motion.iter().copied().chain(free).chain(law).chain(lever.energy.iter().copied()).collect()
 }

@@ -8,13 +8,14 @@ use afmsweep::observe::Wants;
 use naga::front::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Expression, Handle, MathFunction, Module, Scalar, StorageAccess, TypeInner};
+use std::path::Path;
 
 /// Every law, few modes and as many as there can be, every set of observables, both starts, both parts of a run, both
 /// precisions; both parts of a period with its slope; and the strides of either search.
 fn every_spec() -> Vec<ShaderSpec> {
     let mut all = Vec::new();
     let entry = Entry::Sweep;
-    for law in Law::ALL.map(Law::shader) {
+    for law in Law::ALL {
         for modes in (1..=5).chain([8, MODES_MAX]) {
             for wants in Wants::every() {
                 for kind in 0..8 {
@@ -135,6 +136,23 @@ fn every_combination_passes_naga_and_the_lint() {
     println!("{} shaders", all.len());
     assert_eq!(all.len(), Law::ALL.len() * 7 * (Wants::every().len() * (8 + SEARCH.len()) + SLOPES.len()));
     assert!(all.len() >= 4 * 7 * (8 * 2 * 10 + 4));
+}
+
+/// What a reader of shaders finds in shaders/laws is what the laws write. With `AFM_WRITE_LAWS` set it is written anew.
+#[test]
+fn the_laws_texts_are_those_that_are_kept() {
+    for law in Law::ALL {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("shaders/laws/{law}.wgsl"));
+        let text = format!(
+            "// The kick of the law `{law}` as the program writes it for a shader (crates/kernel/src/contact/); not to be changed by hand.\n\n{}",
+            law.kick_text()
+        );
+        if std::env::var_os("AFM_WRITE_LAWS").is_some() {
+            std::fs::write(&path, &text).unwrap();
+        }
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(kept == text, "{}: AFM_WRITE_LAWS=1 cargo test shader_text writes it anew", path.display());
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn kick(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let approach = Approach(approaches[at(0u, i)], approaches[at(1u, i)], approaches[at(2u, i)]);
-    let kick = $law_kick(law_of(i), approach, approaches[at(3u, i)]);
+    let kick = law_kick(law_of(i), approach, approaches[at(3u, i)]);
     kicks[at(0u, i)] = kick.impulse;
     kicks[at(1u, i)] = kick.contact;
     kicks[at(2u, i)] = kick.touching;

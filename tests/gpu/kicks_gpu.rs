@@ -53,7 +53,7 @@ fn constants(i: usize, law: Law) -> Vec<f64> {
         "adhesion" | "unit_force" => stiffness * spread(i, 13),
         _ => 1.0 + 9.0 * spread(i, 17),
     };
-    law.shader().fields.iter().map(constant).map(|value| f64::from(value as f32)).collect()
+    law.fields().iter().map(constant).map(|value| f64::from(value as f32)).collect()
 }
 
 /// A kick, of a law with these constants.
@@ -98,7 +98,6 @@ fn size(i: usize, law: Law) -> f64 {
 }
 
 fn spec(law: Law) -> ShaderSpec {
-    let law = law.shader();
     let wants = Wants::FUNDAMENTAL;
     let entry = Entry::Sweep;
     ShaderSpec { entry, law, modes: 1, wants, measured: false, decay: false, double: false }
@@ -112,7 +111,7 @@ async fn kicks(law: Law) -> Vec<f32> {
     found.sort_by_key(|adapter| adapter.get_info().device_type == wgpu::DeviceType::Cpu);
     let (device, queue) = found[0].request_device(&Default::default()).await.expect("an adapter opens");
     let spec = spec(law);
-    let text = spec.law_text() + &include_str!("kicks.wgsl").replace("$law", spec.law.name);
+    let text = spec.law_text() + &include_str!("kicks.wgsl");
     let source = wgpu::ShaderSource::Wgsl(text.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

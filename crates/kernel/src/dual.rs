@@ -162,6 +162,20 @@ impl<L: Lane> Lane for Dual<L> {
         L::any(mask)
     }
     #[inline(always)]
+    fn when<T>(
+        mask: L::Mask,
+        otherwise: T,
+        work: impl FnOnce() -> T,
+        zip: impl FnOnce(T, T, &mut dyn FnMut(Self, Self) -> Self) -> T,
+    ) -> T {
+        L::when(mask, otherwise, work, |otherwise, taken, join| {
+            zip(otherwise, taken, &mut |a: Self, b: Self| {
+                let value = join(a.value, b.value);
+                Self { value, by: std::array::from_fn(|n| join(a.by[n], b.by[n])) }
+            })
+        })
+    }
+    #[inline(always)]
     fn run<R>(work: impl FnOnce() -> R) -> R {
         L::run(work)
     }

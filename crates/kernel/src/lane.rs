@@ -52,11 +52,50 @@ pub trait Lane:
     fn not(a: Self::Mask) -> Self::Mask;
     fn any(mask: Self::Mask) -> bool;
 
+    /// `work()` where some instance is in the mask, else `otherwise`. For an instance outside the mask the work must
+    /// give what `otherwise` is, or what nobody reads: lanes skip the work, they do not choose between the two, and
+    /// one that writes a shader makes a branch of it (`zip` pairs the numbers of the two). [`when`] is how laws say it.
+    #[inline(always)]
+    fn when<T>(
+        mask: Self::Mask,
+        otherwise: T,
+        work: impl FnOnce() -> T,
+        _zip: impl FnOnce(T, T, &mut dyn FnMut(Self, Self) -> Self) -> T,
+    ) -> T {
+        if Self::any(mask) { work() } else { otherwise }
+    }
+
     /// Does `work` compiled for the instructions that the lane is made of, if what it calls is inlined.
     #[inline(always)]
     fn run<R>(work: impl FnOnce() -> R) -> R {
         work()
     }
+}
+
+/// Something made of numbers, which is taken apart and put together by them.
+pub trait Zip<L> {
+    /// Of each pair of numbers, one of this and one of `other`, the number that `join` makes.
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self;
+}
+
+impl<L: Lane> Zip<L> for L {
+    #[inline(always)]
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
+        join(self, other)
+    }
+}
+
+impl<L: Lane> Zip<L> for (L, L) {
+    #[inline(always)]
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
+        (join(self.0, other.0), join(self.1, other.1))
+    }
+}
+
+/// [`Lane::when`] of anything made of numbers.
+#[inline(always)]
+pub fn when<L: Lane, T: Zip<L>>(mask: L::Mask, otherwise: T, work: impl FnOnce() -> T) -> T {
+    L::when(mask, otherwise, work, |otherwise, taken, join| otherwise.zip(taken, join))
 }
 
 macro_rules! strict_scalar {

@@ -1,7 +1,9 @@
 //! The list of contact laws.
 
 use crate::Lane;
-use crate::contact::{self, Interaction, LawShader};
+use crate::contact::{self, Approach, Interaction};
+use crate::dual::Dual;
+use crate::recorded::{Recorded, function};
 
 /// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
 ///
@@ -93,15 +95,65 @@ pub trait WithLaw<L: Lane> {
     fn with<I: Interaction<L>>(self) -> Self::Output;
 }
 
-struct Shader;
+/// Names of the law's constants, and whether its kick moves the tip.
+struct Form;
 
-impl WithLaw<f64> for Shader {
-    type Output = &'static LawShader;
+impl WithLaw<f64> for Form {
+    type Output = (&'static [&'static str], bool);
 
-    fn with<I: Interaction<f64>>(self) -> &'static LawShader {
-        I::SHADER
+    fn with<I: Interaction<f64>>(self) -> Self::Output {
+        (I::FIELDS, I::SHIFTS)
     }
 }
+
+/// The law's kick as a function of the shader.
+struct KickText;
+
+impl WithLaw<Recorded> for KickText {
+    type Output = String;
+
+    fn with<I: Interaction<Recorded>>(self) -> String {
+        let kick = || {
+            let mut fields = I::FIELDS.iter().map(|field| Recorded::named(format!("law.{field}")));
+            let law =
+                I::from_numbers(|| fields.next().expect("a law takes as many numbers as it has fields"));
+            let [indentation, speed, acceleration] = APPROACH.map(Recorded::named);
+            let kick = law.kick(Approach { indentation, speed, acceleration }, Recorded::named("touching"));
+            vec![kick.impulse, kick.shift, kick.contact, kick.touching]
+        };
+        let head = "fn law_kick(law: Law, at: Approach, touching: real) -> Kick";
+        function(head, kick, |words| format!("Kick({})", words.join(", ")))
+    }
+}
+
+/// The derivatives of the law's kick, likewise.
+struct SlopeText;
+
+impl WithLaw<Dual<Recorded>> for SlopeText {
+    type Output = String;
+
+    fn with<I: Interaction<Dual<Recorded>>>(self) -> String {
+        let head = "fn law_slope(law: Law, at: Approach, touching: real) -> KickSlope";
+        let slopes = || {
+            let named = |name: String| Dual::constant(Recorded::named(name));
+            let mut fields = I::FIELDS.iter().map(|field| named(format!("law.{field}")));
+            let law =
+                I::from_numbers(|| fields.next().expect("a law takes as many numbers as it has fields"));
+            let mut own = 0..3;
+            let [indentation, speed, acceleration] = APPROACH
+                .map(|name| Dual::own(Recorded::named(name), own.next().expect("there are three numbers")));
+            let kick = law.kick(Approach { indentation, speed, acceleration }, named("touching".to_owned()));
+            [kick.impulse.by, kick.shift.by].concat()
+        };
+        function(head, slopes, |words| {
+            let (impulse, shift) = words.split_at(3);
+            format!("KickSlope(vec3<real>({}), vec3<real>({}))", impulse.join(", "), shift.join(", "))
+        })
+    }
+}
+
+/// The numbers of an approach, as a shader calls them.
+const APPROACH: [&str; 3] = ["at.indentation", "at.speed", "at.acceleration"];
 
 impl Law {
     /// Its code in results files.
@@ -124,9 +176,24 @@ impl Law {
         self.acts() && indentation > 0.0
     }
 
-    /// Its part of the shader.
-    pub fn shader(self) -> &'static LawShader {
-        self.with(Shader)
+    /// Names of its constants in the kernel, in their order.
+    pub fn fields(self) -> &'static [&'static str] {
+        self.with(Form).0
+    }
+
+    /// Whether its kick also moves the tip.
+    pub fn shifts(self) -> bool {
+        self.with(Form).1
+    }
+
+    /// Its kick in WGSL, as [`Interaction::kick`] makes it operation by operation: `law_kick`. shaders/laws/ shows it.
+    pub fn kick_text(self) -> String {
+        self.with(KickText)
+    }
+
+    /// The derivatives of its kick by the numbers of an [`Approach`] in WGSL: `law_slope`.
+    pub fn slope_text(self) -> String {
+        self.with(SlopeText)
     }
 }
 

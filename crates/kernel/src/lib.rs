@@ -20,7 +20,6 @@
 pub mod broyden;
 mod constants;
 pub mod contact;
-mod derived;
 mod dual;
 mod flow;
 mod lane;
@@ -28,6 +27,7 @@ mod lanes;
 mod law;
 pub mod newton;
 mod pair;
+mod recorded;
 mod run_sums;
 mod sample;
 mod shader;
@@ -44,7 +44,7 @@ mod tests;
 mod x86;
 
 pub use flow::{FlowMode, LANDS, Lever, flown, increments};
-pub use lane::{Lane, Pack};
+pub use lane::{Lane, Pack, Zip, when};
 pub use lanes::{Rounding, instructions};
 pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;

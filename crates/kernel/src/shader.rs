@@ -2,7 +2,7 @@
 //! head that holds every number and the places of every field.
 //!
 //! The files are WGSL but for a few directives in comments, so that only what is needed exists in
-//! the text: `//% if NAME`, `//% end`, `$law` for the contact law's name, and lines written once for
+//! the text: `//% if NAME`, `//% end`, and lines written once for
 //! each of some things:
 //!
 //! | directive | `$` is |
@@ -11,16 +11,14 @@
 //! | `//% each group`, `//% each sum` | its name in the list of sums; `$$` the same in capitals |
 //! | `//% each total`, `largest`, `smallest`, `ever` | the name of each sum of which that is kept |
 //!
-//! What tells the slopes of kicks is made of the law's own files ([`derived`](super::derived)).
+//! The law's kick and its slope are no files: the law writes them ([`recorded`](super::recorded)).
 
 use super::broyden::{self, state_modes};
 use super::constants;
-use super::contact::LawShader;
-use super::derived::derived;
 use super::newton;
 use super::sums::{GROUPS, How};
 use super::tangent::PARTIALS;
-use crate::Wants;
+use crate::{Law, Wants};
 use std::fmt::Write;
 
 /// Threads of a workgroup.
@@ -69,7 +67,7 @@ impl Entry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShaderSpec {
     pub entry: Entry,
-    pub law: &'static LawShader,
+    pub law: Law,
     /// Stepped modes, 1 to [`super::MODES_MAX`].
     pub modes: usize,
     /// What the run measures: the layout of the buffers follows from it.
@@ -94,12 +92,11 @@ const JOB: &str = include_str!("../../../shaders/job.wgsl");
 const SWEEP: &str = include_str!("../../../shaders/sweep.wgsl");
 const STEP: &str = include_str!("../../../shaders/step.wgsl");
 const MEMORY: &str = include_str!("../../../shaders/memory.wgsl");
-const PATH: &str = include_str!("../../../shaders/contact/path.wgsl");
+const CONTACT: &str = include_str!("../../../shaders/contact.wgsl");
 const TALLY: &str = include_str!("../../../shaders/observe/tally.wgsl");
 const FOURIER: &str = include_str!("../../../shaders/observe/fourier.wgsl");
 const RUN_SUMS: &str = include_str!("../../../shaders/observe/run_sums.wgsl");
 const TALLY_MEMORY: &str = include_str!("../../../shaders/observe/memory.wgsl");
-const DUAL: &str = include_str!("../../../shaders/slope/dual.wgsl");
 const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
 const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
@@ -122,7 +119,7 @@ impl ShaderSpec {
 
     /// Numbers that a kick's slope has.
     pub fn partials(&self) -> usize {
-        if self.law.shifts { PARTIALS } else { PARTIALS / 2 }
+        if self.law.shifts() { PARTIALS } else { PARTIALS / 2 }
     }
 
     /// The bindings of group 0, in order.
@@ -153,7 +150,7 @@ impl ShaderSpec {
 
     /// Fields of an instance's constants, in order.
     pub fn case_fields(&self) -> Vec<String> {
-        let law = self.law.fields.iter().map(|name| format!("law_{name}"));
+        let law = self.law.fields().iter().map(|name| format!("law_{name}"));
         let more: &[&str] = match self.entry {
             Entry::Kicks => &["little"],
             Entry::Walk => &["little", "scale", "near", "enough", "memory", "touching"],
@@ -192,15 +189,7 @@ impl ShaderSpec {
 
     /// The head and the law alone, for an entry point that asks for kicks.
     pub fn law_text(&self) -> String {
-        let mut text = self.head();
-        text += &self.law_of();
-        self.law_files().for_each(|file| text += &self.expanded(file));
-        text
-    }
-
-    /// The law's functions and those of the path.
-    fn law_files(&self) -> impl Iterator<Item = &'static str> {
-        std::iter::once(PATH).chain(self.law.texts.iter().copied())
+        self.head() + &self.law_of() + &self.expanded(CONTACT) + "\n" + &self.law.kick_text()
     }
 
     /// The head and these files, which ask for no kicks.
@@ -210,22 +199,21 @@ impl ShaderSpec {
 
     /// The whole shader.
     pub fn compose(&self) -> String {
-        let files: &[&str] = match self.entry {
+        match self.entry {
             Entry::Carry => return self.lawless(&[JOB, CARRY]),
             Entry::Stride => return self.lawless(&[JOB, NUMBER, SEARCH, BEGIN, STRIDE]),
             Entry::Walk => return self.lawless(&[JOB, NUMBER, SEARCH, SOLVE, WALK]),
-            Entry::Kicks => &[DUAL],
-            Entry::Sweep => &[NUMBER],
-        };
+            Entry::Kicks | Entry::Sweep => {}
+        }
         let mut text = self.law_text();
         let mut add = |file: &str| text += &self.expanded(file);
-        files.iter().for_each(|file| add(file));
         [JOB, STEP, MEMORY].iter().for_each(|file| add(file));
         if self.entry == Entry::Kicks {
-            self.law_files().for_each(|file| add(&self.derived(file)));
+            add(&self.law.slope_text());
             add(KICKS);
             return text;
         }
+        add(NUMBER);
         let sums = self.sums();
         [TALLY, FOURIER].iter().for_each(|file| add(file));
         GROUPS.iter().filter(|group| (group.wanted)(sums)).for_each(|group| add(group.text));
@@ -233,15 +221,10 @@ impl ShaderSpec {
         text
     }
 
-    /// A file's functions with derivatives. What cannot be told them no driver takes for a shader.
-    fn derived(&self, file: &str) -> String {
-        derived(file).unwrap_or_else(|why| format!("not understood: {why}\n"))
-    }
-
     fn head(&self) -> String {
         let mut head = format!(
             "// {} law, {} modes, {}\nalias real = {};\n",
-            self.law.name,
+            self.law.name(),
             self.modes,
             match self.entry {
                 Entry::Sweep if self.measured => "measured",
@@ -272,7 +255,7 @@ impl ShaderSpec {
         }
         let member = |field: &&str| format!("    {field}: real,\n");
         // A structure must have a member.
-        let members = if self.law.fields.is_empty() { &["none"] } else { self.law.fields };
+        let members = if self.law.fields().is_empty() { &["none"] } else { self.law.fields() };
         let members: String = members.iter().map(member).collect();
         head + &format!("\nstruct Law {{\n{members}}}\n")
     }
@@ -280,7 +263,7 @@ impl ShaderSpec {
     /// What makes an instance's law of its constants.
     fn law_of(&self) -> String {
         let value = |field: &&str| format!("cases[at(CASE_LAW_{}, i)], ", field.to_uppercase());
-        let values: String = self.law.fields.iter().map(value).collect();
+        let values: String = self.law.fields().iter().map(value).collect();
         let values = if values.is_empty() { "ZERO".into() } else { values };
         format!("\nfn law_of(i: u32) -> Law {{\n    return Law({values});\n}}\n")
     }
@@ -300,7 +283,7 @@ impl ShaderSpec {
         let lines: Vec<&str> = file.lines().collect();
         let mut out = String::new();
         self.block(&lines, None, &mut out);
-        out.replace("$law", self.law.name)
+        out
     }
 
     fn block(&self, lines: &[&str], item: Option<&str>, out: &mut String) {
@@ -309,10 +292,10 @@ impl ShaderSpec {
             let line = lines[at];
             let Some(directive) = line.trim().strip_prefix("//% ") else {
                 match item {
-                    Some(item) if !line.contains("$law") => {
+                    Some(item) => {
                         *out += &line.replace("$$", &item.to_uppercase()).replace('$', item);
                     }
-                    _ => *out += line,
+                    None => *out += line,
                 }
                 out.push('\n');
                 at += 1;
@@ -359,7 +342,7 @@ impl ShaderSpec {
             "looks back" => self.wants.looks_back(),
             "measured" => self.measured,
             "decay" => self.decay,
-            "shifts" => self.law.shifts,
+            "shifts" => self.law.shifts(),
             _ => (group?.wanted)(self.sums()),
         })
     }
@@ -382,11 +365,10 @@ fn closing(lines: &[&str]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Law;
 
     #[test]
     fn a_misspelt_directive_does_not_remove_lines_in_silence() {
-        let law = Law::Hertz.shader();
+        let law = Law::Hertz;
         let (wants, entry) = (Wants::FUNDAMENTAL, Entry::Sweep);
         let spec = ShaderSpec { entry, law, modes: 2, wants, measured: true, decay: false, double: false };
         assert_eq!(spec.expand("a\n//% if measured\nb\n//% end\n"), "a\nb\n");

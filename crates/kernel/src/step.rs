@@ -183,7 +183,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             // The impulse is a mean over the step: its factor is the travel less a 24th of its second
             // difference.
             virial = impulse * (-acceleration).mul_add(corner, steady + beyond);
-            if I::SHADER.shifts {
+            if I::SHIFTS {
                 // Impulse that falls early or late falls at another speed and travel.
                 work = (-acceleration).mul_add(kick.shift, work);
                 virial = (-kick.shift).mul_add(L::splat(HALF).mul_add(impulse, speed), virial);
@@ -272,7 +272,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             state.u[k] = flow.land_u[k].mul_add(kick.impulse, flown_u);
         });
         // A shift of zero changes nothing.
-        if I::SHADER.shifts && L::any(L::splat(ZERO).less(kick.shift.abs())) {
+        if I::SHIFTS && L::any(L::splat(ZERO).less(kick.shift.abs())) {
             each_mode!(M of self, k => {
                 state.x[k] = flow.shift_x[k].mul_add(kick.shift, state.x[k]);
                 state.u[k] = flow.shift_u[k].mul_add(kick.shift, state.u[k]);

@@ -19,7 +19,7 @@ use std::marker::PhantomData;
 /// Steps [`Stepper::width`] instances of one law and number of modes side by side.
 ///
 /// `constants` are the rows of [`super::Lever::motion`], of the free motion's cosine, sine and rate, of the gap, of the
-/// law's constants in the order of [`super::contact::LawShader::fields`], and last of [`super::Lever::energy`];
+/// law's constants in the order of [`super::contact::Interaction::FIELDS`], and last of [`super::Lever::energy`];
 /// `state` those of x of each mode, of u of each, and of contact (1 or 0).
 #[derive(Clone, Copy, Debug)]
 pub struct Stepper<E> {

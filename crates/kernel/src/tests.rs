@@ -125,7 +125,7 @@ fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
             let scale = 1e-4 * 1.2f64.powi(((first + i) * 7 % 32) as i32);
             let free = [20.0, 3.0, TAU / STEPS as f64];
             let gap = -2.0 + 0.8 * (first + i) as f64;
-            let law = I::SHADER.fields.iter().map(|field| match *field {
+            let law = I::FIELDS.iter().map(|field| match *field {
                 "stiffness" | "unit_force" => scale,
                 "adhesion" => 2.0 * scale,
                 "inverse_decay" => 5.0,

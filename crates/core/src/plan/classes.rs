@@ -1,7 +1,10 @@
 //! Instances of one shape, which run in lockstep.
 
-use super::Plan;
+use super::{Plan, Precision};
 use crate::contact::Law;
+use crate::kernel::{Entry, ShaderSpec};
+use crate::observe::Wants;
+use crate::scene::Start;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
@@ -22,6 +25,20 @@ impl Plan {
     /// An instance's shape.
     pub fn shape(&self, instance: u32) -> Shape {
         (self.steps(instance), self.law(instance), self.driven(instance).kept.modes.len())
+    }
+
+    /// What the shader of a class is made for, in that entry point; of a run its measured part.
+    pub fn shader(&self, class: &Class, entry: Entry) -> ShaderSpec {
+        let runs = matches!(entry, Entry::Sweep | Entry::Stride);
+        ShaderSpec {
+            entry,
+            law: class.law,
+            modes: class.modes,
+            wants: if runs { self.wants } else { Wants::FUNDAMENTAL },
+            measured: runs,
+            decay: entry == Entry::Sweep && self.run.start == Start::Rest,
+            double: self.precision == Precision::F64,
+        }
     }
 
     /// The plan's instances by shape: law, number of modes, number of steps; within a class by drive, then gap, then

@@ -4,7 +4,7 @@
 
 use super::hertz::{Hertz, Mean};
 use super::path::{Path, corrected};
-use super::{Approach, Interaction, Kick, Lane, LawShader, hertz, touching_at};
+use super::{Approach, Interaction, Kick, Lane, touching_at, when};
 use crate::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
 
 /// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
@@ -79,12 +79,8 @@ impl<L: Lane> Tail<L> {
 }
 
 impl<L: Lane> Interaction<L> for Dmt<L> {
-    const SHADER: &'static LawShader = &LawShader {
-        name: "dmt",
-        texts: &[hertz::TEXT, include_str!("../../../../shaders/contact/dmt.wgsl")],
-        fields: &["stiffness", "adhesion", "inverse_decay"],
-        shifts: true,
-    };
+    const FIELDS: &'static [&'static str] = &["stiffness", "adhesion", "inverse_decay"];
+    const SHIFTS: bool = true;
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
@@ -95,30 +91,38 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
         let (zero, one) = (L::splat(ZERO), L::splat(ONE));
         let y = one / self.stretch(at.indentation);
-        let mut sample = -(self.adhesion * y * y);
-        if L::any(zero.less(at.indentation)) {
-            sample = (-(self.adhesion * y)).mul_add(y, self.hertz.sample(at.indentation));
-        }
+        let sample = when(
+            zero.less(at.indentation),
+            -(self.adhesion * y * y),
+            #[inline(always)]
+            || (-(self.adhesion * y)).mul_add(y, self.hertz.sample(at.indentation)),
+        );
         let path = Path::around(at, sample);
         let tail = Tail::along(self.stretch(path.start), self.stretch(path.end));
-        let mut hertz = Mean { force: zero, slope: zero, share: zero };
-        if L::any(L::either(zero.less(path.start), zero.less(path.end))) {
-            hertz = self.hertz.mean(path);
-        }
+        let hertz = when(
+            L::either(zero.less(path.start), zero.less(path.end)),
+            Mean::none(),
+            #[inline(always)]
+            || self.hertz.mean(path),
+        );
         // Mean attraction along the piece: the tail's outside, 1 inside, by shares.
         let away = one - hertz.share;
         let force = hertz.force - self.adhesion * hertz.share.mul_add(one - tail.mean, tail.mean);
         let steep = self.adhesion * self.inverse_decay * away;
-        let mut impulse = corrected(force, hertz.slope - steep * tail.fall);
-        let mut shift = zero;
+        let straight = corrected(force, hertz.slope - steep * tail.fall);
         let bends = L::either(tail.bends(), zero.less(hertz.share));
-        if L::any(bends) {
-            let bend = tail.bend(away, hertz.share);
-            // The path bends too, and meets the force off the chord.
-            let met = (at.acceleration - force).mul_add(steep * bend.moment * bend.inverse_sum, impulse);
-            impulse = L::select(bends, met, impulse);
-            shift = L::select(bends, -(self.adhesion * bend.lean * bend.moment), zero);
-        }
+        let (impulse, shift) = when(
+            bends,
+            (straight, zero),
+            #[inline(always)]
+            || {
+                let bend = tail.bend(away, hertz.share);
+                // The path bends too, and meets the force off the chord.
+                let met = (at.acceleration - force).mul_add(steep * bend.moment * bend.inverse_sum, straight);
+                let shift = -(self.adhesion * bend.lean * bend.moment);
+                (L::select(bends, met, straight), L::select(bends, shift, zero))
+            },
+        );
         Kick { impulse, shift, contact: hertz.share, touching: touching_at(path.end) }
     }
 }

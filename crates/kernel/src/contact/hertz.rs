@@ -1,10 +1,8 @@
 //! Hertz (1882): f = K sqrt(R) d^1.5 in contact; equation (14) of Ha, Fung & Chen 2005.
 
 use super::path::{Path, corrected};
-use super::{Approach, Interaction, Kick, Lane, LawShader, touching_at};
+use super::{Approach, Interaction, Kick, Lane, Zip, touching_at, when};
 use crate::constants::{HERTZ_ENERGY, LEAST, ZERO};
-
-pub(super) const TEXT: &str = include_str!("../../../../shaders/contact/hertz.wgsl");
 
 /// `stiffness` is K sqrt(R) in kernel units: impulse per step of a unit indentation.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +16,26 @@ pub(super) struct Mean<L> {
     pub force: L,
     pub slope: L,
     pub share: L,
+}
+
+impl<L: Lane> Mean<L> {
+    /// Out of contact.
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        let zero = L::splat(ZERO);
+        Self { force: zero, slope: zero, share: zero }
+    }
+}
+
+impl<L: Lane> Zip<L> for Mean<L> {
+    #[inline(always)]
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
+        Self {
+            force: join(self.force, other.force),
+            slope: join(self.slope, other.slope),
+            share: join(self.share, other.share),
+        }
+    }
 }
 
 impl<L: Lane> Hertz<L> {
@@ -45,8 +63,8 @@ impl<L: Lane> Hertz<L> {
 }
 
 impl<L: Lane> Interaction<L> for Hertz<L> {
-    const SHADER: &'static LawShader =
-        &LawShader { name: "hertz", texts: &[TEXT], fields: &["stiffness"], shifts: false };
+    const FIELDS: &'static [&'static str] = &["stiffness"];
+    const SHIFTS: bool = false;
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
@@ -55,16 +73,20 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        if !L::any(at.may_touch()) {
-            return Kick::none();
-        }
-        let path = Path::around(at, self.sample(at.indentation));
-        let mean = self.mean(path);
-        Kick {
-            impulse: corrected(mean.force, mean.slope),
-            shift: L::splat(ZERO),
-            contact: mean.share,
-            touching: touching_at(path.end),
-        }
+        when(
+            at.may_touch(),
+            Kick::none(),
+            #[inline(always)]
+            || {
+                let path = Path::around(at, self.sample(at.indentation));
+                let mean = self.mean(path);
+                Kick {
+                    impulse: corrected(mean.force, mean.slope),
+                    shift: L::splat(ZERO),
+                    contact: mean.share,
+                    touching: touching_at(path.end),
+                }
+            },
+        )
     }
 }

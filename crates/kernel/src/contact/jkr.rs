@@ -3,7 +3,7 @@
 //! In units of the fold, y^2 = a/a_s, the curve is D = y^4 - 4y, F = y^6/6 - y^3, y >= 1. With
 //! e = y - 1 and t = D + 3 it reads t = e^2 (e^2 + 4e + 6): no cancellation at the fold e = 0.
 
-use super::{Approach, Interaction, Kick, Lane, LawShader};
+use super::{Approach, Interaction, Kick, Lane, Zip, when};
 use crate::constants::{
     EIGHTH, FIVE, FOUR, HALF, JKR_FORCE_0, JKR_FORCE_1, JKR_FORCE_2, JKR_FORCE_3, JKR_FORCE_4, JKR_FORCE_5,
     JKR_ROOT_A, JKR_ROOT_B, JKR_ROOT_SIX, JKR_STEEPEST, JKR_TINY, JKR_TOUCH, JKR_TOUCH_ROOT, JKR_WORK_0,
@@ -105,13 +105,35 @@ impl<L: Lane> Point<L> {
         let cube = y * y * y;
         Self { root_t, e, force: cube.mul_add(cube * L::splat(SIXTH), -cube) }
     }
+}
 
+impl<L: Lane> Zip<L> for Point<L> {
     #[inline(always)]
-    fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
         Self {
-            root_t: L::select(mask, yes.root_t, no.root_t),
-            e: L::select(mask, yes.e, no.e),
-            force: L::select(mask, yes.force, no.force),
+            root_t: join(self.root_t, other.root_t),
+            e: join(self.e, other.e),
+            force: join(self.force, other.force),
+        }
+    }
+}
+
+/// A point of the curve, and two numbers of the path there.
+#[derive(Clone, Copy)]
+struct Passage<L> {
+    point: Point<L>,
+    /// Of the step: how late it begins, or what it takes.
+    share: L,
+    pace: L,
+}
+
+impl<L: Lane> Zip<L> for Passage<L> {
+    #[inline(always)]
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
+        Self {
+            point: self.point.zip(other.point, join),
+            share: join(self.share, other.share),
+            pace: join(self.pace, other.pace),
         }
     }
 }
@@ -204,15 +226,8 @@ impl<L: Lane> Jkr<L> {
 }
 
 impl<L: Lane> Interaction<L> for Jkr<L> {
-    const SHADER: &'static LawShader = &LawShader {
-        name: "jkr",
-        texts: &[
-            include_str!("../../../../shaders/contact/jkr_curve.wgsl"),
-            include_str!("../../../../shaders/contact/jkr.wgsl"),
-        ],
-        fields: &["unit_force", "inverse_unit"],
-        shifts: true,
-    };
+    const FIELDS: &'static [&'static str] = &["unit_force", "inverse_unit"];
+    const SHIFTS: bool = true;
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
@@ -223,50 +238,77 @@ impl<L: Lane> Interaction<L> for Jkr<L> {
     /// the fold until the impulse, which is of the kernel's again.
     #[inline(always)]
     fn kick(&self, at: Approach<L>, touching: L) -> Kick<L> {
-        let (zero, one, half) = (L::splat(ZERO), L::splat(ONE), L::splat(HALF));
-        let three = L::splat(THREE);
+        let zero = L::splat(ZERO);
         let was = zero.less(touching);
-        if !L::any(L::either(was, at.may_touch())) {
-            return Kick::none();
-        }
+        when(
+            L::either(was, at.may_touch()),
+            Kick::none(),
+            #[inline(always)]
+            || self.near(at, was),
+        )
+    }
+}
+
+impl<L: Lane> Jkr<L> {
+    /// The kick where the tip was in contact or comes near it.
+    #[inline(always)]
+    fn near(&self, at: Approach<L>, was: L::Mask) -> Kick<L> {
+        let (zero, half) = (L::splat(ZERO), L::splat(HALF));
         let path = FreePath::of(at, self.inverse_unit);
-        let FreePath { free, speed, start } = path;
-        let end = half.mul_add(free, start + speed);
+        let end = half.mul_add(path.free, path.start + path.speed);
         // Already inside at the start of the piece: touched in the gap between two pieces.
-        let begins = L::either(was, zero.less(start));
+        let begins = L::either(was, zero.less(path.start));
         let touches = L::both(L::not(begins), zero.less(end));
+        when(
+            L::either(begins, touches),
+            Kick::none(),
+            #[inline(always)]
+            || self.held(at, path, (begins, touches)),
+        )
+    }
+
+    /// The kick where there is contact in the step: since before it, or from a touch within it.
+    #[inline(always)]
+    fn held(&self, at: Approach<L>, path: FreePath<L>, (begins, touches): (L::Mask, L::Mask)) -> Kick<L> {
+        let (zero, one, half, three) = (L::splat(ZERO), L::splat(ONE), L::splat(HALF), L::splat(THREE));
         let acting = L::either(begins, touches);
-        if !L::any(acting) {
-            return Kick::none();
-        }
+        let FreePath { speed, start, .. } = path;
         let pull = self.unit_force * self.inverse_unit;
         let twelfth = L::splat(TWELFTH);
         // The stepped path lies off the true one by a 12th of the force (docs/method.md).
         let near = Point::roughly(start + three);
         let t1 = L::select(touches, three, pull * twelfth * near.force + start + three);
-        let mut from = Point::at(t1);
-        let (mut late, mut pace) = (zero, speed);
-        if L::any(touches) {
-            // Touch divides the step where the free path says.
-            let touch = Point::of(L::splat(JKR_TOUCH_ROOT), L::splat(JKR_TOUCH));
-            from = Point::select(touches, touch, from);
-            let (when, fast) = path.touch();
-            late = L::select(touches, when, zero);
-            pace = L::select(touches, fast, speed);
-        }
+        let begun = Passage { point: Point::at(t1), share: zero, pace: speed };
+        let Passage { point: from, share: late, pace } = when(
+            touches,
+            begun,
+            #[inline(always)]
+            || {
+                // Touch divides the step where the free path says.
+                let point = Point::of(L::splat(JKR_TOUCH_ROOT), L::splat(JKR_TOUCH));
+                let (share, pace) = path.touch();
+                let touch = Passage { point, share, pace };
+                touch.zip(begun, &mut |yes, no| L::select(touches, yes, no))
+            },
+        );
         let left = one - late;
         let near = Point::roughly(path.ahead((t1, pace), left, half * pull * from.force));
         let guess = Part::between(from, near);
         let held = pull * half.mul_add(guess.mean, -guess.moment);
         let t2 = path.ahead((t1, pace), left, held);
         let lets_go = L::both(begins, L::either(t2.less(zero), t1.less(zero)));
-        let mut to = Point::at(t2);
-        let mut share = left;
-        if L::any(lets_go) {
-            to = Point::select(lets_go, Point::of(zero, zero), to);
-            // The fold divides it where the path under the force does.
-            share = L::select(lets_go, path.fall(t1.max(zero), held), left);
-        }
+        let ended = Passage { point: Point::at(t2), share: left, pace };
+        let Passage { point: to, share, .. } = when(
+            lets_go,
+            ended,
+            #[inline(always)]
+            || {
+                // The fold divides it where the path under the force does.
+                let share = path.fall(t1.max(zero), held);
+                let fold = Passage { point: Point::of(zero, zero), share, pace };
+                fold.zip(ended, &mut |yes, no| L::select(lets_go, yes, no))
+            },
+        );
         let part = Part::between(from, to);
         let impulse = self.impulse(&part, share, at.acceleration);
         let middle = L::select(lets_go, -half, half) * (one - share);

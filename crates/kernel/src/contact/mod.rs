@@ -11,6 +11,7 @@ pub use jkr::Jkr;
 
 use super::Lane;
 use super::constants::{ONE, ZERO};
+use super::lane::{Zip, when};
 use std::marker::PhantomData;
 
 /// The tip at one sample: indentation, its rate of change over the step before the kick, and its
@@ -40,7 +41,7 @@ pub struct Kick<L> {
     /// Change of tip travel per step; positive pushes away.
     pub impulse: L,
     /// Tip travel by which the impulse falls earlier or later within the step than a force that changes
-    /// evenly would have it, positive where a repulsive one falls early; zero where a law has [`LawShader::shifts`] false.
+    /// evenly would have it, positive where a repulsive one falls early; zero where [`Interaction::SHIFTS`] is false.
     pub shift: L,
     /// Share of the step spent in contact, 0 to 1.
     pub contact: L,
@@ -48,25 +49,14 @@ pub struct Kick<L> {
     pub touching: L,
 }
 
-/// A law's other half: its part of the shader.
-#[derive(Debug, PartialEq, Eq)]
-pub struct LawShader {
-    /// Its kick is `fn <name>_kick`.
-    pub name: &'static str,
-    /// Its files, in order; that of the path is always before them.
-    pub texts: &'static [&'static str],
-    /// Its constants, in the order of [`Interaction::from_numbers`].
-    pub fields: &'static [&'static str],
-    /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
-    pub shifts: bool,
-}
-
 /// One contact law with its constants in kernel units.
 pub trait Interaction<L: Lane>: Copy {
-    /// The same law in the shader.
-    const SHADER: &'static LawShader;
+    /// Names of its constants.
+    const FIELDS: &'static [&'static str];
+    /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
+    const SHIFTS: bool;
 
-    /// Of its constants, one number after the other, in the order of the shader's fields.
+    /// Of its constants, one number after the other, in the order of [`Interaction::FIELDS`].
     fn from_numbers(next: impl FnMut() -> L) -> Self;
 
     /// The kick of one step. `touching` is what the last kick returned.
@@ -77,6 +67,18 @@ pub trait Interaction<L: Lane>: Copy {
 #[inline(always)]
 fn touching_at<L: Lane>(indentation: L) -> L {
     L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
+}
+
+impl<L: Lane> Zip<L> for Kick<L> {
+    #[inline(always)]
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
+        Self {
+            impulse: join(self.impulse, other.impulse),
+            shift: join(self.shift, other.shift),
+            contact: join(self.contact, other.contact),
+            touching: join(self.touching, other.touching),
+        }
+    }
 }
 
 impl<L: Lane> Kick<L> {
@@ -93,12 +95,8 @@ impl<L: Lane> Kick<L> {
 pub struct Nothing<L>(PhantomData<L>);
 
 impl<L: Lane> Interaction<L> for Nothing<L> {
-    const SHADER: &'static LawShader = &LawShader {
-        name: "nothing",
-        texts: &[include_str!("../../../../shaders/contact/nothing.wgsl")],
-        fields: &[],
-        shifts: false,
-    };
+    const FIELDS: &'static [&'static str] = &[];
+    const SHIFTS: bool = false;
 
     fn from_numbers(_: impl FnMut() -> L) -> Self {
         Self(PhantomData)

@@ -19,7 +19,7 @@ pub trait StaticLaw {
     fn energy(&self, delta: f64, in_contact: bool) -> f64;
     /// Contact radius `a`, m; 0 out of contact.
     fn contact_radius(&self, delta: f64, in_contact: bool) -> f64;
-    /// The kernel's constants in its units, in the order of its shader's fields ([`crate::kernel::contact::LawShader`]).
+    /// The kernel's constants in its units, in the order of its fields ([`crate::kernel::contact::Interaction::FIELDS`]).
     fn constants(&self, units: KernelUnits) -> Vec<f64>;
 
     /// Elastic part of the force (N) at a depth (m): what is left without adhesion.

@@ -1,6 +1,7 @@
 //! Which GPUs there are, and which to take.
 
 use super::GpuError;
+use std::sync::OnceLock;
 use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
 
 /// What one adapter can do.
@@ -75,10 +76,19 @@ fn report(index: usize, adapter: &Adapter) -> AdapterReport {
     }
 }
 
+/// The process' one connection to the drivers. It stays open: NVIDIA's driver 580 finds no card any more in a process that
+/// has closed and opened it a few times.
+fn instance() -> &'static Instance {
+    static INSTANCE: OnceLock<Instance> = OnceLock::new();
+    INSTANCE.get_or_init(|| {
+        let mut descriptor = InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
+        Instance::new(descriptor)
+    })
+}
+
 fn list() -> Vec<(Adapter, AdapterReport)> {
-    let mut descriptor = InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = Backends::VULKAN | Backends::METAL | Backends::DX12;
-    let adapters = pollster::block_on(Instance::new(descriptor).enumerate_adapters(Backends::all()));
+    let adapters = pollster::block_on(instance().enumerate_adapters(Backends::all()));
     adapters
         .into_iter()
         .enumerate()

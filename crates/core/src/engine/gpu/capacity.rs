@@ -1,8 +1,8 @@
 //! How many instances a device takes at a time.
 
 use super::newton::WALK;
-use super::stride_tables::stride_spec;
-use super::{AdapterReport, Gpu, pack};
+use super::{AdapterReport, Gpu};
+use crate::kernel::Entry;
 use crate::kernel::broyden::state_modes;
 use crate::plan::{Class, Plan};
 
@@ -24,13 +24,13 @@ impl Gpu {
     }
 
     pub(super) fn capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = pack::spec(plan, class);
+        let spec = plan.shader(class, Entry::Sweep);
         self.at_most(spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64)
     }
 
     /// The same of periods with their slopes.
     pub(super) fn slope_capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = pack::slope_spec(plan, class);
+        let spec = plan.shader(class, Entry::Kicks);
         let (columns, fields) = ((2 * spec.modes).pow(2), spec.state_fields().len());
         // Kicks of two steps at the least.
         let bytes = spec.bytes() * columns.max(fields).max(2 * spec.partials()) as u64;
@@ -39,7 +39,7 @@ impl Gpu {
 
     /// The same of searches.
     pub(super) fn stride_capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = stride_spec(plan, class);
+        let spec = plan.shader(class, Entry::Stride);
         let size = (2 * state_modes(spec.modes)).pow(2);
         let fields = spec.state_fields().len().max(spec.case_fields().len());
         let bytes = spec.bytes() * size.max(fields) as u64;
@@ -48,7 +48,7 @@ impl Gpu {
 
     /// The same of searches by Newton's steps.
     pub(super) fn walk_capacity(&self, plan: &Plan, class: &Class) -> usize {
-        let spec = pack::slope_spec(plan, class);
+        let spec = plan.shader(class, Entry::Kicks);
         let bytes = spec.bytes() * (4 * spec.modes + WALK) as u64;
         self.slope_capacity(plan, class).min(self.at_most(bytes))
     }

@@ -7,8 +7,7 @@ use crate::engine::start;
 use crate::kernel::{
     Entry, HARMONICS, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers,
 };
-use crate::observe::Wants;
-use crate::plan::{Class, Plan, Precision, Station};
+use crate::plan::{Class, Plan, Station};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -72,30 +71,6 @@ pub(super) fn going(entry: Entry, count: u32) -> impl Iterator<Item = u32> {
     counts.chain(0..count)
 }
 
-/// What the shader of a class is made for; the measured part's.
-pub(super) fn spec(plan: &Plan, class: &Class) -> ShaderSpec {
-    ShaderSpec {
-        entry: Entry::Sweep,
-        law: class.law.shader(),
-        modes: class.modes,
-        wants: plan.wants,
-        measured: true,
-        decay: plan.run.start == Start::Rest,
-        double: plan.precision == Precision::F64,
-    }
-}
-
-/// What the shader is made for that tells the slopes of a class's kicks.
-pub(super) fn slope_spec(plan: &Plan, class: &Class) -> ShaderSpec {
-    ShaderSpec {
-        entry: Entry::Kicks,
-        wants: Wants::FUNDAMENTAL,
-        measured: false,
-        decay: false,
-        ..spec(plan, class)
-    }
-}
-
 /// Instances by their drives, which are in order.
 pub(super) struct Driven<'a> {
     pub members: Vec<Member<'a>>,
@@ -133,7 +108,7 @@ impl<'a> Driven<'a> {
 
 /// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
 pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
-    let spec = spec(plan, class);
+    let spec = plan.shader(class, Entry::Sweep);
     let driven = Driven::new(plan, instances);
     let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
         .map(|(i, one)| {
@@ -193,7 +168,7 @@ pub(super) fn slope_tables(
     class: &Class,
     (least, told): (&[f64], impl Fn(u32) -> Vec<f64> + Sync),
 ) -> SlopeTables {
-    let spec = slope_spec(plan, class);
+    let spec = plan.shader(class, Entry::Kicks);
     let driven = Driven::new(plan, &class.instances);
     let levers: Vec<Lever> = driven.first_of.iter().map(|one| lever(*one, spec.modes)).collect();
     let rounded = |value: f64| if spec.double { value } else { f64::from(value as f32) };

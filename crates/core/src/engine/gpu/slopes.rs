@@ -90,7 +90,7 @@ impl Errand for Periods<'_> {
 
 /// Most steps of a dispatch that the room for its kicks allows, where a binding has so many bytes at most.
 pub(super) fn longest(plan: &Plan, class: &Class, binding: u64) -> u32 {
-    let spec = pack::slope_spec(plan, class);
+    let spec = plan.shader(class, Entry::Kicks);
     let kick = spec.bytes() * spec.partials() as u64 * class.instances.len() as u64;
     // One more than steps: the last of the dispatch before is decided on by the first.
     let kicks = PARTIAL_BYTES.min(binding) / kick;

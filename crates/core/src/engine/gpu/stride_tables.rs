@@ -1,7 +1,7 @@
 //! Guesses at periodic states as the shader's tables.
 
 use super::Failure;
-use super::pack::{self, Driven, Numbers, going, transposed, waves, write};
+use super::pack::{Driven, Numbers, going, transposed, waves, write};
 use crate::engine::member::gap_and_law;
 use crate::engine::saved::Saved;
 use crate::engine::station::{half_step, still};
@@ -54,14 +54,9 @@ pub(super) fn end((steps, rounds): (u32, u32), done: u32, phase: u32) -> Result<
     }
 }
 
-/// What the shader is made for that takes the strides of a class.
-pub(super) fn stride_spec(plan: &Plan, class: &Class) -> ShaderSpec {
-    ShaderSpec { entry: Entry::Stride, measured: true, decay: false, ..pack::spec(plan, class) }
-}
-
 /// The tables of a class whose instances are numbers of guesses.
 pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> StrideTables {
-    let spec = stride_spec(plan, class);
+    let spec = plan.shader(class, Entry::Stride);
     let driven = Driven::new(plan, &class.instances);
     let numbers = guesses.numbers;
     let of = |i: usize, instance: u32| {
