@@ -1,7 +1,7 @@
 //! What is said of errors and audits.
 
-use super::{Voice, instances, values};
-use afmsweep::control::{Ran, Verdict};
+use super::{Verbosity, instances, values};
+use afmsweep::control::{JournaledRun, ErrorSummary};
 use afmsweep::sweep::{AUDIT_CONTACT, AUDIT_SECONDS};
 use afmsweep::{Scene, Status};
 use std::path::Path;
@@ -20,10 +20,10 @@ pub struct Missed(String);
 /// What is kept of the run cannot be read.
 pub fn accuracy(
     scene: &Scene,
-    run: &Ran,
-    verdict: &Verdict,
+    run: &JournaledRun,
+    verdict: &ErrorSummary,
     told_not_to: bool,
-    voice: Voice,
+    voice: Verbosity,
 ) -> anyhow::Result<()> {
     let known = run.estimates_of_ok()?;
     if let (Some(middle), Some(last)) = (known.get(known.len() / 2), known.last()) {
@@ -48,7 +48,7 @@ pub fn accuracy(
 }
 
 /// Why no instance was redone.
-fn nothing_redone(run: &Ran) -> String {
+fn nothing_redone(run: &JournaledRun) -> String {
     let mut stepped = run.marks().iter().filter(|mark| mark.stepped()).peekable();
     if stepped.peek().is_none() {
         return "nothing to redo: no instance feels the sample, and the free motion is known in closed form"
@@ -64,8 +64,8 @@ fn nothing_redone(run: &Ran) -> String {
 }
 
 /// What the audits say.
-fn audited(scene: &Scene, verdict: &Verdict, voice: Voice) {
-    let Verdict { audited, compared, touching, above, blind, accuracy, .. } = *verdict;
+fn audited(scene: &Scene, verdict: &ErrorSummary, voice: Verbosity) {
+    let ErrorSummary { audited, compared, touching, above, blind, accuracy, .. } = *verdict;
     let doubtful = match audited - compared {
         0 => String::new(),
         some => format!("; {some} not steady by the reference, or else not to be compared"),
@@ -109,7 +109,7 @@ fn audited(scene: &Scene, verdict: &Verdict, voice: Voice) {
 ///
 /// # Errors
 /// [`Missed`].
-pub fn strict(asked: bool, verdict: &Verdict, output: &Path) -> anyhow::Result<()> {
+pub fn strict(asked: bool, verdict: &ErrorSummary, output: &Path) -> anyhow::Result<()> {
     match asked && !verdict.met() {
         true => Err(Missed(format!("{} is whole, but {}", output.display(), verdict.words())).into()),
         false => Ok(()),

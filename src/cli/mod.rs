@@ -12,13 +12,13 @@ mod export;
 mod force;
 mod infer;
 mod init;
-mod look_in;
+mod peek;
 mod merge;
 mod modes;
 mod plan;
-mod planning;
+mod plan_notice;
 mod prepare;
-mod progress;
+mod progress_bar;
 mod report;
 mod run;
 mod sample;
@@ -27,10 +27,10 @@ mod shell;
 mod signals;
 mod slurm;
 mod stats;
-mod stopped;
+mod stop_message;
 mod study;
 mod table;
-mod words;
+mod glossary;
 
 use afmsweep::Error;
 use afmsweep::report::shown;
@@ -41,7 +41,7 @@ use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use stopped::Stopped;
+use stop_message::Stopped;
 
 /// Reads a scene (TOML: lever, tip, sample, drive, what varies), steps thousands of instances of it side by side, and
 /// writes a labelled results file (HDF5): amplitudes, phases, forces, each with its error.
@@ -122,12 +122,12 @@ struct SceneArgs {
 
 /// How much to say on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Voice {
+pub struct Verbosity {
     pub quiet: bool,
     pub verbose: bool,
 }
 
-impl Voice {
+impl Verbosity {
     /// Says a line on standard error unless silenced.
     pub fn say(self, line: impl std::fmt::Display) {
         if !self.quiet {
@@ -150,7 +150,7 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(asked) => return not_parsed(&asked),
     };
-    let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
+    let voice = Verbosity { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
         Command::Prepare(args) => prepare::main(&args, voice),

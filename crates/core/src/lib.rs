@@ -7,7 +7,7 @@ pub mod engine;
 pub mod periodic;
 pub mod plan;
 pub mod record;
-pub mod steady;
+pub mod orbit;
 pub mod sweep;
 
 use afmsweep_data::{design, observe, store};

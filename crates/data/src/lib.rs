@@ -4,10 +4,10 @@
 
 pub mod design;
 pub mod observe;
-pub mod reconstruct;
+pub mod reconstruction;
 pub mod stats;
 pub mod store;
-pub mod suggest;
+pub mod suggestion;
 pub mod units;
 
 use afmsweep_kernel as kernel;

@@ -11,13 +11,13 @@
 //! assert_eq!(format(3e-8, Dimension::Length), "30 nm");
 //! ```
 
-mod error;
+mod unit_error;
 mod symbols;
 #[cfg(test)]
 mod tests;
 
-pub use error::shortened;
-pub use error::{UnitError, UnitErrorKind};
+pub use unit_error::shortened;
+pub use unit_error::{UnitError, UnitErrorKind};
 use symbols::Unit;
 
 /// What kind of quantity a text must hold.

@@ -1,12 +1,12 @@
 //! Values over two axes as coloured cells, alone or as panels over slices of further axes.
 
 use super::ReportError;
-use super::axis::{Axis, least_of_decades, spans_decades};
+use super::axis::{PlotAxis, least_of_decades, spans_decades};
 use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
-use super::cells::{Cells, Field, MARKED, MOST_CELLS, NONE, RASTER};
+use super::heat_cells::{HeatCells, CellField, MARKED, MOST_CELLS, NONE, RASTER};
 use super::contour;
 use super::frame::{
-    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
+    PictureFrame, KEY_ROW, ColourKey, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
 };
 use super::hover::Hover;
 use crate::store::Coordinate;
@@ -69,9 +69,9 @@ impl Heatmap<'_> {
         contours: bool,
     ) -> Result<(String, Hover), ReportError> {
         let mut hover = Hover::default();
-        let (across, up) = (Cells::along(self.x), Cells::along(self.y));
+        let (across, up) = (HeatCells::along(self.x), HeatCells::along(self.y));
         let states = self.panels.iter().flat_map(|panel| &panel.values).map(|(_, state)| *state);
-        let bar = Axis::over(values, self.units, self.long_name, log, 0.0);
+        let bar = PlotAxis::over(values, self.units, self.long_name, log, 0.0);
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let rows = self.panels.len().div_ceil(columns);
         let single = self.panels.len() == 1;
@@ -95,7 +95,7 @@ impl Heatmap<'_> {
             title(canvas, &self.title, left, total_width)?;
             for (number, panel) in self.panels.iter().enumerate() {
                 let (row, column) = (number / columns, number % columns);
-                let frame = Frame {
+                let frame = PictureFrame {
                     canvas,
                     left: left + column as f64 * (width + gap),
                     top: top + row as f64 * (height + captions + gap) + captions,
@@ -106,7 +106,7 @@ impl Heatmap<'_> {
                 };
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
-                let map = Field { frame: &frame, across: &across, up: &up, bar: &bar };
+                let map = CellField { frame: &frame, across: &across, up: &up, bar: &bar };
                 self.panel(&map, panel, (raster, contours), &mut hover)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.ticks(lowest, column == 0)?;
@@ -124,7 +124,7 @@ impl Heatmap<'_> {
     /// The cells of a panel and the lines over them.
     fn panel(
         &self,
-        map: &Field,
+        map: &CellField,
         panel: &Panel,
         (raster, contours): (bool, bool),
         hover: &mut Hover,
@@ -138,31 +138,31 @@ impl Heatmap<'_> {
         overlay(map.frame, &panel.lines)
     }
 
-    fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
+    fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(ColourKey, String)> {
         let tally = Tally::of(states);
-        let mut entries: Vec<(Key, String)> = Vec::new();
+        let mut entries: Vec<(ColourKey, String)> = Vec::new();
         for (number, name) in self.lines.iter().enumerate() {
-            let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
+            let sample = if number == 0 { ColourKey::Line(INK) } else { ColourKey::Dashes(INK) };
             entries.push((sample, name.clone()));
         }
-        let [marked, back] = [Key::Marked(colour(0.4)), Key::Swatch(BACK)];
-        let samples = [marked, Key::Swatch(NONE), Key::Swatch(PALE), Key::Hatched, back];
+        let [marked, back] = [ColourKey::Marked(colour(0.4)), ColourKey::Swatch(BACK)];
+        let samples = [marked, ColourKey::Swatch(NONE), ColourKey::Swatch(PALE), ColourKey::Hatched, back];
         for (sample, mut words) in tally.entries(samples) {
-            if matches!(sample, Key::Marked(_)) && cells > MARKED {
+            if matches!(sample, ColourKey::Marked(_)) && cells > MARKED {
                 words += ", not marked";
             }
             entries.push((sample, words));
         }
         if self.x.values.len().max(self.y.values.len()) > MOST_CELLS {
             let text = "each cell is the mean of its neighbouring instances that have a value".to_owned();
-            entries.push((Key::Swatch(colour(0.6)), text));
+            entries.push((ColourKey::Swatch(colour(0.6)), text));
         }
         entries
     }
 }
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.
-fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
+fn overlay(frame: &PictureFrame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
     for (number, line) in lines.iter().enumerate() {
         let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
         for piece in places.split(|&at| !frame.holds(at)) {
@@ -176,7 +176,7 @@ fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> 
     Ok(())
 }
 
-fn colour_bar(canvas: &Canvas, bar: &Axis, (left, top): (f64, f64), height: f64) -> Result<(), ReportError> {
+fn colour_bar(canvas: &Canvas, bar: &PlotAxis, (left, top): (f64, f64), height: f64) -> Result<(), ReportError> {
     const STEPS: usize = 100;
     let (width, bottom) = (18.0, top + height);
     for step in 0..STEPS {

@@ -1,9 +1,9 @@
 //! One instance over time: travel, indentation and force in panels above each other.
 
 use super::ReportError;
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{Anchor, INK, LINES, PALE, picture};
-use super::frame::{Frame, KEY_ROW, Key, SMALL, key, left_margin, title};
+use super::frame::{PictureFrame, KEY_ROW, ColourKey, SMALL, key, left_margin, title};
 use crate::store::Waveforms;
 
 /// One quantity over time.
@@ -21,7 +21,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
     let time = waveforms.time.get(row).or(waveforms.time.first()).unwrap_or(&nothing);
     let (tip, top_of_rod) = (of(&waveforms.tip_travel), of(&waveforms.actuator_top));
     let (indentation, force) = (of(&waveforms.indentation), of(&waveforms.force));
-    let t_axis = Axis::over(time.iter().copied(), "s", "time", false, 0.0);
+    let t_axis = PlotAxis::over(time.iter().copied(), "s", "time", false, 0.0);
     // A base at rest is no line.
     let moves = top_of_rod.iter().any(|value| value.is_finite() && *value != 0.0);
     let base: Option<(&str, &[f64])> = moves.then_some(("actuator's top, or the base", &top_of_rod));
@@ -35,7 +35,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
         },
         Panel { label: "force on the tip", units: "N", lines: vec![("force", &force)] },
     ];
-    let axes: Vec<Axis> = panels.iter().map(Panel::axis).collect();
+    let axes: Vec<PlotAxis> = panels.iter().map(Panel::axis).collect();
     let (width, height, gap, first) = (640.0, 150.0, 16.0, 68.0);
     let left = axes.iter().map(|axis| left_margin(axis, height)).fold(0.0, f64::max);
     let total_width = left + width + 24.0;
@@ -45,7 +45,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
         key(canvas, (left, first - KEY_ROW), left + width, &panels[0].entries())?;
         for (number, (panel, y_axis)) in panels.iter().zip(&axes).enumerate() {
             let top = first + number as f64 * (height + gap);
-            let frame = Frame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
+            let frame = PictureFrame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
             contact(&frame, time, &indentation)?;
             panel.draw(&frame, time)?;
             frame.edges(number == 2, true)?;
@@ -55,22 +55,22 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
 }
 
 impl Panel<'_> {
-    fn axis(&self) -> Axis {
+    fn axis(&self) -> PlotAxis {
         let values = self.lines.iter().flat_map(|(_, values)| values.iter().copied());
-        Axis::over(values, self.units, self.label, false, 0.08)
+        PlotAxis::over(values, self.units, self.label, false, 0.08)
     }
 
     /// What the key says of its lines, and of the shades behind all panels.
-    fn entries(&self) -> Vec<(Key, String)> {
+    fn entries(&self) -> Vec<(ColourKey, String)> {
         let lines = self.lines.iter().enumerate().map(|(number, (name, _))| match number {
-            0 => (Key::Line(LINES[0]), (*name).to_owned()),
-            _ => (Key::Dashes(LINES[number]), (*name).to_owned()),
+            0 => (ColourKey::Line(LINES[0]), (*name).to_owned()),
+            _ => (ColourKey::Dashes(LINES[number]), (*name).to_owned()),
         });
-        lines.chain([(Key::Swatch(PALE), "in contact".to_owned())]).collect()
+        lines.chain([(ColourKey::Swatch(PALE), "in contact".to_owned())]).collect()
     }
 
     /// Draws the grid, the line of zero and the panel's lines.
-    fn draw(&self, frame: &Frame, time: &[f64]) -> Result<(), ReportError> {
+    fn draw(&self, frame: &PictureFrame, time: &[f64]) -> Result<(), ReportError> {
         frame.grid()?;
         let (left, right) = (frame.left, frame.left + frame.width);
         let zero = frame.y.place(0.0);
@@ -97,7 +97,7 @@ impl Panel<'_> {
     }
 }
 
-fn stroke(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {
+fn stroke(frame: &PictureFrame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {
     match number {
         0 => frame.canvas.line(piece, LINES[0], 1.6)?,
         _ => frame.canvas.dashes(piece, LINES[number % LINES.len()], 1.6)?,
@@ -107,7 +107,7 @@ fn stroke(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(
 }
 
 /// Shades the times in contact.
-fn contact(frame: &Frame, time: &[f64], indentation: &[f64]) -> Result<(), ReportError> {
+fn contact(frame: &PictureFrame, time: &[f64], indentation: &[f64]) -> Result<(), ReportError> {
     let mut start = None;
     for (&t, &depth) in time.iter().zip(indentation) {
         match (depth > 0.0, start) {
@@ -125,7 +125,7 @@ fn contact(frame: &Frame, time: &[f64], indentation: &[f64]) -> Result<(), Repor
     }
 }
 
-fn shade(frame: &Frame, from: f64, to: f64) -> Result<(), ReportError> {
+fn shade(frame: &PictureFrame, from: f64, to: f64) -> Result<(), ReportError> {
     let (a, b) = (frame.at(from, f64::NAN).0, frame.at(to, f64::NAN).0);
     if a.is_finite() && b.is_finite() {
         frame.canvas.rectangle((a, frame.top), (b, frame.top + frame.height), PALE)?;

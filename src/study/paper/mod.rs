@@ -5,7 +5,7 @@
 //! printed text leaves), `figure3.rs`, `figure4.rs`, `coupling.rs` (their first conclusion), `ensemble.rs`
 //! (what they could not do). Each finds numbers and draws pictures; `page.rs` tells about them.
 
-mod choices;
+mod printed_choices;
 mod coupling;
 mod ensemble;
 mod figure3;
@@ -62,7 +62,7 @@ pub fn write(folder: &Path, extent: Extent, say: &dyn Fn(&str)) -> Result<Number
     let params = params()?;
     say("Table 1 and the choices it leaves");
     table1::find(&mut numbers, &params)?;
-    choices::find(&mut numbers, &params)?;
+    printed_choices::find(&mut numbers, &params)?;
     say("figure 3");
     pictures.extend(figure3::find(&mut numbers, &params)?);
     say("figure 4");

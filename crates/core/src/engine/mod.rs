@@ -1,46 +1,46 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
-mod broyden;
-mod busy;
-mod columns;
-mod compiled;
+mod broyden_search;
+mod profile;
+mod result_columns;
+mod kernel_dispatch;
 mod cpu;
-mod estimate;
+mod time_estimate;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(test)]
 mod instructions_agree;
-mod measure;
-mod member;
-mod newton;
+mod measurement;
+mod kernel_constants;
+mod newton_search;
 mod progress;
 mod reference;
 mod return_map;
-mod saved;
-mod slopes;
+mod checkpoint;
+mod period_jacobian;
 mod start;
-mod station;
-mod table;
+mod section_state;
+mod batch_map;
 mod threads;
 mod trace;
 
-pub use broyden::{Arrivals, Arrived, Guessed, Guesses, TOGETHER};
-pub use busy::Busy;
-pub use columns::{Columns, Wanted};
+pub use broyden_search::{Corrections, Correction, Prediction, Predictions, INSTANCES_PER_BATCH};
+pub use profile::ProfileSection;
+pub use result_columns::{ResultColumns, WantedColumns};
 pub use cpu::{Cpu, processor};
-pub use estimate::estimate;
-pub(crate) use measure::lag;
-pub use newton::{Searches, Seek, Seeks, Sought};
-pub use progress::{Held, Phase, Progress};
+pub use time_estimate::estimate;
+pub(crate) use measurement::lag;
+pub use newton_search::{NewtonResults, NewtonStart, NewtonStarts, NewtonResult};
+pub use progress::{HeldPhase, ProgressPhase, Progress};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::{ReturnMap, SlopeStart};
-pub use slopes::{Sloped, Slopes};
+pub use return_map::{ReturnMap, JacobianStart};
+pub use period_jacobian::{PeriodJacobian, PeriodJacobians};
 pub use threads::on_threads;
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
-use crate::plan::{Plan, Station};
+use crate::plan::{Plan, SectionState};
 use thiserror::Error;
 
 /// Steps every instance of a plan.
@@ -108,8 +108,8 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// What the engine says.
-    fn slopes(&self, plan: &Plan, _least: &[f64], _progress: &Progress) -> Result<Slopes, EngineError> {
-        Ok(Slopes::none(plan))
+    fn slopes(&self, plan: &Plan, _least: &[f64], _progress: &Progress) -> Result<PeriodJacobians, EngineError> {
+        Ok(PeriodJacobians::none(plan))
     }
 
     /// Takes each of these guesses at periodic states of instances of the plan to its end, in f64: one measured period after
@@ -121,9 +121,9 @@ pub trait Engine: Send + Sync {
     fn broyden(
         &self,
         plan: &Plan,
-        guesses: &mut Guesses,
+        guesses: &mut Predictions,
         progress: &Progress,
-    ) -> Result<Arrivals, EngineError> {
+    ) -> Result<Corrections, EngineError> {
         Cpu::default().broyden(plan, guesses, progress)
     }
 
@@ -138,8 +138,8 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// What the engine says.
-    fn newton(&self, plan: &Plan, _seeks: &Seeks, _progress: &Progress) -> Result<Searches, EngineError> {
-        Ok(Searches::none(plan))
+    fn newton(&self, plan: &Plan, _seeks: &NewtonStarts, _progress: &Progress) -> Result<NewtonResults, EngineError> {
+        Ok(NewtonResults::none(plan))
     }
 
     /// Runs the plan. A failed instance is data, not an error.
@@ -177,7 +177,7 @@ pub enum EngineError {
 pub struct Outcome {
     pub results: Vec<Finished>,
     /// Where each ended, if the plan says where they start; none where nothing was stepped.
-    pub ends: Vec<Option<Box<Station>>>,
+    pub ends: Vec<Option<Box<SectionState>>>,
     /// What a user should know of how it went: one line each.
     pub notes: Vec<String>,
 }
@@ -205,7 +205,7 @@ impl Outcome {
 #[derive(Clone, Debug)]
 struct Ended {
     finished: Finished,
-    end: Option<Box<Station>>,
+    end: Option<Box<SectionState>>,
 }
 
 impl Ended {

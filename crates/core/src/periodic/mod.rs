@@ -8,15 +8,15 @@
 
 mod envelope;
 mod inverse;
-mod options;
-mod search;
+mod newton_options;
+mod pseudo_transient;
 mod size;
-mod spectrum;
-mod told;
+mod floquet;
+mod newton_jacobian;
 
-pub use envelope::{Came, Envelope, Slowly};
+pub use envelope::{EnvelopeEnd, Envelope, EnvelopeOptions};
 pub use inverse::inverse;
-pub use options::Options;
-pub use search::{Found, Lost, Search, Verdict};
+pub use newton_options::NewtonOptions;
+pub use pseudo_transient::{FixedPoint, Failure, PtcNewton, PtcOutcome};
 pub use size::{Memory, Size};
-pub use spectrum::Spectrum;
+pub use floquet::Floquet;

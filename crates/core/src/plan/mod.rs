@@ -1,49 +1,49 @@
 //! What a scene needs, as plain data that can be printed: the ensemble of its instances, which never changes, and plans,
 //! which say what of it runs and how finely.
 
-mod assign;
-mod between;
-mod build;
+mod assignment;
+mod curve_points;
+mod construction;
 mod classes;
-mod coded;
+mod interning;
 mod compliance;
-mod contacts;
+mod shared_contacts;
 mod ensemble;
-mod met;
-mod modes;
+mod resonant_modes;
+mod basis;
 mod oscillator;
-mod own;
+mod unshared_drives;
 mod policy;
 mod precision;
-mod rate;
+mod contact_rate;
 mod rebasing;
-mod refusal;
+mod plan_error;
 mod resolution;
 mod ringing;
 mod steps;
-mod summary;
-mod variants;
+mod plan_summary;
+mod derivation;
 
-pub use build::PlanError;
+pub use construction::PlanError;
 pub use classes::{Class, Shape};
 pub use compliance::{compliance, reduced};
-pub use ensemble::{Curves, Drive, Ensemble, Grid, GridAxis, InstanceId, Ranks, SetPoint};
-pub(crate) use modes::RICHEST;
-pub use modes::{BasisRule, ReducedBasis};
+pub use ensemble::{CurveLayout, Drive, Ensemble, Grid, GridAxis, InstanceId, Ranks, SetPoint};
+pub(crate) use basis::RICHEST_ACCURACY_SHARE;
+pub use basis::{BasisRule, ReducedBasis};
 pub use oscillator::KeptMode;
 pub use policy::Policy;
 pub use precision::Precision;
 pub use rebasing::Rebasing;
 pub use steps::{STEPS_MAX, STEPS_MIN};
-pub use summary::Summary;
-pub use variants::Fineness;
+pub use plan_summary::PlanSummary;
+pub use derivation::Resolution;
 
 use crate::contact::{Compact, Contact, Law};
 use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
 use rayon::prelude::*;
-use resolution::{Ids, Resolution, Resolutions};
+use resolution::{Ids, InstanceResolution, InstanceResolutions};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ pub struct Plan {
     /// Which instances run.
     ids: Ids,
     /// How finely each of them does.
-    resolution: Resolutions,
+    resolution: InstanceResolutions,
     /// Their contacts, where the ensemble does not hold them.
     contacts: Option<Arc<Vec<Compact>>>,
     /// Drives with the bases that they are stepped by.
@@ -84,21 +84,21 @@ pub struct Plan {
 /// Where an instance of a plan starts.
 #[derive(Clone, Copy, Debug)]
 pub struct StartState {
-    pub station: Station,
+    pub section: SectionState,
     /// A change from one period to the next is at least so large a share of the distance to the periodic
     /// state; where nothing is known of it, the slowest mode's damping stands for it.
     pub least_change: Option<f64>,
 }
 
-impl From<Station> for StartState {
-    fn from(station: Station) -> Self {
-        Self { station, least_change: None }
+impl From<SectionState> for StartState {
+    fn from(station: SectionState) -> Self {
+        Self { section: station, least_change: None }
     }
 }
 
 /// Where an instance stands at the start of a period of its drive: half a step into it, before the kick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Station {
+pub struct SectionState {
     /// Tip travel by each kept mode beyond the steady free motion, m.
     pub x: [f64; MODES_MAX],
     /// Its rate over the mode's angular frequency, m.
@@ -108,7 +108,7 @@ pub struct Station {
     pub finite: bool,
 }
 
-impl Station {
+impl SectionState {
     /// No deviation from the free motion, no contact.
     pub const FREE: Self = Self { x: [0.0; MODES_MAX], u: [0.0; MODES_MAX], touching: false, finite: true };
 
@@ -174,7 +174,7 @@ impl Plan {
     /// Everything about one instance.
     pub fn case(&self, instance: u32) -> Case {
         let contact = self.contact(instance);
-        let Resolution { gap, drive, steps } = self.resolution(instance);
+        let InstanceResolution { gap, drive, steps } = self.resolution(instance);
         let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
         Case { drive, contact, gap, steps, least_change }
     }
@@ -207,7 +207,7 @@ impl Plan {
         self.contacts.is_some() || self.ensemble.holds_contacts()
     }
 
-    fn resolution(&self, instance: u32) -> Resolution {
+    fn resolution(&self, instance: u32) -> InstanceResolution {
         self.resolution.get(instance as usize, || self.ensemble.gap(self.id(instance)))
     }
 

@@ -5,24 +5,24 @@
 
 mod bins;
 mod estimate;
-mod infer;
-pub mod json;
+mod posterior;
+pub mod stats_json;
 mod marginal;
-mod measured;
-mod morris;
-mod pieces;
+mod measured_curve;
+mod elementary_effects;
+mod curve_pieces;
 mod saltelli;
-mod study;
-mod summary;
+mod study_samples;
+mod observable_summary;
 
 pub use bins::first_order;
 pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
-pub use infer::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
-pub use measured::{Column, Curve, Fit, Free, Measured, curve_posterior, quantity};
-pub use morris::{Effects, Steps, effects};
-pub use saltelli::{Indices as SobolIndices, indices};
-pub use study::{Output, Study, outputs, status_word};
-pub use summary::{Convergence, Distributed, Indices, Options, SHARES, Summary, sorted_out, summary};
+pub use posterior::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
+pub use measured_curve::{CurveColumn, SampleCurve, Fit, FreeParameter, CurveMeasurement, curve_posterior, quantity};
+pub use elementary_effects::{Effects, Steps, effects};
+pub use saltelli::{SobolIndices as SobolIndices, indices};
+pub use study_samples::{StudyOutput, Study, outputs, status_word};
+pub use observable_summary::{Convergence, Distributed, SensitivityIndices, SummaryOptions, SHARES, Summary, sorted_out, summary};
 
 use thiserror::Error;
 

@@ -16,7 +16,7 @@
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
-mod curve;
+mod static_curve;
 mod dmt;
 mod hertz;
 mod jkr;
@@ -27,7 +27,7 @@ mod tabor;
 mod warning;
 
 pub use crate::kernel::{Attraction, Law};
-pub use curve::{Branch, Curve, Curves};
+pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;

@@ -26,33 +26,33 @@
 //! `assemble.rs` -> `secular.rs` (eigenpairs of what is coupled by one row) -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
 //! `summary.rs`; `fluid.rs` has the lever in a fluid.
 
-mod assemble;
+mod assembly;
 mod beam;
 mod eigen;
-mod error;
+mod instrument_error;
 mod fluid;
 mod free_motion;
 mod legendre;
 mod lever;
-mod modes;
-mod reduce;
+mod natural_modes;
+mod mesh_refinement;
 mod response;
 mod rod;
-mod scaled;
+mod lever_scaling;
 mod secular;
-pub mod summary;
+pub mod mode_summary;
 mod unit_modes;
 
 use nalgebra::Complex;
 
 use crate::scene::DriveOn;
 
-pub use assemble::Mesh;
-pub use error::InstrumentError;
+pub use assembly::Mesh;
+pub use instrument_error::InstrumentError;
 pub use fluid::{Fluid, FluidMode, hydrodynamic_function, modes_in};
-pub use free_motion::Place;
-pub use reduce::DEFAULT_TOLERANCE;
-pub use scaled::Pattern;
+pub use free_motion::MotionPlace;
+pub use mesh_refinement::DEFAULT_TOLERANCE;
+pub use lever_scaling::Pattern;
 
 /// One mode: `q'' + (omega/Q) q' + omega^2 q = force * f + drive * (drive level)`, and
 /// the tip moves by `tip * q`, the rod's top by `top * q`.

@@ -3,7 +3,7 @@
 
 use super::address::Address;
 use super::params::{LawChoice, Params};
-use super::zipped::law_of;
+use super::axis_zip::law_of;
 use super::{Axis, LAW, Layout, Scene};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! What is read of a scene so far, and where it stands.
 
 use super::Drawn;
-use super::error::Faults;
+use super::scene_error::Faults;
 use super::levers::MakersLever;
 use super::params::Params;
 use super::quantities::QUANTITIES;

@@ -1,7 +1,7 @@
 //! The drive's strength must be said in a way that drives what the scene has: the rod, a rigid base or the tip.
 
 use super::draft::{Draft, Said};
-use super::error::{Checked, Fault};
+use super::scene_error::{Checked, Fault};
 use super::params::{ActuatorModel, DriveOn};
 use super::paths::{CALIBRATION, LEVELS, MODES, NAME_ROD};
 

@@ -3,16 +3,16 @@
 //! Editors complete keys and show units by it. It is draft 7, which TOML editors know. Rules between keys are not in it.
 
 use super::address::Address;
-use super::curve;
+use super::curve_section;
 use super::levers;
 use super::output::{ALL, BRANCHES, KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
-use super::read::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF};
+use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF};
 use super::schema_parts::{object, told};
-use super::zipped::LABEL;
+use super::axis_zip::LABEL;
 use super::{STEPPED_MODES, schema_design};
 use crate::observe::Observable;
 use crate::units::Dimension;
@@ -208,7 +208,7 @@ fn axis(quantity: &Quantity) -> Value {
 
 /// An axis of one quantity of several, and its direction.
 fn curve() -> Value {
-    let quantities = || QUANTITIES.iter().filter(|one| curve::QUANTITIES.contains(&one.path));
+    let quantities = || QUANTITIES.iter().filter(|one| curve_section::QUANTITIES.contains(&one.path));
     let paths: Vec<&str> = quantities().map(|one| one.path).collect();
     let any = || json!({ "anyOf": quantities().map(named).collect::<Vec<Value>>() });
     json!({
@@ -220,7 +220,7 @@ fn curve() -> Value {
             "points": { "type": "integer", "minimum": 2 },
             "scale": { "type": "string", "enum": ["lin", "log"] },
             "values": { "type": "array", "minItems": 1, "items": any() },
-            "direction": word(&curve::DIRECTIONS),
+            "direction": word(&curve_section::DIRECTIONS),
         },
         "required": ["quantity"],
         "oneOf": [{ "required": ["from", "to", "points"] }, { "required": ["values"] }],
