@@ -1,9 +1,9 @@
 //! Times of the parts of a run. `cargo bench --bench parts`
 
 use afmsweep::engine::{Cpu, Engine, Progress, Reference, solve_near};
+use afmsweep::orbit;
 use afmsweep::plan::{Plan, Precision, SectionState};
 use afmsweep::scene::Scene;
-use afmsweep::orbit;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;

@@ -2,9 +2,9 @@
 
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::{BasisRule, Plan, Precision};
 use afmsweep::scene::Scene;
-use afmsweep::orbit;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;

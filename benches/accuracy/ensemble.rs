@@ -3,7 +3,7 @@
 
 use crate::random::{Ranges, Wide, quantile, scene};
 use afmsweep::compare::{self, Scales, worst};
-use afmsweep::control::{self, AuditedInstance, RunResult, MemoryJournal};
+use afmsweep::control::{self, AuditedInstance, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -179,8 +179,8 @@ fn carried_out(wide: &Wide) -> (RunResult, f64) {
 /// reference's own run as the scene says.
 fn own_truths(run: &RunResult) -> Vec<Option<Finished>> {
     let (count, start) = (run.plan.len(), Instant::now());
-    let audited =
-        control::audit(run, count, &MemoryJournal::default(), &Progress::default()).expect("the plan can be run");
+    let audited = control::audit(run, count, &MemoryJournal::default(), &Progress::default())
+        .expect("the plan can be run");
     let mut truths = vec![None; count];
     let mut without = Vec::new();
     for one in audited {
@@ -211,7 +211,8 @@ fn unsteady(run: &RunResult, count: usize) -> [usize; 2] {
     let first: Vec<u32> = all.take(count).collect();
     let audited = control::audit_of(run, &first, &MemoryJournal::default(), &Progress::default())
         .expect("the plan can be run");
-    let with: Vec<&AuditedInstance> = audited.iter().filter(|one| one.reference.status == Status::Ok).collect();
+    let with: Vec<&AuditedInstance> =
+        audited.iter().filter(|one| one.reference.status == Status::Ok).collect();
     for one in &with {
         let i = one.instance as usize;
         println!("    instance {i} ({}): not steady, the reference finds a state", parameters(&run.plan, i));

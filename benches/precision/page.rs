@@ -4,7 +4,7 @@ use crate::level::Cost;
 use crate::measure::Point;
 use crate::problem::PERIODS;
 use crate::settled::{NAME, Settled};
-use afmsweep::report::{Chart, Document, ChartField, Look, Plot, ReportError};
+use afmsweep::report::{Chart, ChartField, Document, Look, Plot, ReportError};
 use std::fmt::Write;
 
 /// Marks the page, so that the folder may be written again.

@@ -8,8 +8,8 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control::by_reference;
 use afmsweep::engine::{Cpu, Engine, Finished, Model, Progress, Reference};
 use afmsweep::observe::Status;
-use afmsweep::plan::Plan;
 use afmsweep::orbit;
+use afmsweep::plan::Plan;
 
 /// How the names of the points of searches begin.
 pub const NAME: &str = "cpu search";

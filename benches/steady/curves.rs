@@ -4,9 +4,9 @@ use crate::random::{Random, Ranges, quantile};
 use crate::sorted;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
 use afmsweep::observe::Status;
-use afmsweep::plan::{Plan, Precision, StartState, SectionState};
-use afmsweep::scene::Scene;
 use afmsweep::orbit;
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
+use afmsweep::scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
 

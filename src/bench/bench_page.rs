@@ -1,7 +1,7 @@
 //! Table, picture and files of a bench.
 
 use super::BenchSeries;
-use crate::report::{Chart, Document, ChartField, Look, Plot, ReportError};
+use crate::report::{Chart, ChartField, Document, Look, Plot, ReportError};
 use std::fmt::Write;
 
 /// Marks the page, so that the folder may be written again.

@@ -3,7 +3,7 @@
 mod bench_measurement;
 mod bench_page;
 
-pub use bench_measurement::{ErrorSample, Machine, BenchOptions, Point, BenchSeries, measure};
+pub use bench_measurement::{BenchOptions, BenchSeries, ErrorSample, Machine, Point, measure};
 pub use bench_page::{GENERATOR, files, table};
 
 use crate::engine::EngineError;

@@ -1,7 +1,7 @@
 //! What is said of errors and audits.
 
 use super::{Verbosity, instances, values};
-use afmsweep::control::{JournaledRun, ErrorSummary};
+use afmsweep::control::{ErrorSummary, JournaledRun};
 use afmsweep::sweep::{AUDIT_CONTACT, AUDIT_SECONDS};
 use afmsweep::{Scene, Status};
 use std::path::Path;

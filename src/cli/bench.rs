@@ -1,7 +1,7 @@
 //! `afmsweep bench`: speed and error of each engine.
 
 use super::{Verbosity, load, print, print_json};
-use afmsweep::bench::{self, GENERATOR, Machine, BenchOptions, BenchSeries};
+use afmsweep::bench::{self, BenchOptions, BenchSeries, GENERATOR, Machine};
 use afmsweep::engine::gpu::{Gpu, adapters};
 use afmsweep::engine::{Cpu, on_threads, processor};
 use afmsweep::plan::Precision;

@@ -12,10 +12,10 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use afmsweep::store;
 use anyhow::Context;
+use check_table::{CheckColumn, CheckTable};
 use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use check_table::{CheckColumn, CheckTable};
 
 #[derive(clap::Args)]
 #[command(after_help = "Examples: afmsweep check lever.toml\n          afmsweep check results/lever.h5 -i 4")]

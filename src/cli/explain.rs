@@ -2,8 +2,8 @@
 //!
 //! Its answers are the rows of the tables in docs/scene.md and docs/results.md.
 
-use super::print;
 use super::glossary::{GlossaryRow, all};
+use super::print;
 use afmsweep::scene::{self, Meant};
 use anyhow::bail;
 
@@ -35,7 +35,8 @@ pub fn main(args: &ExplainArgs) -> anyhow::Result<()> {
         return match meant {
             Meant::Instead(text) => print(&format!("{word}: {text}\n")),
             Meant::Name(name) => {
-                let told: Vec<String> = rows.iter().filter(|row| row.names(name)).map(GlossaryRow::told).collect();
+                let told: Vec<String> =
+                    rows.iter().filter(|row| row.names(name)).map(GlossaryRow::told).collect();
                 print(&format!("{word}: here that is {name}\n\n{}", told.join("\n")))
             }
         };

@@ -1,7 +1,7 @@
 //! `afmsweep force`: static curves of one instance's contact, over the indentation or under a lever over the base.
 
 use super::{cells, load, print, print_json};
-use afmsweep::contact::{Contact, StaticCurve, Jump, Ramp};
+use afmsweep::contact::{Contact, Jump, Ramp, StaticCurve};
 use afmsweep::instrument::Instrument;
 use afmsweep::units::{self, Dimension};
 use std::fmt::Write;

@@ -5,7 +5,7 @@ use super::stop_message::Stopped;
 use super::{Verbosity, signals};
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, ExistingFile, Journal, RunFile};
-use afmsweep::sweep::{RunJournal, Recipe, Share, command_of, is_of_merge, read_header};
+use afmsweep::sweep::{Recipe, RunJournal, Share, command_of, is_of_merge, read_header};
 use afmsweep::{Audit, Error, Sweep};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};

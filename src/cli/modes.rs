@@ -1,7 +1,7 @@
 //! `afmsweep modes`: natural frequencies and shares of the scene's first instance; of its lever in a fluid.
 
 use super::{SceneArgs, load, print, print_json};
-use afmsweep::instrument::{DEFAULT_TOLERANCE, Fluid, Instrument, InstrumentError, modes_in, mode_summary};
+use afmsweep::instrument::{DEFAULT_TOLERANCE, Fluid, Instrument, InstrumentError, mode_summary, modes_in};
 use afmsweep::plan::PlanError;
 use afmsweep::units::{Dimension, parse};
 use serde_json::json;

@@ -10,8 +10,10 @@ const MANY_INSTRUMENTS: usize = 10_000;
 
 /// Says what is planned where that takes seconds. Printed before it begins.
 pub fn announce(scene: &Scene, voice: Verbosity) {
-    let instruments =
-        distinct(&scene.sweep, matches!(scene.base.instrument.cantilever.lever, LeverSpec::Dimensions { .. }));
+    let instruments = distinct(
+        &scene.sweep,
+        matches!(scene.base.instrument.cantilever.lever, LeverSpec::Dimensions { .. }),
+    );
     if instruments >= MANY_INSTRUMENTS {
         voice.say(format_args!("planning {} with {instruments} rods or levers ...", instances(scene.len())));
     } else if scene.len() >= MANY_INSTANCES {

@@ -1,7 +1,7 @@
 //! How far a run is: a bar on a terminal, plain lines elsewhere.
 
 use super::{Verbosity, say};
-use afmsweep::engine::{ProgressPhase, Progress};
+use afmsweep::engine::{Progress, ProgressPhase};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Arc;

@@ -16,10 +16,10 @@ use afmsweep::store::{self, ExistingFile, Journal, RunFile};
 use afmsweep::sweep::{RunJournal, Share};
 use afmsweep::{Audit, Error, Scene, Status, Sweep};
 use anyhow::Context;
+use run_messages::RunMessages;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
-use run_messages::RunMessages;
 
 #[derive(clap::Args)]
 #[command(
@@ -230,16 +230,21 @@ pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {
     let output = args.output();
     if args.is_done(&output, &scene) {
         voice.say(format_args!("{} is whole: nothing to go on with", output.display()));
-        let kept =
-            serde_json::json!({ "version": run_json::VERSION, "file": output.to_string_lossy(), "kept": true });
+        let kept = serde_json::json!({ "version": run_json::VERSION, "file": output.to_string_lossy(), "kept": true });
         return if args.json { print_json(&kept) } else { Ok(()) };
     }
     let start = Instant::now();
     let StartedRun { sweep, keeper, output, folder } = begin(args, scene, output, &progress, voice)?;
     let partial = store::partial_path(&output);
     let counted = Arc::clone(&progress);
-    let told =
-        RunMessages { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown: Mutex::default() };
+    let told = RunMessages {
+        path: &args.scene,
+        scene: sweep.scene(),
+        folder,
+        progress,
+        voice,
+        shown: Mutex::default(),
+    };
     plan_notice::announce(told.scene, voice);
     if args.shard.is_some_and(|share| share.of > 1) {
         let whole = sweep.run_share(&keeper, &told);

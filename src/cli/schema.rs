@@ -1,6 +1,6 @@
 //! `afmsweep schema`: the JSON schema of scene files.
 
-use super::{print_json, glossary};
+use super::{glossary, print_json};
 use afmsweep::scene;
 
 /// Prints it.

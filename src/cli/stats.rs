@@ -3,7 +3,10 @@
 use super::{Verbosity, print, print_json};
 use afmsweep::Status;
 use afmsweep::report::{self, shown};
-use afmsweep::stats::{self, Estimate, SensitivityIndices, SummaryOptions, StudyOutput, SHARES, StatsError, Study, Summary, stats_json};
+use afmsweep::stats::{
+    self, Estimate, SHARES, SensitivityIndices, StatsError, Study, StudyOutput, Summary, SummaryOptions,
+    stats_json,
+};
 use afmsweep::store;
 use anyhow::bail;
 use serde_json::{Map, Value};

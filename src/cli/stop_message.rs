@@ -3,7 +3,7 @@
 use super::signals::{self, Signal};
 use afmsweep::Status;
 use afmsweep::control::JournaledRun;
-use afmsweep::sweep::{SweepPhase, Share};
+use afmsweep::sweep::{Share, SweepPhase};
 use std::path::Path;
 
 /// Exit code where instances were not run though nothing stopped the run.

@@ -3,10 +3,10 @@
 use super::StudyError;
 use crate::control::Arithmetic;
 use crate::engine::{Cpu, Engine, Finished, Outcome, Progress};
+use crate::orbit::OrbitTable;
 use crate::plan::{Plan, Precision};
 use crate::record::{self, Facts};
 use crate::scene::{Scene, SceneError};
-use crate::orbit::OrbitTable;
 use crate::store::{Results, Writer};
 use std::path::Path;
 use std::time::Instant;

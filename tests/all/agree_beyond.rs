@@ -88,8 +88,8 @@ fn second_states_beyond_the_free_amplitude_are_those_of_the_way_that_keeps_conta
         let run = run(&swept);
         let (engine, progress) = (Cpu::default(), Progress::default());
         let shape = swept.sweep.shape();
-        let others =
-            control::second_orbits(&run, &shape, &MemoryJournal::default(), &engine, &progress).expect("they are found");
+        let others = control::second_orbits(&run, &shape, &MemoryJournal::default(), &engine, &progress)
+            .expect("they are found");
         let motion = |one: &Measured| Motion { amplitude: one.harmonics[0], phase: one.phase };
         let mut second = 0;
         for n in 0..points {

@@ -4,7 +4,7 @@
 
 use crate::support::follow::{Follower, Motion};
 use crate::support::laws::Law;
-use afmsweep::control::{self, RunResult, MemoryJournal, SecondOrbits};
+use afmsweep::control::{self, MemoryJournal, RunResult, SecondOrbits};
 use afmsweep::engine::{Cpu, Progress, on_threads};
 use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -67,7 +67,8 @@ fn run(scene: &Scene, threads: usize) -> (RunResult, SecondOrbits) {
     let both = || {
         let run = control::run(&plan, &engine, &progress).unwrap();
         let others =
-            control::second_orbits(&run, &scene.sweep.shape(), &MemoryJournal::default(), &engine, &progress).unwrap();
+            control::second_orbits(&run, &scene.sweep.shape(), &MemoryJournal::default(), &engine, &progress)
+                .unwrap();
         (run, others)
     };
     on_threads(Some(threads), both).unwrap()

@@ -2,7 +2,7 @@
 //! given gaps, along curves and at set-points, under every law, on the processor's vectors and rounding as a shader does.
 //! Truth: the reference engine, which meets every touch and release; contacts and permanent contact by what they are.
 
-use afmsweep::control::{self, RunResult, MemoryJournal};
+use afmsweep::control::{self, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
@@ -196,7 +196,8 @@ gap = "0.26942 nm"
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let progress = Progress::default();
         let run = control::run(&plan, &Cpu::default(), &progress).expect("it runs");
-        let redone = control::audit_of(&run, &[0], &MemoryJournal::default(), &progress).expect("it is redone");
+        let redone =
+            control::audit_of(&run, &[0], &MemoryJournal::default(), &progress).expect("it is redone");
         let worst = redone[0].worst.expect("both are ok");
         println!("{worst:.1e}, estimated {:.1e}", run.estimates[0]);
         assert!(

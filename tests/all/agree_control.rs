@@ -2,7 +2,7 @@
 
 use crate::checks;
 use afmsweep::compare::{Scales, worst};
-use afmsweep::control::{self, RunResult, MemoryJournal};
+use afmsweep::control::{self, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Engine, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;

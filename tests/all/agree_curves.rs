@@ -7,9 +7,9 @@ use crate::support::sweeper::{Mode, Place, Sweeper};
 use afmsweep::control::{self, RunResult};
 use afmsweep::engine::{Cpu, Engine, EngineError, Outcome, Progress, on_threads};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
-use afmsweep::orbit;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

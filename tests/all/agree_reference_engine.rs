@@ -6,7 +6,7 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control;
 use afmsweep::engine::{Cpu, Model, Progress, Reference, solve, solve_near};
 use afmsweep::observe::Status;
-use afmsweep::scene::{LawChoice, LeverSpec, LeverMode, Scene, Start};
+use afmsweep::scene::{LawChoice, LeverMode, LeverSpec, Scene, Start};
 use std::path::Path;
 use std::time::Instant;
 

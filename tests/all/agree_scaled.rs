@@ -12,8 +12,10 @@ fn lever(number: u64) -> InstrumentParams {
     let share = |place: u64| Mix::new(19).of(number).of(place).share();
     let mut params = InstrumentParams::default();
     params.actuator.model = ActuatorModel::Rigid;
-    params.cantilever.lever =
-        LeverSpec::Calibrated { stiffness: 0.01 * 1e5f64.powf(share(0)), frequency: 1e3 * 1e4f64.powf(share(1)) };
+    params.cantilever.lever = LeverSpec::Calibrated {
+        stiffness: 0.01 * 1e5f64.powf(share(0)),
+        frequency: 1e3 * 1e4f64.powf(share(1)),
+    };
     params.cantilever.quality_factor = match number % 3 {
         0 => QualityFactor::All(f64::INFINITY),
         1 => QualityFactor::All(1000.0 * share(2) + 1.0),

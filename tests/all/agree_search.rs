@@ -5,9 +5,9 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control::{self, MemoryJournal};
 use afmsweep::engine::{Cpu, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::Status;
-use afmsweep::plan::{BasisRule, Plan};
-use afmsweep::scene::{LawChoice, LeverSpec, LeverMode, Scene, Steady};
 use afmsweep::orbit::{self, OrbitSolution};
+use afmsweep::plan::{BasisRule, Plan};
+use afmsweep::scene::{LawChoice, LeverMode, LeverSpec, Scene, Steady};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -169,7 +169,8 @@ fn both_branches_are_those_that_two_starts_end_on() {
     let plan = checks::plan(&scene, None);
     let (engine, progress) = (Cpu::default(), Progress::default());
     let run = control::run(&plan, &engine, &progress).unwrap();
-    let others = control::second_orbits(&run, &[], &MemoryJournal::default(), &engine, &progress).unwrap().orbits;
+    let others =
+        control::second_orbits(&run, &[], &MemoryJournal::default(), &engine, &progress).unwrap().orbits;
     assert_eq!(others.len(), 1);
     let wait = |name: &str| {
         let plan = checks::plan(&load(name), None);

@@ -7,9 +7,9 @@ use crate::support::sweeper::{Mode, Place, Sweeper};
 use afmsweep::control::{self, RunResult};
 use afmsweep::engine::{Cpu, Progress, on_threads};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{Held, Scene};
-use afmsweep::orbit;
 use std::path::Path;
 
 const TAPPING: &str = r#"

@@ -149,7 +149,9 @@ fn the_command_tells_modes_and_lines_for_a_scene() {
     let (_, listed) = text.split_once("# modes = [").expect("modes as a comment");
     let listed = format!("{DRIVE}[instrument.cantilever]\nmodes = [{}", listed.replace("\n#", "\n"));
     let pasted = Scene::parse("pasted.toml".as_ref(), &listed).expect("a scene");
-    let LeverSpec::Modes(list) = pasted.base.instrument.cantilever.lever else { panic!("no modes: {listed}") };
+    let LeverSpec::Modes(list) = pasted.base.instrument.cantilever.lever else {
+        panic!("no modes: {listed}")
+    };
     close(list[1].frequency, 234562.33768081537, 1e-5, "second frequency");
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, Mode, MotionPlace};
 use afmsweep::scene::{
-    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverSpec, LeverMode, QualityFactor,
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverMode, LeverSpec, QualityFactor,
 };
 use nalgebra::{Matrix4, Vector4};
 

@@ -1,8 +1,8 @@
 //! Indices, means and quantiles of functions whose answers are known in closed form, through the same path as observables.
 
 use crate::study::*;
-use afmsweep::design::{Distribution, DesignKind, Settings, normal_quantile};
-use afmsweep::stats::{Estimate, SensitivityIndices, SummaryOptions, SHARES, Study, Summary, summary};
+use afmsweep::design::{DesignKind, Distribution, Settings, normal_quantile};
+use afmsweep::stats::{Estimate, SHARES, SensitivityIndices, Study, Summary, SummaryOptions, summary};
 use std::f64::consts::PI;
 
 fn told(study: &Study) -> Summary {
@@ -96,7 +96,8 @@ fn bins_tell_first_order_of_any_sample() {
 #[test]
 fn a_normal_output_has_its_mean_spread_and_quantiles() {
     let normal = |mean: f64, sd: f64| Distribution::Normal { mean, sd, from: None, to: None };
-    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli] {
+    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli]
+    {
         let sum = |x: &[f64]| x[0] + x[1];
         let found = told(&study(settings(kind, 1 << 12, 2), &[normal(3.0, 0.3), normal(1.0, 0.4)], sum));
         let spread = found.spread.unwrap();

@@ -1,8 +1,8 @@
 //! Inference from weighted samples, where the answer is known: a linear model with Gaussian errors.
 
 use crate::study::*;
-use afmsweep::design::{Distribution, DesignKind, Mix, Settings, normal_quantile};
-use afmsweep::stats::{Observed, SummaryOptions, Study, posterior};
+use afmsweep::design::{DesignKind, Distribution, Mix, Settings, normal_quantile};
+use afmsweep::stats::{Observed, Study, SummaryOptions, posterior};
 
 /// A normal number of a place in a stream of its own.
 fn normal(seed: u64, place: u64) -> f64 {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::continuum::{Continuum, clamped_free, close, hertz};
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError, mode_summary};
 use afmsweep::scene::{
-    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverSpec, LeverMode, QualityFactor, TipMass,
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverMode, LeverSpec, QualityFactor, TipMass,
 };
 
 const VOLTS: f64 = 15.0;
@@ -29,7 +29,9 @@ fn reduce(p: &InstrumentParams, on: DriveOn) -> Instrument {
 
 fn beam(p: &mut InstrumentParams) -> (&mut f64, &mut f64, &mut f64) {
     match &mut p.cantilever.lever {
-        LeverSpec::Dimensions { youngs_modulus, length, thickness, .. } => (youngs_modulus, length, thickness),
+        LeverSpec::Dimensions { youngs_modulus, length, thickness, .. } => {
+            (youngs_modulus, length, thickness)
+        }
         _ => panic!("a lever with dimensions"),
     }
 }

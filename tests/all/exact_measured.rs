@@ -2,8 +2,10 @@
 //! priors, so that the posterior is that of linear regression.
 
 use crate::study::*;
-use afmsweep::design::{Distribution, DesignKind, Mix, Settings, normal_quantile};
-use afmsweep::stats::{CurveColumn, SampleCurve, Fit, FreeParameter, CurveMeasurement, SummaryOptions, Study, curve_posterior};
+use afmsweep::design::{DesignKind, Distribution, Mix, Settings, normal_quantile};
+use afmsweep::stats::{
+    CurveColumn, CurveMeasurement, Fit, FreeParameter, SampleCurve, Study, SummaryOptions, curve_posterior,
+};
 use afmsweep::store::{Coordinate, Flags, Results, Variable};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;

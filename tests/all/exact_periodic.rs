@@ -1,6 +1,6 @@
 //! The search for fixed points on maps whose fixed points and multipliers are known in closed form.
 
-use afmsweep::periodic::{FixedPoint, Failure, NewtonOptions, PtcNewton, PtcOutcome};
+use afmsweep::periodic::{Failure, FixedPoint, NewtonOptions, PtcNewton, PtcOutcome};
 use nalgebra::{DMatrix, DVector, Dyn};
 
 const OPTIONS: NewtonOptions = NewtonOptions {
@@ -58,7 +58,8 @@ fn henons_fixed_point_and_its_multiplier_are_found() {
         let off = (found.spectrum.multiplier - multiplier).abs();
         assert!(off < 1e-8, "{a}: {} {multiplier}", found.spectrum.multiplier);
         // One-sided differences are off by half the second derivative, which is a, times their step.
-        let (verdict, fewer) = search(&[0.0, 0.0], NewtonOptions { central_fd_step: None, ..OPTIONS }, henon(a, b));
+        let (verdict, fewer) =
+            search(&[0.0, 0.0], NewtonOptions { central_fd_step: None, ..OPTIONS }, henon(a, b));
         let off = (self::found(verdict).spectrum.multiplier - multiplier).abs();
         assert!(off < 2.0 * a * OPTIONS.fd_step && fewer < spent, "{a}: off by {off:e}, {fewer} of {spent}");
         println!("a = {a}: {spent} evaluations");

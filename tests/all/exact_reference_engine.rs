@@ -6,7 +6,7 @@ use crate::checks::{one_mode, sample};
 use afmsweep::engine::{Finished, Model, Reference, Work, solve};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
-use afmsweep::scene::{LawChoice, LeverSpec, LeverMode, Scene};
+use afmsweep::scene::{LawChoice, LeverMode, LeverSpec, Scene};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;

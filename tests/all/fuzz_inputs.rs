@@ -3,10 +3,10 @@
 //! FUZZ_SECONDS is set, others for so long in each test. What was found wrong once stands in `tests/scenes/bad` or here.
 
 use afmsweep::Status;
-use afmsweep::control::{ChunkMeta, InstanceRecord, CompactOrbit, Chunk, portion_number, portion_to_bytes};
+use afmsweep::control::{Chunk, ChunkMeta, CompactOrbit, InstanceRecord, portion_number, portion_to_bytes};
 use afmsweep::engine::Finished;
 use afmsweep::periodic::Floquet;
-use afmsweep::plan::{BasisRule, Resolution, Precision, SectionState};
+use afmsweep::plan::{BasisRule, Precision, Resolution, SectionState};
 use afmsweep::scene::Scene;
 use afmsweep::store::{ExistingFile, Journal, RecordKind, RunFile};
 use afmsweep::units::{self, Dimension, parse};

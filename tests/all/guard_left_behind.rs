@@ -1,6 +1,6 @@
 //! An engine that leaves an instance behind, and whether the run says so. Truth: the engine that leaves none.
 
-use afmsweep::control::{self, Course, MemoryJournal, ChunkJournal, JournaledRun, ErrorSummary};
+use afmsweep::control::{self, ChunkJournal, Course, ErrorSummary, JournaledRun, MemoryJournal};
 use afmsweep::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};

@@ -5,7 +5,7 @@ use afmsweep::Sweep;
 use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
-    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, LawChoice, LeverSpec, LeverMode, Scene, Start,
+    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, LawChoice, LeverMode, LeverSpec, Scene, Start,
 };
 use rayon::prelude::*;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError as Error, Mesh};
 use afmsweep::scene::{
-    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverSpec, LeverMode, QualityFactor, TipMass,
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverMode, LeverSpec, QualityFactor, TipMass,
 };
 
 /// Failures print the error, not hundreds of modes.

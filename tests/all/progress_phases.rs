@@ -1,7 +1,7 @@
 //! What a run says of itself on the way. Truth: a watcher beside it.
 
 use afmsweep::control::{self, MemoryJournal};
-use afmsweep::engine::{Cpu, ProgressPhase, Progress};
+use afmsweep::engine::{Cpu, Progress, ProgressPhase};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use std::path::Path;

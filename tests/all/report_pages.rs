@@ -291,7 +291,10 @@ fn only_an_empty_folder_or_a_report_is_written_to() {
     ));
     let bare = home.path().join("bare");
     fs::copy(&file, &bare).unwrap();
-    assert_eq!(report::write(&bare, None, &ViewRequest::default()).unwrap().folder, home.path().join("bare.report"));
+    assert_eq!(
+        report::write(&bare, None, &ViewRequest::default()).unwrap().folder,
+        home.path().join("bare.report")
+    );
 }
 
 #[test]

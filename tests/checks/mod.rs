@@ -12,8 +12,8 @@ use afmsweep::engine::{Cpu, Engine, Finished, Progress};
 use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
-    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, LeverSpec, LeverMode, QualityFactor,
-    Scene, Start,
+    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, LeverMode, LeverSpec,
+    QualityFactor, Scene, Start,
 };
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;

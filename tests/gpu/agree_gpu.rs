@@ -11,9 +11,9 @@ use crate::shader::{self, cpu, gpu, laws, on, same, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
+use afmsweep::orbit::{self, OrbitSolution, PeriodicState};
 use afmsweep::plan::Precision;
 use afmsweep::scene::{QualityFactor, Scene, Start, Steady};
-use afmsweep::orbit::{self, PeriodicState, OrbitSolution};
 use libtest_mimic::{Failed, Trial};
 use std::path::Path;
 use std::time::Duration;
@@ -82,7 +82,7 @@ fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
                     continue;
                 }
                 let truth = checks::outcome(&theirs.measured);
-                let scales = checks::scales(&checks::plan_in(&orbit(&scene), None, precision), i, &truth);
+                let scales = checks::scales(&checks::plan_in(&steady(&scene), None, precision), i, &truth);
                 let errors = checks::errors(&ours.measured, &truth, &scales);
                 let (which, error) = worst(&errors);
                 worst_seen = f64::max(worst_seen, error);

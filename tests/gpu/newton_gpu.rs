@@ -7,12 +7,14 @@
 use crate::checks;
 use crate::shader::{self, gpu, laws, scene};
 use afmsweep::engine::gpu::AdapterReport;
-use afmsweep::engine::{Cpu, Engine, Progress, NewtonResults, NewtonStart, NewtonStarts, PeriodJacobian, NewtonResult};
+use afmsweep::engine::{
+    Cpu, Engine, NewtonResult, NewtonResults, NewtonStart, NewtonStarts, PeriodJacobian, Progress,
+};
 use afmsweep::kernel::broyden::Phase;
 use afmsweep::kernel::newton::ROUNDS;
-use afmsweep::plan::{Plan, Precision, StartState, SectionState};
-use afmsweep::scene::Scene;
 use afmsweep::orbit::{self, OrbitSolution};
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
+use afmsweep::scene::Scene;
 use libtest_mimic::{Failed, Trial};
 use std::path::Path;
 
@@ -135,7 +137,8 @@ fn long_periods_go_in_parts() -> Result<(), Failed> {
     let all: Vec<u32> = plan.instances().step_by(4).take(4).collect();
     let seek = |i: &u32| NewtonStart { scale: plan.driven(*i).free_amplitude(), time: 20.0, least: 1e-6 };
     let seeks = NewtonStarts { near: 1e-6, enough: 1e-4, all: all.iter().map(seek).collect() };
-    let begun = (plan.trial(&all, 1, 1).starting_at(vec![StartState::from(SectionState::FREE); all.len()]), seeks);
+    let begun =
+        (plan.trial(&all, 1, 1).starting_at(vec![StartState::from(SectionState::FREE); all.len()]), seeks);
     let ours = sought(&gpu(), &begun);
     assert!(ours.notes.is_empty(), "{:?}", ours.notes);
     same(&ours, &sought(&Cpu { strict: true }, &begun), "70,000 steps a period")?;

@@ -5,7 +5,7 @@ use afmsweep::contact::Law;
 use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use afmsweep::observe::Observable;
-use afmsweep::plan::{Plan, StartState, SectionState};
+use afmsweep::plan::{Plan, SectionState, StartState};
 use afmsweep::scene::Scene;
 use libtest_mimic::Failed;
 use std::path::Path;

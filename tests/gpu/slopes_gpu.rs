@@ -7,10 +7,10 @@
 use crate::checks;
 use crate::shader::{self, gpu, laws, scene};
 use afmsweep::engine::gpu::{AdapterReport, Gpu};
-use afmsweep::engine::{Cpu, Engine, Progress, PeriodJacobian, PeriodJacobians};
-use afmsweep::plan::{Plan, Precision, StartState, SectionState};
-use afmsweep::scene::{QualityFactor, Steady};
+use afmsweep::engine::{Cpu, Engine, PeriodJacobian, PeriodJacobians, Progress};
 use afmsweep::orbit::{self, PeriodicState};
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
+use afmsweep::scene::{QualityFactor, Steady};
 use libtest_mimic::{Failed, Trial};
 use std::time::Duration;
 

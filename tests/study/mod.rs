@@ -1,6 +1,6 @@
 //! Results files whose observables are functions with known answers, at the points of a design.
 
-use afmsweep::design::{DesignDescription, Design, Distribution, DesignKind, Parameter, Settings};
+use afmsweep::design::{Design, DesignDescription, DesignKind, Distribution, Parameter, Settings};
 use afmsweep::stats::Study;
 use afmsweep::store::{Attribute, Coordinate, Results, Variable};
 use std::sync::Arc;

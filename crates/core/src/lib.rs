@@ -4,10 +4,10 @@
 pub mod compare;
 pub mod control;
 pub mod engine;
+pub mod orbit;
 pub mod periodic;
 pub mod plan;
 pub mod record;
-pub mod orbit;
 pub mod sweep;
 
 use afmsweep_data::{design, observe, store};

@@ -2,8 +2,8 @@
 
 use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
-use super::frame::{PictureFrame, KEY_ROW, ColourKey, key, key_rows, left_margin, title};
 use super::curve_forces::{is_ok, jumps};
+use super::frame::{ColourKey, KEY_ROW, PictureFrame, key, key_rows, left_margin, title};
 use super::labels::{brief, shown};
 use super::picture::places;
 use super::view_request::DIRECTION;
@@ -154,7 +154,8 @@ pub(super) fn draw(
     };
     let points: Vec<[f64; 5]> = held.iter_mut().map(quantiles).collect();
     let series = names.into_iter().zip(points.chunks(length));
-    let series: Vec<BandSeries> = series.map(|(name, points)| BandSeries { name, points: points.to_vec() }).collect();
+    let series: Vec<BandSeries> =
+        series.map(|(name, points)| BandSeries { name, points: points.to_vec() }).collect();
     let csv = csv(&axes[x], variable, &series);
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
     let label = brief(name, &variable.name);

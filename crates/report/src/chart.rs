@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::{PlotAxis, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, LINES, WHITE, picture};
-use super::frame::{PictureFrame, KEY_ROW, ColourKey, SMALL, key, key_rows, left_margin, title};
+use super::frame::{ColourKey, KEY_ROW, PictureFrame, SMALL, key, key_rows, left_margin, title};
 
 /// How a series is drawn, the same in every panel.
 #[derive(Clone, Debug)]
@@ -67,7 +67,8 @@ impl Chart {
     /// [`ReportError::Draw`].
     pub fn draw(&self) -> Result<String, ReportError> {
         let points = || self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
-        let x_axis = PlotAxis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
+        let x_axis =
+            PlotAxis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
         let axes: Vec<PlotAxis> = self.panels.iter().map(Plot::axis).collect();
         let entries: Vec<(ColourKey, String)> = self
             .series

@@ -2,8 +2,8 @@
 
 use super::ReportError;
 use super::canvas::{Anchor, INK, WHITE, text_width};
-use super::heat_cells::CellField;
 use super::frame::{PictureFrame, State};
+use super::heat_cells::CellField;
 use std::collections::HashMap;
 
 /// Pixels for each line that a map may have.

@@ -3,7 +3,9 @@
 use super::ReportError;
 use super::axis::{PlotAxis, least_of_decades};
 use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
-use super::frame::{PictureFrame, KEY_ROW, ColourKey, SMALL, State, Tally, colour, key, key_rows, left_margin, title};
+use super::frame::{
+    ColourKey, KEY_ROW, PictureFrame, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
+};
 use super::hover::{Hover, HoverText};
 use super::labels::{label, shown};
 use crate::store::Coordinate;
@@ -119,7 +121,12 @@ impl CurvePicture<'_> {
     }
 
     /// The curves of one panel; gives its points with what they stand for.
-    fn series(&self, frame: &PictureFrame, series: &[CurveSeries], order: &[usize]) -> Result<Vec<HoverText>, ReportError> {
+    fn series(
+        &self,
+        frame: &PictureFrame,
+        series: &[CurveSeries],
+        order: &[usize],
+    ) -> Result<Vec<HoverText>, ReportError> {
         let mut told = Vec::new();
         for (number, one) in series.iter().enumerate() {
             let pen = self.pen(series, number);
@@ -386,5 +393,11 @@ pub(super) fn values_axis<'a>(
 pub(super) fn state_entries<'a>(series: impl Iterator<Item = &'a CurveSeries>) -> Vec<(ColourKey, String)> {
     let first = series.filter(|one| !one.second);
     let tally = Tally::of(first.flat_map(|one| &one.values).map(|(_, state)| *state));
-    tally.entries([ColourKey::Ring(LINES[0]), ColourKey::Dot(GREY), ColourKey::Tick(GREY), ColourKey::Cross(GREY), ColourKey::Dot(BACK)])
+    tally.entries([
+        ColourKey::Ring(LINES[0]),
+        ColourKey::Dot(GREY),
+        ColourKey::Tick(GREY),
+        ColourKey::Cross(GREY),
+        ColourKey::Dot(BACK),
+    ])
 }

@@ -3,8 +3,8 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
-use super::frame::{PictureFrame, KEY_ROW, ColourKey, key, key_rows, left_margin, title};
 use super::curve_forces::LARGEST;
+use super::frame::{ColourKey, KEY_ROW, PictureFrame, key, key_rows, left_margin, title};
 use crate::store::ForceCurve;
 
 /// Decay lengths of the attraction and largest indentations from the surface that are shown.

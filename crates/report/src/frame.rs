@@ -167,9 +167,13 @@ pub(super) fn key(
             ColourKey::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
             ColourKey::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
             ColourKey::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
-            ColourKey::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
+            ColourKey::Tick(colour) => {
+                canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?
+            }
             ColourKey::Swatch(colour) => canvas.rectangle(a, b, colour)?,
-            ColourKey::Shade(colour, cover) => canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?,
+            ColourKey::Shade(colour, cover) => {
+                canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?
+            }
             ColourKey::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
                 mark(canvas, middle)?;

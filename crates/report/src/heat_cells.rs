@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{BACK, Canvas, GREY, PALE};
-use super::frame::{BEYOND, PictureFrame, NOTHING, State, colour, mark, status_word};
+use super::frame::{BEYOND, NOTHING, PictureFrame, State, colour, mark, status_word};
 use super::hover;
 use super::labels::short;
 use super::labels::shown;

@@ -3,11 +3,12 @@
 use super::ReportError;
 use super::axis::{PlotAxis, least_of_decades, spans_decades};
 use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
-use super::heat_cells::{HeatCells, CellField, MARKED, MOST_CELLS, NONE, RASTER};
 use super::contour;
 use super::frame::{
-    PictureFrame, KEY_ROW, ColourKey, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
+    ColourKey, KEY_ROW, LABEL, PictureFrame, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
+    upward,
 };
+use super::heat_cells::{CellField, HeatCells, MARKED, MOST_CELLS, NONE, RASTER};
 use super::hover::Hover;
 use crate::store::Coordinate;
 
@@ -176,7 +177,12 @@ fn overlay(frame: &PictureFrame, lines: &[Vec<(f64, f64)>]) -> Result<(), Report
     Ok(())
 }
 
-fn colour_bar(canvas: &Canvas, bar: &PlotAxis, (left, top): (f64, f64), height: f64) -> Result<(), ReportError> {
+fn colour_bar(
+    canvas: &Canvas,
+    bar: &PlotAxis,
+    (left, top): (f64, f64),
+    height: f64,
+) -> Result<(), ReportError> {
     const STEPS: usize = 100;
     let (width, bottom) = (18.0, top + height);
     for step in 0..STEPS {

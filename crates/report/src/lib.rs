@@ -4,25 +4,25 @@
 
 mod axis;
 mod band;
+mod branch_states;
 mod canvas;
-mod heat_cells;
 mod chart;
 mod contour;
 mod csv;
+mod curve_forces;
 mod curve_picture;
 mod document;
-mod page_summary;
 mod error_floor;
 mod force_curve;
 mod frame;
-mod curve_forces;
 mod harmonics;
+mod heat_cells;
 mod heatmap;
 mod hover;
 mod labels;
 mod limits;
-mod branch_states;
 mod page;
+mod page_summary;
 mod picture;
 mod pictures;
 mod quantity_text;
@@ -169,7 +169,8 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &ViewRequest) -> Result<R
 fn ways_named(mut results: Results) -> Results {
     let Some((last, others)) = results.axes.split_last_mut() else { return results };
     let falls = last.values.first() >= last.values.last();
-    if let Some(ways) = others.iter_mut().find(|axis| axis.name == view_request::DIRECTION && axis.words.len() == 2)
+    if let Some(ways) =
+        others.iter_mut().find(|axis| axis.name == view_request::DIRECTION && axis.words.len() == 2)
         && last.scene_path == curve_forces::GAP
     {
         ways.words = ["approach", "retraction"].map(str::to_owned).to_vec();

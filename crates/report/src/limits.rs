@@ -129,7 +129,9 @@ pub(super) fn kept(results: &Results, wish: &ViewRequest) -> Result<(Kept, Strin
     let smallest = limits.iter().all(|limit| !limit.below);
     let is_limit = |one: &Variable| limits.iter().any(|limit| limit.variable.name == one.name);
     let asked = |one: &&Variable| {
-        Observable::from_name(&one.name).is_some() && one.harmonics.is_none() && PictureKind::of(one) == PictureKind::Asked
+        Observable::from_name(&one.name).is_some()
+            && one.harmonics.is_none()
+            && PictureKind::of(one) == PictureKind::Asked
     };
     let free = results.variables.iter().filter(asked).find(|one| !is_limit(one));
     let first = free.or(limits.first().map(|limit| limit.variable));

@@ -3,7 +3,7 @@
 use super::document::{self, code, escape, plain};
 use super::labels::capital;
 use super::labels::is_long;
-use super::picture::{PictureKind, Picture};
+use super::picture::{Picture, PictureKind};
 use super::pictures::DrawnPicture;
 use super::{MARKER, hover, tables};
 use crate::store::{Attribute, Results};

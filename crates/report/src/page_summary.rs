@@ -1,11 +1,11 @@
 //! The first sentences of a page: what came out, and how good it is.
 
 use super::SAMPLES;
+use super::branch_states;
 use super::error_floor::accuracy;
 use super::frame::{EXCLUDED, State, status_word};
 use super::labels::capital;
 use super::labels::{brief, label, shown, span};
-use super::branch_states;
 use super::picture::{PictureKind, places, states};
 use super::quantity_text::number;
 use crate::observe::Status;
@@ -125,8 +125,10 @@ fn ranges(results: &Results, fixed: &[(usize, usize)]) -> Option<String> {
     if results.status.len() < 2 {
         return None;
     }
-    let asked =
-        results.variables.iter().filter(|one| PictureKind::of(one) == PictureKind::Asked && one.harmonics.is_none());
+    let asked = results
+        .variables
+        .iter()
+        .filter(|one| PictureKind::of(one) == PictureKind::Asked && one.harmonics.is_none());
     let told: Vec<String> = asked.filter_map(|variable| range(results, variable)).take(MOST).collect();
     if told.is_empty() {
         return None;

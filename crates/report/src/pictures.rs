@@ -7,7 +7,7 @@ use super::force_curve;
 use super::frame::{ColourKey, State, Tally};
 use super::hover::Hover;
 use super::labels::{capital, caption};
-use super::picture::{PictureKind, Picture, places, states};
+use super::picture::{Picture, PictureKind, places, states};
 use super::quantity_text::DisplayUnit;
 use super::view_request::{View, ViewRequest};
 use super::{csv, curve_forces, harmonics, variable, waveform};
@@ -76,7 +76,15 @@ pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture,
         let note = left_out(row, instances.len(), "force curves");
         let name = format!("force_curve_{instance}");
         let csv = Some(csv::of_force_curves(&curves));
-        pictures.push(Picture { kind: PictureKind::Asked, name, title, note, svg, hover: Hover::default(), csv });
+        pictures.push(Picture {
+            kind: PictureKind::Asked,
+            name,
+            title,
+            note,
+            svg,
+            hover: Hover::default(),
+            csv,
+        });
     }
     Ok(DrawnPicture { pictures, left_out: undrawn })
 }

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{BACK, GREY, LINES, picture};
 use super::curve_picture::{CurveSeries, absent, drawn, state_entries, values_axis};
-use super::frame::{PictureFrame, KEY_ROW, ColourKey, State, colour, key, key_rows, left_margin, title};
+use super::frame::{ColourKey, KEY_ROW, PictureFrame, State, colour, key, key_rows, left_margin, title};
 use super::hover::{Hover, HoverText};
 use super::labels::shown;
 use super::raster::Dots;

@@ -2,15 +2,15 @@
 
 use super::ReportError;
 use super::SAMPLES;
+use super::branch_states;
 use super::canvas::text_width;
+use super::curve_forces::{jumps, torn};
 use super::curve_picture::{CurvePicture, CurveSeries, Style};
 use super::frame::{SMALL, State};
-use super::curve_forces::{jumps, torn};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
 use super::labels::{brief, capital, caption, label, shown};
-use super::branch_states;
-use super::picture::{PictureKind, Picture, case, second_states, states};
+use super::picture::{Picture, PictureKind, case, second_states, states};
 use super::scatter;
 use super::view_request::{DIRECTION, View, ViewRequest};
 use crate::store::{Coordinate, Results, Variable};
@@ -51,7 +51,11 @@ struct Subject<'a> {
 type Shown = (String, Hover, String);
 
 /// The pictures of a variable: none of a single number, two where a map has second states.
-pub(super) fn draw(results: &Results, variable: &Variable, wish: &ViewRequest) -> Result<Vec<Picture>, ReportError> {
+pub(super) fn draw(
+    results: &Results,
+    variable: &Variable,
+    wish: &ViewRequest,
+) -> Result<Vec<Picture>, ReportError> {
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
     let (branches, branch) = branch_states::of_states(results);
     let mut subject = Subject {
@@ -146,8 +150,11 @@ impl Subject<'_> {
     fn over_harmonics(&self, names: Vec<String>) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let series = names.into_iter().zip(self.states.chunks(self.harmonics));
-        let series =
-            series.map(|(name, values)| CurveSeries { name, values: values.to_vec(), ..CurveSeries::default() });
+        let series = series.map(|(name, values)| CurveSeries {
+            name,
+            values: values.to_vec(),
+            ..CurveSeries::default()
+        });
         let panels = vec![(String::new(), series.collect())];
         self.curves((&orders, "", Style::Sticks), 1, panels, String::new())
     }
@@ -310,7 +317,8 @@ impl Subject<'_> {
         // Ways along a curve say themselves what they are.
         let ways = by == WAYS;
         let by = if ways { String::new() } else { by.to_owned() };
-        let curves = CurvePicture { heading, units, long_name, x, columns, by, ways, branches, style, panels };
+        let curves =
+            CurvePicture { heading, units, long_name, x, columns, by, ways, branches, style, panels };
         let (svg, hover) = curves.draw()?;
         Ok((svg, hover, note))
     }

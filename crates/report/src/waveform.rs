@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{Anchor, INK, LINES, PALE, picture};
-use super::frame::{PictureFrame, KEY_ROW, ColourKey, SMALL, key, left_margin, title};
+use super::frame::{ColourKey, KEY_ROW, PictureFrame, SMALL, key, left_margin, title};
 use crate::store::Waveforms;
 
 /// One quantity over time.

@@ -4,7 +4,9 @@ use super::super::Verbosity;
 use super::inference_messages::{InferenceAnswer, ObservedValues};
 use super::{InferArgs, observed_curve, sweep_point};
 use afmsweep::report::uncertainty::{Compared, Comparison, PredictionPath};
-use afmsweep::stats::{SampleCurve, Fit, CurveMeasurement, SummaryOptions, Study, curve_posterior, stats_json, quantity};
+use afmsweep::stats::{
+    CurveMeasurement, Fit, SampleCurve, Study, SummaryOptions, curve_posterior, quantity, stats_json,
+};
 use anyhow::Context;
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -28,7 +30,10 @@ pub(super) fn answers(
         }
     };
     let some = if seen.free.offset.is_some() { ", with some offset that is allowed" } else { "" };
-    left_out(seen.outside, format!("beyond the curve, {}{some}", sweep_point::span(&study.beside[seen.axis])));
+    left_out(
+        seen.outside,
+        format!("beyond the curve, {}{some}", sweep_point::span(&study.beside[seen.axis])),
+    );
     left_out(seen.other_way, "of a way that the results file does not have".to_owned());
     let mut fixed = sweep_point::fixed(study, &args.at)?;
     let beside = |axis: usize| axis != seen.axis && Some(axis) != study.ways();
@@ -100,7 +105,12 @@ fn answer(
 }
 
 /// Every observable of the file along the measured curve, those that were measured first.
-fn compared(curve: &SampleCurve, seen: &observed_curve::ObservedCurve, fit: &Fit, options: &SummaryOptions) -> Vec<Compared> {
+fn compared(
+    curve: &SampleCurve,
+    seen: &observed_curve::ObservedCurve,
+    fit: &Fit,
+    options: &SummaryOptions,
+) -> Vec<Compared> {
     let study = curve.study;
     let measured = &seen.measured;
     let column = |output: usize| measured.columns.iter().find(|one| one.name == study.outputs[output].name);

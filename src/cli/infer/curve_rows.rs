@@ -1,6 +1,6 @@
 //! The rows of a measured curve: numbers with their standard deviations, each on its way.
 
-use super::observed_curve::{DIRECTION, GAP, CurvePart, Reading, SD};
+use super::observed_curve::{CurvePart, DIRECTION, GAP, Reading, SD};
 use super::value::si;
 use afmsweep::stats::{CurveColumn, CurveMeasurement};
 use anyhow::{Context, bail};
@@ -40,8 +40,10 @@ impl Reading<'_> {
         }
         let known: Vec<Option<f64>> =
             values.iter().map(|(_, output)| self.sd_of(*output)).collect::<anyhow::Result<_>>()?;
-        let named =
-            |output: &usize| CurveColumn { name: study.outputs[*output].name.clone(), ..CurveColumn::default() };
+        let named = |output: &usize| CurveColumn {
+            name: study.outputs[*output].name.clone(),
+            ..CurveColumn::default()
+        };
         let mut measured = CurveMeasurement {
             columns: values.iter().map(|(_, output)| named(output)).collect(),
             ..CurveMeasurement::default()

@@ -1,12 +1,12 @@
 //! `afmsweep infer`: what observed values, or a measured curve, tell of the uncertain parameters.
 
 mod curve_comparison;
-mod observed_curve;
-mod sweep_point;
 mod curve_rows;
-mod sheet;
 mod inference_messages;
 mod nuisance;
+mod observed_curve;
+mod sheet;
+mod sweep_point;
 mod value;
 
 use super::stats::RowArgs;
@@ -15,9 +15,9 @@ use afmsweep::report;
 use afmsweep::stats::{Observed, Study, posterior};
 use afmsweep::store;
 use anyhow::{Context, bail};
+use inference_messages::{InferenceAnswer, ObservedValues};
 use serde_json::json as object;
 use std::path::{Path, PathBuf};
-use inference_messages::{InferenceAnswer, ObservedValues};
 
 #[derive(clap::Args)]
 #[command(
@@ -121,7 +121,13 @@ fn of_values(study: &Study, args: &InferArgs) -> anyhow::Result<Vec<InferenceAns
         let found = posterior(study, point, &observed, &args.rows.options());
         let at = afmsweep::stats::stats_json::place(study, point);
         let found = found.with_context(|| sweep_point::named(&args.file, &at))?;
-        Ok(InferenceAnswer { at, point, found, free: Vec::new(), seen: ObservedValues::Values(observed.clone()) })
+        Ok(InferenceAnswer {
+            at,
+            point,
+            found,
+            free: Vec::new(),
+            seen: ObservedValues::Values(observed.clone()),
+        })
     };
     points.into_iter().map(one).collect()
 }

@@ -44,7 +44,10 @@ pub(super) fn offset(
 }
 
 /// The observables that share an unknown factor, and its prior.
-pub(super) fn scale(option: &str, measured: &CurveMeasurement) -> anyhow::Result<(Vec<String>, Distribution)> {
+pub(super) fn scale(
+    option: &str,
+    measured: &CurveMeasurement,
+) -> anyhow::Result<(Vec<String>, Distribution)> {
     let (names, told) = option.split_once('=').map_or((option, None), |(a, b)| (a, Some(b.trim())));
     let lengths: Vec<&str> = measured.columns.iter().map(|one| one.name.as_str()).collect();
     let lengths: Vec<&str> = lengths.into_iter().filter(|name| !name.ends_with("phase")).collect();

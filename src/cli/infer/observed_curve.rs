@@ -1,10 +1,10 @@
 //! A measured curve from its file, held against what the results file has.
 
-use super::sweep_point::{self, path};
-use super::sheet::Sheet;
 use super::nuisance::{self, DEFLECTION};
+use super::sheet::Sheet;
+use super::sweep_point::{self, path};
 use super::value::fits;
-use afmsweep::stats::{FreeParameter, CurveMeasurement, Study};
+use afmsweep::stats::{CurveMeasurement, FreeParameter, Study};
 use afmsweep::store::Coordinate;
 use afmsweep_data::suggestion;
 use anyhow::bail;

@@ -7,7 +7,7 @@ use afmsweep::control::JournaledRun;
 use afmsweep::engine::{Engine, Progress};
 use afmsweep::plan::Plan;
 use afmsweep::scene::Steady;
-use afmsweep::store::{VariableSource, StateSet};
+use afmsweep::store::{StateSet, VariableSource};
 use afmsweep::sweep::{EngineChoice, JournaledOutcome};
 use afmsweep::{Observer, Scene, Status};
 use std::ops::ControlFlow;
@@ -66,7 +66,12 @@ impl Observer for RunMessages<'_> {
 ///
 /// # Errors
 /// What is kept of the run cannot be read.
-pub(super) fn end(scene: &Scene, swept: &JournaledOutcome, unaudited: bool, voice: Verbosity) -> anyhow::Result<()> {
+pub(super) fn end(
+    scene: &Scene,
+    swept: &JournaledOutcome,
+    unaudited: bool,
+    voice: Verbosity,
+) -> anyhow::Result<()> {
     for note in &swept.run.notes {
         voice.say(format_args!("note: {note}"));
     }

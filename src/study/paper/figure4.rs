@@ -6,10 +6,10 @@ use super::super::{Numbers, StudyError};
 use super::printed_choices::{DEEP, jkr_at_radius};
 use super::table1::contact;
 use super::{FIGURE_4, LAWS, Picture};
+use crate::orbit::OrbitTable;
 use crate::record;
 use crate::report::{Chart, ChartField, Look, Plot};
 use crate::scene::{ActuatorModel, DriveLevel, LawChoice, Scene};
-use crate::orbit::OrbitTable;
 use crate::store::Waveforms;
 use std::path::Path;
 

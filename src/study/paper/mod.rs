@@ -5,12 +5,12 @@
 //! printed text leaves), `figure3.rs`, `figure4.rs`, `coupling.rs` (their first conclusion), `ensemble.rs`
 //! (what they could not do). Each finds numbers and draws pictures; `page.rs` tells about them.
 
-mod printed_choices;
 mod coupling;
 mod ensemble;
 mod figure3;
 mod figure4;
 mod page;
+mod printed_choices;
 mod table1;
 
 use super::{Numbers, StudyError};

@@ -1,11 +1,11 @@
 //! A few instances redone by the reference engine.
 
-use super::followup::{FollowupResult, FollowupKey, FollowupKind};
 use super::chunk::ChunkJournal;
+use super::followup::{FollowupKey, FollowupKind, FollowupResult};
 use super::journaled_run::JournaledRun;
 use super::{RunResult, reference_solution};
 use crate::compare::{Ranking, Scales, error, ranked, worst};
-use crate::engine::{ResultColumns, EngineError, Finished, Progress, Reference, TOLERANCE};
+use crate::engine::{EngineError, Finished, Progress, Reference, ResultColumns, TOLERANCE};
 use crate::observe::{Observable, Status};
 use crate::plan::Plan;
 use std::ops::ControlFlow;
@@ -243,7 +243,9 @@ fn reference_solutions_of(
     for piece in left.chunks(size) {
         match progress.stopped() {
             true => truths.extend(piece.iter().map(|_| Finished::NOT_RUN)),
-            false => truths.extend(reference_solution::reference_solutions(plan, false, piece, &known, &judge, progress)?),
+            false => truths.extend(reference_solution::reference_solutions(
+                plan, false, piece, &known, &judge, progress,
+            )?),
         }
     }
     let mut truths = truths.into_iter();

@@ -1,9 +1,9 @@
 //! Modes: each instance's basis, by a sample of instances with poorer and richer ones.
 
-use super::difference_scale::is_fast;
 use super::basis_rules::BasisRules;
-use super::contact_sample::{ContactKind, by_stiffness, spread, kind_and_stiffness};
-use super::basis_trials::{self, TrialCosts, StiffnessRank, BasisTrial};
+use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
+use super::contact_sample::{ContactKind, by_stiffness, kind_and_stiffness, spread};
+use super::difference_scale::is_fast;
 use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::{Measured, Observable};
@@ -111,7 +111,10 @@ impl KindTrials {
         let standings = sample.iter().map(|i| kind_and_stiffness(plan, *i)).enumerate();
         let (known, places): (Vec<usize>, Vec<f64>) =
             standings.filter(|(_, (own, _))| *own == kind).map(|(n, (_, stiffness))| (n, stiffness)).unzip();
-        Self { stiffnesses: places, costs: trials.iter().map(|trial| TrialCosts::new(trial, &known, plan)).collect() }
+        Self {
+            stiffnesses: places,
+            costs: trials.iter().map(|trial| TrialCosts::new(trial, &known, plan)).collect(),
+        }
     }
 
     /// The poorest basis that serves an instance at this place, and what it costs there.
@@ -143,7 +146,13 @@ impl<'a> BasisAssignment<'a> {
     fn new(plan: &'a Plan) -> Self {
         let poorer = BasisRules::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
         let left_out = vec![0.0; plan.len()];
-        Self { plan, rebasing: Rebasing::new(plan), smaller: poorer, truncation: left_out, any_smaller: false }
+        Self {
+            plan,
+            rebasing: Rebasing::new(plan),
+            smaller: poorer,
+            truncation: left_out,
+            any_smaller: false,
+        }
     }
 
     /// The basis that the plan has for a fast contact.

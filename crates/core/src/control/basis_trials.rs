@@ -1,12 +1,12 @@
 //! Bases on trial: what each costs a sample of the instances.
 
-use super::step_reduction::quarter_steps;
 use super::difference_scale::scaled_difference;
+use super::step_reduction::quarter_steps;
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution};
 use crate::plan::{KeptMode, Plan, Precision, RICHEST_ACCURACY_SHARE};
 use crate::scene::{Start, Steady};
-use crate::orbit::{self, OrbitSolution};
 use serde::{Deserialize, Serialize};
 
 /// Where more than one in so many of the sample is without a state that a search finds, its members begin at one another's
@@ -98,7 +98,11 @@ fn searches(sample: &Plan) -> bool {
 
 /// The sample with the richest basis, searched for with a quarter of the steps, if need be from one another's states, and then next
 /// to what that found. What no search finds is left out, unless that is much of the sample.
-fn reference_runs(rich: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<OrbitSolution, EngineError> {
+fn reference_runs(
+    rich: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
     if !searches(rich) {
         return orbit::solve(rich, &[], engine, progress);
     }
@@ -161,8 +165,12 @@ fn with_basis(
     }
     let known: Vec<u32> = plan.instances().filter(|i| truths.state(*i as usize).is_some()).collect();
     let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
-    let mut rough = OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
-    rough.take(&known, orbit::solve_without_integration(&quarter_steps(plan.part(&known)), &[], engine, progress)?);
+    let mut rough =
+        OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    rough.take(
+        &known,
+        orbit::solve_without_integration(&quarter_steps(plan.part(&known)), &[], engine, progress)?,
+    );
     let mut settled = next_to(plan, (&rough, Some(truths)), engine, progress)?;
     settled.outcome.notes.splice(0..0, rough.outcome.notes);
     Ok(settled)
@@ -179,7 +187,8 @@ fn next_to(
     let members: Vec<u32> = plan.instances().filter(|i| state(i).is_some()).collect();
     let near: Vec<_> = members.iter().map(state).collect();
     let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
-    let mut all = OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    let mut all =
+        OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
     all.take(&members, orbit::solve_without_integration(&plan.part(&members), &near, engine, progress)?);
     Ok(all)
 }

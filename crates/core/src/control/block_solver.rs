@@ -1,15 +1,15 @@
 //! A block of a sweep, whose instances begin at one another's states.
 
-use super::stencils::Stencils;
 use super::choices::Choices;
 use super::first_estimate::{EstimateInputs, SmallerBasis};
 use super::hierarchy::Hierarchy;
 use super::orbit_pair::OrbitPair;
+use super::stencils::Stencils;
 use super::{ChunkRun, interruption};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
-use crate::plan::Plan;
 use crate::orbit::Jacobian;
+use crate::plan::Plan;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -148,8 +148,9 @@ impl BlockRun<'_> {
     fn front(&self) -> Vec<u32> {
         let open: BTreeSet<u32> = self.unsolved().into_iter().collect();
         let before = |i: u32, other: u32| self.order.number(other) < self.order.number(i);
-        let first =
-            |i: &u32| self.order.adjacent(*i).iter().all(|other| !open.contains(other) || !before(*i, *other));
+        let first = |i: &u32| {
+            self.order.adjacent(*i).iter().all(|other| !open.contains(other) || !before(*i, *other))
+        };
         open.iter().copied().filter(first).collect()
     }
 

@@ -1,16 +1,16 @@
 //! The second periodic state of a bistable instance: searched for from the lever at rest, then followed from the
 //! neighbours in the sweep that have one.
 
+use super::chunk::ChunkJournal;
 use super::difference_scale::scaled_difference;
 use super::grid_adjacency::GridAdjacency;
-use super::second_orbit::{SecondOrbits, SecondState};
 use super::search_checkpoints::CheckpointedSearch;
-use super::chunk::ChunkJournal;
+use super::second_orbit::{SecondOrbits, SecondState};
 use super::{RunResult, second_refinement};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, SectionState};
 use crate::orbit::{self, Jacobian, PeriodicState};
+use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
 /// Second states of the instances of a finished run. First they are searched for from the lever at rest with the steps of
@@ -129,7 +129,8 @@ impl BranchSwitching<'_> {
     fn take(&mut self, i: u32, finished: Finished, place: Option<Box<PeriodicState>>) -> bool {
         let Some(mut place) = place else { return false };
         let (plan, ours) = (&self.run.plan, self.run.results.get(i as usize));
-        let apart = scaled_difference(plan, i, &ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
+        let apart =
+            scaled_difference(plan, i, &ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
         // Where the first run found no steady state at all, any is another.
         let another = apart || !ours.status.is_steady();
         if another {
@@ -186,8 +187,9 @@ impl BranchSwitching<'_> {
             let SwitchingTrial { side, neighbour: j, which, .. } = *one;
             let Some(state) = self.state(j, which) else { return SectionState::free(&part, n as u32) };
             let beyond = neighbours.adjacent(j).find(|(other, _)| *other == side);
-            let both =
-                beyond.into_iter().flat_map(|(_, k)| [OrbitNumber::First, OrbitNumber::Second].map(|which| (k, which)));
+            let both = beyond
+                .into_iter()
+                .flat_map(|(_, k)| [OrbitNumber::First, OrbitNumber::Second].map(|which| (k, which)));
             let before: Vec<_> = both.filter_map(|(k, which)| Some((k, self.state(k, which)?))).collect();
             orbit::transfer_orbit_corrected((plan, j, &state), &before, &part, n as u32)
         };
@@ -258,7 +260,8 @@ impl BranchSwitching<'_> {
             OrbitNumber::First => OrbitNumber::Second,
             OrbitNumber::Second => OrbitNumber::First,
         };
-        self.result(j, rest).is_some_and(|rest| fundamental_distance(&ours, &theirs) > fundamental_distance(&ours, &rest))
+        self.result(j, rest)
+            .is_some_and(|rest| fundamental_distance(&ours, &theirs) > fundamental_distance(&ours, &rest))
     }
 }
 

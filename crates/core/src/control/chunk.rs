@@ -1,11 +1,11 @@
 //! Portions of a run that have ended, and who keeps them.
 
 use super::ChunkRun;
-use super::followup::{AuditBudget, FollowupResult, FollowupKey};
 use super::codec::{ChunkReader, portion_to_bytes as to_bytes};
-use super::instance_record::{ChunkMeta, InstanceRecord};
-use super::instance_flags::{InstanceFlags, InstanceFacts};
 use super::compact_orbit::CompactOrbit;
+use super::followup::{AuditBudget, FollowupKey, FollowupResult};
+use super::instance_flags::{InstanceFacts, InstanceFlags};
+use super::instance_record::{ChunkMeta, InstanceRecord};
 use crate::engine::{Finished, WantedColumns};
 use std::ops::{ControlFlow, Range};
 

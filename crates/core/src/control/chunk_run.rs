@@ -1,9 +1,9 @@
 //! Instances that are taken to their ends together, with all that this takes.
 
-use super::{Arithmetic, second_orbit, orbit_pair};
+use super::{Arithmetic, orbit_pair, second_orbit};
 use crate::engine::Outcome;
-use crate::plan::Plan;
 use crate::orbit::PeriodicState;
+use crate::plan::Plan;
 
 /// Some instances of a run, or all of a small one. See [`Controlled`](super::Controlled).
 #[derive(Clone, Debug)]

@@ -1,17 +1,17 @@
 //! All instances of a plan, portion by portion.
 
+use super::basis_rules::BasisRules;
 use super::block_solver::{self, BlockSolver};
 use super::choices::{Choices, Course};
+use super::chunk::{Chunk, ChunkJournal};
 use super::chunking::Chunking;
 use super::first_estimate::{EstimateInputs, SmallerBasis};
-use super::chunk::{ChunkJournal, Chunk};
 use super::journaled_run::JournaledRun;
-use super::basis_rules::BasisRules;
-use super::{ChunkRun, branch_switching, by_reference, basis_choice, once, interruption};
+use super::{ChunkRun, basis_choice, branch_switching, by_reference, interruption, once};
 use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::observe::Status;
-use crate::plan::{BasisRule, Plan};
 use crate::orbit;
+use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -36,7 +36,8 @@ impl ChunkWork<'_> {
         if ran.plan.run.both_branches && !progress.stopped() {
             let mut notes = Vec::new();
             let statuses: Vec<_> = ran.outcome.results.iter().map(|one| one.status).collect();
-            ran.from_rest = branch_switching::from_rest((&ran.plan, &statuses), engine, progress, &mut notes)?;
+            ran.from_rest =
+                branch_switching::from_rest((&ran.plan, &statuses), engine, progress, &mut notes)?;
             ran.outcome.notes.append(&mut notes);
         }
         Ok(ran)
@@ -53,13 +54,20 @@ impl ChunkWork<'_> {
             Course::Controlled if !self.stepped => free(part, self.choices, engine, progress),
             Course::Controlled => {
                 let stepped = part.stepped();
-                let left_out =
-                    portion.iter().map(|i| self.truncation.get(*i as usize).copied().unwrap_or(0.0)).collect();
+                let left_out = portion
+                    .iter()
+                    .map(|i| self.truncation.get(*i as usize).copied().unwrap_or(0.0))
+                    .collect();
                 let of = |all: &BasisRules| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
                 let poorer = self.smaller_basis.as_ref().map(|all| SmallerBasis::of(&part, of(all)));
                 if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);
-                    let block = BlockSolver { plan: part, smaller_basis: poorer, truncation: left_out, choices: self.choices };
+                    let block = BlockSolver {
+                        plan: part,
+                        smaller_basis: poorer,
+                        truncation: left_out,
+                        choices: self.choices,
+                    };
                     return block_solver::run(block, &order, engine, progress);
                 }
                 let first = EstimateInputs::alone(poorer, left_out, &self.choices.precision);
@@ -117,7 +125,14 @@ pub(super) fn run<'k>(
     let division = Chunking::of(&planned, choices, keep.shares());
     drop(planned);
     let mut whole = JournaledRun::not_begun(plan, choices, division, keep);
-    let work = ChunkWork { choices, truncation: left_out, smaller_basis: poorer, stepped: is_stepped, engine, progress };
+    let work = ChunkWork {
+        choices,
+        truncation: left_out,
+        smaller_basis: poorer,
+        stepped: is_stepped,
+        engine,
+        progress,
+    };
     let wanted = take_known(&mut whole, keep);
     let all: u64 = wanted.iter().map(|number| whole.chunk(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
@@ -182,7 +197,7 @@ fn take_known(whole: &mut JournaledRun, keep: &dyn ChunkJournal) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::control::chunking::whole_curves;
-    use crate::control::{RunResult, MemoryJournal, choose};
+    use crate::control::{MemoryJournal, RunResult, choose};
     use crate::engine::{Cpu, Outcome, ReturnMap};
     use crate::plan::Precision;
     use crate::scene::Scene;

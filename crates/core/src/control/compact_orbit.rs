@@ -1,9 +1,9 @@
 //! A periodic state as plain numbers.
 
 use crate::kernel::MODES_MAX;
+use crate::orbit::{Jacobian, PeriodicState};
 use crate::periodic::Floquet;
 use crate::plan::{BasisRule, Plan, SectionState};
-use crate::orbit::{Jacobian, PeriodicState};
 
 /// A periodic state without the slope of its map. There are very many: of a station only the modes that move are held.
 #[derive(Clone, Debug)]
@@ -54,6 +54,12 @@ impl CompactOrbit {
     pub(super) fn state(&self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
         let kept = plan.basis_by(instance, self.rule);
         let (spectrum, steps) = (self.floquet, self.steps);
-        Box::new(PeriodicState { section: self.station(), floquet: spectrum, steps, basis: kept, jacobian: Jacobian::Unknown })
+        Box::new(PeriodicState {
+            section: self.station(),
+            floquet: spectrum,
+            steps,
+            basis: kept,
+            jacobian: Jacobian::Unknown,
+        })
     }
 }

@@ -12,7 +12,12 @@ pub(super) fn scaled_difference(plan: &Plan, i: u32, a: &Finished, b: &Finished)
 }
 
 /// How far the results of these instances in another run, which was of them alone, are from those in a run of all.
-pub(super) fn scaled_differences(plan: &Plan, instances: &[u32], other: &[Finished], all: &[Finished]) -> Vec<f64> {
+pub(super) fn scaled_differences(
+    plan: &Plan,
+    instances: &[u32],
+    other: &[Finished],
+    all: &[Finished],
+) -> Vec<f64> {
     let apart = |(i, other): (&u32, &Finished)| scaled_difference(plan, *i, other, &all[*i as usize]);
     instances.par_iter().zip(other).map(apart).collect()
 }

@@ -50,7 +50,9 @@ impl ErrorSummary {
         let accuracy = run.plan.run.accuracy;
         let compared = || audited.iter().filter(|one| one.worst.is_some());
         let redone: HashSet<u32> = compared().map(|one| one.instance).collect();
-        let told = |i: u32, mark: &InstanceFlags| exact || !mark.stepped() || mark.estimated() || redone.contains(&i);
+        let told = |i: u32, mark: &InstanceFlags| {
+            exact || !mark.stepped() || mark.estimated() || redone.contains(&i)
+        };
         let unknown =
             (0..).zip(run.marks()).filter(|(i, mark)| mark.status() == Status::Ok && !told(*i, mark));
         let largest =

@@ -1,15 +1,15 @@
 //! The first two runs of every instance, and what their difference tells.
 
+use super::decision::Refinement;
+use super::difference_scale::{is_fast, remaining_error_factor, scaled_differences};
+use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
 use super::step_reduction::{half_steps, quarter_steps};
-use super::decision::Refinement;
-use super::difference_scale::{scaled_differences, is_fast, remaining_error_factor};
-use super::orbit_pair::{self, OrbitPair};
 use super::{basis_choice, precision_trial};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution, PeriodicState};
 use crate::plan::{BasisRule, Plan, Precision, STEPS_MAX};
-use crate::orbit::{self, PeriodicState, OrbitSolution};
 
 /// What is known before the steps are.
 pub(super) struct EstimateInputs<'a> {
@@ -48,7 +48,11 @@ impl SmallerBasis {
 
 impl<'a> EstimateInputs<'a> {
     /// Of instances that are searched for one by one, and lead to no others.
-    pub fn alone(poorer: Option<SmallerBasis>, left_out: Vec<f64>, chosen: &'a precision_trial::PrecisionChoice) -> Self {
+    pub fn alone(
+        poorer: Option<SmallerBasis>,
+        left_out: Vec<f64>,
+        chosen: &'a precision_trial::PrecisionChoice,
+    ) -> Self {
         Self { poorer, left_out, chosen, around: None }
     }
 }
@@ -105,7 +109,8 @@ pub(super) fn run(
         false => Vec::new(),
     };
     let mut begun = FirstEstimate { plan: fine, settled, known, neighbour_started, solved };
-    let apart = scaled_differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
+    let apart =
+        scaled_differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
     for ((place, rough), apart) in coarse.instances().zip(&rough.outcome.results).zip(apart) {
         let i = stepped[place as usize];
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
@@ -147,7 +152,8 @@ fn coarse_and_fine(
     let (mut rough, _) = orbit::solve_from_neighbours(coarse, &leads, (&[], patience[0]), engine, progress)?;
     let near = orbit::scatter(&rough.found, stepped, fine.len());
     let leads = around.second_run(&near);
-    let (settled, mut begun) = orbit::solve_from_neighbours(fine, &leads, (&near, patience[1]), engine, progress)?;
+    let (settled, mut begun) =
+        orbit::solve_from_neighbours(fine, &leads, (&near, patience[1]), engine, progress)?;
     if around.all_start_from_neighbours() {
         begun = settled.found.iter().map(Option::is_some).collect();
     }
@@ -207,7 +213,12 @@ fn moved(
 
 /// Where curves were stopped before their second run, the points that the first one has reached are kept, as not run; these
 /// are named.
-fn keep_curves(settled: &mut OrbitSolution, stepped: &[u32], rough: &OrbitSolution, progress: &Progress) -> Vec<u32> {
+fn keep_curves(
+    settled: &mut OrbitSolution,
+    stepped: &[u32],
+    rough: &OrbitSolution,
+    progress: &Progress,
+) -> Vec<u32> {
     let mut kept = Vec::new();
     if rough.jumps.is_empty() || !progress.stopped() {
         return kept;
@@ -249,12 +260,16 @@ impl FirstEstimate {
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
         let mut few = self.plan.with_bases_alone(&wanted).part(&fast);
-        let poor = orbit::solve_again(&mut few, &orbit::gather(&self.settled.found, &fast), engine, progress)?;
+        let poor =
+            orbit::solve_again(&mut few, &orbit::gather(&self.settled.found, &fast), engine, progress)?;
         let apart = scaled_differences(&self.plan, &fast, &poor.outcome.results, results);
         for (i, apart) in fast.into_iter().zip(apart) {
             // A run that is cut short has not told.
-            self.known[i as usize].of_modes =
-                if progress.stopped() { f64::INFINITY } else { remaining_error_factor(&self.plan, i) * apart };
+            self.known[i as usize].of_modes = if progress.stopped() {
+                f64::INFINITY
+            } else {
+                remaining_error_factor(&self.plan, i) * apart
+            };
         }
         Ok(())
     }

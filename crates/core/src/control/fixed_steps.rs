@@ -6,8 +6,8 @@ use super::first_estimate::EstimateInputs;
 use super::reference_solution::gives_way;
 use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, STEPS_MAX};
 use crate::orbit;
+use crate::plan::{Plan, STEPS_MAX};
 
 /// Runs the plan with its own steps, and its instances `stepped` once more with half of them: the estimate is what is
 /// left of the difference. Where half would be too few, or says that the accuracy asked for is not met, another run with

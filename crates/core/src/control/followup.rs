@@ -4,8 +4,8 @@
 use super::compact_orbit::CompactOrbit;
 use crate::design::Mix;
 use crate::engine::Finished;
-use crate::plan::{Plan, Precision, SectionState};
 use crate::orbit::PeriodicState;
+use crate::plan::{Plan, Precision, SectionState};
 
 /// What is asked. Codes of the journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

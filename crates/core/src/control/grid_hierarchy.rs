@@ -25,7 +25,8 @@ impl GridSlabs {
     /// None where too many instances would be scouts.
     pub fn worth(grid: &Grid, most: usize) -> Option<Self> {
         let slabs = Self::over(grid, most);
-        let worth = |grid: &Grid| GridHierarchy::over(grid).coarse.len() * MIN_INSTANCES_PER_COARSE <= grid.len();
+        let worth =
+            |grid: &Grid| GridHierarchy::over(grid).coarse.len() * MIN_INSTANCES_PER_COARSE <= grid.len();
         slabs.grids.iter().all(worth).then_some(slabs)
     }
 

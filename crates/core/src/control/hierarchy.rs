@@ -4,8 +4,8 @@
 //! all does. Grids are filled along their axes; lists, designs and what else has no axes to go along, by distance.
 
 use super::grid_hierarchy::{GridHierarchy, GridSlabs};
-use super::scattered_hierarchy::ScatteredHierarchy;
 use super::orbit_pair::{OrbitPair, WeightedPoint};
+use super::scattered_hierarchy::ScatteredHierarchy;
 use crate::plan::{Grid, Plan};
 use crate::scene::{Start, Steady};
 

@@ -2,7 +2,7 @@
 
 use super::compact_orbit::CompactOrbit;
 use crate::engine::Finished;
-use crate::plan::{Resolution, Precision};
+use crate::plan::{Precision, Resolution};
 
 /// What is said of a portion as a whole.
 #[derive(Clone, Debug)]

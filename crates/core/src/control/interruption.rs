@@ -1,8 +1,8 @@
 //! What a stopped run has not brought to its end.
 
 use super::choices::Choices;
-use super::step_reduction::half_steps;
 use super::first_estimate::EstimateInputs;
+use super::step_reduction::half_steps;
 use super::{ChunkRun, precision_trial, refinement};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;

@@ -1,19 +1,19 @@
 //! A run whose portions have ended: of each instance a byte is held, the rest is read where they are kept.
 
-use super::codec::ChunkReader;
 use super::choices::Choices;
+use super::chunk::{Chunk, ChunkJournal};
+use super::chunk_view::{ChunkView, RunContext};
 use super::chunking::Chunking;
-use super::instance_record::ChunkMeta;
-use super::instance_flags::InstanceFlags;
-use super::chunk_view::{RunContext, ChunkView};
+use super::codec::ChunkReader;
 use super::compact_orbit::CompactOrbit;
-use super::chunk::{ChunkJournal, Chunk};
+use super::instance_flags::InstanceFlags;
+use super::instance_record::ChunkMeta;
 use super::second_orbit_table::SecondOrbitTable;
 use super::{Arithmetic, RunResult};
-use crate::engine::{ResultColumns, EngineError, Finished};
+use crate::engine::{EngineError, Finished, ResultColumns};
 use crate::observe::Status;
-use crate::plan::{Resolution, Plan, Precision};
 use crate::orbit::OrbitTable;
+use crate::plan::{Plan, Precision, Resolution};
 use std::ops::ControlFlow;
 
 /// A run of all instances to the accuracy asked for. There may be very many: of each a byte lies in memory.
@@ -44,7 +44,12 @@ pub struct JournaledRun<'k> {
 
 impl<'k> JournaledRun<'k> {
     /// Before anything.
-    pub(super) fn not_begun(plan: Plan, choices: &Choices, division: Chunking, keep: &'k dyn ChunkJournal) -> Self {
+    pub(super) fn not_begun(
+        plan: Plan,
+        choices: &Choices,
+        division: Chunking,
+        keep: &'k dyn ChunkJournal,
+    ) -> Self {
         Self {
             notes: Vec::new(),
             reason: choices.precision.reason.clone(),
@@ -261,7 +266,11 @@ impl GatheredRun {
             jumps: vec![false; if run.curves { count } else { 0 }],
             neighbour_started: vec![false; if run.chunking.blocks.is_some() { count } else { 0 }],
             arithmetic: Arithmetic { of, rounding: run.rounding, reason: run.reason.clone() },
-            from_rest: if run.from_rest { SecondOrbitTable::none_of(&plan) } else { SecondOrbitTable::default() },
+            from_rest: if run.from_rest {
+                SecondOrbitTable::none_of(&plan)
+            } else {
+                SecondOrbitTable::default()
+            },
             plan,
         };
         Self { run, fineness }

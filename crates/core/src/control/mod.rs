@@ -1,77 +1,77 @@
 //! Error control: each instance's error is estimated, and what misses the accuracy asked for is done again
 //! with more steps or more modes; a few instances are audited by the reference engine.
 
-mod stencils;
-mod followup;
 mod audit;
-mod rbf;
+mod basis_choice;
+mod basis_rules;
+mod basis_trials;
 mod block_solver;
 mod branch_switching;
-mod codec;
 mod choices;
-mod step_reduction;
+mod chunk;
+mod chunk_run;
+mod chunk_scheduler;
+mod chunk_view;
+mod chunking;
+mod codec;
+mod compact_orbit;
+mod contact_sample;
 mod decision;
 mod difference_scale;
-mod chunking;
-mod instance_record;
-mod first_estimate;
-mod memory_journal;
-mod grid_hierarchy;
-mod instance_flags;
-mod basis_choice;
-mod grid_adjacency;
-mod hierarchy;
-mod second_orbit;
-mod chunk_run;
-mod chunk_view;
-mod search_checkpoints;
-mod compact_orbit;
-mod chunk;
-mod chunk_scheduler;
-mod precision_trial;
-mod fixed_steps;
-mod journaled_run;
-mod refinement;
-mod basis_rules;
-mod contact_sample;
-mod scattered_hierarchy;
-mod second_refinement;
-mod second_orbit_table;
-mod sensitivity;
-mod orbit_pair;
-mod kd_tree;
-mod basis_trials;
-mod reference_solution;
-mod interruption;
 mod error_summary;
+mod first_estimate;
+mod fixed_steps;
+mod followup;
+mod grid_adjacency;
+mod grid_hierarchy;
+mod hierarchy;
+mod instance_flags;
+mod instance_record;
+mod interruption;
+mod journaled_run;
+mod kd_tree;
+mod memory_journal;
+mod orbit_pair;
+mod precision_trial;
+mod rbf;
+mod reference_solution;
+mod refinement;
+mod scattered_hierarchy;
+mod search_checkpoints;
+mod second_orbit;
+mod second_orbit_table;
+mod second_refinement;
+mod sensitivity;
+mod stencils;
+mod step_reduction;
 
-pub use followup::{AuditBudget, FollowupResult, FollowupKey, FollowupKind};
 pub use audit::{AuditedInstance, audit, audit_of, audit_of_run, audit_selection, contacts_by_cost};
 pub use branch_switching::second_orbits;
-pub use codec::{
-    budget_from_bytes, budget_to_bytes, answers_from_bytes, answers_to_bytes, numbers_from_bytes,
-    numbers_key, numbers_to_bytes, portion_number, portion_to_bytes, keys,
-};
 pub use choices::{Choices, Course, choose};
-pub use chunking::Chunking;
-pub use instance_record::{ChunkMeta, InstanceRecord};
-pub use memory_journal::MemoryJournal;
-pub use instance_flags::InstanceFlags;
-use instance_flags::InstanceFacts;
-pub use second_orbit::{SecondOrbit, SecondOrbits};
+pub use chunk::{Chunk, ChunkJournal};
 pub use chunk_run::ChunkRun;
 pub use chunk_view::ChunkView;
+pub use chunking::Chunking;
+pub use codec::{
+    answers_from_bytes, answers_to_bytes, budget_from_bytes, budget_to_bytes, keys, numbers_from_bytes,
+    numbers_key, numbers_to_bytes, portion_number, portion_to_bytes,
+};
 pub use compact_orbit::CompactOrbit;
-pub use chunk::{ChunkJournal, Chunk};
-pub use journaled_run::JournaledRun;
-pub use reference_solution::{ReferenceStart, beside, by_reference, touches};
 pub use error_summary::{ErrorSummary, basis};
+pub use followup::{AuditBudget, FollowupKey, FollowupKind, FollowupResult};
+use instance_flags::InstanceFacts;
+pub use instance_flags::InstanceFlags;
+pub use instance_record::{ChunkMeta, InstanceRecord};
+pub use journaled_run::JournaledRun;
+pub use memory_journal::MemoryJournal;
+pub use reference_solution::{ReferenceStart, beside, by_reference, touches};
+pub use second_orbit::{SecondOrbit, SecondOrbits};
 
-use crate::engine::{ResultColumns, Engine, EngineError, Progress};
+use crate::engine::{Engine, EngineError, Progress, ResultColumns};
 use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution, OrbitTable};
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
-use crate::orbit::{self, OrbitSolution, OrbitTable};
 
 /// A run of all instances to the accuracy asked for, or of some of them, in memory.
 #[derive(Clone, Debug)]
@@ -222,7 +222,8 @@ pub fn once(
     progress: &Progress,
 ) -> Result<ChunkRun, EngineError> {
     progress.stage(&["run"]);
-    let OrbitSolution { mut outcome, found, periods, jumps } = orbit::solve_first(&mut plan, engine, progress)?;
+    let OrbitSolution { mut outcome, found, periods, jumps } =
+        orbit::solve_first(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
         // What no search settles is waited for, and was not.
         let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);

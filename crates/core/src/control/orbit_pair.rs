@@ -1,8 +1,8 @@
 //! What is known of solved instances when others begin at them.
 
 use crate::engine::Finished;
+use crate::orbit::{PeriodicState, SolvedNeighbour};
 use crate::plan::Plan;
-use crate::orbit::{SolvedNeighbour, PeriodicState};
 
 /// What others may rest on of an instance.
 #[derive(Clone, Debug, Default)]

@@ -1,12 +1,12 @@
 //! Precision: by a sample of instances in both.
 
-use super::step_reduction::half_steps;
 use super::difference_scale::scaled_difference;
+use super::step_reduction::half_steps;
 use super::{Arithmetic, RunResult, contact_sample};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, Precision};
 use crate::orbit;
+use crate::plan::{Plan, Precision};
 use serde::{Deserialize, Serialize};
 
 /// What a trial found.
@@ -73,7 +73,8 @@ pub(super) fn choose(
     let result = |of: &orbit::OrbitSolution, i: u32| of.outcome.results[i as usize];
     let moved = |i: &u32| rounding_difference(&part, *i, &result(&single, *i), &result(&double, *i));
     let rounding = sample.iter().map(moved).fold(0.0, f64::max);
-    let cost = |of: &orbit::OrbitSolution, i: u32| f64::from(trial.steps(i)) * f64::from(of.periods[i as usize]);
+    let cost =
+        |of: &orbit::OrbitSolution, i: u32| f64::from(trial.steps(i)) * f64::from(of.periods[i as usize]);
     let again = |i: &&u32| result(&single, **i).status == Status::NotSteady;
     let in_double: f64 = sample.iter().map(|i| cost(&double, *i)).sum();
     let in_single = plan.policy.single_cost * sample.iter().map(|i| cost(&single, *i)).sum::<f64>()

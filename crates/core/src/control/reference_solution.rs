@@ -1,11 +1,11 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
-use super::{Arithmetic, RunResult, ChunkRun, step_reduction};
+use super::{Arithmetic, ChunkRun, RunResult, step_reduction};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
 use crate::observe::{Measured, Status};
+use crate::orbit::{self, OrbitSolution, OrbitTable};
 use crate::plan::{Plan, Precision, SectionState};
 use crate::scene::{Start, Steady};
-use crate::orbit::{self, OrbitSolution, OrbitTable};
 use rayon::prelude::*;
 
 /// A run by the reference engine. States that the scene wants searched for are the reference's own next to those that
@@ -13,7 +13,11 @@ use rayon::prelude::*;
 ///
 /// # Errors
 /// What the engines say.
-pub fn by_reference(plan: &Plan, reference: &Reference, progress: &Progress) -> Result<ChunkRun, EngineError> {
+pub fn by_reference(
+    plan: &Plan,
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<ChunkRun, EngineError> {
     progress.stage(&["reference"]);
     let count = plan.len();
     let search = plan.run.steady == Steady::Search;
@@ -259,12 +263,15 @@ pub fn beside(
             whole.into_iter().map(|one| Some((one, ReferenceStart::Run))).collect()
         }
     };
-    let settled = |one: &Option<(Finished, ReferenceStart)>| one.is_some_and(|(one, _)| one.status == Status::Ok);
+    let settled =
+        |one: &Option<(Finished, ReferenceStart)>| one.is_some_and(|(one, _)| one.status == Status::Ok);
     let unsettled = chosen.iter().zip(&first).filter(|(_, one)| !settled(one));
     let left: Vec<u32> = unsettled.map(|(i, _)| *i).collect();
     let second: Vec<Option<Finished>> = match search {
         true if plan.ensemble.curves.is_some() => vec![None; left.len()],
-        true => whole(plan, &left, &ReferenceSolver::of(reference), progress)?.into_iter().map(Some).collect(),
+        true => {
+            whole(plan, &left, &ReferenceSolver::of(reference), progress)?.into_iter().map(Some).collect()
+        }
         false => near((plan, &left), &known_sections(&run.found), reference, &|_, _| (), progress)?,
     };
     let way = if search { ReferenceStart::Run } else { ReferenceStart::State };

@@ -1,13 +1,13 @@
 //! Refinement: each instance runs again as long as its estimate asks for it.
 
 use super::decision::{InstanceSummary, Next, Refinement, next};
-use super::difference_scale::{scaled_difference, is_fast, remaining_error_factor};
-use super::first_estimate::{self, FirstEstimate, EstimateInputs};
-use super::{ChunkRun, basis_choice, precision_trial, fixed_steps, sensitivity};
+use super::difference_scale::{is_fast, remaining_error_factor, scaled_difference};
+use super::first_estimate::{self, EstimateInputs, FirstEstimate};
+use super::{ChunkRun, basis_choice, fixed_steps, precision_trial, sensitivity};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution, SETTLED_SHARE};
 use crate::plan::{Plan, Precision};
-use crate::orbit::{self, SETTLED_SHARE, OrbitSolution};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -165,7 +165,8 @@ impl<'a> RefinementRun<'a> {
         let OrbitSolution { outcome, mut found, periods, .. } = settled;
         let mut taken = HashMap::new();
         let results = &self.now.outcome.results;
-        let moved = |(i, new): (&u32, &Finished)| scaled_difference(&self.now.plan, *i, &results[*i as usize], new);
+        let moved =
+            |(i, new): (&u32, &Finished)| scaled_difference(&self.now.plan, *i, &results[*i as usize], new);
         let apart: Vec<f64> = instances.par_iter().zip(&outcome.results).map(moved).collect();
         for ((there, &i), apart) in other.instances().zip(instances).zip(apart) {
             let (n, place) = (i as usize, there as usize);

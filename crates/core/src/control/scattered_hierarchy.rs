@@ -1,8 +1,8 @@
 //! Instances that make no grid: how near they are to one another in scaled quantities, and what is guessed from the nearest.
 
-use super::rbf;
-use super::orbit_pair::{OrbitPair, WeightedPoint};
 use super::kd_tree::KdTree;
+use super::orbit_pair::{OrbitPair, WeightedPoint};
+use super::rbf;
 use crate::contact::KernelUnits;
 use crate::kernel::LENGTH;
 use crate::plan::Plan;
@@ -73,8 +73,11 @@ impl ScatteredHierarchy {
     /// The nearest solved instances that move as the very nearest does, with their weights. None where these are too few.
     pub fn support(&self, level: usize, instance: u32, solved: &[OrbitPair]) -> Vec<WeightedPoint> {
         let (at, least) = (self.coordinates(instance), self.dimensions + 2);
-        let near =
-            self.tree.nearest(at, self.scouted + level as u32, STENCIL_POINTS.0 + STENCIL_POINTS.1 * self.dimensions);
+        let near = self.tree.nearest(
+            at,
+            self.scouted + level as u32,
+            STENCIL_POINTS.0 + STENCIL_POINTS.1 * self.dimensions,
+        );
         let node = |i: u32| solved[i as usize].neighbours().map(|[_, second]| second);
         let first = near.first().and_then(|one| node(one.0));
         let alike: Vec<&(u32, f64)> =
@@ -132,7 +135,9 @@ fn distinct(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
             let square: f64 = other.iter().zip(&column).map(|(a, b)| (a - sign * b).powi(2)).sum();
             (square / count).sqrt()
         };
-        if columns.iter().all(|other| apart(other, 1.0) > SAME_QUANTITY_SPREAD && apart(other, -1.0) > SAME_QUANTITY_SPREAD) {
+        if columns.iter().all(|other| {
+            apart(other, 1.0) > SAME_QUANTITY_SPREAD && apart(other, -1.0) > SAME_QUANTITY_SPREAD
+        }) {
             columns.push(column);
         }
     }

@@ -1,10 +1,10 @@
 //! Searches from many places, piece by piece: what a piece finds is written down, and what is known is not searched for.
 
-use super::followup::{FollowupResult, FollowupKey, FollowupKind};
 use super::chunk::ChunkJournal;
+use super::followup::{FollowupKey, FollowupKind, FollowupResult};
 use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::orbit::{self, Jacobian, OrbitSolution, PeriodicState};
 use crate::plan::{Plan, SectionState};
-use crate::orbit::{self, Jacobian, PeriodicState, OrbitSolution};
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
@@ -33,12 +33,17 @@ pub(super) struct CheckpointedSearch<'a> {
 
 impl<'a> CheckpointedSearch<'a> {
     pub fn new(keep: &'a dyn ChunkJournal, engine: &'a dyn Engine, progress: &'a Progress) -> Self {
-        let size = if keep.lasts() { FIRST_SEARCHES_PER_THREAD * rayon::current_num_threads() } else { usize::MAX };
+        let size =
+            if keep.lasts() { FIRST_SEARCHES_PER_THREAD * rayon::current_num_threads() } else { usize::MAX };
         Self { engine, progress, keep, size: Cell::new(size), notes: RefCell::default() }
     }
 
     /// The states of all of a plan's instances that are found from these places; see [`steady::from_places`].
-    pub fn from_sections(&self, plan: &Plan, places: &[SectionState]) -> Result<Vec<FoundOrbit>, EngineError> {
+    pub fn from_sections(
+        &self,
+        plan: &Plan,
+        places: &[SectionState],
+    ) -> Result<Vec<FoundOrbit>, EngineError> {
         let questions: Vec<FollowupKey> = plan
             .instances()
             .zip(places)
@@ -61,7 +66,12 @@ impl<'a> CheckpointedSearch<'a> {
     }
 
     /// Answers a question about each of the plan's instances: as it is known, or by `search` for some of them.
-    fn answer(&self, plan: &Plan, questions: &[FollowupKey], search: FollowupSearch) -> Result<Vec<FoundOrbit>, EngineError> {
+    fn answer(
+        &self,
+        plan: &Plan,
+        questions: &[FollowupKey],
+        search: FollowupSearch,
+    ) -> Result<Vec<FoundOrbit>, EngineError> {
         let recalled = self.keep.recalled(questions).into_iter().zip(plan.instances());
         let mut found: Vec<FoundOrbit> = recalled.map(|(one, i)| Some(one?.state(plan, i))).collect();
         let mut open = plan.by_class();
@@ -82,14 +92,17 @@ impl<'a> CheckpointedSearch<'a> {
             let all: Vec<(FollowupKey, FollowupResult)> = piece
                 .iter()
                 .zip(outcome.results.iter().zip(&states))
-                .map(|(i, (one, state))| (questions[*i as usize], FollowupResult::of_state(*one, state.as_deref())))
+                .map(|(i, (one, state))| {
+                    (questions[*i as usize], FollowupResult::of_state(*one, state.as_deref()))
+                })
                 .collect();
             if self.keep.answered(&all).is_break() {
                 self.progress.stop();
             }
             for (i, (one, state)) in piece.iter().zip(outcome.results.into_iter().zip(states)) {
                 // Nobody asks for the map's slope there again.
-                let state = state.map(|state| Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*state }));
+                let state =
+                    state.map(|state| Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*state }));
                 found[*i as usize] = Some((one, state));
             }
             if let Some(held) = &held {

@@ -1,9 +1,9 @@
 //! What searches from the lever at rest have found in a whole run.
 
 use super::second_orbit::SecondState;
-use crate::engine::{ResultColumns, Finished};
+use crate::engine::{Finished, ResultColumns};
+use crate::orbit::{OrbitTable, PeriodicState};
 use crate::plan::Plan;
-use crate::orbit::{PeriodicState, OrbitTable};
 
 /// States beside the first ones, by instance.
 #[derive(Clone, Debug, Default)]

@@ -2,12 +2,12 @@
 
 use super::RunResult;
 use super::difference_scale::scaled_difference;
-use super::second_orbit::{SecondOrbit, SecondState};
 use super::search_checkpoints::CheckpointedSearch;
+use super::second_orbit::{SecondOrbit, SecondState};
 use crate::engine::{EngineError, Finished};
 use crate::observe::Status;
-use crate::plan::{Plan, STEPS_MAX, SectionState};
 use crate::orbit::{self, PeriodicState};
+use crate::plan::{Plan, STEPS_MAX, SectionState};
 use std::collections::{BTreeMap, HashMap};
 
 /// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
@@ -129,7 +129,12 @@ impl SecondRefinement {
 
     /// The states of these instances as another plan has them, which is of them alone, and how far they are from what is
     /// known; none where it has no such state, or nobody has looked.
-    fn again(&mut self, plan: &Plan, instances: &[u32], pieces: &CheckpointedSearch) -> Result<Vec<RefinedOrbit>, EngineError> {
+    fn again(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        pieces: &CheckpointedSearch,
+    ) -> Result<Vec<RefinedOrbit>, EngineError> {
         let place = |(there, n): (usize, &u32)| {
             orbit::transfer_orbit((&self.plan, *n, &self.places[*n as usize]), plan, there as u32)
         };

@@ -33,7 +33,8 @@ pub(super) fn mark(
     let others = engine.run(&moved, progress)?.results;
     for (i, other) in chosen.into_iter().zip(&others) {
         let ours = &results[i as usize];
-        let same = other.status == ours.status && scaled_difference(plan, i, other, ours) <= plan.run.accuracy;
+        let same =
+            other.status == ours.status && scaled_difference(plan, i, other, ours) <= plan.run.accuracy;
         if !same && other.status != Status::NotRun {
             results[i as usize].status = Status::Sensitive;
         }

@@ -2,7 +2,7 @@
 
 use super::hierarchy::Hierarchy;
 use super::orbit_pair::{OrbitPair, WeightedPoint};
-use crate::orbit::{Stencil, StencilStart, StencilPoint, SolvedNeighbour, OnFailure, PeriodicState};
+use crate::orbit::{OnFailure, PeriodicState, SolvedNeighbour, Stencil, StencilPoint, StencilStart};
 use rayon::prelude::*;
 
 /// Of some instances of a block what their searches may begin at.
@@ -64,11 +64,15 @@ impl<'a> Stencils<'a> {
 
     /// For the first run of each of these instances of the portion: where its neighbours' first runs lead to.
     pub fn first_run(&self, instances: &[u32]) -> Vec<StencilStart<'a>> {
-        let hint = |weighted: &WeightedPoint, [first, _]: &'a [SolvedNeighbour; 2]| stencil_point(weighted, first, None);
+        let hint = |weighted: &WeightedPoint, [first, _]: &'a [SolvedNeighbour; 2]| {
+            stencil_point(weighted, first, None)
+        };
         let of = |i: &u32| match &self.support {
             Support::Coarse => StencilStart::None,
             Support::Lines { lines, scattered } => self.start(&lines[*i as usize], None, *scattered, hint),
-            Support::Neighbours(beside) => StencilStart::each(self.solved_points(&beside[*i as usize]).map(|[first, _]| first)),
+            Support::Neighbours(beside) => {
+                StencilStart::each(self.solved_points(&beside[*i as usize]).map(|[first, _]| first))
+            }
             Support::Integrate => StencilStart::Skip,
         };
         instances.iter().map(of).collect()
@@ -76,8 +80,9 @@ impl<'a> Stencils<'a> {
 
     /// For the second run: from the instance's own state in the first, by how far the two are apart at its neighbours.
     pub fn second_run(&self, found: &[Option<&'a PeriodicState>]) -> Vec<StencilStart<'a>> {
-        let hint =
-            |weighted: &WeightedPoint, [first, second]: &'a [SolvedNeighbour; 2]| stencil_point(weighted, second, Some(first));
+        let hint = |weighted: &WeightedPoint, [first, second]: &'a [SolvedNeighbour; 2]| {
+            stencil_point(weighted, second, Some(first))
+        };
         let of = |(i, own): (usize, &Option<&'a PeriodicState>)| match (&self.support, *own) {
             (_, None) => StencilStart::Skip,
             (Support::Lines { lines, scattered }, own) => self.start(&lines[i], own, *scattered, hint),
@@ -117,7 +122,11 @@ impl<'a> Stencils<'a> {
 
     /// The neighbours of a line; where one of the farther ones is not known, the nearest two. None where one of these
     /// is not.
-    fn line<T>(&self, line: &[WeightedPoint], hint: impl Fn(&WeightedPoint, &'a [SolvedNeighbour; 2]) -> T) -> Option<Vec<T>> {
+    fn line<T>(
+        &self,
+        line: &[WeightedPoint],
+        hint: impl Fn(&WeightedPoint, &'a [SolvedNeighbour; 2]) -> T,
+    ) -> Option<Vec<T>> {
         let node = |weighted: &WeightedPoint| self.solved[weighted.0 as usize].neighbours();
         let all = |line: &[WeightedPoint]| -> Option<Vec<T>> {
             line.iter().map(|one| Some(hint(one, node(one)?))).collect()
@@ -129,6 +138,10 @@ impl<'a> Stencils<'a> {
     }
 }
 
-fn stencil_point<'a>((_, weight, nearest): &WeightedPoint, node: &'a SolvedNeighbour, before: Option<&'a SolvedNeighbour>) -> StencilPoint<'a> {
+fn stencil_point<'a>(
+    (_, weight, nearest): &WeightedPoint,
+    node: &'a SolvedNeighbour,
+    before: Option<&'a SolvedNeighbour>,
+) -> StencilPoint<'a> {
     StencilPoint { node, before, weight: *weight, nearest: *nearest }
 }

@@ -1,8 +1,8 @@
 //! As many instances as are stepped side by side, on their way through a run together.
 
-use super::measurement::{Sums, first_seen};
-use super::kernel_constants::{LeverTable, Member, constants};
 use super::checkpoint::InstanceCheckpoint;
+use super::kernel_constants::{LeverTable, Member, constants};
+use super::measurement::{Sums, first_seen};
 use crate::kernel::{Decay, LENGTH, Real, RunSums, Span, Stepper, Wants, Wave};
 use crate::plan::SectionState;
 use crate::scene::{Run, Start};
@@ -53,7 +53,14 @@ impl<E: Real> Batch<E> {
         batch
     }
 
-    fn put(&mut self, lane: usize, member: Member, levers: &LeverTable, start: Start, saved: &InstanceCheckpoint) {
+    fn put(
+        &mut self,
+        lane: usize,
+        member: Member,
+        levers: &LeverTable,
+        start: Start,
+        saved: &InstanceCheckpoint,
+    ) {
         let (width, modes) = (self.stepper.width, self.stepper.modes);
         put(&mut self.constants, width, lane, constants(member, levers.get(member), start));
         let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);

@@ -1,14 +1,14 @@
 //! Instances of one law, number of modes and number of steps: their constants, made once, and their periods, stepped as many
 //! side by side as a lane holds.
 
+use super::kernel_constants::{free, gap_and_law, lever, lever_key, member};
 use super::kernel_dispatch::{TangentReal, stepper};
 use super::measurement::{Sums, finish};
-use super::kernel_constants::{free, gap_and_law, lever, lever_key, member};
 use super::period_jacobian::kept;
 use super::section_state::indentation;
-use super::{EngineError, Finished, start, section_state};
+use super::{EngineError, Finished, section_state, start};
 use crate::kernel::{LENGTH, Lever, Room, Rounding, RunSums, Span, Stepper, Tangent, Wave};
-use crate::plan::{Case, Class, Plan, Shape, SectionState};
+use crate::plan::{Case, Class, Plan, SectionState, Shape};
 use crate::scene::Start;
 use std::collections::HashMap;
 

@@ -2,7 +2,7 @@
 //! leads a stride of Broyden's method to the next place, until one is a periodic state.
 
 use super::return_map::{CpuReturnMap, MapPassage};
-use super::{ProfileSection, EngineError, Finished, Progress};
+use super::{EngineError, Finished, ProfileSection, Progress};
 use crate::kernel::broyden::{Arrival, Goal, Phase, ROUNDS, Standing, stride};
 use crate::kernel::{LENGTH, Rounding};
 use crate::plan::Plan;
@@ -156,7 +156,8 @@ impl BroydenBatch<'_> {
     fn run(self, rounding: Rounding, progress: &Progress) -> Result<Vec<Correction>, EngineError> {
         let Self { plan, numbers, guessed, goals, places, undoes } = self;
         let instances: Vec<u32> = guessed.iter().map(|one| one.instance).collect();
-        let map = progress.timed(ProfileSection::Constants, || CpuReturnMap::new(plan, &instances, rounding))?;
+        let map =
+            progress.timed(ProfileSection::Constants, || CpuReturnMap::new(plan, &instances, rounding))?;
         places.iter_mut().for_each(|number| *number /= LENGTH);
         let mut strides = vec![0.0; places.len()];
         let mut room = places.to_vec();

@@ -1,14 +1,15 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
 use super::batch::Batch;
-use super::kernel_dispatch::stepper;
-use super::measurement::{finish, finish_free};
-use super::kernel_constants::{LeverTable, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
 use super::checkpoint::InstanceCheckpoint;
+use super::kernel_constants::{LeverTable, Member, begin, member, step_length};
+use super::kernel_dispatch::stepper;
+use super::measurement::{finish, finish_free};
 use super::{
-    Corrections, ProfileSection, Ended, Engine, EngineError, Predictions, Outcome, Progress, ReturnMap, NewtonResults, NewtonStarts,
-    PeriodJacobians, broyden_search, newton_search, return_map, period_jacobian, start, section_state, threads,
+    Corrections, Ended, Engine, EngineError, NewtonResults, NewtonStarts, Outcome, PeriodJacobians,
+    Predictions, ProfileSection, Progress, ReturnMap, broyden_search, newton_search, period_jacobian,
+    return_map, section_state, start, threads,
 };
 use crate::instrument::MotionPlace;
 use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
@@ -76,7 +77,12 @@ impl Engine for Cpu {
         true
     }
 
-    fn slopes(&self, plan: &Plan, least: &[f64], progress: &Progress) -> Result<PeriodJacobians, EngineError> {
+    fn slopes(
+        &self,
+        plan: &Plan,
+        least: &[f64],
+        progress: &Progress,
+    ) -> Result<PeriodJacobians, EngineError> {
         let mut slopes = PeriodJacobians::none(plan);
         for class in plan.classes().iter().filter(|class| class.steps > 0) {
             let told = period_jacobian::of_class(plan, class, least, Rounding::new(self.strict), progress)?;
@@ -100,7 +106,12 @@ impl Engine for Cpu {
         self.strict
     }
 
-    fn newton(&self, plan: &Plan, seeks: &NewtonStarts, progress: &Progress) -> Result<NewtonResults, EngineError> {
+    fn newton(
+        &self,
+        plan: &Plan,
+        seeks: &NewtonStarts,
+        progress: &Progress,
+    ) -> Result<NewtonResults, EngineError> {
         let all: Vec<u32> = plan.instances().collect();
         let all = newton_search::all(plan, &all, seeks, Rounding::new(self.strict), progress)?;
         Ok(NewtonResults { all, notes: Vec::new() })
@@ -266,7 +277,9 @@ fn from_rest<E: Real>(
         let first = u64::from(done) * steps as u64;
         let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
         batches.par_iter_mut().for_each(|batch| {
-            progress.timed(ProfileSection::Steps, || batch.advance(run, periods, waves, Some(&decay), plan.wants));
+            progress.timed(ProfileSection::Steps, || {
+                batch.advance(run, periods, waves, Some(&decay), plan.wants)
+            });
             progress.add(batch.members() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;
@@ -286,7 +299,8 @@ pub(super) fn decays<E: Real>(driven: &Driven, steps: u32, first: u64, count: us
     }
     // One sample more on either side: the acceleration is a difference of speeds.
     let begin = first as f64 - 0.5;
-    let rows = driven.free.transient_table(&driven.instrument, MotionPlace::Tip, &skip, begin, step, count + 2);
+    let rows =
+        driven.free.transient_table(&driven.instrument, MotionPlace::Tip, &skip, begin, step, count + 2);
     rows.windows(3)
         .map(|row| Decay {
             travel: E::element(row[1][0] / LENGTH),

@@ -98,7 +98,15 @@ pub(super) fn begin(member: Member, start: Start) -> InstanceCheckpoint {
     }
     let first = first_indentation(member, start);
     let touching = f64::from(u8::from(member.0.contact.law.touches_at(first)));
-    InstanceCheckpoint { x, u, touching, last: [first; 2], touched: touching, run_sums: RunSums::new(), finite: true }
+    InstanceCheckpoint {
+        x,
+        u,
+        touching,
+        last: [first; 2],
+        touched: touching,
+        run_sums: RunSums::new(),
+        finite: true,
+    }
 }
 
 /// Decaying part of a kept mode half a step after a start from rest: travel and rate over omega.

@@ -1,42 +1,42 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
+mod batch_map;
 mod broyden_search;
-mod profile;
-mod result_columns;
-mod kernel_dispatch;
+mod checkpoint;
 mod cpu;
-mod time_estimate;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(test)]
 mod instructions_agree;
-mod measurement;
 mod kernel_constants;
+mod kernel_dispatch;
+mod measurement;
 mod newton_search;
+mod period_jacobian;
+mod profile;
 mod progress;
 mod reference;
+mod result_columns;
 mod return_map;
-mod checkpoint;
-mod period_jacobian;
-mod start;
 mod section_state;
-mod batch_map;
+mod start;
 mod threads;
+mod time_estimate;
 mod trace;
 
-pub use broyden_search::{Corrections, Correction, Prediction, Predictions, INSTANCES_PER_BATCH};
-pub use profile::ProfileSection;
-pub use result_columns::{ResultColumns, WantedColumns};
+pub use broyden_search::{Correction, Corrections, INSTANCES_PER_BATCH, Prediction, Predictions};
 pub use cpu::{Cpu, processor};
-pub use time_estimate::estimate;
 pub(crate) use measurement::lag;
-pub use newton_search::{NewtonResults, NewtonStart, NewtonStarts, NewtonResult};
-pub use progress::{HeldPhase, ProgressPhase, Progress};
-pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::{ReturnMap, JacobianStart};
+pub use newton_search::{NewtonResult, NewtonResults, NewtonStart, NewtonStarts};
 pub use period_jacobian::{PeriodJacobian, PeriodJacobians};
+pub use profile::ProfileSection;
+pub use progress::{HeldPhase, Progress, ProgressPhase};
+pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
+pub use result_columns::{ResultColumns, WantedColumns};
+pub use return_map::{JacobianStart, ReturnMap};
 pub use threads::on_threads;
+pub use time_estimate::estimate;
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
@@ -108,7 +108,12 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// What the engine says.
-    fn slopes(&self, plan: &Plan, _least: &[f64], _progress: &Progress) -> Result<PeriodJacobians, EngineError> {
+    fn slopes(
+        &self,
+        plan: &Plan,
+        _least: &[f64],
+        _progress: &Progress,
+    ) -> Result<PeriodJacobians, EngineError> {
         Ok(PeriodJacobians::none(plan))
     }
 
@@ -138,7 +143,12 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// What the engine says.
-    fn newton(&self, plan: &Plan, _seeks: &NewtonStarts, _progress: &Progress) -> Result<NewtonResults, EngineError> {
+    fn newton(
+        &self,
+        plan: &Plan,
+        _seeks: &NewtonStarts,
+        _progress: &Progress,
+    ) -> Result<NewtonResults, EngineError> {
         Ok(NewtonResults::none(plan))
     }
 

@@ -1,13 +1,13 @@
 //! Searches by Newton's steps, from where instances stand: one period with its slope after another, each from where a stride from
 //! the last one has led, until one is a periodic state.
 
-use super::return_map::{CpuReturnMap, MapPassage};
 use super::period_jacobian::{begun, ended, of_class};
-use super::{ProfileSection, EngineError, Progress, PeriodJacobian};
+use super::return_map::{CpuReturnMap, MapPassage};
+use super::{EngineError, PeriodJacobian, ProfileSection, Progress};
 use crate::kernel::broyden::{Arrival, Phase};
 use crate::kernel::newton::{Aim, ROUNDS, Striding, Walk, arrive};
 use crate::kernel::{LENGTH, Lane, Room, Rounding};
-use crate::plan::{Plan, Precision, StartState, SectionState};
+use crate::plan::{Plan, Precision, SectionState, StartState};
 use rayon::prelude::*;
 
 /// Instances that one thread takes along together.
@@ -90,16 +90,17 @@ pub(super) fn all(
 ) -> Result<Vec<NewtonResult>, EngineError> {
     let parts = instances.par_chunks(INSTANCES_PER_BATCH).map(|some| match plan.precision {
         Precision::F64 => {
-            let map = progress.timed(ProfileSection::Constants, || CpuReturnMap::new(plan, some, rounding))?;
+            let map =
+                progress.timed(ProfileSection::Constants, || CpuReturnMap::new(plan, some, rounding))?;
             let mut room = Room::default();
             run(iterates(plan, some, seeks), progress, |all, left| {
                 in_f64((&map, &mut room), all, left, progress);
                 Ok(())
             })
         }
-        Precision::F32 => {
-            run(iterates(plan, some, seeks), progress, |all, left| in_f32(plan, all, left, (rounding, progress)))
-        }
+        Precision::F32 => run(iterates(plan, some, seeks), progress, |all, left| {
+            in_f32(plan, all, left, (rounding, progress))
+        }),
     });
     Ok(parts.collect::<Result<Vec<_>, EngineError>>()?.concat())
 }
@@ -192,7 +193,12 @@ fn run<E: Lane<Element = E>>(
 }
 
 /// A period of each of these, by a map whose constants are made once.
-fn in_f64((map, room): (&CpuReturnMap, &mut Room<f64>), all: &mut [Iterate<f64>], left: &[usize], progress: &Progress) {
+fn in_f64(
+    (map, room): (&CpuReturnMap, &mut Room<f64>),
+    all: &mut [Iterate<f64>],
+    left: &[usize],
+    progress: &Progress,
+) {
     let mut places: Vec<Vec<f64>> = left.iter().map(|n| all[*n].from()).collect();
     let least: Vec<f64> = left.iter().map(|n| all[*n].least).collect();
     let mut passing = Vec::with_capacity(left.len());

@@ -1,9 +1,9 @@
 //! Slopes of periods: one period of each instance of a plan, on the CPU.
 
-use super::kernel_dispatch::TangentReal;
 use super::kernel_constants::{LeverTable, Member, member, motion};
+use super::kernel_dispatch::TangentReal;
 use super::section_state::put;
-use super::{ProfileSection, EngineError, Progress, start, section_state};
+use super::{EngineError, ProfileSection, Progress, section_state, start};
 use crate::kernel::{LENGTH, Room, Rounding, Tangent, Wave};
 use crate::plan::{Class, Plan, Precision, SectionState};
 use crate::scene::Start;

@@ -1,9 +1,9 @@
 //! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
 //! place, again and again.
 
+use super::batch_map::{BatchMap, Buffers, MapStart};
 use super::period_jacobian::PeriodJacobian;
-use super::batch_map::{Buffers, MapStart, BatchMap};
-use super::{ProfileSection, EngineError, Finished, Progress};
+use super::{EngineError, Finished, ProfileSection, Progress};
 use crate::kernel::{LENGTH, Room, Rounding};
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
@@ -15,12 +15,21 @@ pub trait ReturnMap: Send + Sync {
     /// `periods`; none where the run was stopped.
     ///
     /// This is done on the calling thread: callers have many lists.
-    fn after(&self, starts: &[(u32, SectionState)], periods: u32, progress: &Progress) -> Vec<Option<SectionState>>;
+    fn after(
+        &self,
+        starts: &[(u32, SectionState)],
+        periods: u32,
+        progress: &Progress,
+    ) -> Vec<Option<SectionState>>;
 
     /// Where each of these is after one period, and how that changes with where it begins; none where the run was stopped.
     /// `room` is for the work, to be used again.
-    fn sloped(&self, starts: &[JacobianStart], room: &mut Room<f64>, progress: &Progress)
-    -> Vec<Option<PeriodJacobian>>;
+    fn sloped(
+        &self,
+        starts: &[JacobianStart],
+        room: &mut Room<f64>,
+        progress: &Progress,
+    ) -> Vec<Option<PeriodJacobian>>;
 }
 
 /// An instance on its way through one period, measured or with its slope.
@@ -134,7 +143,8 @@ impl CpuReturnMap {
                 }
                 table.gather(places, |n| passing[n].place(), &mut rows);
                 let least: Vec<f64> = places.iter().map(|(n, _)| least[*n]).collect();
-                let slopes = progress.timed(ProfileSection::Steps, || table.slopes(&least, (&mut rows, room)));
+                let slopes =
+                    progress.timed(ProfileSection::Steps, || table.slopes(&least, (&mut rows, room)));
                 progress.timed(ProfileSection::Algebra, || {
                     for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
                         passing[*n].put(table, lane, &rows);
@@ -164,7 +174,12 @@ impl CpuReturnMap {
 }
 
 impl ReturnMap for CpuReturnMap {
-    fn after(&self, starts: &[(u32, SectionState)], periods: u32, progress: &Progress) -> Vec<Option<SectionState>> {
+    fn after(
+        &self,
+        starts: &[(u32, SectionState)],
+        periods: u32,
+        progress: &Progress,
+    ) -> Vec<Option<SectionState>> {
         let mut out = vec![None; starts.len()];
         for (table, own) in self.by_table(starts.iter().map(|start| start.0)) {
             let mut rows = table.buffers(table.stepper.width);
@@ -198,9 +213,11 @@ impl ReturnMap for CpuReturnMap {
                 }
                 table.gather(places, |n| MapStart::of(&starts[n].station), &mut rows);
                 let least: Vec<f64> = places.iter().map(|(n, _)| starts[*n].least).collect();
-                let slopes = progress.timed(ProfileSection::Steps, || table.slopes(&least, (&mut rows, room)));
+                let slopes =
+                    progress.timed(ProfileSection::Steps, || table.slopes(&least, (&mut rows, room)));
                 for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
-                    out[*n] = Some(PeriodJacobian { end: end(table, lane, &starts[*n].station, &rows), slope });
+                    out[*n] =
+                        Some(PeriodJacobian { end: end(table, lane, &starts[*n].station, &rows), slope });
                 }
                 progress.add(places.len() as u64 * table.steps());
             }

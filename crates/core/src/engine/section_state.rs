@@ -1,7 +1,7 @@
 //! Between a plan's stations and the kernel's units.
 
-use super::kernel_constants::member;
 use super::checkpoint::InstanceCheckpoint;
+use super::kernel_constants::member;
 use super::start;
 use crate::kernel::{LENGTH, RunSums};
 use crate::plan::{Case, Driven, Plan, SectionState};

@@ -3,8 +3,8 @@
 use super::EngineError;
 use super::cpu::decays;
 use super::kernel_constants::{begin, constants, force_scale, lever, step_length};
-use super::start;
 use super::section_state;
+use super::start;
 use crate::kernel::{LENGTH, MODES_MAX, Rounding, tracer};
 use crate::plan::{Plan, SectionState};
 use crate::scene::Start;
@@ -64,8 +64,10 @@ pub fn trace(
     }
     let (member, start) = ((case, driven), plan.run.start);
     let modes = driven.kept.modes.len();
-    let saved =
-        from.map_or_else(|| begin(member, start), |place| section_state::checkpoint(plan, instance as u32, place));
+    let saved = from.map_or_else(
+        || begin(member, start),
+        |place| section_state::checkpoint(plan, instance as u32, place),
+    );
     let constants: Vec<f64> = constants(member, &lever(member, modes), start).collect();
     let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);
     let mut state: Vec<f64> = state.copied().collect();

@@ -21,7 +21,8 @@ pub(super) fn conservative_orbit(plan: &Plan, instance: u32, share: f64, repulsi
     let modes = &driven.kept.modes[..driven.kept.modes.len().min(MODES_MAX)];
     let nearest = (0..modes.len()).min_by(|a, b| far(&modes[*a]).total_cmp(&far(&modes[*b])));
     if let Some(k) = nearest {
-        let turned = beyond * Complex::from_polar(1.0, orbit_transfer::section_angle(driven, plan.steps(instance)));
+        let turned =
+            beyond * Complex::from_polar(1.0, orbit_transfer::section_angle(driven, plan.steps(instance)));
         (station.x[k], station.u[k]) = (turned.im, turned.re * driven.free.omega / modes[k].omega);
     }
     station

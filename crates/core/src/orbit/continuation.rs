@@ -1,8 +1,8 @@
 //! Curves: periodic states followed from point to point, many curves side by side.
 
 use super::initial_guess::{CurvePrediction, InitialGuess};
-use super::verification::class_order;
 use super::search_batch::{self, BatchSolution};
+use super::verification::class_order;
 use super::{Jacobian, PeriodicState, period_map, time_integration};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
@@ -56,7 +56,11 @@ struct ContinuationStep {
 }
 
 /// Follows the curves of the plan from their first points, which begin at the free oscillation.
-pub(super) fn continue_curves(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<CurveStates, EngineError> {
+pub(super) fn continue_curves(
+    plan: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<CurveStates, EngineError> {
     let mut all = Continuation::new(plan, engine, progress);
     let longest = all.curves.iter().map(|curve| curve.points.len()).max().unwrap_or(0);
     progress.task("following curves", plan.len() as u64);
@@ -87,10 +91,21 @@ pub fn jumps_moved(
         for pair in one.points.windows(2).filter(|pair| jumps[pair[1] as usize]) {
             let (from, to) = (pair[0], pair[1]);
             let Some(last) = before[from as usize] else { continue };
-            match found[from as usize].as_deref().filter(|state| is_near(plan, from, state, last, MAX_STATE_CHANGE)) {
+            match found[from as usize]
+                .as_deref()
+                .filter(|state| is_near(plan, from, state, last, MAX_STATE_CHANGE))
+            {
                 Some(state) => {
                     let state = state.clone();
-                    going.push(ContinuationStep { curve, from, to, reached: 0.0, state, length: 1.0, periods: 0 });
+                    going.push(ContinuationStep {
+                        curve,
+                        from,
+                        to,
+                        reached: 0.0,
+                        state,
+                        length: 1.0,
+                        periods: 0,
+                    });
                 }
                 None => moved += 1,
             }
@@ -106,7 +121,8 @@ pub fn jumps_moved(
 /// has looked like a jump.
 pub fn locate_jumps(plan: &Plan, jumps: &mut [bool], found: &[Option<Box<PeriodicState>>]) {
     let state = |i: u32| found.get(i as usize)?.as_deref();
-    let joined = |pair: &[u32]| Some(is_near(plan, pair[1], state(pair[1])?, state(pair[0])?, MAX_STATE_CHANGE));
+    let joined =
+        |pair: &[u32]| Some(is_near(plan, pair[1], state(pair[1])?, state(pair[0])?, MAX_STATE_CHANGE));
     for curve in curves(plan) {
         let pairs: Vec<(u32, Option<bool>)> =
             curve.points.windows(2).map(|pair| (pair[1], joined(pair))).collect();
@@ -197,7 +213,8 @@ impl<'a> Continuation<'a> {
             let share = |one: &ContinuationStep| (one.reached + one.length).min(1.0);
             let pairs: Vec<(u32, u32, f64)> = left.iter().map(|one| (one.from, one.to, share(one))).collect();
             let part = self.plan.between(&pairs);
-            let places: Vec<SectionState> = (0..).zip(&left).map(|(i, one)| self.predicted(&part, i, one)).collect();
+            let places: Vec<SectionState> =
+                (0..).zip(&left).map(|(i, one)| self.predicted(&part, i, one)).collect();
             let BatchSolution { found, periods, .. } = self.search(&part, &left, &places)?;
             let mut rest = Vec::new();
             for ((i, mut one), found) in (0..).zip(left).zip(found) {
@@ -257,8 +274,14 @@ impl<'a> Continuation<'a> {
     ) -> Result<BatchSolution, EngineError> {
         let all: Vec<u32> = part.instances().collect();
         let states: Vec<Option<&PeriodicState>> = strides.iter().map(|one| Some(&one.state)).collect();
-        let begin = InitialGuess::CurvePoints(CurvePrediction { states: &states, places, max_evaluations: MAX_EVALUATIONS_AND_JACOBIANS, accept_unverified: &[] });
-        let mut searched = search_batch::solve_batches(part, &class_order(part, &all), begin, self.engine, self.progress)?;
+        let begin = InitialGuess::CurvePoints(CurvePrediction {
+            states: &states,
+            places,
+            max_evaluations: MAX_EVALUATIONS_AND_JACOBIANS,
+            accept_unverified: &[],
+        });
+        let mut searched =
+            search_batch::solve_batches(part, &class_order(part, &all), begin, self.engine, self.progress)?;
         self.done.notes.append(&mut searched.notes);
         Ok(searched)
     }
@@ -306,7 +329,10 @@ fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
 fn is_near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
     let amplitude = plan.driven(i).free_amplitude();
     let scale = if plan.is_free(i) { amplitude.max(plan.case(i).gap) } else { amplitude };
-    section_distance(&period_map::transfer_section(plan, i, found), &period_map::transfer_section(plan, i, other)) <= most * scale
+    section_distance(
+        &period_map::transfer_section(plan, i, found),
+        &period_map::transfer_section(plan, i, other),
+    ) <= most * scale
 }
 
 /// Where the way from `there` to `here` leads after so many more of it.
@@ -334,7 +360,13 @@ pub(super) fn settled_states(
 ) -> Result<BatchSolution, EngineError> {
     let all: Vec<u32> = plan.instances().collect();
     let places: Vec<Option<&PeriodicState>> = from.iter().map(|state| Some(*state)).collect();
-    let mut searched = search_batch::solve_batches(plan, &class_order(plan, &all), InitialGuess::CurveStates(&places), engine, progress)?;
+    let mut searched = search_batch::solve_batches(
+        plan,
+        &class_order(plan, &all),
+        InitialGuess::CurveStates(&places),
+        engine,
+        progress,
+    )?;
     let lost: Vec<u32> = all.into_iter().filter(|i| searched.found[*i as usize].is_none()).collect();
     if !lost.is_empty() && !progress.stopped() {
         let begin = |i: &u32| period_map::transfer_section(plan, *i, from[*i as usize]).into();

@@ -1,13 +1,13 @@
 //! What goes to rest so slowly that waiting takes thousands of periods is followed in strides of many.
 
 use super::OrbitSolution;
-use super::tolerances;
 use super::initial_guess::InitialGuess;
-use super::verification::search_and_verify;
 use super::period_map::{PeriodMap, section_numbers};
-use crate::engine::{ProfileSection, Cpu, Engine, EngineError, Progress, JacobianStart, PeriodJacobian};
+use super::tolerances;
+use super::verification::search_and_verify;
+use crate::engine::{Cpu, Engine, EngineError, JacobianStart, PeriodJacobian, ProfileSection, Progress};
 use crate::kernel::Room;
-use crate::periodic::{EnvelopeEnd, Envelope, EnvelopeOptions};
+use crate::periodic::{Envelope, EnvelopeEnd, EnvelopeOptions};
 use crate::plan::{Plan, SectionState};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -78,11 +78,20 @@ pub(super) fn follow_and_search(
 }
 
 /// Takes some of these to where they come, each with its number among them.
-fn follow(map: &PeriodMap, from: &[EnvelopeStart], slots: Range<u32>) -> Result<Vec<(u32, Envelope)>, EngineError> {
+fn follow(
+    map: &PeriodMap,
+    from: &[EnvelopeStart],
+    slots: Range<u32>,
+) -> Result<Vec<(u32, Envelope)>, EngineError> {
     let begin = |slot: u32| {
-        let EnvelopeStart { section: place, decay_periods: pace, max_evaluations: most, .. } = from[slot as usize];
+        let EnvelopeStart { section: place, decay_periods: pace, max_evaluations: most, .. } =
+            from[slot as usize];
         let modes = map.plan.driven(slot).kept.modes.len();
-        let told = EnvelopeOptions { scale: tolerances::scale(map.plan, slot), decay_periods: pace, max_evaluations: most };
+        let told = EnvelopeOptions {
+            scale: tolerances::scale(map.plan, slot),
+            decay_periods: pace,
+            max_evaluations: most,
+        };
         (slot, Envelope::new(DVector::from_column_slice(&section_numbers(&place, modes)), told))
     };
     let mut all: Vec<(u32, Envelope)> = slots.map(begin).collect();

@@ -1,7 +1,7 @@
 //! Where searches begin, and where they leave what they do not find.
 
 use super::PeriodicState;
-use super::period_map::{transfer_section, rest_state};
+use super::period_map::{rest_state, transfer_section};
 use crate::plan::{Plan, SectionState};
 
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
@@ -61,7 +61,9 @@ impl InitialGuess<'_> {
             | Self::CurvePoints(CurvePrediction { states: near, .. }) => {
                 near.get(instance as usize).copied().flatten().filter(|place| place.jacobian.is_known())
             }
-            Self::AtRest | Self::Points(_) | Self::PointsOnly(_) | Self::Integrated(_) | Self::Retry(_) => None,
+            Self::AtRest | Self::Points(_) | Self::PointsOnly(_) | Self::Integrated(_) | Self::Retry(_) => {
+                None
+            }
         }
     }
 
@@ -79,7 +81,9 @@ impl InitialGuess<'_> {
     /// Where the instance begins without one.
     pub fn point(&self, plan: &Plan, instance: u32) -> SectionState {
         match self {
-            Self::States(_) | Self::StatesOnce(_) | Self::StatesOrDefer(_) => SectionState::free(plan, instance),
+            Self::States(_) | Self::StatesOnce(_) | Self::StatesOrDefer(_) => {
+                SectionState::free(plan, instance)
+            }
             Self::AtRest => rest_state(plan, instance),
             Self::Points(places)
             | Self::PointsOnly(places)

@@ -1,9 +1,9 @@
 //! One instance's search among many.
 
 use super::PeriodicState;
-use super::tolerances::newton_options;
 use super::initial_guess::CurvePrediction;
-use super::period_map::{transfer_with_jacobian, free_monodromy, vector};
+use super::period_map::{free_monodromy, transfer_with_jacobian, vector};
+use super::tolerances::newton_options;
 use crate::engine::PeriodJacobian;
 use crate::periodic::{Memory, NewtonOptions, PtcNewton, Size};
 use crate::plan::{Plan, SectionState};
@@ -57,11 +57,8 @@ where
             periods: 0,
             start,
             remembers,
-            search: PtcNewton::with_partial_jacobian(vector(&start), slope, columns, options).restricted_to(moving(
-                plan,
-                instance,
-                D::DIM,
-            )),
+            search: PtcNewton::with_partial_jacobian(vector(&start), slope, columns, options)
+                .restricted_to(moving(plan, instance, D::DIM)),
         }
     }
 
@@ -76,7 +73,13 @@ where
 
     /// From a place that a curve leads to: the slope at the curve's last point, or else without a sample, will do on the
     /// way; the state's own tells its stability.
-    pub fn along_curve(plan: &Plan, slot: u32, instance: u32, last: Option<&PeriodicState>, along: &CurvePrediction) -> Self {
+    pub fn along_curve(
+        plan: &Plan,
+        slot: u32,
+        instance: u32,
+        last: Option<&PeriodicState>,
+        along: &CurvePrediction,
+    ) -> Self {
         let start = along.places[instance as usize];
         let (remembers, options) = newton_options(plan, instance);
         let moving = moving(plan, instance, D::DIM);
@@ -84,7 +87,8 @@ where
         let options = NewtonOptions {
             start_is_close: true,
             reuse_jacobian: last.is_some(),
-            max_evaluations: along.max_evaluations.0 + along.max_evaluations.1 * moving.as_ref().map_or(D::DIM, Vec::len) as u32,
+            max_evaluations: along.max_evaluations.0
+                + along.max_evaluations.1 * moving.as_ref().map_or(D::DIM, Vec::len) as u32,
             central_fd_step: options.central_fd_step.filter(|_| !lightly),
             require_stable: !lightly,
             ..options
@@ -115,7 +119,8 @@ where
 
     /// Takes the map's answer with its slope.
     pub fn tell_with_jacobian(&mut self, sloped: Option<PeriodJacobian>) {
-        let answer = sloped.and_then(|PeriodJacobian { end, slope }| Some((self.usable(end)?, padded(&slope))));
+        let answer =
+            sloped.and_then(|PeriodJacobian { end, slope }| Some((self.usable(end)?, padded(&slope))));
         self.search.tell_with_jacobian(answer);
     }
 

@@ -3,11 +3,11 @@
 
 use super::OrbitSolution;
 use super::initial_guess::InitialGuess;
-use super::verification::search_and_verify;
 use super::period_map::{distance, station};
-use super::stencil::StencilStart;
 use super::size_dispatch::{BySize, by_size, with_size};
+use super::stencil::StencilStart;
 use super::transfer_cache::TransferCache;
+use super::verification::search_and_verify;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, SectionState};
@@ -45,7 +45,8 @@ impl OrbitSolution {
         let places: Vec<SectionState> = middles.iter().map(|middle| middle.1).collect();
         let part = plan.part(&numbers);
         let all: Vec<u32> = part.instances().collect();
-        let (mut own, _) = search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+        let (mut own, _) =
+            search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         for (n, (_, place, far)) in middles.iter().enumerate() {
             if own.state(n).is_some_and(|state| distance(&state.section, place) > MIDPOINT_REACH * far) {
                 (own.found[n], own.outcome.results[n]) = (None, Finished::NOT_RUN);

@@ -1,39 +1,39 @@
 //! The periodic state of each instance: waited for, or searched for and then run on from.
 
-mod tolerances;
-mod setpoint_continuation;
-mod initial_guess;
-mod quasi_newton;
-mod midpoint_restart;
-mod orbit_transfer;
-mod setpoint_branch;
-mod continuation;
-mod verification;
-mod predictor;
-mod settling;
-mod neighbour_start;
-mod jacobian;
 mod conservative_orbit;
-mod period_map;
-mod residual;
-mod setpoint_residual;
-mod stencil;
+mod continuation;
+mod envelope_solver;
+mod initial_guess;
 mod instance_search;
+mod jacobian;
+mod midpoint_restart;
+mod neighbour_start;
+mod orbit_table;
+mod orbit_transfer;
+mod period_map;
+mod predictor;
+mod quasi_newton;
+mod residual;
 mod restart;
 mod search_batch;
+mod setpoint_branch;
+mod setpoint_continuation;
+mod setpoint_residual;
 mod setpoint_solver;
+mod settling;
 mod size_dispatch;
-mod envelope_solver;
-mod orbit_table;
-mod transfer_cache;
+mod stencil;
 mod time_integration;
+mod tolerances;
+mod transfer_cache;
+mod verification;
 
-pub use orbit_transfer::{transfer_orbit, transfer_orbit_corrected};
 pub use continuation::{jumps_moved, locate_jumps};
-pub use neighbour_start::{OnFailure, solve_from_neighbours};
 pub use jacobian::Jacobian;
-pub use stencil::{Stencil, StencilStart, StencilPoint, SolvedNeighbour};
+pub use neighbour_start::{OnFailure, solve_from_neighbours};
 pub use orbit_table::OrbitTable;
+pub use orbit_transfer::{transfer_orbit, transfer_orbit_corrected};
+pub use stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
 pub use time_integration::SETTLED_SHARE;
 
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
@@ -42,8 +42,8 @@ use crate::periodic::Floquet;
 use crate::plan::{Plan, ReducedBasis, SectionState};
 use crate::scene::{Start, Steady};
 use initial_guess::InitialGuess;
-use verification::{search_and_verify, run_on};
 use std::sync::Arc;
+use verification::{run_on, search_and_verify};
 
 /// A periodic state that was found.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,13 @@ impl PeriodicState {
     /// At the free oscillation, with nothing known of the map there.
     fn unknown(steps: u32, kept: &Arc<ReducedBasis>) -> Self {
         let spectrum = Floquet { multiplier: f64::NAN, sigma_min: f64::NAN };
-        Self { section: SectionState::FREE, floquet: spectrum, steps, basis: Arc::clone(kept), jacobian: Jacobian::Unknown }
+        Self {
+            section: SectionState::FREE,
+            floquet: spectrum,
+            steps,
+            basis: Arc::clone(kept),
+            jacobian: Jacobian::Unknown,
+        }
     }
 
     /// Whether a search found it; else waiting did.
@@ -153,7 +159,13 @@ pub fn solve_near_states(
         return solve(plan, states, engine, progress);
     }
     progress.part();
-    search_or_integrate(plan, InitialGuess::CurveStates(states), (&[], OnFailure::Integrate), engine, progress)
+    search_or_integrate(
+        plan,
+        InitialGuess::CurveStates(states),
+        (&[], OnFailure::Integrate),
+        engine,
+        progress,
+    )
 }
 
 /// The plan's instances as a search from there finds them, or where neighbours lead, one by one, if they have `leads`; what is
@@ -176,7 +188,9 @@ fn search_or_integrate(
     }
     let waits = patience == OnFailure::Integrate;
     let left = match begin {
-        InitialGuess::States(_) | InitialGuess::StatesOrDefer(_) if waits && plan.run.start == Start::Steady => {
+        InitialGuess::States(_) | InitialGuess::StatesOrDefer(_)
+            if waits && plan.run.start == Start::Steady =>
+        {
             settling::settle_and_search(plan, left, &mut settled, engine, progress)?
         }
         _ => Vec::new(),
@@ -193,7 +207,11 @@ fn search_or_integrate(
 ///
 /// # Errors
 /// What the engine says.
-pub fn solve_first(plan: &mut Plan, engine: &dyn Engine, progress: &Progress) -> Result<OrbitSolution, EngineError> {
+pub fn solve_first(
+    plan: &mut Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
     if plan.has_setpoints() {
         progress.part();
         return setpoint_solver::solve_first(plan, engine, progress);
@@ -294,12 +312,16 @@ pub fn solve_near(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let all: Vec<u32> = plan.instances().collect();
-    let places: Vec<SectionState> = all.iter().zip(others).map(|(i, other)| period_map::transfer_section(plan, *i, other)).collect();
+    let places: Vec<SectionState> =
+        all.iter().zip(others).map(|(i, other)| period_map::transfer_section(plan, *i, other)).collect();
     Ok(search_and_verify(plan, &all, InitialGuess::PointsOnly(&places), engine, progress)?.0)
 }
 
 /// The states of these instances, for a plan of them alone; nothing where none were searched for.
-pub fn gather<'a>(found: &'a [Option<Box<PeriodicState>>], instances: &[u32]) -> Vec<Option<&'a PeriodicState>> {
+pub fn gather<'a>(
+    found: &'a [Option<Box<PeriodicState>>],
+    instances: &[u32],
+) -> Vec<Option<&'a PeriodicState>> {
     match found.is_empty() {
         true => Vec::new(),
         false => instances.iter().map(|i| found[*i as usize].as_deref()).collect(),

@@ -1,10 +1,10 @@
 //! A run whose instances begin at their neighbours' states, and what these do not lead to.
 
 use super::initial_guess::{InitialGuess, Unconverged};
-use super::verification::search_and_verify;
 use super::period_map::distance;
-use super::stencil::{Stencil, StencilStart, StencilPoint};
-use super::{PeriodicState, OrbitSolution, quasi_newton, search_or_integrate};
+use super::stencil::{Stencil, StencilPoint, StencilStart};
+use super::verification::search_and_verify;
+use super::{OrbitSolution, PeriodicState, quasi_newton, search_or_integrate};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, SectionState};
 
@@ -45,9 +45,21 @@ pub fn solve_from_neighbours(
         unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
         led.retain(|i| settled.found[*i as usize].is_some());
     }
-    settled.vote_of_neighbours(plan, leads, (|lead| matches!(lead, StencilStart::EachPoint(_)), 1), engine, progress)?;
+    settled.vote_of_neighbours(
+        plan,
+        leads,
+        (|lead| matches!(lead, StencilStart::EachPoint(_)), 1),
+        engine,
+        progress,
+    )?;
     settled.restart_at_midpoints(plan, leads, engine, progress)?;
-    settled.vote_of_neighbours(plan, leads, (|lead| matches!(lead, StencilStart::Stencil(_)), 2), engine, progress)?;
+    settled.vote_of_neighbours(
+        plan,
+        leads,
+        (|lead| matches!(lead, StencilStart::Stencil(_)), 2),
+        engine,
+        progress,
+    )?;
     let mut begun = vec![false; plan.len()];
     led.into_iter().for_each(|i| begun[i as usize] = true);
     let rest = |of: fn(&StencilStart) -> bool| -> Vec<u32> {
@@ -89,8 +101,9 @@ impl OrbitSolution {
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
-        let alone =
-            |i: u32| leads.get(i as usize).filter(|lead| such(lead)).map(StencilStart::alone).unwrap_or_default();
+        let alone = |i: u32| {
+            leads.get(i as usize).filter(|lead| such(lead)).map(StencilStart::alone).unwrap_or_default()
+        };
         let lost = |i: &u32| self.found[*i as usize].is_none() && !alone(*i).is_empty();
         let instances: Vec<u32> = plan.instances().filter(lost).collect();
         if instances.is_empty() || progress.stopped() {
@@ -130,7 +143,8 @@ impl OrbitSolution {
         let places: Vec<SectionState> = agreed.iter().filter_map(|i| place(*i)).collect();
         let part = plan.part(&numbers);
         let all: Vec<u32> = part.instances().collect();
-        let (mut own, _) = search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+        let (mut own, _) =
+            search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         for (n, (i, place)) in agreed.into_iter().zip(&places).enumerate() {
             if own.state(n).is_some_and(|state| apart(i, &state.section, place)) {
                 (own.found[n], own.outcome.results[n]) = (None, Finished::NOT_RUN);

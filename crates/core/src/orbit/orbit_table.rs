@@ -91,11 +91,18 @@ impl OrbitTable {
     pub fn get(&self, instance: usize) -> Option<PeriodicState> {
         let OrbitRow { spectrum, numbers, steps, basis } = *self.kept(instance)?;
         let (from, modes) = (numbers.from(), numbers.modes());
-        let mut station = SectionState { touching: numbers.touching(), finite: numbers.finite(), ..SectionState::FREE };
+        let mut station =
+            SectionState { touching: numbers.touching(), finite: numbers.finite(), ..SectionState::FREE };
         station.x[..modes].copy_from_slice(&self.numbers[from..][..modes]);
         station.u[..modes].copy_from_slice(&self.numbers[from + modes..][..modes]);
         let kept = Arc::clone(&self.bases[basis as usize]);
-        Some(PeriodicState { section: station, floquet: spectrum, steps, basis: kept, jacobian: Jacobian::Unknown })
+        Some(PeriodicState {
+            section: station,
+            floquet: spectrum,
+            steps,
+            basis: kept,
+            jacobian: Jacobian::Unknown,
+        })
     }
 
     /// The states of these instances; nothing where nothing was searched for.
@@ -108,7 +115,10 @@ impl OrbitTable {
 
     /// Says what was found of an instance, of which nothing has been said before.
     pub fn put(&mut self, instance: usize, state: Option<&PeriodicState>) {
-        let Some(PeriodicState { section: station, floquet: spectrum, steps, basis: kept, .. }) = state else { return };
+        let Some(PeriodicState { section: station, floquet: spectrum, steps, basis: kept, .. }) = state
+        else {
+            return;
+        };
         let basis = *self.known.entry(Arc::as_ptr(kept) as usize).or_insert_with(|| {
             self.bases.push(Arc::clone(kept));
             self.bases.len() as u32 - 1

@@ -36,8 +36,10 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
         true => ((size + here.gap - there.gap) / size).clamp(0.0, most / size),
         false => 1.0,
     };
-    let mut station =
-        SectionState { touching: state.section.touching && here.contact.law.has_memory(), ..SectionState::FREE };
+    let mut station = SectionState {
+        touching: state.section.touching && here.contact.law.has_memory(),
+        ..SectionState::FREE
+    };
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
         let alike = |other: &KeptMode| other.omega == mode.omega;
         let numbered = |other: &KeptMode| other.index == mode.index;
@@ -64,8 +66,9 @@ pub fn transfer_orbit_corrected(
         return station;
     }
     let here = transfer_section(plan_there, number, state);
-    let missed =
-        |(other, state): &(u32, PeriodicState)| transfer_orbit((plan_there, *other, state), plan_there, number);
+    let missed = |(other, state): &(u32, PeriodicState)| {
+        transfer_orbit((plan_there, *other, state), plan_there, number)
+    };
     let nearest = before.iter().map(missed).min_by(|a, b| distance(a, &here).total_cmp(&distance(b, &here)));
     let most = MAX_TRANSFER_MISS * plan_there.driven(number).free_amplitude();
     if let Some(there) = nearest.filter(|there| distance(there, &here) < most) {
@@ -92,10 +95,10 @@ fn modal_phasor(driven: &Driven, mode: &KeptMode, angle: f64) -> Complex<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::orbit::Jacobian;
     use crate::periodic::Floquet;
     use crate::plan::Precision;
     use crate::scene::Scene;
-    use crate::orbit::Jacobian;
     use std::path::Path;
     use std::sync::Arc;
 

@@ -2,11 +2,12 @@
 
 use super::{Jacobian, PeriodicState};
 use crate::engine::{
-    ProfileSection, Engine, EngineError, Progress, ReturnMap, NewtonResults, NewtonStarts, JacobianStart, PeriodJacobian, PeriodJacobians, NewtonResult,
+    Engine, EngineError, JacobianStart, NewtonResult, NewtonResults, NewtonStarts, PeriodJacobian,
+    PeriodJacobians, ProfileSection, Progress, ReturnMap,
 };
 use crate::kernel::{MODES_MAX, Room, flown, increments};
 use crate::periodic::{Memory, Size};
-use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, StartState, SectionState};
+use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, SectionState, StartState};
 use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -50,7 +51,9 @@ impl<'a> PeriodMap<'a> {
         if self.return_map.is_none() {
             return vec![work(0..count)];
         }
-        let size = count.div_ceil(rayon::current_num_threads() as u32).clamp(INSTANCES_PER_THREAD.0, INSTANCES_PER_THREAD.1);
+        let size = count
+            .div_ceil(rayon::current_num_threads() as u32)
+            .clamp(INSTANCES_PER_THREAD.0, INSTANCES_PER_THREAD.1);
         let parts = (0..count.div_ceil(size)).into_par_iter();
         parts.map(|part| work(part * size..count.min((part + 1) * size))).collect()
     }
@@ -232,7 +235,12 @@ impl BasisTransfer {
     }
 
     /// The map's slope from what is known of the other's map; without a sample where nothing is.
-    fn monodromy<D: Size + DimName>(&self, plan: &Plan, instance: u32, theirs: &Jacobian) -> OMatrix<f64, D, D>
+    fn monodromy<D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        theirs: &Jacobian,
+    ) -> OMatrix<f64, D, D>
     where
         DefaultAllocator: Memory<D>,
     {
@@ -312,7 +320,10 @@ where
 
 /// The map's slope without a sample, and its columns of modes that ring for longer than [`SLOW`] says: contact changes
 /// these by more than a search can leave to its updates.
-pub(super) fn free_monodromy<D: Size + DimName>(plan: &Plan, instance: u32) -> (OMatrix<f64, D, D>, Vec<usize>)
+pub(super) fn free_monodromy<D: Size + DimName>(
+    plan: &Plan,
+    instance: u32,
+) -> (OMatrix<f64, D, D>, Vec<usize>)
 where
     DefaultAllocator: Memory<D>,
 {

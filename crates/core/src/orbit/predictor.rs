@@ -2,7 +2,7 @@
 
 use super::period_map::vector;
 use super::stencil::{Stencil, StencilPoint};
-use super::transfer_cache::{StatePrediction, TransferTarget, TransferCache};
+use super::transfer_cache::{StatePrediction, TransferCache, TransferTarget};
 use crate::periodic::{Memory, Size};
 use crate::plan::Plan;
 use nalgebra::{DefaultAllocator, DimName, OVector};
@@ -28,8 +28,9 @@ impl Stencil<'_> {
         let first = self.neighbours.first()?.node;
         let stable = super::tolerances::stable_below(plan, instance);
         let counts = |one: &StencilPoint| !self.scattered || one.nearest != 0.0;
-        let sound =
-            |one: &StencilPoint| one.node.same_regime(first) && (!counts(one) || one.node.multiplier < stable);
+        let sound = |one: &StencilPoint| {
+            one.node.same_regime(first) && (!counts(one) || one.node.multiplier < stable)
+        };
         if !self.neighbours.iter().all(sound) || first.law != plan.law(instance) {
             return None;
         }

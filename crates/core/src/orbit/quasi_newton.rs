@@ -1,16 +1,17 @@
 //! Periodic states from their neighbours': one measured period from where these lead to tells how far it still is.
 
-use super::tolerances::{newton_tol, scale};
 use super::residual::RESIDUAL_TOL;
-use super::stencil::StencilStart;
 use super::size_dispatch::{BySize, by_size, with_size};
+use super::stencil::StencilStart;
+use super::tolerances::{newton_tol, scale};
 use super::transfer_cache::TransferCache;
-use super::{Jacobian, PeriodicState, OrbitSolution};
+use super::{Jacobian, OrbitSolution, PeriodicState};
 use crate::engine::{
-    Corrections, ProfileSection, Cpu, Engine, EngineError, Prediction, Predictions, Outcome, Progress, INSTANCES_PER_BATCH,
+    Corrections, Cpu, Engine, EngineError, INSTANCES_PER_BATCH, Outcome, Prediction, Predictions,
+    ProfileSection, Progress,
 };
 use crate::kernel::broyden::Phase;
-use crate::periodic::{Memory, Size, Floquet};
+use crate::periodic::{Floquet, Memory, Size};
 use crate::plan::{Plan, Precision};
 use nalgebra::{DefaultAllocator, DimName};
 use rayon::prelude::*;
@@ -128,7 +129,8 @@ impl CorrectionBatch<'_> {
         DefaultAllocator: Memory<D>,
     {
         let many = if self.engine.by_threads() { self.some.len().max(1) } else { MIN_BATCH_INSTANCES };
-        let parts: Vec<PredictedStates> = self.some.par_chunks(many).map(|some| self.guessed::<D>(some)).collect();
+        let parts: Vec<PredictedStates> =
+            self.some.par_chunks(many).map(|some| self.guessed::<D>(some)).collect();
         parts.into_iter().reduce(|mut all, part| {
             all.guesses.append(part.guesses);
             all.multipliers.extend(part.multipliers);

@@ -4,7 +4,7 @@ use super::PeriodicState;
 use super::period_map::distance;
 use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Measured;
-use crate::plan::{Plan, Precision, StartState, SectionState};
+use crate::plan::{Plan, Precision, SectionState, StartState};
 
 /// Share of the accuracy within which the state has to be for the period to be its result, by the bound that its change
 /// gives. Forces magnify a state's error by about twenty, and the bound is some fifteen times the distance.
@@ -38,7 +38,12 @@ pub(super) fn force_share(plan: &Plan, instance: u32, one: &Measured, distance: 
 
 /// Whether a period that leads from a state to this end bears it out: by the bound on the distance from the periodic
 /// state, and in the same contact.
-pub(super) fn residual_confirms(plan: &Plan, instance: u32, state: &PeriodicState, end: Option<&SectionState>) -> bool {
+pub(super) fn residual_confirms(
+    plan: &Plan,
+    instance: u32,
+    state: &PeriodicState,
+    end: Option<&SectionState>,
+) -> bool {
     let Some(end) = end.filter(|end| end.finite) else { return false };
     let same_contact = !plan.law(instance).has_memory() || end.touching == state.section.touching;
     let change = distance(end, &state.section) / state.floquet.sigma_min;

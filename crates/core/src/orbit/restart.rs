@@ -1,8 +1,8 @@
 //! Another run of instances, with other steps or bases, from their own states in the run before.
 
 use super::neighbour_start::{OnFailure, solve_from_neighbours};
-use super::stencil::{Stencil, StencilStart, StencilPoint, SolvedNeighbour};
-use super::{PeriodicState, OrbitSolution};
+use super::stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
+use super::{OrbitSolution, PeriodicState};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::Plan;
 
@@ -16,7 +16,8 @@ pub(super) fn solve_from_own_states(
 ) -> Result<OrbitSolution, EngineError> {
     let node = |i: u32| SolvedNeighbour::of_own_state(plan, i, near[i as usize]?);
     let nodes: Vec<Option<SolvedNeighbour>> = plan.instances().map(node).collect();
-    let leads: Vec<StencilStart> = nodes.iter().map(|node| node.as_ref().map_or(StencilStart::None, single_point)).collect();
+    let leads: Vec<StencilStart> =
+        nodes.iter().map(|node| node.as_ref().map_or(StencilStart::None, single_point)).collect();
     Ok(solve_from_neighbours(plan, &leads, (near, OnFailure::Integrate), engine, progress)?.0)
 }
 

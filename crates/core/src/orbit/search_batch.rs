@@ -1,14 +1,20 @@
 //! Many searches side by side: all that they ask for in one run.
 
-use super::tolerances::{FALLBACK_TOL_F32, NEWTON_TOL_F32, starts_in_f32, fallback_tol, jacobian_drop_tol, newton_tol, scale, jacobian_columns};
 use super::initial_guess::{InitialGuess, Unconverged};
-use super::period_map::{PeriodMap, station, vector};
 use super::instance_search::{InstanceSearch, padded};
+use super::period_map::{PeriodMap, station, vector};
 use super::size_dispatch::{BySize, by_size, with_size};
+use super::tolerances::{
+    FALLBACK_TOL_F32, NEWTON_TOL_F32, fallback_tol, jacobian_columns, jacobian_drop_tol, newton_tol, scale,
+    starts_in_f32,
+};
 use super::{Jacobian, PeriodicState};
-use crate::engine::{ProfileSection, Engine, EngineError, Progress, NewtonStart, NewtonStarts, JacobianStart, PeriodJacobian, NewtonResult};
+use crate::engine::{
+    Engine, EngineError, JacobianStart, NewtonResult, NewtonStart, NewtonStarts, PeriodJacobian,
+    ProfileSection, Progress,
+};
 use crate::kernel::Room;
-use crate::periodic::{FixedPoint, Memory, Size, PtcOutcome};
+use crate::periodic::{FixedPoint, Memory, PtcOutcome, Size};
 use crate::plan::{Case, Plan, Precision, SectionState};
 use nalgebra::{DefaultAllocator, DimName};
 use std::ops::Range;
@@ -54,7 +60,12 @@ pub(super) fn solve_batches(
                     match end.state {
                         Ok(state) => done.found[instance as usize] = Some(state),
                         Err((waited, place)) => {
-                            done.left.push(Unconverged { instance, section: place, integrated: waited, not_settling: false });
+                            done.left.push(Unconverged {
+                                instance,
+                                section: place,
+                                integrated: waited,
+                                not_settling: false,
+                            });
                         }
                     }
                 }
@@ -116,13 +127,22 @@ impl SearchBatch<'_> {
         let instance = |slot: u32| instances[slot as usize];
         let begin = |slot: u32| from.point(plan, instance(slot));
         let mut done = Vec::with_capacity(slots.len());
-        let (mut close, mut left): (Vec<Box<InstanceSearch<D>>>, Vec<UnsolvedSlot>) = (Vec::new(), Vec::new());
+        let (mut close, mut left): (Vec<Box<InstanceSearch<D>>>, Vec<UnsolvedSlot>) =
+            (Vec::new(), Vec::new());
         for slot in slots {
             match from.state(instance(slot)) {
                 known if let InitialGuess::CurvePoints(along) = &from => {
-                    close.push(Box::new(InstanceSearch::along_curve(plan, slot, instance(slot), known, along)));
+                    close.push(Box::new(InstanceSearch::along_curve(
+                        plan,
+                        slot,
+                        instance(slot),
+                        known,
+                        along,
+                    )));
                 }
-                Some(place) => close.push(Box::new(InstanceSearch::from_known(plan, slot, instance(slot), place))),
+                Some(place) => {
+                    close.push(Box::new(InstanceSearch::from_known(plan, slot, instance(slot), place)))
+                }
                 None if matches!(from, InitialGuess::Points(_) | InitialGuess::PointsOnly(_)) => {
                     close.push(Box::new(InstanceSearch::near(plan, slot, instance(slot), begin(slot))));
                 }
@@ -148,7 +168,8 @@ impl SearchBatch<'_> {
                     one.periods = stepped;
                     Box::new(one)
                 };
-                let last = !from.warm_up()[n + 1..].iter().any(|(warm, searches)| *searches && *warm < periods);
+                let last =
+                    !from.warm_up()[n + 1..].iter().any(|(warm, searches)| *searches && *warm < periods);
                 left = self.run_to_end(left.into_iter().map(begun).collect(), last, &mut done)?;
             }
         }
@@ -262,7 +283,9 @@ impl SearchBatch<'_> {
         DefaultAllocator: Memory<D>,
     {
         let (plan, instance) = (self.plan, |one: &InstanceSearch<D>| self.instances[one.slot as usize]);
-        let early = |one: &InstanceSearch<D>| one.search.pseudo_time().is_finite() && starts_in_f32(plan, instance(one));
+        let early = |one: &InstanceSearch<D>| {
+            one.search.pseudo_time().is_finite() && starts_in_f32(plan, instance(one))
+        };
         let begin = |one: &InstanceSearch<D>| (one.slot, one.start, one.search.pseudo_time());
         let (which, begins): (Vec<usize>, Vec<_>) =
             (all.iter().enumerate()).filter(|(_, one)| early(one)).map(|(n, one)| (n, begin(one))).unzip();
@@ -315,7 +338,11 @@ impl SearchBatch<'_> {
         let plan = self.plan;
         let seek = |(slot, _, time): &(u32, SectionState, f64)| {
             let instance = self.instances[*slot as usize];
-            NewtonStart { scale: scale(plan, instance), time: *time, least: jacobian_drop_tol(plan, instance) }
+            NewtonStart {
+                scale: scale(plan, instance),
+                time: *time,
+                least: jacobian_drop_tol(plan, instance),
+            }
         };
         let (near, enough) = match precision {
             Precision::F32 => (NEWTON_TOL_F32, FALLBACK_TOL_F32),

@@ -1,9 +1,9 @@
 //! One instance on its way to its set-point.
 
-use super::continuation::{section_distance, extrapolated};
 use super::conservative_orbit::conservative_orbit;
+use super::continuation::{extrapolated, section_distance};
 use super::{PeriodicState, period_map};
-use crate::plan::{Plan, SetPoint, SectionState};
+use crate::plan::{Plan, SectionState, SetPoint};
 use crate::scene::{ForceBranch, Held};
 
 /// The approach begins where the attraction moves the free oscillation by no more than this, in free amplitudes.
@@ -76,8 +76,12 @@ impl SetPointBranch {
         expected: &SectionState,
     ) -> bool {
         let amplitude = part.driven(i).free_amplitude();
-        let (here, last) = (period_map::transfer_section(part, i, found), period_map::transfer_section(part, i, &self.last.state));
-        section_distance(&here, expected) <= MAX_PREDICTION_ERROR * amplitude && section_distance(&here, &last) <= MAX_STATE_CHANGE * amplitude
+        let (here, last) = (
+            period_map::transfer_section(part, i, found),
+            period_map::transfer_section(part, i, &self.last.state),
+        );
+        section_distance(&here, expected) <= MAX_PREDICTION_ERROR * amplitude
+            && section_distance(&here, &last) <= MAX_STATE_CHANGE * amplitude
     }
 
     /// Whether a state is so near to the last one that it is the same branch's.

@@ -1,15 +1,17 @@
 //! From far away to a set-point: the sample moved nearer until the state passes what is asked for, as a slow feedback does.
 //! Many instances side by side, each with strides of its own.
 
-use super::initial_guess::{CurvePrediction, InitialGuess};
-use super::setpoint_branch::{SetPointBranch, SETPOINT_OVERSHOOT, BranchPoint, interpolated_point, free_gap, seeds};
 use super::continuation::{self, branch_end, settled_states};
-use super::verification::class_order;
-use super::setpoint_residual::setpoint_residual;
+use super::initial_guess::{CurvePrediction, InitialGuess};
 use super::search_batch::{self, BatchSolution};
+use super::setpoint_branch::{
+    BranchPoint, SETPOINT_OVERSHOOT, SetPointBranch, free_gap, interpolated_point, seeds,
+};
+use super::setpoint_residual::setpoint_residual;
+use super::verification::class_order;
 use super::{PeriodicState, period_map};
 use crate::engine::{Engine, EngineError, Finished, Progress};
-use crate::plan::{Plan, Precision, StartState, SectionState};
+use crate::plan::{Plan, Precision, SectionState, StartState};
 use crate::scene::ForceBranch;
 
 /// The first stride and the shortest, in free amplitudes: where none so short succeeds the branch has ended.
@@ -51,7 +53,11 @@ pub(super) struct SetPointApproach {
 }
 
 /// Approaches the set-points of all instances of the plan, by an engine that can compute in f64.
-pub(super) fn approach_setpoints(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<SetPointApproach, EngineError> {
+pub(super) fn approach_setpoints(
+    plan: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<SetPointApproach, EngineError> {
     let count = plan.len();
     let done = SetPointApproach {
         ends: (0..count).map(|_| ApproachEnd::NotRun).collect(),
@@ -129,7 +135,12 @@ impl SetPointContinuation<'_> {
         let states: Vec<Option<&PeriodicState>> = going.iter().map(|one| Some(&one.last.state)).collect();
         let all: Vec<u32> = part.instances().collect();
         let lightly: Vec<bool> = going.iter().map(|one| !one.careful).collect();
-        let begin = InitialGuess::CurvePoints(CurvePrediction { states: &states, places: &places, max_evaluations: MAX_EVALUATIONS_AND_JACOBIANS, accept_unverified: &lightly });
+        let begin = InitialGuess::CurvePoints(CurvePrediction {
+            states: &states,
+            places: &places,
+            max_evaluations: MAX_EVALUATIONS_AND_JACOBIANS,
+            accept_unverified: &lightly,
+        });
         let BatchSolution { mut found, periods, notes, .. } =
             search_batch::solve_batches(&part, &class_order(&part, &all), begin, self.engine, self.progress)?;
         self.done.notes.extend(notes);
@@ -206,8 +217,13 @@ impl SetPointContinuation<'_> {
             let part = self.plan.part(&instances).with_gaps(&gaps);
             let all: Vec<u32> = part.instances().collect();
             let begin = InitialGuess::Points(&stations);
-            let BatchSolution { found, periods, notes, .. } =
-                search_batch::solve_batches(&part, &class_order(&part, &all), begin, self.engine, self.progress)?;
+            let BatchSolution { found, periods, notes, .. } = search_batch::solve_batches(
+                &part,
+                &class_order(&part, &all),
+                begin,
+                self.engine,
+                self.progress,
+            )?;
             self.done.notes.extend(notes);
             instances.iter().zip(periods).for_each(|(i, some)| self.done.periods[*i as usize] += some);
             let places = self.places(&part, found)?;
@@ -231,7 +247,12 @@ impl SetPointContinuation<'_> {
     }
 
     /// A stride has come to this place in so many periods: whether the set-point is passed, or another stride is to follow.
-    fn accept(&mut self, mut one: SetPointBranch, place: BranchPoint, periods: u32) -> Option<SetPointBranch> {
+    fn accept(
+        &mut self,
+        mut one: SetPointBranch,
+        place: BranchPoint,
+        periods: u32,
+    ) -> Option<SetPointBranch> {
         let amplitude = self.plan.driven(one.instance).free_amplitude();
         if one.last.miss * place.miss <= 0.0 {
             let met = interpolated_point(&one.last, &place);
@@ -286,7 +307,10 @@ impl SetPointContinuation<'_> {
     }
 
     /// Where waiting leads these instances, at these gaps, from these states.
-    fn settle(&mut self, starts: &[(u32, f64, PeriodicState)]) -> Result<Vec<Option<BranchPoint>>, EngineError> {
+    fn settle(
+        &mut self,
+        starts: &[(u32, f64, PeriodicState)],
+    ) -> Result<Vec<Option<BranchPoint>>, EngineError> {
         if starts.is_empty() || self.progress.stopped() {
             return Ok(vec![None; starts.len()]);
         }
@@ -294,7 +318,8 @@ impl SetPointContinuation<'_> {
         let gaps: Vec<f64> = starts.iter().map(|(_, gap, _)| *gap).collect();
         let part = self.plan.part(&instances).with_gaps(&gaps);
         let from: Vec<&PeriodicState> = starts.iter().map(|(.., state)| state).collect();
-        let BatchSolution { found, periods, notes, .. } = settled_states(&part, &from, self.engine, self.progress)?;
+        let BatchSolution { found, periods, notes, .. } =
+            settled_states(&part, &from, self.engine, self.progress)?;
         self.done.notes.extend(notes);
         instances.iter().zip(periods).for_each(|(i, some)| self.done.periods[*i as usize] += some);
         self.places(&part, found)
@@ -338,7 +363,9 @@ fn measured(
     }
     let start = |i: &u32| {
         let place = found[*i as usize].as_deref();
-        StartState::from(place.map_or(SectionState::FREE, |state| period_map::transfer_section(part, *i, state)))
+        StartState::from(
+            place.map_or(SectionState::FREE, |state| period_map::transfer_section(part, *i, state)),
+        )
     };
     let mut plan = part.part(known).starting_at(known.iter().map(start).collect());
     (plan.run.periods, plan.run.measure) = (2, 1);

@@ -1,8 +1,8 @@
 //! Set-points: the gap as one more unknown of the periodic state.
 
-use super::setpoint_continuation::{self, MAX_DEPTH_AMPLITUDES, ApproachEnd};
+use super::setpoint_continuation::{self, ApproachEnd, MAX_DEPTH_AMPLITUDES};
 use super::setpoint_residual::setpoint_residual;
-use super::{PeriodicState, OrbitSolution, solve};
+use super::{OrbitSolution, PeriodicState, solve};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
@@ -205,7 +205,9 @@ impl GapIterate {
             _ => 1.0 / amplitude,
         };
         let most = match self.before {
-            Some((gap, _)) => (MAX_GAP_STEP_GROWTH * (self.gap - gap).abs()).min(MAX_GAP_STEP_AMPLITUDES * amplitude),
+            Some((gap, _)) => {
+                (MAX_GAP_STEP_GROWTH * (self.gap - gap).abs()).min(MAX_GAP_STEP_AMPLITUDES * amplitude)
+            }
             None => MAX_GAP_STEP_AMPLITUDES * amplitude,
         };
         let step = (-missed / slope.unwrap_or(likely)).clamp(-most, most);

@@ -3,11 +3,11 @@
 //! takes very long the motion is followed in long strides first (`slow.rs`).
 
 use super::initial_guess::{InitialGuess, Unconverged};
-use super::verification::search_and_verify;
 use super::period_map::{PeriodMap, transfer_section};
+use super::verification::search_and_verify;
 use super::{OrbitSolution, continuation, envelope_solver, time_integration};
 use crate::engine::{Cpu, Engine, EngineError, Progress};
-use crate::plan::{Plan, StartState, SectionState};
+use crate::plan::{Plan, SectionState, StartState};
 use std::collections::{BTreeMap, HashSet};
 use std::f64::consts::TAU;
 
@@ -54,7 +54,9 @@ impl Drift {
 
     /// Whether a motion that was so a while `before` will not come to rest.
     fn is_not_settling(&self, before: &Self, accuracy: f64) -> bool {
-        self.change > REST_TOL_ACCURACIES * accuracy && self.turns > MAX_DRIFT_TURN && self.change > SETTLING_RATIO * before.change
+        self.change > REST_TOL_ACCURACIES * accuracy
+            && self.turns > MAX_DRIFT_TURN
+            && self.change > SETTLING_RATIO * before.change
     }
 }
 
@@ -127,7 +129,8 @@ impl CheckpointedIntegration<'_> {
     /// A group that goes at one pace.
     fn settle_group(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<(), EngineError> {
         for (on, judged) in checkpoints(pace) {
-            let in_time = |one: &Settling| one.left.integrated + on + CHECKPOINT_PERIODS <= self.plan.run.periods;
+            let in_time =
+                |one: &Settling| one.left.integrated + on + CHECKPOINT_PERIODS <= self.plan.run.periods;
             let (fit, late): (Vec<Settling>, Vec<Settling>) = going.into_iter().partition(in_time);
             self.retire(late);
             if fit.is_empty() || self.progress.stopped() {
@@ -193,7 +196,8 @@ impl CheckpointedIntegration<'_> {
             let unrest = Drift::of(&track, self.plan.driven(one.left.instance).free_amplitude().max(1e-15));
             one.left.not_settling = !last.finite;
             if judged {
-                one.left.not_settling |= one.drift.is_some_and(|before| unrest.is_not_settling(&before, accuracy));
+                one.left.not_settling |=
+                    one.drift.is_some_and(|before| unrest.is_not_settling(&before, accuracy));
                 one.drift = Some(unrest);
             }
             (one.left.section, one.left.integrated) = (*last, one.left.integrated + on + CHECKPOINT_PERIODS);
@@ -203,7 +207,11 @@ impl CheckpointedIntegration<'_> {
     }
 
     /// Follows them from where they are; those whose state is not found so come back.
-    fn follow_envelopes(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<Vec<Settling>, EngineError> {
+    fn follow_envelopes(
+        &mut self,
+        mut going: Vec<Settling>,
+        pace: u32,
+    ) -> Result<Vec<Settling>, EngineError> {
         let from = |one: &Settling| envelope_solver::EnvelopeStart {
             instance: one.left.instance,
             section: one.left.section,
@@ -211,7 +219,8 @@ impl CheckpointedIntegration<'_> {
             max_evaluations: envelope_solver::max_evaluations(pace).saturating_sub(one.envelope_evaluations),
         };
         let from: Vec<envelope_solver::EnvelopeStart> = going.iter().map(from).collect();
-        let taken = envelope_solver::follow_and_search(self.plan, &from, self.settled, self.engine, self.progress)?;
+        let taken =
+            envelope_solver::follow_and_search(self.plan, &from, self.settled, self.engine, self.progress)?;
         going.iter_mut().zip(taken).for_each(|(one, taken)| one.envelope_evaluations += taken);
         let is_open = |one: &Settling| self.settled.found[one.left.instance as usize].is_none();
         Ok(going.into_iter().filter(is_open).collect())
@@ -223,7 +232,8 @@ impl CheckpointedIntegration<'_> {
         let places: Vec<SectionState> = going.iter().map(|one| one.left.section).collect();
         let part = self.plan.part(&instances);
         let all: Vec<u32> = part.instances().collect();
-        let (ran, _) = search_and_verify(&part, &all, InitialGuess::Integrated(&places), self.engine, self.progress)?;
+        let (ran, _) =
+            search_and_verify(&part, &all, InitialGuess::Integrated(&places), self.engine, self.progress)?;
         let is_found: Vec<bool> = ran.found.iter().map(Option::is_some).collect();
         self.settled.take(&instances, ran);
         Ok(going.into_iter().zip(is_found).filter(|(_, is_found)| !is_found).map(|(one, _)| one).collect())
@@ -242,19 +252,32 @@ pub(super) struct TimeIntegration {
 
 /// What is waited for in the end: what is free of the sample, which is finished beside the others, and if the run `waits` what
 /// has no state. Those `left` are waited for from where they are; those that wander are measured there.
-pub(super) fn integrations(plan: &Plan, begin: InitialGuess, left: Vec<Unconverged>, waits: bool, settled: &OrbitSolution) -> Vec<TimeIntegration> {
+pub(super) fn integrations(
+    plan: &Plan,
+    begin: InitialGuess,
+    left: Vec<Unconverged>,
+    waits: bool,
+    settled: &OrbitSolution,
+) -> Vec<TimeIntegration> {
     let elsewhere: HashSet<u32> = left.iter().map(|one| one.instance).collect();
     let unfound = |i: u32| waits && settled.found[i as usize].is_none() && !elsewhere.contains(&i);
     let anew: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0 || unfound(*i)).collect();
     let starts = match begin {
         InitialGuess::CurveStates(near) => {
-            let start = |i: &u32| near[*i as usize].map_or(SectionState::free(plan, *i), |one| transfer_section(plan, *i, one));
+            let start = |i: &u32| {
+                near[*i as usize].map_or(SectionState::free(plan, *i), |one| transfer_section(plan, *i, one))
+            };
             Some(anew.iter().map(start).collect())
         }
         _ => None,
     };
     let goes_on = starts.is_some();
-    let mut all = vec![TimeIntegration { instances: anew, periods: plan.run.periods, starts, ends_are_states: goes_on }];
+    let mut all = vec![TimeIntegration {
+        instances: anew,
+        periods: plan.run.periods,
+        starts,
+        ends_are_states: goes_on,
+    }];
     let mut groups: BTreeMap<u32, (Vec<u32>, Vec<SectionState>)> = BTreeMap::new();
     for one in left {
         // So many at least as are measured, however few are left.
@@ -295,10 +318,12 @@ impl OrbitSolution {
             self.outcome.results[i] = waited.outcome.results[place];
             self.periods[i] += waited.periods[place];
             // Whoever goes on from here goes on with the curve's state.
-            let end = waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
+            let end =
+                waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
             let steady = waited.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
-            self.found[i] =
-                end.filter(|_| steady).map(|end| Box::new(continuation::integrated_orbit(plan, i as u32, *end)));
+            self.found[i] = end
+                .filter(|_| steady)
+                .map(|end| Box::new(continuation::integrated_orbit(plan, i as u32, *end)));
         }
         self.outcome.notes.extend(waited.outcome.notes);
         Ok(())
@@ -336,7 +361,12 @@ mod tests {
         for (waited, wanders, periods) in
             [(297, false, 21), (300, false, 21), (100, false, 200), (300, true, 21)]
         {
-            let left = vec![Unconverged { instance: 0, section: SectionState::FREE, integrated: waited, not_settling: wanders }];
+            let left = vec![Unconverged {
+                instance: 0,
+                section: SectionState::FREE,
+                integrated: waited,
+                not_settling: wanders,
+            }];
             let all = integrations(&plan, InitialGuess::States(&[]), left, true, &settled);
             assert_eq!(all.last().map(|wait| wait.periods), Some(periods), "{waited} waited");
         }

@@ -102,7 +102,9 @@ pub enum StencilStart<'a> {
 impl<'a> StencilStart<'a> {
     /// Each of these alone.
     pub fn each(nodes: impl Iterator<Item = &'a SolvedNeighbour>) -> Self {
-        Self::EachPoint(nodes.map(|node| StencilPoint { node, before: None, weight: 1.0, nearest: 1.0 }).collect())
+        Self::EachPoint(
+            nodes.map(|node| StencilPoint { node, before: None, weight: 1.0, nearest: 1.0 }).collect(),
+        )
     }
 
     pub(super) fn stencil(&self) -> Option<&Stencil<'a>> {
@@ -115,7 +117,9 @@ impl<'a> StencilStart<'a> {
     /// Those of which each alone may lead to it where a search does not.
     pub(super) fn alone(&self) -> Vec<StencilPoint<'a>> {
         match self {
-            Self::Stencil(hint) if hint.own_state.is_none() => hint.nearest_two().into_iter().flatten().collect(),
+            Self::Stencil(hint) if hint.own_state.is_none() => {
+                hint.nearest_two().into_iter().flatten().collect()
+            }
             Self::EachPoint(neighbours) => neighbours.clone(),
             _ => Vec::new(),
         }

@@ -1,11 +1,11 @@
 //! Waiting: until an instance has settled, at most as long as the scene says.
 
 use super::OrbitSolution;
-use super::verification::SHALLOW_AMPLITUDES;
 use super::residual::force_share;
+use super::verification::SHALLOW_AMPLITUDES;
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
 use crate::observe::Status;
-use crate::plan::{Plan, StartState, SectionState};
+use crate::plan::{Plan, SectionState, StartState};
 use crate::scene::Start;
 use std::f64::consts::TAU;
 
@@ -18,7 +18,11 @@ const CHECKPOINT_GROWTH: f64 = 1.5;
 
 /// Runs the plan. Where many more periods are asked for than the slowest mode takes to die out, it looks on the way which
 /// instances have settled, and leaves them at that.
-pub(super) fn integrate(plan: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<OrbitSolution, EngineError> {
+pub(super) fn integrate(
+    plan: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
     let looks = if engine.resumes() { checkpoints(plan) } else { Vec::new() };
     if looks.is_empty() {
         progress.task("stepping", 0);
@@ -41,7 +45,12 @@ pub(super) fn integrate(plan: &Plan, engine: &dyn Engine, progress: &Progress) -
             break;
         }
     }
-    Ok(OrbitSolution { outcome: waiting.outcome, found: Vec::new(), periods: waiting.periods, jumps: Vec::new() })
+    Ok(OrbitSolution {
+        outcome: waiting.outcome,
+        found: Vec::new(),
+        periods: waiting.periods,
+        jumps: Vec::new(),
+    })
 }
 
 /// A plan on its way from look to look.

@@ -2,7 +2,7 @@
 
 use super::jacobian::resolvent_of;
 use super::period_map::{BasisTransfer, free_monodromy};
-use super::stencil::{StencilPoint, SolvedNeighbour};
+use super::stencil::{SolvedNeighbour, StencilPoint};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Drive, Driven, Plan, ReducedBasis};
 use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
@@ -111,7 +111,11 @@ where
     }
 
     /// How a state with such steps and such a lever is met by an instance: the number of its pair, none where as it is.
-    pub fn transfer_of(&mut self, meets: TransferTarget, (kept, steps): (&Arc<ReducedBasis>, u32)) -> Option<usize> {
+    pub fn transfer_of(
+        &mut self,
+        meets: TransferTarget,
+        (kept, steps): (&Arc<ReducedBasis>, u32),
+    ) -> Option<usize> {
         let driven = meets.driven;
         let same = |one: &TransferLookup| {
             (one.source.1, one.target.1) == (steps, meets.steps)
@@ -177,7 +181,13 @@ where
     }
 
     /// Puts a node's state with an instance's steps, lever and free amplitude.
-    pub fn state(&self, meets: TransferTarget, node: &SolvedNeighbour, met: Option<usize>, state: &mut OVector<f64, D>) {
+    pub fn state(
+        &self,
+        meets: TransferTarget,
+        node: &SolvedNeighbour,
+        met: Option<usize>,
+        state: &mut OVector<f64, D>,
+    ) {
         self.transfer_state(&node.state, met, state);
         let drive = &meets.driven.drive;
         if !Arc::ptr_eq(drive, &node.drive) {
@@ -208,7 +218,12 @@ where
                     let count = node.resolvent.len();
                     let same = |one: &TransferSum| (one.transfer, one.count) == (*pair, count);
                     let place = self.transfer_sums.iter().position(same).unwrap_or_else(|| {
-                        self.transfer_sums.push(TransferSum { transfer: *pair, share: 0.0, from: self.sums.len(), count });
+                        self.transfer_sums.push(TransferSum {
+                            transfer: *pair,
+                            share: 0.0,
+                            from: self.sums.len(),
+                            count,
+                        });
                         self.sums.resize(self.sums.len() + count, 0.0);
                         self.transfer_sums.len() - 1
                     });
@@ -223,7 +238,8 @@ where
             let turn = &self.cached[*pair];
             self.transferred_resolvent.copy_from(&turn.free_resolvent);
             self.transferred_resolvent *= *share;
-            turn.transfer.transfer_jacobian::<D>(&self.sums[*from..][..*count], &mut self.transferred_resolvent);
+            turn.transfer
+                .transfer_jacobian::<D>(&self.sums[*from..][..*count], &mut self.transferred_resolvent);
             *all += &self.transferred_resolvent;
         }
     }

@@ -1,9 +1,9 @@
 //! What searches find, measured: by one period that bears the state out, or by some that are run on from it.
 
 use super::initial_guess::{InitialGuess, Unconverged};
-use super::{PeriodicState, OrbitSolution, residual, gather, search_batch};
+use super::{OrbitSolution, PeriodicState, gather, residual, search_batch};
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
-use crate::plan::{Plan, Precision, StartState, SectionState};
+use crate::plan::{Plan, Precision, SectionState, StartState};
 
 /// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
 /// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
@@ -91,7 +91,8 @@ impl OrbitSolution {
                 continue;
             }
             let state = self.state(*i as usize);
-            let sure = state.is_some_and(|state| residual::residual_confirms(plan, *i, state, end.as_deref()));
+            let sure =
+                state.is_some_and(|state| residual::residual_confirms(plan, *i, state, end.as_deref()));
             match sure && finished.status.is_steady() {
                 true => self.outcome.results[*i as usize] = finished,
                 false => unsure.push(*i),
@@ -133,7 +134,8 @@ impl OrbitSolution {
             .map(|state| state.map_or(SectionState::FREE, |one| one.section))
             .collect();
         let all: Vec<u32> = part.instances().collect();
-        let (mut sharp, _) = search_by_travel(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+        let (mut sharp, _) =
+            search_by_travel(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         self.outcome.notes.append(&mut sharp.outcome.notes);
         for (n, i) in vague.into_iter().map(|i| i as usize).enumerate() {
             self.periods[i] += sharp.periods[n];
@@ -150,7 +152,10 @@ impl OrbitSolution {
         let (one, amplitude) = (&result.measured, plan.driven(i).free_amplitude());
         let shallow = one.indentation_max.min(one.harmonics[0]) < SHALLOW_AMPLITUDES * amplitude;
         let known = result.status.is_steady() && self.state(i as usize).is_some();
-        shallow && known && residual::force_share(plan, i, one, residual::RESIDUAL_TOL * amplitude) > VAGUE_FORCE_ACCURACIES
+        shallow
+            && known
+            && residual::force_share(plan, i, one, residual::RESIDUAL_TOL * amplitude)
+                > VAGUE_FORCE_ACCURACIES
     }
 
     /// Runs on from the states found of these instances, of which the plan is, and measures them.

@@ -127,8 +127,8 @@ impl Envelope {
             (Some(stride), None) => stride.doublings.checked_sub(1),
             (Some(stride), Some((value, slope))) => self.after_step(stride, &value, slope),
         };
-        let useless =
-            self.evaluations >= USELESS_EVALUATIONS.0 && USELESS_EVALUATIONS.1 * self.periods < u64::from(self.evaluations).pow(2);
+        let useless = self.evaluations >= USELESS_EVALUATIONS.0
+            && USELESS_EVALUATIONS.1 * self.periods < u64::from(self.evaluations).pow(2);
         let spent = self.evaluations >= self.options.max_evaluations || useless;
         match doublings {
             _ if self.end.is_some() => {}
@@ -231,7 +231,10 @@ mod tests {
     }
 
     fn followed(map: Map, from: DVector<f64>, most: u32) -> Envelope {
-        let mut envelope = Envelope::new(from, EnvelopeOptions { scale: 1.0, decay_periods: (2.0 / LOSS) as u32, max_evaluations: most });
+        let mut envelope = Envelope::new(
+            from,
+            EnvelopeOptions { scale: 1.0, decay_periods: (2.0 / LOSS) as u32, max_evaluations: most },
+        );
         while envelope.came().is_none() {
             let at = envelope.ask();
             envelope.tell(Some((map(&at), slope(map, &at))));
@@ -264,8 +267,10 @@ mod tests {
     /// On the way it is where repeating the map leads.
     #[test]
     fn it_goes_the_way_of_the_repeated_map() {
-        let mut envelope =
-            Envelope::new(vector(&[0.2, 0.1, 0.0]), EnvelopeOptions { scale: 1.0, decay_periods: 200_000, max_evaluations: 400 });
+        let mut envelope = Envelope::new(
+            vector(&[0.2, 0.1, 0.0]),
+            EnvelopeOptions { scale: 1.0, decay_periods: 200_000, max_evaluations: 400 },
+        );
         let (mut waited, mut periods) = (vector(&[0.2, 0.1, 0.0]), 0);
         while envelope.periods() < 150_000 {
             let at = envelope.ask();
@@ -298,7 +303,10 @@ mod tests {
         let envelope = followed(logistic, vector(&[0.3]), 400);
         assert_eq!(envelope.came(), Some(EnvelopeEnd::Failed));
         assert!(envelope.evaluations() < 100, "{}", envelope.evaluations());
-        let mut undefined = Envelope::new(vector(&[0.3]), EnvelopeOptions { scale: 1.0, decay_periods: 1000, max_evaluations: 10 });
+        let mut undefined = Envelope::new(
+            vector(&[0.3]),
+            EnvelopeOptions { scale: 1.0, decay_periods: 1000, max_evaluations: 10 },
+        );
         undefined.tell(None);
         assert_eq!(undefined.came(), Some(EnvelopeEnd::Failed));
     }

@@ -7,16 +7,16 @@
 //! [`Envelope`] follows a slow motion to where repeating the map would end, and is told likewise.
 
 mod envelope;
+mod floquet;
 mod inverse;
+mod newton_jacobian;
 mod newton_options;
 mod pseudo_transient;
 mod size;
-mod floquet;
-mod newton_jacobian;
 
-pub use envelope::{EnvelopeEnd, Envelope, EnvelopeOptions};
+pub use envelope::{Envelope, EnvelopeEnd, EnvelopeOptions};
+pub use floquet::Floquet;
 pub use inverse::inverse;
 pub use newton_options::NewtonOptions;
-pub use pseudo_transient::{FixedPoint, Failure, PtcNewton, PtcOutcome};
+pub use pseudo_transient::{Failure, FixedPoint, PtcNewton, PtcOutcome};
 pub use size::{Memory, Size};
-pub use floquet::Floquet;

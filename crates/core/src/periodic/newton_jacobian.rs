@@ -1,9 +1,9 @@
 //! Searches of maps that tell their slopes, and how any search ends.
 
-use super::newton_options::NewtonOptions;
-use super::pseudo_transient::{FixedPoint, Failure, PtcNewton, Stage, JacobianSource, PtcOutcome};
-use super::size::{Memory, Size};
 use super::floquet::{Floquet, factors};
+use super::newton_options::NewtonOptions;
+use super::pseudo_transient::{Failure, FixedPoint, JacobianSource, PtcNewton, PtcOutcome, Stage};
+use super::size::{Memory, Size};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
 /// Where the map leads from a state, and its slope there.
@@ -56,7 +56,9 @@ where
     /// Whether it wants to know the slope, too, at the state that it asks for: [`Search::answer_sloped`] takes both.
     pub fn wants_jacobian(&self) -> bool {
         match &self.stage {
-            Stage::Begin => self.known_floquet.is_none() && !self.options.reuse_jacobian && self.tells_jacobian(false),
+            Stage::Begin => {
+                self.known_floquet.is_none() && !self.options.reuse_jacobian && self.tells_jacobian(false)
+            }
             Stage::Slope { whole } => self.tells_jacobian(*whole),
             Stage::Last => self.tells_last_jacobian(),
             Stage::Stride { .. } | Stage::Done(_) => false,
@@ -89,10 +91,17 @@ where
 
     /// Where Newton's last step leads; `newton` are the factors that it is by.
     pub(super) fn after_last_step(&mut self, step: OVector<f64, D>, newton: &LU<f64, D, D>) -> Stage<D> {
-        let NewtonOptions { require_stable: stable, start_is_close: near, stable_below_fd: clearly, stable_below: certainly, .. } = self.options;
+        let NewtonOptions {
+            require_stable: stable,
+            start_is_close: near,
+            stable_below_fd: clearly,
+            stable_below: certainly,
+            ..
+        } = self.options;
         let tells = self.tells_jacobian(true);
         let central = self.options.central_fd_step.is_some() && !tells;
-        if !central && self.known_floquet.is_none() && stable && self.jacobian_source != JacobianSource::Full {
+        if !central && self.known_floquet.is_none() && stable && self.jacobian_source != JacobianSource::Full
+        {
             return Stage::Slope { whole: true };
         }
         let below = if self.known_floquet.is_some() { certainly } else { clearly };

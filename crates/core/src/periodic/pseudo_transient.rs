@@ -1,8 +1,8 @@
 //! One search.
 
+use super::floquet::{Floquet, factors};
 use super::newton_options::NewtonOptions;
 use super::size::{Memory, Size};
-use super::floquet::{Floquet, factors};
 use crate::kernel::newton::{FARTHEST, GAINS, LONGER, LONGEST, NEWTON};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector, U1};
 
@@ -266,8 +266,10 @@ where
             self.jacobian.set_column(k, &((value - &here) / (self.options.fd_step * self.options.scale)));
         }
         // What was known led astray.
-        (self.jacobian_source, self.known_floquet) =
-            (if whole || values.len() == self.size() { JacobianSource::Full } else { JacobianSource::Partial }, None);
+        (self.jacobian_source, self.known_floquet) = (
+            if whole || values.len() == self.size() { JacobianSource::Full } else { JacobianSource::Partial },
+            None,
+        );
         true
     }
 
@@ -324,7 +326,8 @@ where
                 let predicted = &self.jacobian * &step - &step;
                 let miss = &change - &self.change - predicted;
                 self.jacobian.ger(1.0 / step.norm_squared(), &miss, &step, 1.0);
-                (self.state, self.change, self.jacobian_source) = (state, change, JacobianSource::Transferred);
+                (self.state, self.change, self.jacobian_source) =
+                    (state, change, JacobianSource::Transferred);
                 self.pseudo_time *= (LONGER * gain).clamp(0.5, LONGEST);
                 return if gain < REUSE_REDUCTION { Stage::Slope { whole: false } } else { self.next_step() };
             }
@@ -346,7 +349,11 @@ where
                 }
                 return Stage::Last;
             }
-            return Stage::Done(PtcOutcome::Failed(if values == [None] { Failure::Undefined } else { Failure::Stuck }));
+            return Stage::Done(PtcOutcome::Failed(if values == [None] {
+                Failure::Undefined
+            } else {
+                Failure::Stuck
+            }));
         }
         self.pseudo_time = (0.25 * self.pseudo_time).min(NEWTON);
         Stage::Stride { step: 0.25 * step, shorter: shorter + 1 }

@@ -1,7 +1,7 @@
 //! What each instance is stepped with: its drive with the modes, and its steps.
 
-use super::interning::Interned;
 use super::contact_rate::RungCache;
+use super::interning::Interned;
 use super::{Driven, Ensemble, InstanceId, ReducedBasis, TOGETHER, steps};
 use crate::contact::Contact;
 use crate::instrument::Instrument;

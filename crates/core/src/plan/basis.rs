@@ -13,9 +13,11 @@
 //! reduction of what the tip feels of it (`compliance.rs`).
 
 use super::compliance::{compliance, reduced};
-use super::resonant_modes::resonant_modes;
 use super::oscillator::KeptMode;
-use super::ringing::{MAX_LEVER_MODE_RATIO, LeverModes, MIN_REDUCED_OSCILLATORS, LONG_RING_SHARE, left, ringing};
+use super::resonant_modes::resonant_modes;
+use super::ringing::{
+    LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
+};
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
 
@@ -123,7 +125,8 @@ impl ReducedBasis {
         met.retain(|k| slow(k) && !has(&kept, *k));
         if !met.is_empty() {
             // What a richer basis has for its share is on trial anyway.
-            let richest = Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
+            let richest =
+                Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
             met.retain(|k| !has(&richest, *k));
         }
         kept.add_residual(instrument, &met, accuracy, fastest);
@@ -222,9 +225,11 @@ impl ReducedBasis {
         let levers = LeverModes::of(instrument, omega);
         let lever = || instrument.modes.iter().filter(|mode| levers.own(mode));
         let slower = lever().filter(|mode| mode.omega <= rate).count();
-        let ring =
-            lever().filter(|mode| mode.omega <= MAX_LEVER_MODE_RATIO * rate && left(mode, omega) >= LONG_RING_SHARE).count();
-        let rule = (OSCILLATORS_BESIDE + OSCILLATORS_PER_MODE * slower as f64) * (1e-3 / accuracy).powf(OSCILLATOR_GROWTH);
+        let ring = lever()
+            .filter(|mode| mode.omega <= MAX_LEVER_MODE_RATIO * rate && left(mode, omega) >= LONG_RING_SHARE)
+            .count();
+        let rule = (OSCILLATORS_BESIDE + OSCILLATORS_PER_MODE * slower as f64)
+            * (1e-3 / accuracy).powf(OSCILLATOR_GROWTH);
         (rule.ceil() as usize).max(ring + MIN_REDUCED_OSCILLATORS)
     }
 
@@ -239,7 +244,9 @@ impl ReducedBasis {
         let first = instrument.modes.iter().position(|mode| levers.own(mode)).unwrap_or(0);
         let missing =
             instrument.modes.iter().enumerate().skip(first).any(|(k, mode)| lingers(mode) && !kept(k));
-        !missing && self.wrong(instrument, rate) <= COMPLIANCE_TOL_SHARE * accuracy * (accuracy / COARSE_ACCURACY).min(1.0).sqrt()
+        !missing
+            && self.wrong(instrument, rate)
+                <= COMPLIANCE_TOL_SHARE * accuracy * (accuracy / COARSE_ACCURACY).min(1.0).sqrt()
     }
 
     /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.

@@ -1,10 +1,10 @@
 //! From a scene to its plan.
 
 use super::assignment::{self, INSTANCES_AT_ONCE, steps_for_modes};
-use super::interning::{Interned, Codes};
-use super::shared_contacts::SharedContacts;
 use super::ensemble::Gaps;
+use super::interning::{Codes, Interned};
 use super::resolution::{Ids, InstanceResolutions};
+use super::shared_contacts::SharedContacts;
 use super::{
     CurveLayout, Drive, Driven, Ensemble, Grid, GridAxis, Plan, Policy, Precision, ReducedBasis, SetPoint,
 };

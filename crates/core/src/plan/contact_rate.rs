@@ -1,7 +1,7 @@
 //! How fast a contact is: the rate at which its stiffness and the lever's compliance balance.
 
-use super::compliance::compliance;
 use super::basis::{OSCILLATOR_COUNTS, RICHEST_ACCURACY_SHARE};
+use super::compliance::compliance;
 use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::Contact;
 use crate::instrument::Mode;

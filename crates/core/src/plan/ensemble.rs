@@ -1,9 +1,9 @@
 //! The instances of a scene: what they are, not how they run.
 
-use super::interning::{Interned, Codes};
+use super::interning::{Codes, Interned};
 use crate::contact::{Compact, Contact, Law};
 use crate::instrument::{FreeMotion, Instrument, Mode};
-use crate::scene::{ForceBranch, Cases, Held};
+use crate::scene::{Cases, ForceBranch, Held};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The plan in words and as JSON.
 
-use super::classes::Shape;
 use super::basis::ANGLE_MAX;
+use super::classes::Shape;
 use super::{Driven, Plan, STEPS_MAX};
 use crate::scene::Steady;
 use serde_json::{Value, json};

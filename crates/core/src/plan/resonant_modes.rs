@@ -45,8 +45,12 @@ pub(super) fn resonant_modes(modes: &[Mode], omega: f64, accuracy: f64) -> Vec<u
     let driven = modes.iter().max_by(|a, b| swing(a).total_cmp(&swing(b)));
     let quality = driven.map_or(0.0, |mode| mode.quality_factor);
     let least = MIN_LOSS_RATIO * accuracy * modes.iter().map(flexibility).sum::<f64>() / quality;
-    let mut met: Vec<(usize, f64)> =
-        modes.iter().map(|mode| relative_loss(mode, omega)).enumerate().filter(|(_, lost)| *lost > least).collect();
+    let mut met: Vec<(usize, f64)> = modes
+        .iter()
+        .map(|mode| relative_loss(mode, omega))
+        .enumerate()
+        .filter(|(_, lost)| *lost > least)
+        .collect();
     met.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     met.into_iter().map(|(k, _)| k).collect()
 }

@@ -67,7 +67,8 @@ pub(super) fn ringing(
         kept.extend(moved.first());
     }
     let room = most.min(count.saturating_sub(MIN_REDUCED_OSCILLATORS)).saturating_sub(kept.len());
-    let long = |k: &usize| mode(*k).omega <= MAX_LEVER_MODE_RATIO * rate && left(mode(*k), omega) >= LONG_RING_SHARE;
+    let long =
+        |k: &usize| mode(*k).omega <= MAX_LEVER_MODE_RATIO * rate && left(mode(*k), omega) >= LONG_RING_SHARE;
     let more: Vec<usize> = levers().filter(|k| long(k) && !kept.contains(k)).take(room).collect();
     kept.extend(more);
     kept

@@ -1,7 +1,7 @@
 //! Contacts that many instances share, each held once.
 
-use super::interning::Codes;
 use super::ensemble::Contacts;
+use super::interning::Codes;
 use crate::contact::Compact;
 use crate::scene::Cases;
 use std::collections::HashMap;

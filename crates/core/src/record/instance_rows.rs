@@ -2,7 +2,7 @@
 
 use crate::contact::{Contact, Law};
 use crate::control::{Arithmetic, ChunkView, JournaledRun};
-use crate::engine::{ResultColumns, EngineError};
+use crate::engine::{EngineError, ResultColumns};
 use crate::observe::{Measured, Observable, Status};
 use crate::plan::{Plan, Precision};
 use rayon::prelude::*;

@@ -1,11 +1,11 @@
 //! From a finished run to the plain data of its results file.
 
 mod audit_variables;
-mod instance_variables;
 mod file_frame;
-mod record_variables;
 mod instance_rows;
+mod instance_variables;
 mod orbit_variables;
+mod record_variables;
 mod spectra;
 mod warnings;
 mod waveforms;
@@ -13,21 +13,21 @@ mod waveforms;
 use crate::contact::Contact;
 use crate::control::{Arithmetic, JournaledRun};
 use crate::design::DesignDescription;
-use crate::engine::{ResultColumns, EngineError, Finished};
+use crate::engine::{EngineError, Finished, ResultColumns};
 use crate::observe::Observable;
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::store::{Attribute, Coordinate, ForceCurve, Results, Variable};
-use instance_variables::InstanceVariable;
 use instance_rows::InstanceRows;
+use instance_variables::InstanceVariable;
 use std::sync::Arc;
 
 pub use audit_variables::audit;
-pub use instance_variables::{BRANCHES, JUMPS};
 pub use file_frame::FileFrame;
+pub use instance_variables::{BRANCHES, JUMPS};
 pub use record_variables::RecordVariables;
 pub use spectra::{spectra, spectra_of_run};
-pub use warnings::{WARNINGS, LawWarnings};
+pub use warnings::{LawWarnings, WARNINGS};
 pub use waveforms::{waveforms, waveforms_kept};
 
 /// The revision of the sources that the program was built from: `git describe`, or `unknown` outside a repository.

@@ -1,8 +1,8 @@
 //! The numbers of a results file over all instances, one variable after the other.
 
-use super::instance_variables::InstanceFlag;
 use super::file_frame::FileFrame;
 use super::instance_rows::InstanceRows;
+use super::instance_variables::InstanceFlag;
 use super::orbit_variables;
 use super::warnings::LawWarnings;
 use crate::control::SecondOrbits;

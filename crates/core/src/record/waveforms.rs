@@ -1,11 +1,11 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
-use crate::control::{RunResult, MemoryJournal, ChunkJournal, FollowupKey, JournaledRun, FollowupKind};
+use crate::control::{ChunkJournal, FollowupKey, FollowupKind, JournaledRun, MemoryJournal, RunResult};
 use crate::engine::{EngineError, trace};
 use crate::instrument::MotionPlace;
+use crate::orbit::OrbitTable;
 use crate::plan::{Plan, SectionState};
 use crate::scene::{Start, WaveformRequest};
-use crate::orbit::OrbitTable;
 use crate::store::Waveforms;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -17,7 +17,11 @@ use std::f64::consts::TAU;
 ///
 /// # Errors
 /// What the engine says.
-pub fn waveforms(plan: &Plan, found: &OrbitTable, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
+pub fn waveforms(
+    plan: &Plan,
+    found: &OrbitTable,
+    request: &WaveformRequest,
+) -> Result<Waveforms, EngineError> {
     let places: Vec<u32> = request.instances.iter().map(|&instance| instance as u32).collect();
     waveforms_of((plan, found), &places, request, &MemoryJournal::default())
 }
@@ -61,7 +65,9 @@ fn waveforms_of(
             let place = found.get(i as usize);
             let from = place.as_ref().map(|place| &place.section);
             let question = FollowupKey::new(FollowupKind::Waveforms, plan, i, from);
-            if let Some(known) = keep.numbers(&question).and_then(|numbers| WaveformRows::of(&numbers, request)) {
+            if let Some(known) =
+                keep.numbers(&question).and_then(|numbers| WaveformRows::of(&numbers, request))
+            {
                 return Ok(known);
             }
             let rows = instance_rows(plan, i as usize, from, request)?;

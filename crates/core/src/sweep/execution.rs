@@ -2,8 +2,8 @@
 
 use super::planned_sweep::PlannedSweep;
 use super::sweep_phase::MissingPhases;
-use super::{Audit, Error, JournaledOutcome, Observer, SweepPhase, Sweep, audit_budget, sweep_outcome};
-use crate::control::{self, Course, ChunkJournal, InstanceFlags, JournaledRun};
+use super::{Audit, Error, JournaledOutcome, Observer, Sweep, SweepPhase, audit_budget, sweep_outcome};
+use crate::control::{self, ChunkJournal, Course, InstanceFlags, JournaledRun};
 use crate::observe::Status;
 use std::time::Instant;
 
@@ -28,8 +28,13 @@ impl Sweep {
             return Err(Error::Stopped(SweepPhase::Stepping));
         }
         let others = missing.phase((SweepPhase::Branches, run.plan.run.both_branches), progress, || {
-            let found =
-                control::second_orbits(&run.gathered()?, &scene.sweep.shape(), keep, engine.as_ref(), progress);
+            let found = control::second_orbits(
+                &run.gathered()?,
+                &scene.sweep.shape(),
+                keep,
+                engine.as_ref(),
+                progress,
+            );
             found.map(|found| (!progress.stopped() || !found.orbits.is_empty()).then_some(found))
         })?;
         let (stepping, taken) = (stepping.elapsed().as_secs_f64(), progress.steps());
@@ -41,8 +46,17 @@ impl Sweep {
         let accuracy = run.plan.run.accuracy;
         audited.iter().filter(|one| one.above(accuracy)).for_each(|one| run.miss(one.instance));
         let command_line = self.options.command_line.clone();
-        let done =
-            sweep_outcome::PhaseResults { scene, run, taken, others, audited, exact, estimated, summary, command_line };
+        let done = sweep_outcome::PhaseResults {
+            scene,
+            run,
+            taken,
+            others,
+            audited,
+            exact,
+            estimated,
+            summary,
+            command_line,
+        };
         sweep_outcome::collect(done, (start, planning, stepping), (engine.as_ref(), keep), missing, progress)
     }
 }

@@ -1,8 +1,8 @@
 //! What journals know of the questions that are asked once all portions have ended.
 
 use crate::control::{
-    AuditBudget, FollowupResult, FollowupKey, FollowupKind, budget_from_bytes, answers_from_bytes, numbers_from_bytes,
-    numbers_key, keys,
+    AuditBudget, FollowupKey, FollowupKind, FollowupResult, answers_from_bytes, budget_from_bytes, keys,
+    numbers_from_bytes, numbers_key,
 };
 use crate::store::{Journal, RecordKind};
 use std::collections::HashMap;
@@ -42,7 +42,8 @@ impl FollowupIndex {
     pub fn answers(&self, journals: &[Journal], asked: &[FollowupKey]) -> Vec<Option<FollowupResult>> {
         let mut found: Vec<Option<FollowupResult>> = vec![None; asked.len()];
         let of = |(n, question): (usize, &FollowupKey)| Some((*self.answers.get(question)?, n));
-        let mut places: Vec<((RecordNumber, usize), usize)> = asked.iter().enumerate().filter_map(of).collect();
+        let mut places: Vec<((RecordNumber, usize), usize)> =
+            asked.iter().enumerate().filter_map(of).collect();
         places.sort_unstable();
         for of_one in places.chunk_by(|a, b| a.0.0 == b.0.0) {
             let (journal, record) = of_one[0].0.0;

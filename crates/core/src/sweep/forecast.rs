@@ -50,7 +50,10 @@ impl Sweep {
                 let (end, ended) = mpsc::channel::<()>();
                 let progress = &progress;
                 scope.spawn(move || {
-                    if ended.recv_timeout(MAX_FORECAST_TIME).is_err_and(|why| why == mpsc::RecvTimeoutError::Timeout) {
+                    if ended
+                        .recv_timeout(MAX_FORECAST_TIME)
+                        .is_err_and(|why| why == mpsc::RecvTimeoutError::Timeout)
+                    {
                         progress.stop();
                     }
                 });

@@ -31,31 +31,31 @@
 //! ```
 
 mod audit_budget;
-mod planned_sweep;
-mod execution;
 mod engine_choice;
 mod engine_selection;
-mod sweep_error;
-mod forecast;
-#[cfg(feature = "hdf5")]
-mod run_journal;
-mod observer;
-mod sweep_phase;
-mod recipe;
+mod execution;
 #[cfg(feature = "hdf5")]
 mod followup_index;
+mod forecast;
+mod observer;
+mod planned_sweep;
+mod recipe;
+#[cfg(feature = "hdf5")]
+mod run_journal;
+mod sweep_error;
 mod sweep_outcome;
+mod sweep_phase;
 
-pub use audit_budget::{CONTACT_SEARCH_SECONDS as AUDIT_CONTACT, AUDIT_SECONDS as AUDIT_SECONDS, AUDIT_SHARE as AUDIT_SHARE};
+pub use audit_budget::{AUDIT_SECONDS, AUDIT_SHARE, CONTACT_SEARCH_SECONDS as AUDIT_CONTACT};
 pub use engine_choice::EngineChoice;
-pub use sweep_error::Error;
 pub use forecast::Forecast;
+pub use observer::{Observer, Silent};
+pub use recipe::Recipe;
 #[cfg(feature = "hdf5")]
 pub use run_journal::{RunJournal, Share, command_of, is_of_merge, read_header};
-pub use observer::{Observer, Silent};
-pub use sweep_phase::SweepPhase;
-pub use recipe::Recipe;
+pub use sweep_error::Error;
 pub use sweep_outcome::{JournaledOutcome, SweepOutcome};
+pub use sweep_phase::SweepPhase;
 
 use crate::control::{Course, MemoryJournal};
 use crate::engine::{Engine, Progress, on_threads};
@@ -300,7 +300,11 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
-    pub fn run_into<'k>(&self, keeper: &'k RunJournal, observer: &dyn Observer) -> Result<JournaledOutcome<'k>, Error> {
+    pub fn run_into<'k>(
+        &self,
+        keeper: &'k RunJournal,
+        observer: &dyn Observer,
+    ) -> Result<JournaledOutcome<'k>, Error> {
         let kept = |run: &mut PlannedSweep| run.run_journaled(keeper);
         let done = self.watched(observer, || self.execute(observer, keeper, &kept));
         keeper.failure().map_or(done, Err)

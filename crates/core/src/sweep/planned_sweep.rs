@@ -2,10 +2,10 @@
 
 #[cfg(feature = "hdf5")]
 use super::RunJournal;
-use super::{Error, SweepPhase, Recipe, Sweep};
+use super::{Error, Recipe, Sweep, SweepPhase};
 #[cfg(feature = "hdf5")]
 use crate::control::Chunking;
-use crate::control::{self, Choices, Course, ChunkJournal, JournaledRun};
+use crate::control::{self, Choices, ChunkJournal, Course, JournaledRun};
 use crate::engine::Engine;
 use crate::plan::Plan;
 
@@ -51,7 +51,11 @@ impl PlannedSweep<'_> {
     }
 
     /// By these choices. The plan goes into what becomes of it: nothing is left of it here.
-    pub fn run_by<'k>(&mut self, prepared: &Recipe, keep: &'k dyn ChunkJournal) -> Result<JournaledRun<'k>, Error> {
+    pub fn run_by<'k>(
+        &mut self,
+        prepared: &Recipe,
+        keep: &'k dyn ChunkJournal,
+    ) -> Result<JournaledRun<'k>, Error> {
         let nothing = self.plan.part(&[]);
         let plan = std::mem::replace(&mut self.plan, nothing);
         let (engine, progress) = (self.engine.as_ref(), &*self.sweep.progress);

@@ -3,8 +3,8 @@
 use super::followup_index::FollowupIndex;
 use super::{Error, Recipe};
 use crate::control::{
-    AuditBudget, FollowupResult, Chunking, ChunkJournal, FollowupKey, budget_to_bytes, answers_to_bytes, numbers_to_bytes,
-    portion_number,
+    AuditBudget, ChunkJournal, Chunking, FollowupKey, FollowupResult, answers_to_bytes, budget_to_bytes,
+    numbers_to_bytes, portion_number,
 };
 use crate::store::{Journal, RecordKind, RunFile};
 use std::collections::{BTreeMap, HashMap};

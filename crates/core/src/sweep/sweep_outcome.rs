@@ -2,9 +2,11 @@
 
 use super::sweep_phase::MissingPhases;
 use super::{Error, SweepPhase};
-use crate::control::{self, Arithmetic, AuditedInstance, RunResult, ChunkJournal, SecondOrbits, JournaledRun, ErrorSummary};
+use crate::control::{
+    self, Arithmetic, AuditedInstance, ChunkJournal, ErrorSummary, JournaledRun, RunResult, SecondOrbits,
+};
 use crate::engine::{Engine, EngineError, Progress};
-use crate::record::{self, Facts, FileFrame, RecordVariables, LawWarnings};
+use crate::record::{self, Facts, FileFrame, LawWarnings, RecordVariables};
 use crate::scene::Scene;
 use crate::store::Results;
 use std::time::Instant;
@@ -78,7 +80,18 @@ impl JournaledOutcome<'_> {
         let results = self.frame.results.clone().with_numbers(&self.numbers()).map_err(unread)?;
         let run = self.run.gathered()?;
         let Self { verdict, others, warnings, missing, steps_taken, planning, stepping, rate, .. } = self;
-        Ok(SweepOutcome { results, verdict, run, others, warnings, missing, steps_taken, planning, stepping, rate })
+        Ok(SweepOutcome {
+            results,
+            verdict,
+            run,
+            others,
+            warnings,
+            missing,
+            steps_taken,
+            planning,
+            stepping,
+            rate,
+        })
     }
 }
 

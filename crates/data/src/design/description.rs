@@ -1,6 +1,6 @@
 //! A design as its results file tells of it.
 
-use super::{Design, Distribution, DesignKind, Settings};
+use super::{Design, DesignKind, Distribution, Settings};
 use serde::{Deserialize, Serialize};
 
 /// What is written of a design, as JSON; the points themselves are variables of the file.

@@ -12,7 +12,7 @@ mod morris;
 mod sobol;
 
 pub use copula::Copula;
-pub use description::{DesignDescription, Problem, DesignRecord};
+pub use description::{DesignDescription, DesignRecord, Problem};
 pub use distribution::{Distribution, normal_below, normal_quantile};
 
 use self::sobol::Sequence;

@@ -94,7 +94,8 @@ fn scrambled_points_have_a_low_discrepancy() {
             let drawn = design(Settings { seed, ..settings(kind, 512, 6) }, 6);
             (0..512).map(|row| drawn.shares(row)).collect::<Vec<_>>()
         };
-        let (sobol, random) = (discrepancy(&points(DesignKind::Sobol)), discrepancy(&points(DesignKind::MonteCarlo)));
+        let (sobol, random) =
+            (discrepancy(&points(DesignKind::Sobol)), discrepancy(&points(DesignKind::MonteCarlo)));
         assert!(sobol < SOBOL_DISCREPANCY, "seed {seed}: {sobol:e}");
         assert!(random > 10.0 * sobol, "seed {seed}: {random:e}");
     }
@@ -102,7 +103,13 @@ fn scrambled_points_have_a_low_discrepancy() {
 
 #[test]
 fn a_design_that_is_doubled_keeps_its_points() {
-    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli, DesignKind::Morris] {
+    for kind in [
+        DesignKind::MonteCarlo,
+        DesignKind::LatinHypercube,
+        DesignKind::Sobol,
+        DesignKind::Saltelli,
+        DesignKind::Morris,
+    ] {
         let replicates = if matches!(kind, DesignKind::Sobol | DesignKind::Saltelli) { 4 } else { 1 };
         let once = design(Settings { replicates, ..settings(kind, 96, 3) }, 3);
         let twice = design(Settings { replicates, ..settings(kind, 192, 3) }, 3);

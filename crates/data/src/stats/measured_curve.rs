@@ -1,9 +1,9 @@
 //! What a measured curve tells: each sample's own curve is held against it, over all offsets and factors that nobody knows.
 
-use super::posterior::{counted, is_phase, weighed};
-use super::marginal::Marginal;
 use super::curve_pieces::{CurveLine, CurvePlace, Points};
-use super::{SummaryOptions, Posterior, StatsError, Study};
+use super::marginal::Marginal;
+use super::posterior::{counted, is_phase, weighed};
+use super::{Posterior, StatsError, Study, SummaryOptions};
 use crate::design::{Distribution, Mix};
 use crate::observe::Status;
 use crate::store::Coordinate;
@@ -175,7 +175,12 @@ impl CurveMeasurement {
 
     /// What a row adds at a place of the model. In a jump the side counts that agrees better, with the probability that the
     /// jump, which is somewhere between its points, leaves the row on that side.
-    fn row(&self, row: usize, (points, lines): &(Points, Vec<CurveLine>), (at, free): (f64, &FreeParameter)) -> Misses {
+    fn row(
+        &self,
+        row: usize,
+        (points, lines): &(Points, Vec<CurveLine>),
+        (at, free): (f64, &FreeParameter),
+    ) -> Misses {
         let of = |value: &dyn Fn(&CurveLine) -> f64| {
             let mut misses = Misses::default();
             for (column, line) in self.columns.iter().zip(lines) {
@@ -340,7 +345,9 @@ impl SampleCurve<'_> {
             let scale = fit.scale.as_ref().filter(|_| scaled).map_or(1.0, |all| all[*row]);
             let value = |place: &f64| match (points.find(place + offset), &lines[0]) {
                 (CurvePlace::Smooth(before, share), line) => line.smooth(before, share),
-                (CurvePlace::Jump(before, share), line) => line.sides(before, share)[usize::from(share >= 0.5)],
+                (CurvePlace::Jump(before, share), line) => {
+                    line.sides(before, share)[usize::from(share >= 0.5)]
+                }
                 (CurvePlace::Nowhere, _) => f64::NAN,
             };
             places.iter().map(|place| scale * value(place)).collect()

@@ -4,25 +4,29 @@
 //! whole base sample goes.
 
 mod bins;
+mod curve_pieces;
+mod elementary_effects;
 mod estimate;
-mod posterior;
-pub mod stats_json;
 mod marginal;
 mod measured_curve;
-mod elementary_effects;
-mod curve_pieces;
-mod saltelli;
-mod study_samples;
 mod observable_summary;
+mod posterior;
+mod saltelli;
+pub mod stats_json;
+mod study_samples;
 
 pub use bins::first_order;
-pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
-pub use posterior::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
-pub use measured_curve::{CurveColumn, SampleCurve, Fit, FreeParameter, CurveMeasurement, curve_posterior, quantity};
 pub use elementary_effects::{Effects, Steps, effects};
-pub use saltelli::{SobolIndices as SobolIndices, indices};
-pub use study_samples::{StudyOutput, Study, outputs, status_word};
-pub use observable_summary::{Convergence, Distributed, SensitivityIndices, SummaryOptions, SHARES, Summary, sorted_out, summary};
+pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
+pub use measured_curve::{
+    CurveColumn, CurveMeasurement, Fit, FreeParameter, SampleCurve, curve_posterior, quantity,
+};
+pub use observable_summary::{
+    Convergence, Distributed, SHARES, SensitivityIndices, Summary, SummaryOptions, sorted_out, summary,
+};
+pub use posterior::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
+pub use saltelli::{SobolIndices, indices};
+pub use study_samples::{Study, StudyOutput, outputs, status_word};
 
 use thiserror::Error;
 

@@ -2,7 +2,7 @@
 
 use super::estimate::{Estimate, Spread, mean, quantile, quantiles_by_order, sd};
 use super::study_samples::status_word;
-use super::{StudyOutput, StatsError, Study, bins, elementary_effects, saltelli};
+use super::{StatsError, Study, StudyOutput, bins, elementary_effects, saltelli};
 use crate::design::DesignKind;
 use crate::observe::Status;
 use std::collections::BTreeMap;
@@ -140,7 +140,9 @@ pub fn summary(
     }
     convergence.push(all.convergence(&distributed, &indices));
     let overlap = match &indices {
-        SensitivityIndices::Bins(first) if study.correlated() => Some(first.iter().map(|one| one.value).sum()),
+        SensitivityIndices::Bins(first) if study.correlated() => {
+            Some(first.iter().map(|one| one.value).sum())
+        }
         _ => None,
     };
     Ok(Summary {
@@ -261,8 +263,17 @@ impl Rows<'_> {
                 SensitivityIndices::Saltelli(saltelli::indices(&self.values, &self.units, form, spread))
             }
             DesignKind::Morris => {
-                let steps = elementary_effects::Steps { groups: &groups, parameters: &parameters, levels: design.levels };
-                SensitivityIndices::Morris(elementary_effects::effects(&self.values, &self.units, &steps, spread))
+                let steps = elementary_effects::Steps {
+                    groups: &groups,
+                    parameters: &parameters,
+                    levels: design.levels,
+                };
+                SensitivityIndices::Morris(elementary_effects::effects(
+                    &self.values,
+                    &self.units,
+                    &steps,
+                    spread,
+                ))
             }
             _ => SensitivityIndices::Bins(bins::first_order(&self.values, &parameters, &self.units, spread)),
         }

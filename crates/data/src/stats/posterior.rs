@@ -3,9 +3,9 @@
 //! No sampler: the design's rows are the sample, and each counts by how well its observables agree with what was observed.
 //! The effective sample size says whether that is enough.
 
-use super::study_samples::status_word;
 use super::observable_summary::reasons;
-use super::{SummaryOptions, StatsError, Study};
+use super::study_samples::status_word;
+use super::{StatsError, Study, SummaryOptions};
 use crate::design::DesignKind;
 use std::collections::BTreeMap;
 
@@ -67,7 +67,11 @@ pub fn posterior(
 }
 
 /// The rows that count, by the status of each.
-pub(super) fn counted(study: &Study, status: &[u8], options: &SummaryOptions) -> Result<Vec<usize>, StatsError> {
+pub(super) fn counted(
+    study: &Study,
+    status: &[u8],
+    options: &SummaryOptions,
+) -> Result<Vec<usize>, StatsError> {
     if matches!(study.design.kind, DesignKind::Saltelli | DesignKind::Morris) {
         return Err(StatsError::NoSample { kind: study.design.kind.word() });
     }

@@ -1,8 +1,8 @@
 //! Statistics as JSON: SI, names as in the results file, intervals beside what they are of.
 
 use super::estimate::Estimate;
-use super::observable_summary::{Convergence, SensitivityIndices, SHARES, Summary};
-use super::{StudyOutput, Study};
+use super::observable_summary::{Convergence, SHARES, SensitivityIndices, Summary};
+use super::{Study, StudyOutput};
 use serde_json::{Map, Value, json};
 
 /// JSON has no NaN.

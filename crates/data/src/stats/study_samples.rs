@@ -1,7 +1,7 @@
 //! The samples of a results file as statistics need them: parameters by row, outputs by point of the sweep and row.
 
 use super::{StatsError, mean};
-use crate::design::{DesignDescription, DesignKind, Problem, DesignRecord};
+use crate::design::{DesignDescription, DesignKind, DesignRecord, Problem};
 use crate::observe::{Observable, Status};
 use crate::store::{Coordinate, Results, Variable};
 

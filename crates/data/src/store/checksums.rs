@@ -5,8 +5,8 @@
 //! not of bytes: a file that was repacked, or that somebody has added to, still fits it.
 
 use super::{
-    Attribute, AuditTable, BranchTable, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Spectra, Variable,
-    Waveforms,
+    Attribute, AuditTable, BranchTable, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Spectra,
+    Variable, Waveforms,
 };
 use std::collections::HashMap;
 use std::fmt::Write;

@@ -56,7 +56,12 @@ impl DimensionScale {
 }
 
 /// Ties the dimensions of `variable` to the scales of these numbers, slowest first.
-pub(super) fn attach(file: &File, variable: &Dataset, scales: &mut [DimensionScale], dims: &[usize]) -> Result<()> {
+pub(super) fn attach(
+    file: &File,
+    variable: &Dataset,
+    scales: &mut [DimensionScale],
+    dims: &[usize],
+) -> Result<()> {
     if dims.is_empty() {
         return Ok(());
     }

@@ -40,8 +40,14 @@ pub enum RecordKind {
 
 impl RecordKind {
     fn of(code: u8) -> Option<Self> {
-        const ALL: [RecordKind; 6] =
-            [RecordKind::Header, RecordKind::Portion, RecordKind::Unfinished, RecordKind::Answers, RecordKind::Numbers, RecordKind::Allowance];
+        const ALL: [RecordKind; 6] = [
+            RecordKind::Header,
+            RecordKind::Portion,
+            RecordKind::Unfinished,
+            RecordKind::Answers,
+            RecordKind::Numbers,
+            RecordKind::Allowance,
+        ];
         ALL.into_iter().find(|kind| *kind as u8 == code)
     }
 }
@@ -85,7 +91,9 @@ impl Journal {
         while let Some(Record { kind, range, own, good }) = record(&bytes, sound).map_err(unread)? {
             sound = range.end + TAIL as u64;
             match (kind, good) {
-                (RecordKind::Header, true) if range.start == (MAGIC.len() + HEAD) as u64 => header = Some(own),
+                (RecordKind::Header, true) if range.start == (MAGIC.len() + HEAD) as u64 => {
+                    header = Some(own)
+                }
                 (RecordKind::Header, true) => {}
                 (_, true) => records.push((kind, range)),
                 (_, false) => spoilt += 1,
@@ -277,7 +285,11 @@ mod tests {
         let read = Journal::read(journal()).expect("it is whole");
         assert_eq!((read.header(), read.torn(), read.spoilt), ("scene", 0, 0));
         let own = |kind, text: &str| (kind, text.as_bytes().to_vec());
-        let all = [own(RecordKind::Portion, "first"), own(RecordKind::Unfinished, ""), own(RecordKind::Portion, "second")];
+        let all = [
+            own(RecordKind::Portion, "first"),
+            own(RecordKind::Unfinished, ""),
+            own(RecordKind::Portion, "second"),
+        ];
         assert_eq!(records(&read)[..3], all);
         assert_eq!(records(&read)[3..], [own(RecordKind::Answers, "third")]);
     }

@@ -7,28 +7,27 @@
 #[cfg(feature = "hdf5")]
 mod bytes;
 #[cfg(feature = "hdf5")]
+mod checksums;
+#[cfg(feature = "hdf5")]
 mod consistency;
 #[cfg(feature = "hdf5")]
-mod store_error;
+mod dimension_scales;
+#[cfg(feature = "hdf5")]
+mod existing_file;
+#[cfg(feature = "hdf5")]
+mod hdf5_image;
 #[cfg(feature = "hdf5")]
 mod heap_check;
 #[cfg(feature = "hdf5")]
 mod history;
 #[cfg(feature = "hdf5")]
-mod hdf5_image;
-#[cfg(feature = "hdf5")]
 mod journal;
 #[cfg(feature = "hdf5")]
-mod dimension_scales;
-#[cfg(feature = "hdf5")]
 mod lock;
-mod variable_source;
-#[cfg(feature = "hdf5")]
-mod existing_file;
-#[cfg(feature = "hdf5")]
-mod partial_file;
 #[cfg(feature = "hdf5")]
 mod output_place;
+#[cfg(feature = "hdf5")]
+mod partial_file;
 #[cfg(feature = "hdf5")]
 mod results_reader;
 #[cfg(feature = "hdf5")]
@@ -39,25 +38,23 @@ mod share;
 mod source;
 mod spectrum_table;
 #[cfg(feature = "hdf5")]
-mod checksums;
+mod store_error;
+mod variable_source;
 #[cfg(feature = "hdf5")]
 mod write;
 
 #[cfg(feature = "hdf5")]
-pub use store_error::StoreError;
-#[cfg(feature = "hdf5")]
-pub use history::now;
+pub use existing_file::{ExistingFile, same_file};
 #[cfg(feature = "hdf5")]
 pub use hdf5_image::Hdf5Image;
 #[cfg(feature = "hdf5")]
+pub use history::now;
+#[cfg(feature = "hdf5")]
 pub use journal::{Journal, RecordKind};
-pub use variable_source::{VariableSource, StateSet, Unread};
-#[cfg(feature = "hdf5")]
-pub use existing_file::{ExistingFile, same_file};
-#[cfg(feature = "hdf5")]
-pub use partial_file::partial_path;
 #[cfg(feature = "hdf5")]
 pub use output_place::Writer;
+#[cfg(feature = "hdf5")]
+pub use partial_file::partial_path;
 #[cfg(feature = "hdf5")]
 pub use results_reader::{read, scene_of};
 #[cfg(feature = "hdf5")]
@@ -65,6 +62,9 @@ pub use run_file::RunFile;
 #[cfg(feature = "hdf5")]
 pub use share::open as open_journal;
 pub use spectrum_table::{Spectra, SpectrumColumn};
+#[cfg(feature = "hdf5")]
+pub use store_error::StoreError;
+pub use variable_source::{StateSet, Unread, VariableSource};
 #[cfg(feature = "hdf5")]
 pub use write::laid_out;
 

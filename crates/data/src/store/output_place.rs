@@ -1,7 +1,7 @@
 //! Where a results file goes: checked and reserved before the run, filled and renamed after it.
 
-use super::hdf5_image::Hdf5Image;
 use super::existing_file::{ExistingFile, check_occupant, follow, give_rights, is_at, may_be_taken};
+use super::hdf5_image::Hdf5Image;
 use super::partial_file::{TORN, partial_path};
 use super::{Results, StoreError, write};
 use std::fs::{self, File, OpenOptions, TryLockError};

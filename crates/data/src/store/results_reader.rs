@@ -284,7 +284,12 @@ impl Source {
 
     /// Group `other_branch`, over the dimensions of the root; as files before these had it, a list of some instances
     /// without a status, it is passed over.
-    fn branch(&self, root: &Group, axes: &[String], shape: &[usize]) -> Result<Option<BranchTable>, StoreError> {
+    fn branch(
+        &self,
+        root: &Group,
+        axes: &[String],
+        shape: &[usize],
+    ) -> Result<Option<BranchTable>, StoreError> {
         let Some(group) = self.group(root, "other_branch")? else { return Ok(None) };
         if !group.link_exists("status") && group.link_exists("instance") {
             return Ok(None);

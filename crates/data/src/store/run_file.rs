@@ -2,7 +2,7 @@
 
 use super::bytes::Bytes;
 use super::hdf5_image::Hdf5Image;
-use super::journal::{self, Journal, RecordKind, MAGIC};
+use super::journal::{self, Journal, MAGIC, RecordKind};
 use super::{ExistingFile, Results, StoreError, Writer, share, write};
 use std::fs::File;
 use std::ops::Range;

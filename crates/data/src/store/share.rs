@@ -1,8 +1,8 @@
 //! The file of a share of a run: an HDF5 file around the journal of its portions, which `afmsweep merge` takes.
 
 use super::bytes::Bytes;
-use super::hdf5_image::{Hdf5Image, in_memory};
 use super::dimension_scales::{self, read_text};
+use super::hdf5_image::{Hdf5Image, in_memory};
 use super::write::scene_group;
 use super::{Journal, StoreError, journal};
 use hdf5::File;
@@ -38,11 +38,20 @@ fn is_as_written(path: &Path) -> std::io::Result<Option<bool>> {
 pub(super) const JOURNAL: &str = "journal";
 
 /// Such a file in memory.
-pub(super) fn image(journal: &[u8], title: &str, scene_text: &str, path: &Path) -> Result<Hdf5Image, StoreError> {
+pub(super) fn image(
+    journal: &[u8],
+    title: &str,
+    scene_text: &str,
+    path: &Path,
+) -> Result<Hdf5Image, StoreError> {
     let build = || -> hdf5::Result<Hdf5Image> {
         let file = in_memory()?;
         dimension_scales::text(&file, "title", title)?;
-        dimension_scales::text(&file, "comment", "a share of a run: afmsweep merge makes results of all shares")?;
+        dimension_scales::text(
+            &file,
+            "comment",
+            "a share of a run: afmsweep merge makes results of all shares",
+        )?;
         scene_group(&file, scene_text)?;
         let builder = file.new_dataset::<u8>().shape([journal.len()]).obj_track_times(false);
         let builder = builder.chunk([journal.len().clamp(1, 1 << 20)]).fletcher32();

@@ -3,7 +3,8 @@
 use super::dimension_scales::read_text;
 use super::partial_file::TORN;
 use super::{
-    COLUMNS, Coordinate, PROVENANCE, Results, StoreError, heap_check, journal, lock, partial_path, share, checksums,
+    COLUMNS, Coordinate, PROVENANCE, Results, StoreError, checksums, heap_check, journal, lock, partial_path,
+    share,
 };
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, Location, LocationType};

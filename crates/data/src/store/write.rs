@@ -5,18 +5,21 @@
 
 mod branch_group;
 mod chunk_shape;
-mod force_curve_group;
+mod compression;
 mod file_contents;
 mod file_groups;
-mod compression;
+mod force_curve_group;
 mod root_group;
 mod spectrum_group;
 mod waveform_group;
 
 use super::consistency::{check, check_all};
-use super::hdf5_image::{Hdf5Image, in_memory};
 use super::dimension_scales::{self, DimensionScale, attach};
-use super::{COLUMNS, Coordinate, Flags, VariableSource, PROVENANCE, Results, StateSet, StoreError, Variable, checksums};
+use super::hdf5_image::{Hdf5Image, in_memory};
+use super::{
+    COLUMNS, Coordinate, Flags, PROVENANCE, Results, StateSet, StoreError, Variable, VariableSource,
+    checksums,
+};
 use chunk_shape::chunk;
 use file_contents::FileContents;
 use hdf5::dataset::Layout as Storage;

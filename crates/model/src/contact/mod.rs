@@ -16,22 +16,22 @@
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
-mod static_curve;
 mod dmt;
 mod hertz;
 mod jkr;
 mod nothing;
 mod ramp;
+mod static_curve;
 mod static_law;
 mod tabor;
 mod warning;
 
 pub use crate::kernel::{Attraction, Law};
-pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 pub use ramp::{Jump, Ramp, RampCurve};
+pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};

@@ -187,7 +187,13 @@ impl FreeMotion {
     }
 
     /// Travel and speed at `t` of the decaying part of a start from rest alone, without `skip`'s modes.
-    pub fn transient_at(&self, instrument: &Instrument, place: MotionPlace, t: f64, skip: &[bool]) -> (f64, f64) {
+    pub fn transient_at(
+        &self,
+        instrument: &Instrument,
+        place: MotionPlace,
+        t: f64,
+        skip: &[bool],
+    ) -> (f64, f64) {
         self.parts(instrument, place, skip).fold((0.0, 0.0), |sum, (mode, share, start)| {
             let [q, rate] = turn(&mode.propagator(t), start);
             add(sum, (share * q, share * rate))

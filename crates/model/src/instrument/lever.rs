@@ -10,7 +10,7 @@ use super::instrument_error::InstrumentError;
 use super::secular::{Line, SecularPair, dot, orthonormality, pairs};
 use super::unit_modes::{Quality, change, in_rows};
 use super::{check_not_negative, check_positive, check_quality};
-use crate::scene::{InstrumentParams, LeverSpec, LeverMode, QualityFactor, TipMass, TipParams};
+use crate::scene::{InstrumentParams, LeverMode, LeverSpec, QualityFactor, TipMass, TipParams};
 
 /// First root of 1 + cos(x) cosh(x), the clamped-free beam.
 const LAMBDA_1: f64 = 1.875_104_068_711_961;

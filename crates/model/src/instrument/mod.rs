@@ -29,18 +29,18 @@
 mod assembly;
 mod beam;
 mod eigen;
-mod instrument_error;
 mod fluid;
 mod free_motion;
+mod instrument_error;
 mod legendre;
 mod lever;
-mod natural_modes;
+mod lever_scaling;
 mod mesh_refinement;
+pub mod mode_summary;
+mod natural_modes;
 mod response;
 mod rod;
-mod lever_scaling;
 mod secular;
-pub mod mode_summary;
 mod unit_modes;
 
 use nalgebra::Complex;
@@ -48,11 +48,11 @@ use nalgebra::Complex;
 use crate::scene::DriveOn;
 
 pub use assembly::Mesh;
-pub use instrument_error::InstrumentError;
 pub use fluid::{Fluid, FluidMode, hydrodynamic_function, modes_in};
 pub use free_motion::MotionPlace;
-pub use mesh_refinement::DEFAULT_TOLERANCE;
+pub use instrument_error::InstrumentError;
 pub use lever_scaling::Pattern;
+pub use mesh_refinement::DEFAULT_TOLERANCE;
 
 /// One mode: `q'' + (omega/Q) q' + omega^2 q = force * f + drive * (drive level)`, and
 /// the tip moves by `tip * q`, the rod's top by `top * q`.

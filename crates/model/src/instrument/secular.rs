@@ -114,7 +114,14 @@ fn uncoupled(group: &[usize], pole: f64, a: &[f64], found: &mut Vec<SecularPair>
             rest[k] = -before / norm;
         }
         if own == 0.0 || before > 0.0 {
-            found.push(SecularPair { value: pole, corner: 0.0, rest, residual: 0.0, scale: 0.0, missed: 0.0 });
+            found.push(SecularPair {
+                value: pole,
+                corner: 0.0,
+                rest,
+                residual: 0.0,
+                scale: 0.0,
+                missed: 0.0,
+            });
         }
         before += own;
     }
@@ -260,7 +267,14 @@ impl Sum {
         let missed = ((slope * root.pole - constant) + slope * root.off) * scale - dot(&rest, a);
         // Of a sum of rank one every row misses by the factor times its `a_k`.
         let rows = if slope > 0.0 { 1.0 } else { self.weights.iter().sum::<f64>().sqrt() / -constant };
-        SecularPair { value, corner: slope * scale, rest, residual: (missed * rows / value).abs(), scale, missed }
+        SecularPair {
+            value,
+            corner: slope * scale,
+            rest,
+            residual: (missed * rows / value).abs(),
+            scale,
+            missed,
+        }
     }
 }
 

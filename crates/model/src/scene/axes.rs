@@ -3,9 +3,9 @@
 use super::Axis;
 use super::address::Address;
 use super::draft::keys_of;
-use super::scene_error::{Checked, Fault};
 use super::paths;
 use super::quantities::QUANTITIES;
+use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
 use crate::suggestion::nearest;
 use crate::units::shortened;

@@ -3,9 +3,9 @@
 use super::axes;
 use super::axes::AXIS_KEYS;
 use super::draft::{Draft, Said};
-use super::scene_error::{Checked, Fault};
 use super::params::LawChoice;
 use super::paths::LAW;
+use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, SweptAxes};
 use crate::observe::Observable;

@@ -2,11 +2,11 @@
 
 use super::axes::{MOST_INSTANCES, axis};
 use super::draft::Draft;
-use super::scene_error::{Checked, Fault};
 use super::sample_table::SampleTable;
+use super::scene_error::{Checked, Fault};
 use super::uncertain_section::{self, Uncertain};
 use super::values::{self, Key, Value};
-use super::{Axis, SweptAxes, TableFile, design_points, table_file, axis_zip};
+use super::{Axis, SweptAxes, TableFile, axis_zip, design_points, table_file};
 use crate::design::{Design, DesignKind, Parameter, Settings};
 use std::ops::Range;
 use toml::de::DeTable;
@@ -14,9 +14,27 @@ use toml::de::DeTable;
 /// Keys of `[design]`, and the kinds that each matters to.
 pub(super) const KEYS: [(&str, &[DesignKind]); 11] = [
     ("kind", &ALL),
-    ("samples", &[DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli, DesignKind::Morris]),
+    (
+        "samples",
+        &[
+            DesignKind::MonteCarlo,
+            DesignKind::LatinHypercube,
+            DesignKind::Sobol,
+            DesignKind::Saltelli,
+            DesignKind::Morris,
+        ],
+    ),
     ("replicates", &[DesignKind::Sobol, DesignKind::Saltelli]),
-    ("seed", &[DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli, DesignKind::Morris]),
+    (
+        "seed",
+        &[
+            DesignKind::MonteCarlo,
+            DesignKind::LatinHypercube,
+            DesignKind::Sobol,
+            DesignKind::Saltelli,
+            DesignKind::Morris,
+        ],
+    ),
     ("correlation", &[DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol]),
     ("groups", &[DesignKind::Saltelli, DesignKind::Morris]),
     ("scramble", &[DesignKind::Sobol, DesignKind::Saltelli]),
@@ -25,8 +43,14 @@ pub(super) const KEYS: [(&str, &[DesignKind]); 11] = [
     ("file", &[DesignKind::Table]),
     ("names", &[DesignKind::Table]),
 ];
-const ALL: [DesignKind; 6] =
-    [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli, DesignKind::Morris, DesignKind::Table];
+const ALL: [DesignKind; 6] = [
+    DesignKind::MonteCarlo,
+    DesignKind::LatinHypercube,
+    DesignKind::Sobol,
+    DesignKind::Saltelli,
+    DesignKind::Morris,
+    DesignKind::Table,
+];
 
 /// Replicates where the scene does not say, and from how many samples on.
 pub(super) const REPLICATES: usize = 16;

@@ -69,7 +69,8 @@ pub(super) fn presets() -> Vec<(&'static str, Option<&'static MakersLever>)> {
 impl MakersLever {
     /// As a calibrated lever, its tip's radius included.
     pub(super) fn put(&self, params: &mut InstrumentParams) {
-        params.cantilever.lever = LeverSpec::Calibrated { stiffness: self.stiffness, frequency: self.frequency };
+        params.cantilever.lever =
+            LeverSpec::Calibrated { stiffness: self.stiffness, frequency: self.frequency };
         params.tip.radius = self.tip_radius;
     }
 }

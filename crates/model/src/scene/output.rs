@@ -3,8 +3,8 @@
 use super::STEPPED_MODES;
 use super::axes;
 use super::draft::Draft;
-use super::scene_error::{Checked, Fault, Faults};
 use super::params::LeverSpec;
+use super::scene_error::{Checked, Fault, Faults};
 use super::synonyms;
 use super::values::{self, Value};
 use super::{Output, Run, Start, Steady, WaveformRequest};

@@ -6,8 +6,8 @@
 //! (`cli_sense::a_slip_of_nine_powers_is_refused`).
 
 use super::address::Address;
-use super::scene_error::{Checked, Fault, line_column};
 use super::params::{ActuatorModel, LawChoice};
+use super::scene_error::{Checked, Fault, line_column};
 use super::{Scene, Start};
 use crate::units::{Dimension, format as written};
 use std::ops::Range;

@@ -2,12 +2,12 @@
 
 use super::Scene;
 use super::address::Address;
-use super::scene_error::{Fault, SceneError};
 use super::levers;
 use super::params::PRESET;
 use super::params::{ActuatorModel, LawChoice, LeverSpec};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
+use super::scene_error::{Fault, SceneError};
 use crate::kernel::Attraction;
 use crate::units::{Dimension, format as written};
 

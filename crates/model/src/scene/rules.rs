@@ -4,13 +4,13 @@
 //! A swept quantity counts as if the file had written it in its section.
 
 use super::address::Address;
+use super::axis_zip::law_of;
 use super::draft::{Draft, Said};
 use super::drive_rules;
-use super::scene_error::{Checked, Fault};
 use super::params::*;
 use super::paths::LAW;
 use super::paths::{CALIBRATION, LEVELS, MODES};
-use super::axis_zip::law_of;
+use super::scene_error::{Checked, Fault};
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
 use std::ops::Range;

@@ -3,7 +3,7 @@
 use super::address::Address;
 use super::toml_text::quoted;
 use super::{Drawn, TableFile};
-use crate::design::{Design, Distribution, DesignKind, Parameter};
+use crate::design::{Design, DesignKind, Distribution, Parameter};
 
 /// The sections that say where the samples come from.
 pub(super) fn written(drawn: &Drawn) -> String {

@@ -2,8 +2,8 @@
 
 use super::address::Address;
 use super::axes::MOST_INSTANCES;
-use super::scene_error::{Checked, Fault};
 use super::quantities::QUANTITIES;
+use super::scene_error::{Checked, Fault};
 use crate::suggestion::nearest;
 use crate::units::{self, Dimension, shortened};
 use std::collections::HashSet;

@@ -2,14 +2,14 @@
 
 use super::address::Address;
 use super::axes;
+use super::axis_zip::SAMPLES;
 use super::draft::keys_of;
 use super::params::PRESET;
 use super::params::*;
 use super::quantities::QUANTITIES;
-use super::toml_text::quoted;
 use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, SETPOINTS_OF};
-use super::axis_zip::SAMPLES;
-use super::{Axis, Drawn, Layout, Scene, curve_section, sample_source, output};
+use super::toml_text::quoted;
+use super::{Axis, Drawn, Layout, Scene, curve_section, output, sample_source};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
 

@@ -2,11 +2,13 @@
 
 use super::address::Address;
 use super::draft::{Draft, Said, keys_of};
-use super::scene_error::{Checked, Fault, Faults, SceneError};
 use super::levers::{self};
 use super::params::*;
+use super::scene_error::{Checked, Fault, Faults, SceneError};
 use super::values::{self, Key, Value};
-use super::{Scene, Steady, SweptAxes, curve_section, design_section, output, rules, setpoint_rules, sweep_section};
+use super::{
+    Scene, Steady, SweptAxes, curve_section, design_section, output, rules, setpoint_rules, sweep_section,
+};
 use crate::observe::Observable;
 use std::ops::Range;
 use std::path::Path;

@@ -3,6 +3,7 @@
 //! Editors complete keys and show units by it. It is draft 7, which TOML editors know. Rules between keys are not in it.
 
 use super::address::Address;
+use super::axis_zip::LABEL;
 use super::curve_section;
 use super::levers;
 use super::output::{ALL, BRANCHES, KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
@@ -12,7 +13,6 @@ use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
 use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF};
 use super::schema_parts::{object, told};
-use super::axis_zip::LABEL;
 use super::{STEPPED_MODES, schema_design};
 use crate::observe::Observable;
 use crate::units::Dimension;

@@ -1,8 +1,8 @@
 //! What goes with a set-point, and what does not.
 
 use super::draft::{Draft, Said};
-use super::scene_error::{Checked, Fault};
 use super::quantity::SETPOINT;
+use super::scene_error::{Checked, Fault};
 use super::values::Value;
 use super::{Axis, Held, Run, SetPointOf, Start, Steady, SweptAxes};
 

@@ -4,7 +4,7 @@ use super::axes::{axis, axis_values, found_values, in_all, listed, swept_quantit
 use super::draft::{Draft, Said};
 use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
-use super::{Layout, SweptAxes, table_file, axis_zip};
+use super::{Layout, SweptAxes, axis_zip, table_file};
 use toml::de::DeTable;
 
 /// Reads whichever of the two sections there are, and notes their axes in the draft. Beside a grid or a curve a list is an

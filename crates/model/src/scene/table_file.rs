@@ -3,8 +3,8 @@
 use super::address::Address;
 use super::axes::{axis, in_all, swept_quantity};
 use super::draft::{Draft, Said};
-use super::scene_error::{Checked, Fault};
 use super::sample_table::{self, SampleTable};
+use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
 use super::{Axis, Layout, SweptAxes, TableFile, axis_zip};
 use std::ops::Range;

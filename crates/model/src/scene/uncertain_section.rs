@@ -2,10 +2,10 @@
 
 use super::address::Address;
 use super::axes::{axis_name, swept_quantity};
+use super::axis_zip;
 use super::draft::{Draft, Said};
 use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
-use super::axis_zip;
 use crate::design::{Distribution, MOST_PARAMETERS, Parameter, normal_below};
 use crate::units::Dimension;
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! Single values of a scene file: quantities, counts, keywords, and the keys around them.
 
 use super::address::Address;
-use super::scene_error::{Checked, Fault};
 use super::plausibility;
 use super::quantities::QUANTITIES;
+use super::scene_error::{Checked, Fault};
 use super::synonyms::{self, Meant};
 use crate::suggestion::nearest;
 use crate::units::{self, Dimension, UnitErrorKind, shortened};

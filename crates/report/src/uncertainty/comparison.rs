@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{PictureFrame, KEY_ROW, ColourKey, key, key_rows, left_margin, title};
+use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, key, key_rows, left_margin, title};
 use crate::stats::StudyOutput;
 
 /// A measured curve beside what the weighted samples say.
@@ -69,8 +69,10 @@ pub(super) fn draw(
     );
     let (width, height) = SIZE;
     let left = left_margin(&y, height);
-    let mut entries =
-        vec![(ColourKey::Swatch(LINES[5]), "predicted, 95 %".to_owned()), (ColourKey::Line(INK), "median".to_owned())];
+    let mut entries = vec![
+        (ColourKey::Swatch(LINES[5]), "predicted, 95 %".to_owned()),
+        (ColourKey::Line(INK), "median".to_owned()),
+    ];
     if ways.iter().any(|way| !way.points.is_empty()) {
         entries.insert(0, (ColourKey::Dot(LINES[1]), "measured, one standard deviation".to_owned()));
     }
@@ -81,7 +83,8 @@ pub(super) fn draw(
         title(canvas, heading, left, left + width)?;
         key(canvas, (left, 44.0), left + width, &entries)?;
         for (n, way) in ways.iter().enumerate() {
-            let frame = PictureFrame { canvas, left, top: top + n as f64 * step, width, height, x: &x, y: &y };
+            let frame =
+                PictureFrame { canvas, left, top: top + n as f64 * step, width, height, x: &x, y: &y };
             frame.grid()?;
             panel(&frame, way)?;
             frame.edges(n + 1 == ways.len(), true)?;

@@ -17,7 +17,11 @@ const GAP: f64 = 14.0;
 const FINE: f64 = 4.0;
 
 /// A corner of panels.
-pub(super) fn draw(heading: &str, known: &[PriorPosterior], posterior: &Posterior) -> Result<String, ReportError> {
+pub(super) fn draw(
+    heading: &str,
+    known: &[PriorPosterior],
+    posterior: &Posterior,
+) -> Result<String, ReportError> {
     let left = known.iter().map(|one| left_margin(&one.axis, PANEL)).fold(0.0, f64::max);
     let size = known.len() as f64 * (PANEL + GAP);
     let top = 40.0;
@@ -73,7 +77,12 @@ fn alone(frame: &PictureFrame, known: &PriorPosterior, posterior: &Posterior) ->
 }
 
 /// A pair of quantities, where both are in their panels.
-fn pair(frame: &PictureFrame, across: &PriorPosterior, up: &PriorPosterior, weights: &[f64]) -> Result<(), ReportError> {
+fn pair(
+    frame: &PictureFrame,
+    across: &PriorPosterior,
+    up: &PriorPosterior,
+    weights: &[f64],
+) -> Result<(), ReportError> {
     let inside = |axis: &PlotAxis, value: f64| (0.0..=1.0).contains(&axis.place(value));
     let shown: Vec<usize> = (0..weights.len())
         .filter(|n| inside(frame.x, across.values[*n]) && inside(frame.y, up.values[*n]))

@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{GREY, LINES, picture};
-use super::super::frame::{PictureFrame, KEY_ROW, ColourKey, colour, key, left_margin, title};
+use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, colour, key, left_margin, title};
 use super::super::raster::{self, FINER};
 use plotters::style::RGBColor;
 

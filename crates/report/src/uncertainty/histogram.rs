@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{PictureFrame, KEY_ROW, ColourKey, key, left_margin, title};
+use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, key, left_margin, title};
 use super::super::quantity_text::DisplayUnit;
 
 /// Most bars.
@@ -75,8 +75,10 @@ pub(super) fn draw(
     );
     let (width, height) = (560.0, 260.0);
     let left = left_margin(&y, height);
-    let unit =
-        DisplayUnit::fitting(units, quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())));
+    let unit = DisplayUnit::fitting(
+        units,
+        quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())),
+    );
     let mut entries: Vec<(ColourKey, String)> = quantiles
         .iter()
         .map(|(share, value)| {

@@ -11,7 +11,7 @@ mod shares;
 use super::band::{self, Bands};
 use super::labels::{brief, capital, caption, short};
 use super::{Document, ReportError, save, shown};
-use crate::stats::{Estimate, SensitivityIndices, StudyOutput, SHARES, Study, Summary};
+use crate::stats::{Estimate, SHARES, SensitivityIndices, Study, StudyOutput, Summary};
 use crate::store::Coordinate;
 pub use comparison::{Compared, Comparison, PredictionPath};
 use density::Side;

@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, INK, LINES, picture, text_width};
-use super::super::frame::{PictureFrame, KEY_ROW, ColourKey, SMALL, key, title};
+use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, SMALL, key, title};
 use crate::stats::Estimate;
 
 /// What is drawn of each quantity: a word for the key, and a value for each.

@@ -93,7 +93,12 @@ pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
     Ok(pictures)
 }
 
-fn picture(ran: &SceneRun, kind: &Kind, panels: Vec<Panel>, lines: Vec<String>) -> Result<String, ReportError> {
+fn picture(
+    ran: &SceneRun,
+    kind: &Kind,
+    panels: Vec<Panel>,
+    lines: Vec<String>,
+) -> Result<String, ReportError> {
     let axes = &ran.scene.sweep.axes;
     let (x, y) = (coordinate(&axes[2]), coordinate(&axes[1]));
     Heatmap {

@@ -1,11 +1,11 @@
 //! A portion of a run as bytes and back: every number by its bits, column by column.
 
 use super::column_codec::{self, ByteReader, CodecRow};
-use crate::control::{ChunkMeta, InstanceRecord, CompactOrbit};
+use crate::control::{ChunkMeta, CompactOrbit, InstanceRecord};
 use crate::engine::Finished;
 use crate::observe::{Measured, Status};
 use crate::periodic::Floquet;
-use crate::plan::{BasisRule, Resolution, Precision, SectionState};
+use crate::plan::{BasisRule, Precision, Resolution, SectionState};
 
 /// Modes that a station has room for.
 const MODES: usize = SectionState::FREE.x.len();
@@ -29,7 +29,12 @@ pub(super) const MULTIPLIER: usize = FOUND + 3;
 pub(super) const HEADER_BYTES: usize = 8 + 4 + 4 + 4;
 
 /// A portion and its number as bytes: what is said of it as a whole, and its instances. Its notes come last.
-pub fn to_bytes(number: usize, about: &ChunkMeta, count: usize, instance: impl Fn(usize) -> InstanceRecord) -> Vec<u8> {
+pub fn to_bytes(
+    number: usize,
+    about: &ChunkMeta,
+    count: usize,
+    instance: impl Fn(usize) -> InstanceRecord,
+) -> Vec<u8> {
     let ChunkMeta { whole, searched, curves, from_rest, notes } = about;
     let mut bytes = Vec::new();
     bytes.extend((number as u64).to_le_bytes());
@@ -200,7 +205,10 @@ fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
 }
 
 /// A state, if there is one; see [`stand`].
-pub(super) fn compact_orbit(numbers: &mut impl Iterator<Item = u64>, like: BasisKey) -> Option<Option<CompactOrbit>> {
+pub(super) fn compact_orbit(
+    numbers: &mut impl Iterator<Item = u64>,
+    like: BasisKey,
+) -> Option<Option<CompactOrbit>> {
     let is_any = numbers.next()? == 1;
     let (touching, finite) = (numbers.next()? == 1, numbers.next()? == 1);
     let multiplier = f64::from_bits(numbers.next()?);
@@ -313,7 +321,8 @@ mod tests {
         assert_eq!(periods, one.1.iter().map(|one| one.periods).collect::<Vec<_>>());
         assert_eq!(read.load(std::sync::atomic::Ordering::Relaxed), head + 4 * 70);
         let bits = |all: Vec<f64>| all.into_iter().map(f64::to_bits).collect::<Vec<_>>();
-        let multiplier = |one: &InstanceRecord| one.state.as_ref().map_or(f64::NAN, |state| state.floquet.multiplier);
+        let multiplier =
+            |one: &InstanceRecord| one.state.as_ref().map_or(f64::NAN, |state| state.floquet.multiplier);
         assert_eq!(bits(view.multipliers()), bits(one.1.iter().map(multiplier).collect()));
         let (marks, started) = view.flags(0.0).expect("they are instances");
         assert_eq!(started, one.1.iter().filter(|one| one.neighbour_started).count());

@@ -1,10 +1,10 @@
 //! A portion in its bytes: of these the columns are read that are asked for.
 
-use super::column_codec::{ByteColumn, ENTRY_BYTES, ColumnEntry, CHECKSUM_BYTES, entries};
-use super::chunk_codec::{self, ESTIMATE, FOUND, JUMP, MULTIPLIER, PERIODS, STEPS, RECORD_COLUMNS};
-use crate::control::{ChunkMeta, InstanceRecord, InstanceFlags, InstanceFacts};
+use super::chunk_codec::{self, ESTIMATE, FOUND, JUMP, MULTIPLIER, PERIODS, RECORD_COLUMNS, STEPS};
+use super::column_codec::{ByteColumn, CHECKSUM_BYTES, ColumnEntry, ENTRY_BYTES, entries};
+use crate::control::{ChunkMeta, InstanceFacts, InstanceFlags, InstanceRecord};
 use crate::observe::{Measured, Status};
-use crate::plan::{Resolution, Precision};
+use crate::plan::{Precision, Resolution};
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -80,7 +80,8 @@ impl<'a> ChunkReader<'a> {
 
     /// The bytes of a column.
     fn numbers(&self, entry: &ColumnEntry) -> Result<Vec<u8>, String> {
-        let bytes = (self.source)(HEADER_AND_ENTRIES + entry.range.start..HEADER_AND_ENTRIES + entry.range.end)?;
+        let bytes =
+            (self.source)(HEADER_AND_ENTRIES + entry.range.start..HEADER_AND_ENTRIES + entry.range.end)?;
         if entry.is_of(&bytes) { Ok(bytes) } else { Err(damaged(self.number)) }
     }
 
@@ -134,7 +135,9 @@ impl<'a> ChunkReader<'a> {
     /// The steps, gaps and rules of the bases of all; none where they can be no instances'.
     pub fn fineness(&self) -> Option<Vec<Resolution>> {
         let columns: [ByteColumn; 5] = std::array::from_fn(|n| self.column(STEPS + n));
-        (0..self.count).map(|n| chunk_codec::fineness(&mut columns.iter().map(|column| column.get(n)))).collect()
+        (0..self.count)
+            .map(|n| chunk_codec::fineness(&mut columns.iter().map(|column| column.get(n))))
+            .collect()
     }
 
     /// The moduli of their maps' largest multipliers; NaN where no state was found, or waiting found it.
@@ -155,7 +158,14 @@ impl<'a> ChunkReader<'a> {
         for number in 0..Measured::WIDTH {
             self.column(number).each(self.count, |n, bits| measured[n] |= !f64::from_bits(bits).is_nan());
         }
-        let of = [chunk_codec::STATUS, STEPS, ESTIMATE, FOUND, chunk_codec::PRECISION, chunk_codec::NEIGHBOUR_STARTED];
+        let of = [
+            chunk_codec::STATUS,
+            STEPS,
+            ESTIMATE,
+            FOUND,
+            chunk_codec::PRECISION,
+            chunk_codec::NEIGHBOUR_STARTED,
+        ];
         let columns = of.map(|number| self.column(number));
         let mut started = 0;
         let mark = |(n, measured): (usize, &bool)| {

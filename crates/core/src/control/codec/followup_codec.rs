@@ -1,8 +1,8 @@
 //! What was asked of single instances after the run, and its answers, as bytes and back.
 
+use super::chunk_codec::{NO_BASIS_KEY, STATE_COLUMNS, compact_orbit, finish, of_finished, put_orbit};
 use super::column_codec::{self, ByteColumn, ByteReader, CodecRow};
-use super::chunk_codec::{NO_BASIS_KEY, STATE_COLUMNS, finish, of_finished, compact_orbit, put_orbit};
-use crate::control::{AuditBudget, FollowupResult, FollowupKey, FollowupKind};
+use crate::control::{AuditBudget, FollowupKey, FollowupKind, FollowupResult};
 
 /// Numbers of a question, and of it with its answer.
 const KEY_COLUMNS: usize = 3;
@@ -119,7 +119,10 @@ mod tests {
             };
             let measured = Measured { phase: -0.0, gap: f64::from(n), ..Measured::NONE };
             let place = n.is_multiple_of(2).then(|| Box::new(place.clone()));
-            (question, FollowupResult { finished: Finished { measured, status: Status::Sensitive }, orbit: place })
+            (
+                question,
+                FollowupResult { finished: Finished { measured, status: Status::Sensitive }, orbit: place },
+            )
         };
         (0..5).map(one).collect()
     }

@@ -23,7 +23,10 @@ pub use adapter::{AdapterReport, adapters, alike};
 pub use session::Job;
 
 use super::cpu;
-use super::{Corrections, Correction, Engine, EngineError, Predictions, Outcome, Progress, NewtonResults, NewtonStarts, PeriodJacobians};
+use super::{
+    Correction, Corrections, Engine, EngineError, NewtonResults, NewtonStarts, Outcome, PeriodJacobians,
+    Predictions, Progress,
+};
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
 use dealer::Dealer;
@@ -268,7 +271,12 @@ impl Engine for Gpu {
         true
     }
 
-    fn slopes(&self, plan: &Plan, least: &[f64], progress: &Progress) -> Result<PeriodJacobians, EngineError> {
+    fn slopes(
+        &self,
+        plan: &Plan,
+        least: &[f64],
+        progress: &Progress,
+    ) -> Result<PeriodJacobians, EngineError> {
         let mut slopes = PeriodJacobians::none(plan);
         slopes.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
@@ -303,7 +311,12 @@ impl Engine for Gpu {
         true
     }
 
-    fn newton(&self, plan: &Plan, seeks: &NewtonStarts, progress: &Progress) -> Result<NewtonResults, EngineError> {
+    fn newton(
+        &self,
+        plan: &Plan,
+        seeks: &NewtonStarts,
+        progress: &Progress,
+    ) -> Result<NewtonResults, EngineError> {
         let mut searches = NewtonResults::none(plan);
         searches.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();

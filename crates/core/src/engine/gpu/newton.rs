@@ -12,7 +12,7 @@ use super::stride_tables::end;
 use super::{Drill, Failure};
 use crate::engine::newton_search::{all, state};
 use crate::engine::period_jacobian::{begun, kept};
-use crate::engine::{EngineError, Progress, NewtonStarts, PeriodJacobian, NewtonResult};
+use crate::engine::{EngineError, NewtonResult, NewtonStarts, PeriodJacobian, Progress};
 use crate::kernel::broyden::Phase;
 use crate::kernel::newton::{ROUNDS, Walk};
 use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};

@@ -1,7 +1,7 @@
 //! A chunk of a class as the shader's tables, and what comes back as saved instances.
 
-use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::checkpoint::InstanceCheckpoint;
+use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::period_jacobian::begun;
 use crate::engine::start;
 use crate::kernel::{
@@ -132,7 +132,12 @@ impl<'a> Driven<'a> {
 }
 
 /// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
-pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[InstanceCheckpoint]>) -> Tables {
+pub(super) fn tables(
+    plan: &Plan,
+    class: &Class,
+    instances: &[u32],
+    saved: Option<&[InstanceCheckpoint]>,
+) -> Tables {
     let spec = spec(plan, class);
     let driven = Driven::new(plan, instances);
     let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())

@@ -8,7 +8,7 @@ use super::rounds::Dispatches;
 use super::session::{Job, Session};
 use super::{Drill, Failure};
 use crate::engine::period_jacobian::{begun, ended, kept, of_class};
-use crate::engine::{EngineError, Progress, PeriodJacobian, PeriodJacobians};
+use crate::engine::{EngineError, PeriodJacobian, PeriodJacobians, Progress};
 use crate::kernel::{Entry, Rounding, ShaderSpec};
 use crate::plan::{Class, Plan};
 use rayon::prelude::*;

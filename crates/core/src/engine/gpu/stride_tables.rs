@@ -2,8 +2,8 @@
 
 use super::Failure;
 use super::pack::{self, Driven, Numbers, going, transposed, waves, write};
-use crate::engine::kernel_constants::gap_and_law;
 use crate::engine::checkpoint::InstanceCheckpoint;
+use crate::engine::kernel_constants::gap_and_law;
 use crate::engine::section_state::{half_step, rest_indentation};
 use crate::engine::{Prediction, Predictions};
 use crate::kernel::broyden::Phase;
@@ -105,5 +105,13 @@ fn begun(guessed: &Prediction, place: &[f64], (modes, still): (usize, f64)) -> I
     u[..modes].copy_from_slice(&place[place.len() / 2..][..modes]);
     let touching = f64::from(u8::from(guessed.touching));
     let last = -(still + x[..modes].iter().sum::<f64>());
-    InstanceCheckpoint { x, u, touching, last: [last; 2], touched: touching, run_sums: RunSums::new(), finite: true }
+    InstanceCheckpoint {
+        x,
+        u,
+        touching,
+        last: [last; 2],
+        touched: touching,
+        run_sums: RunSums::new(),
+        finite: true,
+    }
 }

@@ -1,6 +1,6 @@
 //! One step of DOP853 and its continuous extension, on buffers that are made once.
 
-use super::tableau::{DENSE, EMBEDDED_3, ERROR_5, EXTENDED, NODES, TableauRow, STAGE, STAGES};
+use super::tableau::{DENSE, EMBEDDED_3, ERROR_5, EXTENDED, NODES, STAGE, STAGES, TableauRow};
 
 /// Right-hand side of y' = f(theta, y); answers with the indentation (m) there.
 pub(super) trait Rates {

@@ -6,12 +6,12 @@
 //! point is located (`walk.rs`), and observables are integrals over the continuous path (`meter.rs`).
 
 mod dop853;
-mod reference_force;
 mod meter;
 mod reference_fixed_point;
+mod reference_force;
+mod step_control;
 mod system;
 mod tableau;
-mod step_control;
 
 pub use reference_fixed_point::solve_near;
 
@@ -24,8 +24,8 @@ use meter::Meter;
 use nalgebra::Complex;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use system::System;
 use step_control::Integrator;
+use system::System;
 
 /// What the reference engine integrates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

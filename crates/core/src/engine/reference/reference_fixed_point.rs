@@ -1,7 +1,7 @@
 //! The periodic state next to a given one, as a fixed point of the reference's own period map.
 
-use super::system::{System, far};
 use super::step_control::Integrator;
+use super::system::{System, far};
 use super::{Reference, integrate};
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::{flown, increments};
@@ -86,7 +86,12 @@ pub fn solve_near(
     };
     map.begin(&map.with_slow(&map.after, &found.state));
     // The first period's predecessor is not known, the second one's is not looked at.
-    let run = Run { periods: MEASURED_PERIODS + 2, measure: MEASURED_PERIODS, start: Start::Steady, ..plan.run.clone() };
+    let run = Run {
+        periods: MEASURED_PERIODS + 2,
+        measure: MEASURED_PERIODS,
+        start: Start::Steady,
+        ..plan.run.clone()
+    };
     let case = Case { least_change: Some(found.spectrum.sigma_min), ..case };
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
@@ -94,7 +99,12 @@ pub fn solve_near(
 /// The station as unknowns at the period's very start, half a step earlier, and which of all unknowns are the station's
 /// own modes. What its other oscillators move the tip by, the reference's other modes share as they would bend under a
 /// static force: without it a tip that is held in contact would begin beside the sample.
-fn unknowns(system: &System, case: &Case, driven: &Driven, station: &SectionState) -> (DVector<f64>, Vec<usize>) {
+fn unknowns(
+    system: &System,
+    case: &Case,
+    driven: &Driven,
+    station: &SectionState,
+) -> (DVector<f64>, Vec<usize>) {
     let modes = system.modes();
     let half = PI / (driven.free.omega * f64::from(case.steps));
     let mut state = DVector::zeros(2 * modes);
@@ -209,7 +219,8 @@ impl Map {
     fn widen(&mut self) {
         let system = &self.walk.system;
         let modes = system.modes();
-        let rings = |place: &usize| system.oscillator(*place).1 > MIN_SLOW_DAMPING && !self.slow.contains(place);
+        let rings =
+            |place: &usize| system.oscillator(*place).1 > MIN_SLOW_DAMPING && !self.slow.contains(place);
         let room = MAX_WIDENED_MODES.saturating_sub(self.slow.len() / 2);
         let more: Vec<usize> = (0..modes).filter(rings).take(room).collect();
         self.slow.extend(more.iter().flat_map(|place| [*place, modes + place]));
@@ -284,7 +295,9 @@ impl Map {
         let [.., before, last] = passed else { return false };
         let [before, last] = [before, last].map(|one| self.slow_part(one) - state);
         let (far, farther) = (before.norm(), last.norm());
-        farther > least && farther > ALTERNATION_SHARE * far && before.dot(&last) < -ALTERNATION_SHARE * far * farther
+        farther > least
+            && farther > ALTERNATION_SHARE * far
+            && before.dot(&last) < -ALTERNATION_SHARE * far * farther
     }
 
     /// From these kept modes, the others as they began in the last period: for differences.

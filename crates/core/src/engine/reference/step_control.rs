@@ -2,7 +2,7 @@
 
 use super::Work;
 use super::dop853::Dop853;
-use super::meter::{Meter, DenseStep};
+use super::meter::{DenseStep, Meter};
 use super::system::System;
 use std::f64::consts::TAU;
 

@@ -254,8 +254,12 @@ fn oscillators(
         compliance(some.map(|m| (m.omega, m.inverse_mass())), ONSET_SPEED_RATIO * rate)
     };
     if answer(&mut gone.iter().copied()).abs() > DROP_SHARE * answer(&mut modes.iter())
-        && let Some(one) =
-            reduced(&gone, if far.is_some() { 2 } else { 1 }, ONSET_SPEED_RATIO * rate, far.unwrap_or(ONSET_SPEED_RATIO) * rate)
+        && let Some(one) = reduced(
+            &gone,
+            if far.is_some() { 2 } else { 1 },
+            ONSET_SPEED_RATIO * rate,
+            far.unwrap_or(ONSET_SPEED_RATIO) * rate,
+        )
     {
         each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.inverse_mass]));
         indices.extend(one.iter().map(|_| None));

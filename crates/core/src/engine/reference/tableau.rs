@@ -210,7 +210,8 @@ mod tests {
     /// Row sums are the nodes, the order conditions of quadrature hold to 8, the estimates vanish on constants.
     #[test]
     fn coefficients_meet_their_order_conditions() {
-        let sum = |row: TableauRow, power: i32| row.iter().map(|(j, a)| a * NODES[*j].powi(power)).sum::<f64>();
+        let sum =
+            |row: TableauRow, power: i32| row.iter().map(|(j, a)| a * NODES[*j].powi(power)).sum::<f64>();
         for (row, node) in STAGE.iter().zip(NODES) {
             assert!((sum(row, 0) - node).abs() < 1e-13, "{node}");
         }

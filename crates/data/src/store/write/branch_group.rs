@@ -19,7 +19,11 @@ pub(super) fn write(mut layout: Layout, filled: &FileContents, branch: &BranchTa
     let codes = filled.status(StateSet::Second)?;
     let status = layout.flags("status", long_name, &dims, &codes, &meanings)?;
     let steps = layout.variable("steps_per_period", &dims, &filled.steps(StateSet::Second)?)?;
-    dimension_scales::text(&steps, "long_name", "time steps per period of the drive, 0 without a second state")?;
+    dimension_scales::text(
+        &steps,
+        "long_name",
+        "time steps per period of the drive, 0 without a second state",
+    )?;
     let mut described = vec![status, steps];
     for (n, flags) in branch.flags.iter().enumerate() {
         described.push(layout.words(flags, &dims, &filled.flags(StateSet::Second, n, flags)?)?);

@@ -1,8 +1,8 @@
 //! What a file is made of: results, and where the numbers over all instances are, of which one variable at a time is asked for.
 
-use super::super::consistency::check_numbers;
 use super::super::checksums;
-use super::super::{BranchTable, Flags, VariableSource, Results, StateSet, Variable};
+use super::super::consistency::check_numbers;
+use super::super::{BranchTable, Flags, Results, StateSet, Variable, VariableSource};
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -1,7 +1,10 @@
 //! The groups below the root: every file has all of them, so that readers need not ask which there are.
 
 use super::super::{ERROR, GROUPS, HDF5_VERSION, OBSERVABLE, PROVENANCE, Results};
-use super::{Beside, FileContents, Layout, branch_group, force_curve_group, dimension_scales, spectrum_group, waveform_group};
+use super::{
+    Beside, FileContents, Layout, branch_group, dimension_scales, force_curve_group, spectrum_group,
+    waveform_group,
+};
 use crate::store::AuditTable;
 use hdf5::File;
 
