@@ -3,7 +3,7 @@
 use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
 use super::curve_forces::{is_ok, jumps};
-use super::frame::{ColourKey, KEY_ROW, PictureFrame, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
 use super::labels::{brief, shown};
 use super::picture::places;
 use super::view_request::DIRECTION;
@@ -40,14 +40,14 @@ impl Bands<'_> {
         let x_axis = PlotAxis::of(self.x, 0.0);
         let values = self.series.iter().flat_map(|one| &one.points).flatten().copied();
         let y_axis = PlotAxis::over(values, self.units, self.label, false, 0.06);
-        let mut entries: Vec<(ColourKey, String)> = Vec::new();
+        let mut entries: Vec<(Legend, String)> = Vec::new();
         for (number, one) in self.series.iter().enumerate().filter(|_| self.series.len() > 1) {
-            entries.push((ColourKey::Line(LINES[number % LINES.len()]), one.name.clone()));
+            entries.push((Legend::Line(LINES[number % LINES.len()]), one.name.clone()));
         }
         let middle = if self.series.len() > 1 { INK } else { LINES[0] };
-        entries.push((ColourKey::Line(middle), "median".to_owned()));
-        entries.push((ColourKey::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
-        entries.push((ColourKey::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
+        entries.push((Legend::Line(middle), "median".to_owned()));
+        entries.push((Legend::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
+        entries.push((Legend::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
         let (width, height, top) = (560.0, 360.0, 40.0);
         let left = left_margin(&y_axis, height);
         let total_width = left + width + 28.0;
@@ -55,7 +55,7 @@ impl Bands<'_> {
         let total = (total_width, key_top + key_rows(width, &entries) * KEY_ROW);
         picture(total, |canvas| {
             title(canvas, self.title, left, total_width)?;
-            let frame = PictureFrame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
             frame.grid()?;
             for number in 0..self.series.len() {
                 self.band(&frame, number)?;
@@ -66,7 +66,7 @@ impl Bands<'_> {
     }
 
     /// One band; places without values interrupt it.
-    fn band(&self, frame: &PictureFrame, number: usize) -> Result<(), ReportError> {
+    fn band(&self, frame: &Frame, number: usize) -> Result<(), ReportError> {
         let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
         let mut order: Vec<usize> = (0..self.x.values.len()).collect();
         order.sort_by(|a, b| self.x.values[*a].total_cmp(&self.x.values[*b]));

@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::{PlotAxis, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, LINES, WHITE, picture};
-use super::frame::{ColourKey, KEY_ROW, PictureFrame, SMALL, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, SMALL, key, key_rows, left_margin, title};
 
 /// How a series is drawn, the same in every panel.
 #[derive(Clone, Debug)]
@@ -70,13 +70,13 @@ impl Chart {
         let x_axis =
             PlotAxis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
         let axes: Vec<PlotAxis> = self.panels.iter().map(Plot::axis).collect();
-        let entries: Vec<(ColourKey, String)> = self
+        let entries: Vec<(Legend, String)> = self
             .series
             .iter()
             .enumerate()
             .map(|(number, look)| {
                 let shade = LINES[number % LINES.len()];
-                let sample = if look.dashed { ColourKey::Dashes(shade) } else { ColourKey::Line(shade) };
+                let sample = if look.dashed { Legend::Dashes(shade) } else { Legend::Line(shade) };
                 (sample, look.name.clone())
             })
             .collect();
@@ -92,7 +92,7 @@ impl Chart {
             let mut at = top;
             for (number, (panel, y_axis)) in self.panels.iter().zip(&axes).enumerate() {
                 let height = panel.height;
-                let frame = PictureFrame { canvas, left, top: at, width, height, x: &x_axis, y: y_axis };
+                let frame = Frame { canvas, left, top: at, width, height, x: &x_axis, y: y_axis };
                 self.panel(&frame, panel)?;
                 frame.edges(number + 1 == self.panels.len(), true)?;
                 at += height + gap;
@@ -101,7 +101,7 @@ impl Chart {
         })
     }
 
-    fn panel(&self, frame: &PictureFrame, panel: &Plot) -> Result<(), ReportError> {
+    fn panel(&self, frame: &Frame, panel: &Plot) -> Result<(), ReportError> {
         frame.grid()?;
         let zero = frame.y.place(0.0);
         if (0.0..=1.0).contains(&zero) {

@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use super::canvas::{Anchor, INK, WHITE, text_width};
-use super::frame::{PictureFrame, State};
+use super::frame::{Frame, State};
 use super::heat_cells::CellField;
 use std::collections::HashMap;
 
@@ -147,7 +147,7 @@ fn length(line: &[(f64, f64)]) -> f64 {
 
 /// The values on the lines, drawn after all lines.
 struct Labels<'a, 'b, 'c> {
-    frame: &'a PictureFrame<'b, 'c>,
+    frame: &'a Frame<'b, 'c>,
     taken: Vec<Label>,
 }
 

@@ -3,10 +3,8 @@
 use super::ReportError;
 use super::axis::{PlotAxis, least_of_decades};
 use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
-use super::frame::{
-    ColourKey, KEY_ROW, PictureFrame, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
-};
-use super::hover::{Hover, HoverText};
+use super::frame::{Frame, KEY_ROW, Legend, SMALL, State, Tally, colour, key, key_rows, left_margin, title};
+use super::hover::{Hint, Hover};
 use super::labels::{label, shown};
 use crate::store::Coordinate;
 use plotters::style::RGBColor;
@@ -23,7 +21,7 @@ const THIN: f64 = 0.8;
 
 /// One curve: a value and its state for each instance.
 #[derive(Default)]
-pub(super) struct CurveSeries {
+pub(super) struct Curve {
     pub name: String,
     pub values: Vec<(f64, State)>,
     /// A second state's: dashed, in the colour of the series before it.
@@ -47,7 +45,7 @@ pub(super) enum Style {
 }
 
 /// Curves side by side on common axes.
-pub(super) struct CurvePicture<'a> {
+pub(super) struct CurvePlot<'a> {
     pub heading: &'a str,
     /// SI unit of the values, as the results file writes it.
     pub units: &'a str,
@@ -63,10 +61,10 @@ pub(super) struct CurvePicture<'a> {
     pub branches: Vec<String>,
     pub style: Style,
     /// Captions and curves; the same curves in every panel.
-    pub panels: Vec<(String, Vec<CurveSeries>)>,
+    pub panels: Vec<(String, Vec<Curve>)>,
 }
 
-impl CurvePicture<'_> {
+impl CurvePlot<'_> {
     /// The picture, and what lies where in it.
     pub fn draw(&self) -> Result<(String, Hover), ReportError> {
         let x = self.x;
@@ -79,9 +77,9 @@ impl CurvePicture<'_> {
         let mut order: Vec<usize> = (0..x.values.len()).filter(|&i| x.values[i].is_finite()).collect();
         order.sort_by(|&a, &b| x.values[a].total_cmp(&x.values[b]));
         let lines = self.panels.first().map_or(Vec::new(), |(_, series)| self.line_entries(series));
-        let mut entries: Vec<(ColourKey, String)> = lines.into_iter().chain(state_entries(all())).collect();
+        let mut entries: Vec<(Legend, String)> = lines.into_iter().chain(state_entries(all())).collect();
         if all().any(|one| one.jumps.contains(&true)) {
-            entries.push((ColourKey::Dot(INK), "reached by a jump".to_owned()));
+            entries.push((Legend::Dot(INK), "reached by a jump".to_owned()));
         }
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let rows = self.panels.len().div_ceil(columns);
@@ -97,7 +95,7 @@ impl CurvePicture<'_> {
             title(canvas, self.heading, left, total_width)?;
             for (number, (caption, series)) in self.panels.iter().enumerate() {
                 let (row, column) = (number / columns, number % columns);
-                let frame = PictureFrame {
+                let frame = Frame {
                     canvas,
                     left: left + column as f64 * (width + gap),
                     top: top + row as f64 * (height + down) + captions,
@@ -113,7 +111,7 @@ impl CurvePicture<'_> {
                 frame.ticks(number + columns >= self.panels.len(), column == 0)?;
             }
             // One label for all columns, below the lowest row.
-            let below = PictureFrame { canvas, left, top, width, height: field.1, x: &x_axis, y: &y_axis };
+            let below = Frame { canvas, left, top, width, height: field.1, x: &x_axis, y: &y_axis };
             below.x_label(left + field.0 / 2.0)?;
             key(canvas, (left, key_top), left + field.0, &entries)
         })?;
@@ -121,12 +119,7 @@ impl CurvePicture<'_> {
     }
 
     /// The curves of one panel; gives its points with what they stand for.
-    fn series(
-        &self,
-        frame: &PictureFrame,
-        series: &[CurveSeries],
-        order: &[usize],
-    ) -> Result<Vec<HoverText>, ReportError> {
+    fn series(&self, frame: &Frame, series: &[Curve], order: &[usize]) -> Result<Vec<Hint>, ReportError> {
         let mut told = Vec::new();
         for (number, one) in series.iter().enumerate() {
             let pen = self.pen(series, number);
@@ -150,7 +143,7 @@ impl CurvePicture<'_> {
         Ok(told)
     }
 
-    fn point(&self, series: &CurveSeries, i: usize, pen: &Pen) -> Point {
+    fn point(&self, series: &Curve, i: usize, pen: &Pen) -> Point {
         let (value, state) = drawn(series.values[i]);
         let branch = series.branch.get(i).copied().unwrap_or(0);
         let own = if pen.by_branch { LINES[usize::from(branch.max(1) - 1) % LINES.len()] } else { pen.shade };
@@ -162,8 +155,8 @@ impl CurvePicture<'_> {
 
     /// How the curve of this number is drawn. A second state shares the colour of its first; a single curve has the colours
     /// of its branches.
-    fn pen(&self, series: &[CurveSeries], number: usize) -> Pen {
-        let first = |series: &[CurveSeries]| series.iter().filter(|one| !one.second).count();
+    fn pen(&self, series: &[Curve], number: usize) -> Pen {
+        let first = |series: &[Curve]| series.iter().filter(|one| !one.second).count();
         let (place, count) = (first(&series[..=number]).max(1) - 1, first(series));
         let several = self.has_branches();
         Pen {
@@ -186,32 +179,32 @@ impl CurvePicture<'_> {
     }
 
     /// Names of the curves where there are several, the first with what they differ by, and of the branches.
-    fn line_entries(&self, series: &[CurveSeries]) -> Vec<(ColourKey, String)> {
+    fn line_entries(&self, series: &[Curve]) -> Vec<(Legend, String)> {
         let several = series.iter().filter(|one| !one.second).count() > 1;
-        let name = |(number, one): (usize, &CurveSeries)| {
+        let name = |(number, one): (usize, &Curve)| {
             let name = if number == 0 { format!("{} {}", self.by, one.name) } else { one.name.clone() };
             let pen = self.pen(series, number);
             let shade = if pen.by_branch { GREY } else { pen.shade };
             let sample = match self.style {
-                Style::Symbols => ColourKey::Dot(shade),
-                _ if pen.dashed => ColourKey::Dashes(shade),
-                _ => ColourKey::Line(shade),
+                Style::Symbols => Legend::Dot(shade),
+                _ if pen.dashed => Legend::Dashes(shade),
+                _ => Legend::Line(shade),
             };
             (several && !one.second).then(|| (sample, name.trim().to_owned()))
         };
-        let mut entries: Vec<(ColourKey, String)> = series.iter().enumerate().filter_map(name).collect();
+        let mut entries: Vec<(Legend, String)> = series.iter().enumerate().filter_map(name).collect();
         if self.has_branches() {
             let words = self.branches.iter().enumerate().skip(1);
             let thin = several && !self.ways;
             entries.extend(words.filter(|(code, _)| !thin || *code == 1).map(|(code, word)| match thin {
-                true => (ColourKey::Thin(GREY), format!("thin: {word}")),
-                false => (ColourKey::Line(LINES[(code - 1) % LINES.len()]), word.clone()),
+                true => (Legend::Thin(GREY), format!("thin: {word}")),
+                false => (Legend::Line(LINES[(code - 1) % LINES.len()]), word.clone()),
             }));
         }
-        let has_second = |one: &CurveSeries| one.second && one.values.iter().any(|value| value.1.has_value());
+        let has_second = |one: &Curve| one.second && one.values.iter().any(|value| value.1.has_value());
         if series.iter().any(has_second) {
             let shade = if several || self.has_branches() { GREY } else { LINES[0] };
-            entries.push((ColourKey::Dashes(shade), "second state".to_owned()));
+            entries.push((Legend::Dashes(shade), "second state".to_owned()));
         }
         entries
     }
@@ -256,7 +249,7 @@ struct Point {
 
 impl Point {
     /// Its place on the picture, if it has one. What lies far below the rest stands at the lower edge.
-    fn place(&self, frame: &PictureFrame) -> Option<(f64, f64)> {
+    fn place(&self, frame: &Frame) -> Option<(f64, f64)> {
         let (x, y) = frame.at(self.x, self.value);
         let shown = self.state.has_value() || matches!(self.state, State::Zero | State::Excluded);
         let at = (x + self.shift, y.clamp(frame.top, frame.top + frame.height));
@@ -271,7 +264,7 @@ impl Point {
 }
 
 /// Joins the points that are neighbours; to one that is doubtful there is no line.
-fn draw_line(frame: &PictureFrame, points: &[Point], pen: &Pen) -> Result<(), ReportError> {
+fn draw_line(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), ReportError> {
     // Points of one look, and the look of each piece.
     let mut piece: Vec<(f64, f64)> = Vec::new();
     let mut look = (pen.shade, false);
@@ -307,7 +300,7 @@ fn draw_line(frame: &PictureFrame, points: &[Point], pen: &Pen) -> Result<(), Re
 }
 
 /// Symbols or sticks without lines between them.
-fn draw_apart(frame: &PictureFrame, points: &[Point], style: Style) -> Result<(), ReportError> {
+fn draw_apart(frame: &Frame, points: &[Point], style: Style) -> Result<(), ReportError> {
     for point in points {
         match point.place(frame) {
             Some(at) if style == Style::Sticks => {
@@ -323,7 +316,7 @@ fn draw_apart(frame: &PictureFrame, points: &[Point], style: Style) -> Result<()
     Ok(())
 }
 
-fn draw_markers(frame: &PictureFrame, points: &[Point], always: bool) -> Result<(), ReportError> {
+fn draw_markers(frame: &Frame, points: &[Point], always: bool) -> Result<(), ReportError> {
     for (number, point) in points.iter().enumerate() {
         let Some(at) = point.place(frame) else { continue };
         let beside = |i: Option<usize>| {
@@ -350,7 +343,7 @@ pub(super) fn drawn((value, state): (f64, State)) -> (f64, State) {
 }
 
 fn draw_piece(
-    frame: &PictureFrame,
+    frame: &Frame,
     piece: &mut Vec<(f64, f64)>,
     (shade, thin): (RGBColor, bool),
     pen: &Pen,
@@ -365,7 +358,7 @@ fn draw_piece(
 }
 
 /// A sign at the lower edge for an instance without a value.
-pub(super) fn absent(frame: &PictureFrame, x: f64, state: State) -> Result<(), ReportError> {
+pub(super) fn absent(frame: &Frame, x: f64, state: State) -> Result<(), ReportError> {
     let y = frame.top + frame.height - 8.0;
     match state {
         State::Failed(_) => frame.canvas.cross((x, y), 3.5, GREY),
@@ -375,7 +368,7 @@ pub(super) fn absent(frame: &PictureFrame, x: f64, state: State) -> Result<(), R
 
 /// The axis of the values, those outside the limits among them.
 pub(super) fn values_axis<'a>(
-    series: impl Iterator<Item = &'a CurveSeries>,
+    series: impl Iterator<Item = &'a Curve>,
     units: &str,
     long_name: &str,
 ) -> PlotAxis {
@@ -390,14 +383,14 @@ pub(super) fn values_axis<'a>(
 }
 
 /// What a key says of points that are no plain values.
-pub(super) fn state_entries<'a>(series: impl Iterator<Item = &'a CurveSeries>) -> Vec<(ColourKey, String)> {
+pub(super) fn state_entries<'a>(series: impl Iterator<Item = &'a Curve>) -> Vec<(Legend, String)> {
     let first = series.filter(|one| !one.second);
     let tally = Tally::of(first.flat_map(|one| &one.values).map(|(_, state)| *state));
     tally.entries([
-        ColourKey::Ring(LINES[0]),
-        ColourKey::Dot(GREY),
-        ColourKey::Tick(GREY),
-        ColourKey::Cross(GREY),
-        ColourKey::Dot(BACK),
+        Legend::Ring(LINES[0]),
+        Legend::Dot(GREY),
+        Legend::Tick(GREY),
+        Legend::Cross(GREY),
+        Legend::Dot(BACK),
     ])
 }

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
 use super::curve_forces::LARGEST;
-use super::frame::{ColourKey, KEY_ROW, PictureFrame, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
 use crate::store::ForceCurve;
 
 /// Decay lengths of the attraction and largest indentations from the surface that are shown.
@@ -38,9 +38,9 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) ->
     for (number, curve) in curves.iter().enumerate() {
         let shade = LINES[number % LINES.len()];
         let sample = match curve {
-            curve if is_retraction(curve) => ColourKey::Dashes(shade),
-            curve if is_cloud(curve) => ColourKey::Dot(shade),
-            _ => ColourKey::Line(shade),
+            curve if is_retraction(curve) => Legend::Dashes(shade),
+            curve if is_cloud(curve) => Legend::Dot(shade),
+            _ => Legend::Line(shade),
         };
         entries.push((sample, names[number].clone()));
     }
@@ -51,7 +51,7 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) ->
     let total = (total_width, key_top + key_rows(width, &entries) * KEY_ROW);
     picture(total, |canvas| {
         title(canvas, heading, left, total_width)?;
-        let frame = PictureFrame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+        let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
         frame.grid()?;
         let (x, y) = (x_axis.place(0.0), y_axis.place(0.0));
         if (0.0..=1.0).contains(&y) {
@@ -71,7 +71,7 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) ->
 }
 
 /// Draws the curve of this number, as far as it is in the frame.
-fn stroke(frame: &PictureFrame, curve: &ForceCurve, number: usize) -> Result<(), ReportError> {
+fn stroke(frame: &Frame, curve: &ForceCurve, number: usize) -> Result<(), ReportError> {
     let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
     let places: Vec<(f64, f64)> = pairs(curve).map(|(depth, force)| frame.at(depth, force)).collect();
     if is_cloud(curve) {
@@ -116,7 +116,7 @@ fn field(curves: &[&ForceCurve], decay: Option<f64>) -> Option<(Ends, Ends)> {
 }
 
 /// The pieces of a line inside the frame, cut at its edges.
-fn inside(frame: &PictureFrame, places: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+fn inside(frame: &Frame, places: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
     let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
     let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
     for pair in places.windows(2) {
@@ -194,7 +194,7 @@ mod tests {
         let made = picture((100.0, 100.0), |canvas| {
             let axis = PlotAxis::over([0.0, 1.0].into_iter(), "1", "", false, 0.0);
             let (width, height) = (10.0, 10.0);
-            let frame = PictureFrame { canvas, left: 0.0, top: 0.0, width, height, x: &axis, y: &axis };
+            let frame = Frame { canvas, left: 0.0, top: 0.0, width, height, x: &axis, y: &axis };
             let found = inside(&frame, &[(-5.0, 5.0), (5.0, 5.0), (5.0, 25.0), (50.0, 50.0)]);
             assert_eq!(found, [vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)]]);
             Ok(())

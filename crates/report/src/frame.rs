@@ -104,7 +104,7 @@ impl Tally {
 
     /// Entries of a key for what there is, with a sample for each: of what is doubtful, nothing, without a value, failed,
     /// outside the limits.
-    pub fn entries(&self, samples: [ColourKey; 5]) -> Vec<(ColourKey, String)> {
+    pub fn entries(&self, samples: [Legend; 5]) -> Vec<(Legend, String)> {
         let codes = |counts: &BTreeMap<u8, usize>| {
             let one = |(code, count): (&u8, &usize)| format!("{} ({count})", status_word(*code));
             counts.iter().map(one).collect::<Vec<_>>().join(", ")
@@ -126,7 +126,7 @@ impl Tally {
 
 /// A sample in a key.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum ColourKey {
+pub(super) enum Legend {
     Line(RGBColor),
     Thin(RGBColor),
     Dashes(RGBColor),
@@ -150,7 +150,7 @@ pub(super) fn key(
     canvas: &Canvas,
     (left, top): (f64, f64),
     right: f64,
-    entries: &[(ColourKey, String)],
+    entries: &[(Legend, String)],
 ) -> Result<(), ReportError> {
     let (mut x, mut y) = (left, top);
     for (sample, text) in entries {
@@ -161,24 +161,20 @@ pub(super) fn key(
         let (a, b) = ((x, y - 6.0), (x + 22.0, y + 6.0));
         let middle = (x + 11.0, y);
         match *sample {
-            ColourKey::Line(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 2.0)?,
-            ColourKey::Thin(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 0.8)?,
-            ColourKey::Dashes(colour) => canvas.dashes(&[(a.0, y), (b.0, y)], colour, 2.0)?,
-            ColourKey::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
-            ColourKey::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
-            ColourKey::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
-            ColourKey::Tick(colour) => {
-                canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?
-            }
-            ColourKey::Swatch(colour) => canvas.rectangle(a, b, colour)?,
-            ColourKey::Shade(colour, cover) => {
-                canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?
-            }
-            ColourKey::Marked(colour) => {
+            Legend::Line(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Legend::Thin(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 0.8)?,
+            Legend::Dashes(colour) => canvas.dashes(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Legend::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
+            Legend::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
+            Legend::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
+            Legend::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
+            Legend::Swatch(colour) => canvas.rectangle(a, b, colour)?,
+            Legend::Shade(colour, cover) => canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?,
+            Legend::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
                 mark(canvas, middle)?;
             }
-            ColourKey::Hatched => canvas.hatched(a, b)?,
+            Legend::Hatched => canvas.hatched(a, b)?,
         }
         canvas.text(text, (x + 28.0, y), SMALL, Anchor::Left, INK)?;
         x += width;
@@ -187,7 +183,7 @@ pub(super) fn key(
 }
 
 /// Rows that [`key`] needs.
-pub(super) fn key_rows(width: f64, entries: &[(ColourKey, String)]) -> f64 {
+pub(super) fn key_rows(width: f64, entries: &[(Legend, String)]) -> f64 {
     let (mut x, mut rows) = (0.0, f64::from(u8::from(!entries.is_empty())));
     for (_, text) in entries {
         let entry = 30.0 + text_width(text, SMALL) + 16.0;
@@ -206,7 +202,7 @@ pub(super) fn mark(canvas: &Canvas, at: (f64, f64)) -> Result<(), ReportError> {
 }
 
 /// A plotting field with its two axes.
-pub(super) struct PictureFrame<'a, 'c> {
+pub(super) struct Frame<'a, 'c> {
     pub canvas: &'a Canvas<'c>,
     pub left: f64,
     pub top: f64,
@@ -216,7 +212,7 @@ pub(super) struct PictureFrame<'a, 'c> {
     pub y: &'a PlotAxis,
 }
 
-impl PictureFrame<'_, '_> {
+impl Frame<'_, '_> {
     /// Pixels of a value pair; NaN where it cannot be shown.
     pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
         (self.left + self.x.place(x) * self.width, self.top + (1.0 - self.y.place(y)) * self.height)

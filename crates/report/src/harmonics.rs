@@ -3,8 +3,8 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{Anchor, INK, LINES, picture};
-use super::frame::{PictureFrame, SMALL, left_margin, title};
-use super::hover::{Hover, HoverText};
+use super::frame::{Frame, SMALL, left_margin, title};
+use super::hover::{Hint, Hover};
 use super::quantity_text::shown;
 use crate::store::Spectra;
 
@@ -49,7 +49,7 @@ pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(Stri
         title(canvas, heading, left, total_width)?;
         for (number, panel) in panels.iter().enumerate() {
             let top = top + number as f64 * (height + gap);
-            let frame = PictureFrame { canvas, left, top, width, height, x: &x_axis, y: &panel.axis };
+            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &panel.axis };
             frame.grid()?;
             hover.points(panel.sticks(&frame, &frequency)?);
             frame.edges(number == 1, true)?;
@@ -76,7 +76,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
-    fn sticks(&self, frame: &PictureFrame, frequency: &[f64]) -> Result<Vec<HoverText>, ReportError> {
+    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<Hint>, ReportError> {
         let bottom = frame.top + frame.height;
         // Many of them are thin.
         let apart = frame.at(2.0, f64::NAN).0 - frame.at(1.0, f64::NAN).0;

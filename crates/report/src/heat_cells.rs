@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{BACK, Canvas, GREY, PALE};
-use super::frame::{BEYOND, NOTHING, PictureFrame, State, colour, mark, status_word};
+use super::frame::{BEYOND, Frame, NOTHING, State, colour, mark, status_word};
 use super::hover;
 use super::labels::short;
 use super::labels::shown;
@@ -69,7 +69,7 @@ impl HeatCells {
 
 /// One panel's cells on their frame.
 pub(super) struct CellField<'a, 'c> {
-    pub frame: &'a PictureFrame<'a, 'c>,
+    pub frame: &'a Frame<'a, 'c>,
     pub across: &'a HeatCells,
     pub up: &'a HeatCells,
     pub bar: &'a PlotAxis,
@@ -160,7 +160,7 @@ impl CellField<'_, '_> {
     /// One image of all cells; what failed is striped in it. What has no value is clear: the ground behind it follows the
     /// page's colours.
     fn image(&self, cells: &[(f64, State)]) -> Result<(), ReportError> {
-        let PictureFrame { canvas, left, top, width, height, .. } = *self.frame;
+        let Frame { canvas, left, top, width, height, .. } = *self.frame;
         let (wide, high) = ((width * FINER) as usize, (height * FINER) as usize);
         let right: Vec<f64> = self.across.edges[1..].iter().map(|edge| self.x_at(*edge)).collect();
         let upper: Vec<f64> = self.up.edges[1..].iter().map(|edge| self.y_at(*edge)).collect();

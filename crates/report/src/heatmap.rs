@@ -5,8 +5,7 @@ use super::axis::{PlotAxis, least_of_decades, spans_decades};
 use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
 use super::contour;
 use super::frame::{
-    ColourKey, KEY_ROW, LABEL, PictureFrame, SMALL, State, Tally, colour, key, key_rows, left_margin, title,
-    upward,
+    Frame, KEY_ROW, LABEL, Legend, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
 };
 use super::heat_cells::{CellField, HeatCells, MARKED, MOST_CELLS, NONE, RASTER};
 use super::hover::Hover;
@@ -96,7 +95,7 @@ impl Heatmap<'_> {
             title(canvas, &self.title, left, total_width)?;
             for (number, panel) in self.panels.iter().enumerate() {
                 let (row, column) = (number / columns, number % columns);
-                let frame = PictureFrame {
+                let frame = Frame {
                     canvas,
                     left: left + column as f64 * (width + gap),
                     top: top + row as f64 * (height + captions + gap) + captions,
@@ -139,31 +138,31 @@ impl Heatmap<'_> {
         overlay(map.frame, &panel.lines)
     }
 
-    fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(ColourKey, String)> {
+    fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Legend, String)> {
         let tally = Tally::of(states);
-        let mut entries: Vec<(ColourKey, String)> = Vec::new();
+        let mut entries: Vec<(Legend, String)> = Vec::new();
         for (number, name) in self.lines.iter().enumerate() {
-            let sample = if number == 0 { ColourKey::Line(INK) } else { ColourKey::Dashes(INK) };
+            let sample = if number == 0 { Legend::Line(INK) } else { Legend::Dashes(INK) };
             entries.push((sample, name.clone()));
         }
-        let [marked, back] = [ColourKey::Marked(colour(0.4)), ColourKey::Swatch(BACK)];
-        let samples = [marked, ColourKey::Swatch(NONE), ColourKey::Swatch(PALE), ColourKey::Hatched, back];
+        let [marked, back] = [Legend::Marked(colour(0.4)), Legend::Swatch(BACK)];
+        let samples = [marked, Legend::Swatch(NONE), Legend::Swatch(PALE), Legend::Hatched, back];
         for (sample, mut words) in tally.entries(samples) {
-            if matches!(sample, ColourKey::Marked(_)) && cells > MARKED {
+            if matches!(sample, Legend::Marked(_)) && cells > MARKED {
                 words += ", not marked";
             }
             entries.push((sample, words));
         }
         if self.x.values.len().max(self.y.values.len()) > MOST_CELLS {
             let text = "each cell is the mean of its neighbouring instances that have a value".to_owned();
-            entries.push((ColourKey::Swatch(colour(0.6)), text));
+            entries.push((Legend::Swatch(colour(0.6)), text));
         }
         entries
     }
 }
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.
-fn overlay(frame: &PictureFrame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
+fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
     for (number, line) in lines.iter().enumerate() {
         let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
         for piece in places.split(|&at| !frame.holds(at)) {

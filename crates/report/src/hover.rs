@@ -6,7 +6,7 @@ use serde_json::json;
 const MOST_CELLS: usize = 20_000;
 
 /// A point and what it stands for.
-pub(super) type HoverText = ((f64, f64), String);
+pub(super) type Hint = ((f64, f64), String);
 
 /// What lies where in a picture, in its pixels.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +34,7 @@ pub(super) struct HoverCells {
 
 impl Hover {
     /// Points with what they stand for.
-    pub fn points(&mut self, points: Vec<HoverText>) {
+    pub fn points(&mut self, points: Vec<Hint>) {
         let points: Vec<serde_json::Value> =
             points.into_iter().map(|((x, y), text)| json!([tenth(x), tenth(y), text])).collect();
         self.fields.push(json!({ "points": points }));

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::band::{self, Band};
 use super::error_floor::SCALES;
 use super::force_curve;
-use super::frame::{ColourKey, State, Tally};
+use super::frame::{Legend, State, Tally};
 use super::hover::Hover;
 use super::labels::{capital, caption};
 use super::picture::{Picture, PictureKind, places, states};
@@ -135,7 +135,7 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
 /// That no instance has a value, and why.
 fn without(name: &str, states: &[(f64, State)]) -> String {
     let tally = Tally::of(states.iter().map(|one| one.1));
-    let words = tally.entries([ColourKey::Hatched; 5]).into_iter().map(|one| one.1).collect::<Vec<_>>();
+    let words = tally.entries([Legend::Hatched; 5]).into_iter().map(|one| one.1).collect::<Vec<_>>();
     format!("{name}: no instance has a value: {}.", words.join(", "))
 }
 

@@ -1,18 +1,15 @@
 //! The pictures of one variable, over as many axes as the results have.
 
-use super::ReportError;
-use super::SAMPLES;
-use super::branch_states;
 use super::canvas::text_width;
 use super::curve_forces::{jumps, torn};
-use super::curve_picture::{CurvePicture, CurveSeries, Style};
+use super::curve_picture::{Curve, CurvePlot, Style};
 use super::frame::{SMALL, State};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
 use super::labels::{brief, capital, caption, label, shown};
 use super::picture::{Picture, PictureKind, case, second_states, states};
-use super::scatter;
 use super::view_request::{DIRECTION, View, ViewRequest};
+use super::{ReportError, SAMPLES, branch_states, scatter};
 use crate::store::{Coordinate, Results, Variable};
 use std::sync::Arc;
 
@@ -150,11 +147,7 @@ impl Subject<'_> {
     fn over_harmonics(&self, names: Vec<String>) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let series = names.into_iter().zip(self.states.chunks(self.harmonics));
-        let series = series.map(|(name, values)| CurveSeries {
-            name,
-            values: values.to_vec(),
-            ..CurveSeries::default()
-        });
+        let series = series.map(|(name, values)| Curve { name, values: values.to_vec(), ..Curve::default() });
         let panels = vec![(String::new(), series.collect())];
         self.curves((&orders, "", Style::Sticks), 1, panels, String::new())
     }
@@ -165,7 +158,7 @@ impl Subject<'_> {
             1 => String::new(),
             harmonics => format!("The first of {harmonics} harmonics."),
         };
-        let series = CurveSeries { values: self.harmonic(0), ..CurveSeries::default() };
+        let series = Curve { values: self.harmonic(0), ..Curve::default() };
         let (svg, hover) = scatter::draw(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
         Ok((svg, hover, note))
     }
@@ -212,7 +205,7 @@ impl Subject<'_> {
     }
 
     /// The curves of a panel, a second state's after each; jumps count where they are `followed` along the axis.
-    fn lines(&self, slice: Slice, names: &[String], followed: bool) -> (String, Vec<CurveSeries>) {
+    fn lines(&self, slice: Slice, names: &[String], followed: bool) -> (String, Vec<Curve>) {
         let Slice { caption, instances, values, second } = slice;
         let length = instances.len() / names.len().max(1);
         let of = |table: &[bool], rows: &[usize]| -> Vec<bool> {
@@ -231,7 +224,7 @@ impl Subject<'_> {
                 } else {
                     (Vec::new(), Vec::new())
                 };
-                series.push(CurveSeries {
+                series.push(Curve {
                     name: name.clone(),
                     values: states[range.clone()].to_vec(),
                     second: order == 1,
@@ -309,7 +302,7 @@ impl Subject<'_> {
         &self,
         (x, by, style): (&Coordinate, &str, Style),
         columns: usize,
-        panels: Vec<(String, Vec<CurveSeries>)>,
+        panels: Vec<(String, Vec<Curve>)>,
         note: String,
     ) -> Result<Shown, ReportError> {
         let (heading, units, long_name) = (self.heading.as_str(), self.units, self.axis_name.as_str());
@@ -317,8 +310,7 @@ impl Subject<'_> {
         // Ways along a curve say themselves what they are.
         let ways = by == WAYS;
         let by = if ways { String::new() } else { by.to_owned() };
-        let curves =
-            CurvePicture { heading, units, long_name, x, columns, by, ways, branches, style, panels };
+        let curves = CurvePlot { heading, units, long_name, x, columns, by, ways, branches, style, panels };
         let (svg, hover) = curves.draw()?;
         Ok((svg, hover, note))
     }

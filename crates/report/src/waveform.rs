@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{Anchor, INK, LINES, PALE, picture};
-use super::frame::{ColourKey, KEY_ROW, PictureFrame, SMALL, key, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, SMALL, key, left_margin, title};
 use crate::store::Waveforms;
 
 /// One quantity over time.
@@ -45,7 +45,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
         key(canvas, (left, first - KEY_ROW), left + width, &panels[0].entries())?;
         for (number, (panel, y_axis)) in panels.iter().zip(&axes).enumerate() {
             let top = first + number as f64 * (height + gap);
-            let frame = PictureFrame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
+            let frame = Frame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
             contact(&frame, time, &indentation)?;
             panel.draw(&frame, time)?;
             frame.edges(number == 2, true)?;
@@ -61,16 +61,16 @@ impl Panel<'_> {
     }
 
     /// What the key says of its lines, and of the shades behind all panels.
-    fn entries(&self) -> Vec<(ColourKey, String)> {
+    fn entries(&self) -> Vec<(Legend, String)> {
         let lines = self.lines.iter().enumerate().map(|(number, (name, _))| match number {
-            0 => (ColourKey::Line(LINES[0]), (*name).to_owned()),
-            _ => (ColourKey::Dashes(LINES[number]), (*name).to_owned()),
+            0 => (Legend::Line(LINES[0]), (*name).to_owned()),
+            _ => (Legend::Dashes(LINES[number]), (*name).to_owned()),
         });
-        lines.chain([(ColourKey::Swatch(PALE), "in contact".to_owned())]).collect()
+        lines.chain([(Legend::Swatch(PALE), "in contact".to_owned())]).collect()
     }
 
     /// Draws the grid, the line of zero and the panel's lines.
-    fn draw(&self, frame: &PictureFrame, time: &[f64]) -> Result<(), ReportError> {
+    fn draw(&self, frame: &Frame, time: &[f64]) -> Result<(), ReportError> {
         frame.grid()?;
         let (left, right) = (frame.left, frame.left + frame.width);
         let zero = frame.y.place(0.0);
@@ -97,7 +97,7 @@ impl Panel<'_> {
     }
 }
 
-fn stroke(frame: &PictureFrame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {
+fn stroke(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(), ReportError> {
     match number {
         0 => frame.canvas.line(piece, LINES[0], 1.6)?,
         _ => frame.canvas.dashes(piece, LINES[number % LINES.len()], 1.6)?,
@@ -107,7 +107,7 @@ fn stroke(frame: &PictureFrame, piece: &mut Vec<(f64, f64)>, number: usize) -> R
 }
 
 /// Shades the times in contact.
-fn contact(frame: &PictureFrame, time: &[f64], indentation: &[f64]) -> Result<(), ReportError> {
+fn contact(frame: &Frame, time: &[f64], indentation: &[f64]) -> Result<(), ReportError> {
     let mut start = None;
     for (&t, &depth) in time.iter().zip(indentation) {
         match (depth > 0.0, start) {
@@ -125,7 +125,7 @@ fn contact(frame: &PictureFrame, time: &[f64], indentation: &[f64]) -> Result<()
     }
 }
 
-fn shade(frame: &PictureFrame, from: f64, to: f64) -> Result<(), ReportError> {
+fn shade(frame: &Frame, from: f64, to: f64) -> Result<(), ReportError> {
     let (a, b) = (frame.at(from, f64::NAN).0, frame.at(to, f64::NAN).0);
     if a.is_finite() && b.is_finite() {
         frame.canvas.rectangle((a, frame.top), (b, frame.top + frame.height), PALE)?;

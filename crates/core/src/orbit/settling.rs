@@ -2,17 +2,18 @@
 //! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end. Where settling
 //! takes very long the motion is followed in long strides first (`slow.rs`).
 
+use super::envelope_solver::{EnvelopeStart, follow_and_search, is_slow, max_evaluations};
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::period_map::{PeriodMap, transfer_section};
 use super::verification::search_and_verify;
-use super::{OrbitSolution, continuation, envelope_solver, time_integration};
+use super::{OrbitSolution, continuation, time_integration};
 use crate::engine::{Cpu, Engine, EngineError, Progress};
 use crate::plan::{Plan, SectionState, StartState};
 use std::collections::{BTreeMap, HashSet};
 use std::f64::consts::TAU;
 
 /// Periods that a look lasts: a motion's unrest is the mean over them.
-const CHECKPOINT_PERIODS: u32 = 8;
+const CHECK_PERIODS: u32 = 8;
 /// From one look to the next the slowest mode's free motion falls by this exponent, and so many periods go by at least;
 /// what has not settled by then may be given up.
 const DECAY_EXPONENT: f64 = 2.0;
@@ -26,9 +27,9 @@ const MAX_SEARCHES: usize = 4;
 const SETTLING_RATIO: f64 = 0.5;
 /// ... where it is no drift either: of a drift each change is like the one before. Of 554 instances under JKR that never
 /// settle nine in ten turn by more than 0.8 of their change.
-const MAX_DRIFT_TURN: f64 = 0.5;
+const MAX_TURN: f64 = 0.5;
 /// What is so still, in accuracies of the free amplitude, is left to a search whatever it does: it may pass for steady.
-const REST_TOL_ACCURACIES: f64 = 0.3;
+const REST_TOL: f64 = 0.3;
 
 /// How a motion changes from period to period.
 #[derive(Clone, Copy, Debug)]
@@ -53,9 +54,9 @@ impl Drift {
     }
 
     /// Whether a motion that was so a while `before` will not come to rest.
-    fn is_not_settling(&self, before: &Self, accuracy: f64) -> bool {
-        self.change > REST_TOL_ACCURACIES * accuracy
-            && self.turns > MAX_DRIFT_TURN
+    fn is_unsettled(&self, before: &Self, accuracy: f64) -> bool {
+        self.change > REST_TOL * accuracy
+            && self.turns > MAX_TURN
             && self.change > SETTLING_RATIO * before.change
     }
 }
@@ -66,7 +67,7 @@ struct Settling {
     /// At the last look at which it was judged.
     drift: Option<Drift>,
     /// Evaluations that following it has taken.
-    envelope_evaluations: u32,
+    evaluations: u32,
 }
 
 /// Steps these instances on and searches for them on the way; what is found goes into `settled`. What is not comes back.
@@ -82,10 +83,10 @@ pub(super) fn settle_and_search(
         paces.entry(decay_periods(plan, one.instance)).or_default().push(Settling {
             left: one,
             drift: None,
-            envelope_evaluations: 0,
+            evaluations: 0,
         });
     }
-    let mut walk = CheckpointedIntegration { plan, settled, engine, progress, rest: Vec::new() };
+    let mut walk = CheckpointRun { plan, settled, engine, progress, rest: Vec::new() };
     for (pace, group) in paces {
         walk.settle_group(group, pace)?;
     }
@@ -98,7 +99,7 @@ fn checkpoints(pace: u32) -> Vec<(u32, bool)> {
     let (mut on, mut gone) = (FIRST_SEARCH_PERIODS, 0);
     while gone + 2 * on <= pace {
         all.push((on, false));
-        gone += on + CHECKPOINT_PERIODS;
+        gone += on + CHECK_PERIODS;
         on *= 2;
     }
     all.push((pace - gone, true));
@@ -116,7 +117,7 @@ fn decay_periods(plan: &Plan, instance: u32) -> u32 {
 }
 
 /// Instances that go from look to look.
-struct CheckpointedIntegration<'a> {
+struct CheckpointRun<'a> {
     plan: &'a Plan,
     settled: &'a mut OrbitSolution,
     engine: &'a dyn Engine,
@@ -125,12 +126,11 @@ struct CheckpointedIntegration<'a> {
     rest: Vec<Unconverged>,
 }
 
-impl CheckpointedIntegration<'_> {
+impl CheckpointRun<'_> {
     /// A group that goes at one pace.
     fn settle_group(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<(), EngineError> {
         for (on, judged) in checkpoints(pace) {
-            let in_time =
-                |one: &Settling| one.left.integrated + on + CHECKPOINT_PERIODS <= self.plan.run.periods;
+            let in_time = |one: &Settling| one.left.integrated + on + CHECK_PERIODS <= self.plan.run.periods;
             let (fit, late): (Vec<Settling>, Vec<Settling>) = going.into_iter().partition(in_time);
             self.retire(late);
             if fit.is_empty() || self.progress.stopped() {
@@ -139,8 +139,8 @@ impl CheckpointedIntegration<'_> {
             going = self.integrate_to_checkpoint(fit, (on, judged))?;
             let (wandering, settling) = going.into_iter().partition(|one| one.left.not_settling);
             self.retire(wandering);
-            let follows = envelope_solver::is_slow(pace) && (on == 0 || !judged);
-            going = if follows { self.follow_envelopes(settling, pace)? } else { settling };
+            let follows = is_slow(pace) && (on == 0 || !judged);
+            going = if follows { self.follow(settling, pace)? } else { settling };
             if on > 0 {
                 going = self.search_from_here(going)?;
             }
@@ -169,7 +169,7 @@ impl CheckpointedIntegration<'_> {
                 .iter()
                 .map(|one| vec![one.left.section])
                 .collect();
-            let lengths = (on > 0).then_some(on).into_iter().chain([1; CHECKPOINT_PERIODS as usize]);
+            let lengths = (on > 0).then_some(on).into_iter().chain([1; CHECK_PERIODS as usize]);
             for (n, periods) in lengths.enumerate() {
                 let starts: Vec<(u32, SectionState)> = slots
                     .clone()
@@ -193,35 +193,29 @@ impl CheckpointedIntegration<'_> {
         for (one, track) in going.iter_mut().zip(tracks) {
             // Who was stopped has no more places.
             let Some(last) = track.last() else { continue };
-            let unrest = Drift::of(&track, self.plan.driven(one.left.instance).free_amplitude().max(1e-15));
+            let now = Drift::of(&track, self.plan.driven(one.left.instance).free_amplitude().max(1e-15));
             one.left.not_settling = !last.finite;
             if judged {
-                one.left.not_settling |=
-                    one.drift.is_some_and(|before| unrest.is_not_settling(&before, accuracy));
-                one.drift = Some(unrest);
+                one.left.not_settling |= one.drift.is_some_and(|before| now.is_unsettled(&before, accuracy));
+                one.drift = Some(now);
             }
-            (one.left.section, one.left.integrated) = (*last, one.left.integrated + on + CHECKPOINT_PERIODS);
-            self.settled.periods[one.left.instance as usize] += on + CHECKPOINT_PERIODS;
+            (one.left.section, one.left.integrated) = (*last, one.left.integrated + on + CHECK_PERIODS);
+            self.settled.periods[one.left.instance as usize] += on + CHECK_PERIODS;
         }
         Ok(going)
     }
 
     /// Follows them from where they are; those whose state is not found so come back.
-    fn follow_envelopes(
-        &mut self,
-        mut going: Vec<Settling>,
-        pace: u32,
-    ) -> Result<Vec<Settling>, EngineError> {
-        let from = |one: &Settling| envelope_solver::EnvelopeStart {
+    fn follow(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<Vec<Settling>, EngineError> {
+        let from = |one: &Settling| EnvelopeStart {
             instance: one.left.instance,
             section: one.left.section,
             decay_periods: pace,
-            max_evaluations: envelope_solver::max_evaluations(pace).saturating_sub(one.envelope_evaluations),
+            max_evaluations: max_evaluations(pace).saturating_sub(one.evaluations),
         };
-        let from: Vec<envelope_solver::EnvelopeStart> = going.iter().map(from).collect();
-        let taken =
-            envelope_solver::follow_and_search(self.plan, &from, self.settled, self.engine, self.progress)?;
-        going.iter_mut().zip(taken).for_each(|(one, taken)| one.envelope_evaluations += taken);
+        let from: Vec<EnvelopeStart> = going.iter().map(from).collect();
+        let taken = follow_and_search(self.plan, &from, self.settled, self.engine, self.progress)?;
+        going.iter_mut().zip(taken).for_each(|(one, taken)| one.evaluations += taken);
         let is_open = |one: &Settling| self.settled.found[one.left.instance as usize].is_none();
         Ok(going.into_iter().filter(is_open).collect())
     }
@@ -241,7 +235,7 @@ impl CheckpointedIntegration<'_> {
 }
 
 /// Instances that are waited for.
-pub(super) struct TimeIntegration {
+pub(super) struct Integration {
     pub instances: Vec<u32>,
     pub periods: u32,
     /// Where they start; none where the scene says it.
@@ -258,7 +252,7 @@ pub(super) fn integrations(
     left: Vec<Unconverged>,
     waits: bool,
     settled: &OrbitSolution,
-) -> Vec<TimeIntegration> {
+) -> Vec<Integration> {
     let elsewhere: HashSet<u32> = left.iter().map(|one| one.instance).collect();
     let unfound = |i: u32| waits && settled.found[i as usize].is_none() && !elsewhere.contains(&i);
     let anew: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0 || unfound(*i)).collect();
@@ -271,13 +265,8 @@ pub(super) fn integrations(
         }
         _ => None,
     };
-    let goes_on = starts.is_some();
-    let mut all = vec![TimeIntegration {
-        instances: anew,
-        periods: plan.run.periods,
-        starts,
-        ends_are_states: goes_on,
-    }];
+    let ends_are_states = starts.is_some();
+    let mut all = vec![Integration { instances: anew, periods: plan.run.periods, starts, ends_are_states }];
     let mut groups: BTreeMap<u32, (Vec<u32>, Vec<SectionState>)> = BTreeMap::new();
     for one in left {
         // So many at least as are measured, however few are left.
@@ -287,7 +276,7 @@ pub(super) fn integrations(
         group.0.push(one.instance);
         group.1.push(one.section);
     }
-    all.extend(groups.into_iter().map(|(periods, (instances, places))| TimeIntegration {
+    all.extend(groups.into_iter().map(|(periods, (instances, places))| Integration {
         instances,
         periods,
         starts: Some(places),
@@ -301,7 +290,7 @@ impl OrbitSolution {
     pub(super) fn integrate(
         &mut self,
         plan: &Plan,
-        wait: TimeIntegration,
+        wait: Integration,
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
@@ -313,19 +302,18 @@ impl OrbitSolution {
         if let Some(starts) = wait.starts {
             part = part.starting_at(starts.into_iter().map(StartState::from).collect());
         }
-        let waited = time_integration::integrate(&part, engine, progress)?;
+        let ran = time_integration::integrate(&part, engine, progress)?;
         for (place, i) in wait.instances.iter().map(|i| *i as usize).enumerate() {
-            self.outcome.results[i] = waited.outcome.results[place];
-            self.periods[i] += waited.periods[place];
+            self.outcome.results[i] = ran.outcome.results[place];
+            self.periods[i] += ran.periods[place];
             // Whoever goes on from here goes on with the curve's state.
-            let end =
-                waited.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
-            let steady = waited.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
+            let end = ran.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
+            let steady = ran.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
             self.found[i] = end
                 .filter(|_| steady)
                 .map(|end| Box::new(continuation::integrated_orbit(plan, i as u32, *end)));
         }
-        self.outcome.notes.extend(waited.outcome.notes);
+        self.outcome.notes.extend(ran.outcome.notes);
         Ok(())
     }
 }
@@ -380,8 +368,8 @@ mod tests {
         for pace in [96, 383, 384, 8688, 69_511, 1_000_000_000] {
             let all = checkpoints(pace);
             let judged = all.iter().skip(1).position(|look| look.1).expect("it is judged");
-            let until: u32 = all[1..=judged + 1].iter().map(|look| look.0 + CHECKPOINT_PERIODS).sum();
-            assert_eq!(until, pace + CHECKPOINT_PERIODS);
+            let until: u32 = all[1..=judged + 1].iter().map(|look| look.0 + CHECK_PERIODS).sum();
+            assert_eq!(until, pace + CHECK_PERIODS);
             assert!(all[judged + 2..].iter().all(|look| *look == (pace, true)));
         }
     }
@@ -393,7 +381,7 @@ mod tests {
             station.x[0] = of(f64::from(n));
             station
         };
-        Drift::of(&(0..=CHECKPOINT_PERIODS).map(place).collect::<Vec<_>>(), 1.0)
+        Drift::of(&(0..=CHECK_PERIODS).map(place).collect::<Vec<_>>(), 1.0)
     }
 
     #[test]
@@ -401,12 +389,12 @@ mod tests {
         let (accuracy, turn) = (1e-3, |n: f64| if n % 2.0 == 0.0 { 0.05 } else { -0.05 });
         let alternates = look(turn);
         assert!((alternates.change - 0.1).abs() < 1e-12 && (alternates.turns - 2.0).abs() < 1e-12);
-        assert!(alternates.is_not_settling(&alternates, accuracy));
+        assert!(alternates.is_unsettled(&alternates, accuracy));
         let drifts = look(|n| 0.01 * n);
-        assert!(drifts.turns < 1e-9 && !drifts.is_not_settling(&drifts, accuracy));
+        assert!(drifts.turns < 1e-9 && !drifts.is_unsettled(&drifts, accuracy));
         let fades = look(|n| 0.4 * turn(n));
-        assert!(!fades.is_not_settling(&alternates, accuracy));
+        assert!(!fades.is_unsettled(&alternates, accuracy));
         let still = look(|n| 1e-3 * turn(n));
-        assert!(!still.is_not_settling(&still, accuracy));
+        assert!(!still.is_unsettled(&still, accuracy));
     }
 }

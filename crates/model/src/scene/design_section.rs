@@ -7,50 +7,26 @@ use super::scene_error::{Checked, Fault};
 use super::uncertain_section::{self, Uncertain};
 use super::values::{self, Key, Value};
 use super::{Axis, SweptAxes, TableFile, axis_zip, design_points, table_file};
-use crate::design::{Design, DesignKind, Parameter, Settings};
+use crate::design::DesignKind::{self, LatinHypercube, MonteCarlo, Morris, Saltelli, Sobol, Table};
+use crate::design::{Design, Parameter, Settings};
 use std::ops::Range;
 use toml::de::DeTable;
 
 /// Keys of `[design]`, and the kinds that each matters to.
 pub(super) const KEYS: [(&str, &[DesignKind]); 11] = [
     ("kind", &ALL),
-    (
-        "samples",
-        &[
-            DesignKind::MonteCarlo,
-            DesignKind::LatinHypercube,
-            DesignKind::Sobol,
-            DesignKind::Saltelli,
-            DesignKind::Morris,
-        ],
-    ),
-    ("replicates", &[DesignKind::Sobol, DesignKind::Saltelli]),
-    (
-        "seed",
-        &[
-            DesignKind::MonteCarlo,
-            DesignKind::LatinHypercube,
-            DesignKind::Sobol,
-            DesignKind::Saltelli,
-            DesignKind::Morris,
-        ],
-    ),
-    ("correlation", &[DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol]),
-    ("groups", &[DesignKind::Saltelli, DesignKind::Morris]),
-    ("scramble", &[DesignKind::Sobol, DesignKind::Saltelli]),
-    ("second_order", &[DesignKind::Saltelli]),
-    ("levels", &[DesignKind::Morris]),
-    ("file", &[DesignKind::Table]),
-    ("names", &[DesignKind::Table]),
+    ("samples", &[MonteCarlo, LatinHypercube, Sobol, Saltelli, Morris]),
+    ("replicates", &[Sobol, Saltelli]),
+    ("seed", &[MonteCarlo, LatinHypercube, Sobol, Saltelli, Morris]),
+    ("correlation", &[MonteCarlo, LatinHypercube, Sobol]),
+    ("groups", &[Saltelli, Morris]),
+    ("scramble", &[Sobol, Saltelli]),
+    ("second_order", &[Saltelli]),
+    ("levels", &[Morris]),
+    ("file", &[Table]),
+    ("names", &[Table]),
 ];
-const ALL: [DesignKind; 6] = [
-    DesignKind::MonteCarlo,
-    DesignKind::LatinHypercube,
-    DesignKind::Sobol,
-    DesignKind::Saltelli,
-    DesignKind::Morris,
-    DesignKind::Table,
-];
+const ALL: [DesignKind; 6] = [MonteCarlo, LatinHypercube, Sobol, Saltelli, Morris, Table];
 
 /// Replicates where the scene does not say, and from how many samples on.
 pub(super) const REPLICATES: usize = 16;
@@ -94,12 +70,12 @@ fn sections(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft) -> Che
     let table = values::table(value, "design", "a section [design]")?;
     let section = Section::new(key, table)?;
     match (section.kind, uncertain) {
-        (DesignKind::Table, Some((key, _))) => Err(Fault::at(key.span(), "a table has its own quantities")
+        (Table, Some((key, _))) => Err(Fault::at(key.span(), "a table has its own quantities")
             .label("[uncertain] here")
             .related(section.key.clone(), "kind = \"table\" in [design]")
             .expected("columns of the table in place of [uncertain]")
             .help("remove [uncertain], or take another kind")),
-        (DesignKind::Table, None) => section.listed(sweep, draft),
+        (Table, None) => section.listed(sweep, draft),
         (_, None) => Err(Fault::at(section.key.clone(), "[design] has nothing to draw")
             .label("no section [uncertain]")
             .expected("[uncertain] with a distribution for each quantity")
@@ -186,7 +162,7 @@ impl<'a> Section<'a> {
     }
 
     fn replicates(&self, samples: usize, scramble: bool) -> Checked<usize> {
-        let usual = matches!(self.kind, DesignKind::Sobol | DesignKind::Saltelli)
+        let usual = matches!(self.kind, Sobol | Saltelli)
             && scramble
             && samples >= FEWEST_FOR_REPLICATES
             && samples.is_multiple_of(REPLICATES);
@@ -308,7 +284,7 @@ impl<'a> Section<'a> {
     fn not_a_power(&self, design: &Design) -> Option<(Range<usize>, String)> {
         let Settings { samples, replicates, kind, .. } = design.settings;
         let each = samples / replicates;
-        (matches!(kind, DesignKind::Sobol | DesignKind::Saltelli) && !each.is_power_of_two()).then(|| {
+        (matches!(kind, Sobol | Saltelli) && !each.is_power_of_two()).then(|| {
             let place = self.table.get("samples").map_or(self.key.clone(), |value| value.span());
             let better = each.next_power_of_two() * replicates;
             let line = format!(
@@ -340,7 +316,7 @@ impl<'a> Section<'a> {
         let rows = columns.first().map_or(0, |(_, values)| values.len());
         self.not_too_many(rows, sweep)?;
         let settings = Settings {
-            kind: DesignKind::Table,
+            kind: Table,
             samples: rows,
             replicates: 1,
             seed: 0,

@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, key, key_rows, left_margin, title};
+use super::super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
 use crate::stats::StudyOutput;
 
 /// A measured curve beside what the weighted samples say.
@@ -70,11 +70,11 @@ pub(super) fn draw(
     let (width, height) = SIZE;
     let left = left_margin(&y, height);
     let mut entries = vec![
-        (ColourKey::Swatch(LINES[5]), "predicted, 95 %".to_owned()),
-        (ColourKey::Line(INK), "median".to_owned()),
+        (Legend::Swatch(LINES[5]), "predicted, 95 %".to_owned()),
+        (Legend::Line(INK), "median".to_owned()),
     ];
     if ways.iter().any(|way| !way.points.is_empty()) {
-        entries.insert(0, (ColourKey::Dot(LINES[1]), "measured, one standard deviation".to_owned()));
+        entries.insert(0, (Legend::Dot(LINES[1]), "measured, one standard deviation".to_owned()));
     }
     let top = 40.0 + key_rows(width, &entries) * KEY_ROW;
     let step = height + 30.0;
@@ -83,8 +83,7 @@ pub(super) fn draw(
         title(canvas, heading, left, left + width)?;
         key(canvas, (left, 44.0), left + width, &entries)?;
         for (n, way) in ways.iter().enumerate() {
-            let frame =
-                PictureFrame { canvas, left, top: top + n as f64 * step, width, height, x: &x, y: &y };
+            let frame = Frame { canvas, left, top: top + n as f64 * step, width, height, x: &x, y: &y };
             frame.grid()?;
             panel(&frame, way)?;
             frame.edges(n + 1 == ways.len(), true)?;
@@ -97,7 +96,7 @@ pub(super) fn draw(
     })
 }
 
-fn panel(frame: &PictureFrame, way: &PredictionPath) -> Result<(), ReportError> {
+fn panel(frame: &Frame, way: &PredictionPath) -> Result<(), ReportError> {
     let canvas = frame.canvas;
     let at = |n: usize, share: usize| frame.at(way.band[n].0, way.band[n].1[share]);
     for n in 1..way.band.len() {

@@ -4,7 +4,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, GREY, INK, picture, text_width};
-use super::super::frame::{PictureFrame, left_margin, title};
+use super::super::frame::{Frame, left_margin, title};
 use super::density;
 use super::histogram::Bars;
 use super::prior_posterior::PriorPosterior;
@@ -35,7 +35,7 @@ pub(super) fn draw(
                 let own = row == column;
                 let (left, top) = place(row, column);
                 let (x, y) = (&across.axis, &up.axis);
-                let frame = PictureFrame { canvas, left, top, width: PANEL, height: PANEL, x, y };
+                let frame = Frame { canvas, left, top, width: PANEL, height: PANEL, x, y };
                 let lowest = row + 1 == known.len();
                 match own {
                     true => alone(&frame, across, posterior)?,
@@ -58,14 +58,14 @@ pub(super) fn draw(
 }
 
 /// A quantity by itself: bars after, a line before. `frame` has its own axis upwards, and lends its place.
-fn alone(frame: &PictureFrame, known: &PriorPosterior, posterior: &Posterior) -> Result<(), ReportError> {
+fn alone(frame: &Frame, known: &PriorPosterior, posterior: &Posterior) -> Result<(), ReportError> {
     let bars = |values: &[f64], weights: &[f64]| {
         Bars::over(known.axis.clone(), values, weights, FINE * posterior.effective)
     };
     let (after, before) = (bars(&known.values, &posterior.weights), bars(&known.prior, &[]));
     let most = after.shares.iter().chain(&before.shares).copied();
     let y = PlotAxis::over([0.0].into_iter().chain(most), "1", "", false, 0.02);
-    let frame = PictureFrame { y: &y, ..*frame };
+    let frame = Frame { y: &y, ..*frame };
     after.draw(&frame)?;
     let wide = frame.width / before.shares.len() as f64;
     let step = |(n, share): (usize, &f64)| {
@@ -78,7 +78,7 @@ fn alone(frame: &PictureFrame, known: &PriorPosterior, posterior: &Posterior) ->
 
 /// A pair of quantities, where both are in their panels.
 fn pair(
-    frame: &PictureFrame,
+    frame: &Frame,
     across: &PriorPosterior,
     up: &PriorPosterior,
     weights: &[f64],
@@ -106,7 +106,7 @@ fn correlation(a: &PriorPosterior, b: &PriorPosterior, weights: &[f64]) -> Strin
 }
 
 /// The words below a panel, in letters small enough for it, or else what stands before their comma.
-fn below(frame: &PictureFrame, axis: &PlotAxis) -> Result<(), ReportError> {
+fn below(frame: &Frame, axis: &PlotAxis) -> Result<(), ReportError> {
     let brief = match (axis.label.split_once(", "), axis.unit.text.as_str()) {
         (Some((first, _)), "") => first.to_owned(),
         (Some((first, _)), unit) => format!("{first} ({unit})"),

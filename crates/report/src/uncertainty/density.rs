@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{GREY, LINES, picture};
-use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, colour, key, left_margin, title};
+use super::super::frame::{Frame, KEY_ROW, Legend, colour, key, left_margin, title};
 use super::super::raster::{self, FINER};
 use plotters::style::RGBColor;
 
@@ -16,7 +16,7 @@ const WEIGHTED: usize = 24;
 
 /// Draws rows (x, y), with weights or without, into a frame.
 pub(in super::super) fn rows(
-    frame: &PictureFrame,
+    frame: &Frame,
     x: &[f64],
     y: &[f64],
     weights: &[f64],
@@ -71,15 +71,15 @@ pub(super) fn draw(heading: &str, x: &Side, y: &Side, failed: &[f64]) -> Result<
     let (x_axis, y_axis) = (x.axis(0.0), y.axis(0.02));
     let (width, height) = (420.0, 300.0);
     let left = left_margin(&y_axis, height);
-    let entries: Vec<(ColourKey, String)> = match failed.len() {
+    let entries: Vec<(Legend, String)> = match failed.len() {
         0 => Vec::new(),
-        count => vec![(ColourKey::Tick(GREY), format!("{count} left out"))],
+        count => vec![(Legend::Tick(GREY), format!("{count} left out"))],
     };
     let top = 36.0 + if entries.is_empty() { 0.0 } else { KEY_ROW };
     picture((left + width + 24.0, top + height + 52.0), |canvas| {
         title(canvas, heading, left, left + width)?;
         key(canvas, (left, 42.0), left + width, &entries)?;
-        let frame = PictureFrame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+        let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
         frame.grid()?;
         rows(&frame, x.values, y.values, &[])?;
         for value in failed.iter().take(DOTS) {

@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, key, left_margin, title};
+use super::super::frame::{Frame, KEY_ROW, Legend, key, left_margin, title};
 use super::super::quantity_text::DisplayUnit;
 
 /// Most bars.
@@ -45,7 +45,7 @@ impl Bars {
     }
 
     /// Draws the bars into a frame whose y axis holds their shares.
-    pub fn draw(&self, frame: &PictureFrame) -> Result<(), ReportError> {
+    pub fn draw(&self, frame: &Frame) -> Result<(), ReportError> {
         let bottom = frame.top + frame.height;
         let wide = frame.width / self.shares.len() as f64;
         for (n, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
@@ -79,22 +79,22 @@ pub(super) fn draw(
         units,
         quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())),
     );
-    let mut entries: Vec<(ColourKey, String)> = quantiles
+    let mut entries: Vec<(Legend, String)> = quantiles
         .iter()
         .map(|(share, value)| {
             let words = format!("{} % below {}", 100.0 * share, unit.value(*value));
-            (if *share == 0.5 { ColourKey::Line(INK) } else { ColourKey::Dashes(INK) }, words)
+            (if *share == 0.5 { Legend::Line(INK) } else { Legend::Dashes(INK) }, words)
         })
         .collect();
     if !left_out.is_empty() {
-        entries.push((ColourKey::Hatched, format!("left out: {left_out}")));
+        entries.push((Legend::Hatched, format!("left out: {left_out}")));
     }
     let rows = super::super::frame::key_rows(width, &entries);
     let top = 40.0 + rows * KEY_ROW;
     picture((left + width + 24.0, top + height + 52.0), |canvas| {
         title(canvas, heading, left, left + width)?;
         key(canvas, (left, 44.0), left + width, &entries)?;
-        let frame = PictureFrame { canvas, left, top, width, height, x: &bars.axis, y: &y };
+        let frame = Frame { canvas, left, top, width, height, x: &bars.axis, y: &y };
         frame.grid()?;
         bars.draw(&frame)?;
         for (share, value) in quantiles {

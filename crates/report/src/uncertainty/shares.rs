@@ -3,7 +3,7 @@
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, INK, LINES, picture, text_width};
-use super::super::frame::{ColourKey, KEY_ROW, PictureFrame, SMALL, key, title};
+use super::super::frame::{Frame, KEY_ROW, Legend, SMALL, key, title};
 use crate::stats::Estimate;
 
 /// What is drawn of each quantity: a word for the key, and a value for each.
@@ -29,16 +29,16 @@ pub(super) fn draw(
     let (width, step) = (460.0, 16.0 + 12.0 * rows.len() as f64);
     let left = 16.0 + names.iter().map(|name| text_width(name, SMALL)).fold(0.0, f64::max);
     let height = step * names.len() as f64;
-    let entries: Vec<(ColourKey, String)> = rows
+    let entries: Vec<(Legend, String)> = rows
         .iter()
         .enumerate()
-        .map(|(n, row)| (ColourKey::Dot(LINES[n % LINES.len()]), row.word.to_owned()))
+        .map(|(n, row)| (Legend::Dot(LINES[n % LINES.len()]), row.word.to_owned()))
         .collect();
     let top = 36.0 + KEY_ROW;
     picture((left + width + 24.0, top + height + 52.0), |canvas| {
         title(canvas, heading, 8.0, left + width)?;
         key(canvas, (left, 42.0), left + width, &entries)?;
-        let frame = PictureFrame { canvas, left, top, width, height, x: &x, y: &y };
+        let frame = Frame { canvas, left, top, width, height, x: &x, y: &y };
         for (place, _) in x.ticks(7).0 {
             let at = left + place * width;
             canvas.line(&[(at, top), (at, top + height)], super::super::canvas::PALE, 0.8)?;
