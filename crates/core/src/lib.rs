@@ -1,5 +1,5 @@
 //! How [afmsweep](https://docs.rs/afmsweep) runs a scene: a [`plan`] of what it needs, an [`engine`] that steps it, the
-//! [`periodic`] states it ends in ([`steady`]), [`control`] of errors, the [`record`] for a file; [`sweep`] is all of it.
+//! [`periodic`] states it ends in ([`orbit`]), [`control`] of errors, the [`record`] for a file; [`sweep`] is all of it.
 
 pub mod compare;
 pub mod control;

@@ -1,5 +1,5 @@
 //! What [afmsweep](https://docs.rs/afmsweep) knows without a lever: [`units`], observables ([`observe`]), points of
-//! uncertain quantities ([`design`]), forces from curves ([`reconstruct`]), results files ([`store`]) and what a study's
+//! uncertain quantities ([`design`]), forces from curves ([`reconstruction`]), results files ([`store`]) and what a study's
 //! file tells ([`stats`]).
 
 pub mod design;

@@ -68,7 +68,7 @@ impl PlotAxis {
         !self.names.is_empty()
     }
 
-    /// The same axis with these ends, given on the scale of [`Axis::scaled`].
+    /// The same axis with these ends, given on the scale of [`PlotAxis::scaled`].
     pub fn between(mut self, low: f64, high: f64) -> Self {
         (self.low, self.high) = (low, high);
         self
@@ -85,7 +85,7 @@ impl PlotAxis {
         self.place_scaled(self.scaled(value))
     }
 
-    /// As [`Axis::place`], for what [`Axis::scaled`] gives.
+    /// As [`PlotAxis::place`], for what [`PlotAxis::scaled`] gives.
     pub fn place_scaled(&self, scaled: f64) -> f64 {
         let place = (scaled - self.low) / (self.high - self.low);
         if place.is_finite() { place } else { f64::NAN }

@@ -30,7 +30,7 @@ pub(super) struct Curve {
     pub jumps: Vec<bool>,
     /// Likewise: the points from which none leads to the next one.
     pub torn: Vec<bool>,
-    /// The branch of each point, by its number in [`Curves::branches`]; empty where the file does not tell.
+    /// The branch of each point, by its number in [`CurvePlot::branches`]; empty where the file does not tell.
     pub branch: Vec<u8>,
 }
 

@@ -68,7 +68,7 @@ impl DisplayUnit {
         self.digits(value, 3)
     }
 
-    /// As [`Unit::value`], with so many significant digits.
+    /// As [`DisplayUnit::value`], with so many significant digits.
     pub fn digits(&self, value: f64, digits: usize) -> String {
         if value.is_nan() {
             return number(value, digits);

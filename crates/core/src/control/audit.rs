@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 /// Tolerance of the reference's steps in units of the accuracy asked for.
 const REFERENCE_TOL_SHARE: f64 = 1e-5;
-/// Instances for each thread whose states are waited for together.
+/// Instances for each thread whose states are integrated together.
 const SEARCHES_PER_THREAD: usize = 32;
 
 /// One audited instance.
@@ -77,7 +77,7 @@ fn auditable(plan: &Plan, results: &ResultColumns) -> Vec<u32> {
 /// The instances that [`audit`] would redo, where not all that is known of the run lies in memory.
 ///
 /// # Errors
-/// What is kept of a portion cannot be read.
+/// What is kept of a chunk cannot be read.
 pub fn audit_selection(run: &JournaledRun, count: usize) -> Result<Vec<u32>, EngineError> {
     let (mut ranking, places) = (Ranking::default(), AuditableInstances::of(run));
     if places.count > count {
@@ -132,7 +132,7 @@ impl AuditableInstances {
 /// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
 ///
 /// # Errors
-/// What is kept of a portion cannot be read.
+/// What is kept of a chunk cannot be read.
 pub fn contacts_by_cost(run: &JournaledRun) -> Result<Vec<u32>, EngineError> {
     let (wants, mut all) = (run.plan.wants, Vec::new());
     run.each(&mut |piece| {
@@ -160,7 +160,7 @@ pub fn contacts_by_cost(run: &JournaledRun) -> Result<Vec<u32>, EngineError> {
 /// [`audit_of`] instances of a run of which not all lies in memory.
 ///
 /// # Errors
-/// What the reference engine says; what is kept of a portion cannot be read.
+/// What the reference engine says; what is kept of a chunk cannot be read.
 pub fn audit_of_run(
     run: &JournaledRun,
     chosen: &[u32],
@@ -236,7 +236,7 @@ fn reference_solutions_of(
         }
     };
     let judge = reference_solution::ReferenceSolver { reference: &reference, told: &told };
-    // Where no states were searched for, those of a piece are waited for before the first one is redone.
+    // Where no states were searched for, those of a piece are integrated to steady state before the first one is redone.
     let waits = keep.lasts() && found.is_empty();
     let size = if waits { SEARCHES_PER_THREAD * rayon::current_num_threads() } else { left.len().max(1) };
     let mut truths = Vec::with_capacity(left.len());

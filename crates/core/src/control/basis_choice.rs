@@ -17,14 +17,14 @@ use std::collections::HashMap;
 pub(super) struct BasisTrialSet {
     /// Instances of the sample.
     pub sample: Vec<u32>,
-    /// From the poorest basis to the first that serves all of it.
+    /// From the smallest basis to the first that serves all of it.
     pub trials: Vec<BasisTrial>,
 }
 
 /// The plan with the modes that each instance needs.
 pub(super) struct BasisChoice {
     pub plan: Plan,
-    /// By instance, what the next poorer basis is made by; none where all are in the sample themselves.
+    /// By instance, what the next smaller basis is made by; none where all are in the sample themselves.
     pub smaller: Option<BasisRules>,
     /// What the modes left out cost each instance, by the sample; empty where it is nothing.
     pub truncation: Vec<f64>,
@@ -83,7 +83,7 @@ pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTri
     BasisChoice { plan: bases.rebasing.plan, smaller: poorer, truncation: bases.truncation }
 }
 
-/// The bases that the plan has; the first run of fast contacts, if there are any, is with the next poorer ones.
+/// The bases that the plan has; the first run of fast contacts, if there are any, is with the next smaller ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
@@ -117,7 +117,7 @@ impl KindTrials {
         }
     }
 
-    /// The poorest basis that serves an instance at this place, and what it costs there.
+    /// The smallest basis that serves an instance at this place, and what it costs there.
     fn basis(&self, place: &StiffnessRank) -> Option<(usize, f64)> {
         let serves = |n: &usize| *n == 0 || self.costs[n - 1].begins(place);
         let cost = |n: usize| self.costs[n].cost(place).map(|cost| (n, cost));
@@ -138,7 +138,7 @@ struct BasisAssignment<'a> {
     /// By instance.
     smaller: BasisRules,
     truncation: Vec<f64>,
-    /// Whether any of the bases has a poorer one.
+    /// Whether any of the bases has a smaller one.
     any_smaller: bool,
 }
 
@@ -175,7 +175,7 @@ impl<'a> BasisAssignment<'a> {
             let richest = BasisRule::Shares { accuracy: least };
             self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
         } else {
-            // No basis of the trial serves: one for the contact itself, which the next poorer one vouches for.
+            // No basis of the trial serves: one for the contact itself, which the next smaller one vouches for.
             let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
             let cost = if own.poorer().is_some() { 0.0 } else { least };
             self.put(i, (own, next_smaller(own)), cost);

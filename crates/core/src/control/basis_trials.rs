@@ -10,7 +10,7 @@ use crate::scene::{Start, Steady};
 use serde::{Deserialize, Serialize};
 
 /// Where more than one in so many of the sample is without a state that a search finds, its members begin at one another's
-/// states, at those of so many that are found, the next in stiffness first; where that does not help, the sample is waited for.
+/// states, at those of so many that are found, the next in stiffness first; where that does not help, the sample is integrated to steady state.
 const UNFOUND_ONE_IN: usize = 4;
 const MAX_NEIGHBOUR_STARTS: usize = 6;
 
@@ -21,7 +21,7 @@ pub(super) struct BasisTrial {
     pub differences: Vec<f64>,
 }
 
-/// A sample's trials, from the poorest basis to the first that serves all of it.
+/// A sample's trials, from the smallest basis to the first that serves all of it.
 #[derive(Default)]
 pub(super) struct TrialResults {
     pub all: Vec<BasisTrial>,

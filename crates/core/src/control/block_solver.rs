@@ -30,11 +30,11 @@ enum BatchStart {
     Level(usize),
     /// At any of those next to them.
     Neighbours,
-    /// Nothing else has led to them: they are waited for.
+    /// Nothing else has led to them: they are integrated to steady state.
     Integrate,
 }
 
-/// A block, and what was chosen for it; see [`First`].
+/// A block, and what was chosen for it; see [`EstimateInputs`].
 pub(super) struct BlockSolver<'a> {
     pub plan: Plan,
     pub smaller_basis: Option<SmallerBasis>,
@@ -43,8 +43,8 @@ pub(super) struct BlockSolver<'a> {
 }
 
 /// Takes a block to its end, batch after batch. What no search finds is left until all batches are through: then it
-/// begins at the states next to it, and only what these do not lead to is waited for. Such instances mostly stand together and
-/// are alike: some of them are waited for first, and the others begin at those. Whoever stops a run keeps the pieces that are
+/// begins at the states next to it, and only what these do not lead to is integrated. Such instances mostly stand together and
+/// are alike: some of them are integrated first, and the others begin at those. Whoever stops a run keeps the pieces that are
 /// done.
 pub(super) fn run(
     block: BlockSolver,

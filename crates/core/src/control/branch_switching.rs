@@ -85,7 +85,7 @@ pub(super) fn from_rest(
     let settled = orbit::solve_from_rest(plan, &candidates(plan, statuses), engine, progress)?;
     notes.extend(settled.outcome.notes);
     let state = |(finished, place): (Finished, Option<Box<PeriodicState>>)| {
-        // Nobody asks for the map's slope there again.
+        // Nobody asks for the map's Jacobian there again.
         let place = Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*place? });
         Some(SecondState { finished, orbit: place })
     };
@@ -134,7 +134,7 @@ impl BranchSwitching<'_> {
         // Where the first run found no steady state at all, any is another.
         let another = apart || !ours.status.is_steady();
         if another {
-            // Nobody asks for the map's slope there again.
+            // Nobody asks for the map's Jacobian there again.
             place.jacobian = Jacobian::Unknown;
             self.seconds.insert(i, SecondState { finished, orbit: place });
         }

@@ -39,12 +39,12 @@ pub struct Choices {
     pub(super) bases: Option<BasisTrialSet>,
 }
 
-/// Instance-steps per instance, of the whole run as planned, from which on a portion is smaller than the engine's: a
-/// core does some 2e8 a second, and the CPU's portions are of 16,384.
+/// Instance-steps per instance, of the whole run as planned, from which on a chunk is smaller than the engine's: a
+/// core does some 2e8 a second, and the CPU's chunks are of 16,384.
 const MANY_STEPS_PER_INSTANCE: f64 = 1.2e5;
-/// Periods that a search steps at most, in place of those that would be waited for.
+/// Periods that a search steps at most, in place of those that would be integrated.
 const MAX_SEARCH_PERIODS: u32 = 600;
-/// Fewest instances of a portion: enough to fill a processor's lanes.
+/// Fewest instances of a chunk: enough to fill a processor's lanes.
 const MIN_CHUNK_INSTANCES: usize = 64;
 
 /// How many instances of the plan are some ten seconds of work. It hangs on the plan and the kind of engine alone.

@@ -1,4 +1,4 @@
-//! Portions of a run that have ended, and who keeps them.
+//! Chunks of a run that have ended, and who keeps them.
 
 use super::ChunkRun;
 use super::codec::{ChunkReader, portion_to_bytes as to_bytes};
@@ -9,7 +9,7 @@ use super::instance_record::{ChunkMeta, InstanceRecord};
 use crate::engine::{Finished, WantedColumns};
 use std::ops::{ControlFlow, Range};
 
-/// A portion that has ended: what is held of it in memory, and the bytes that are kept.
+/// A chunk that has ended: what is held of it in memory, and the bytes that are kept.
 #[derive(Clone, Debug)]
 pub struct Chunk {
     pub meta: ChunkMeta,
@@ -20,8 +20,8 @@ pub struct Chunk {
     pub bytes: Vec<u8>,
 }
 
-/// What is known of a run before it begins, of its portions and of what is asked after them, who is told of what ends, and
-/// where portions are that have ended.
+/// What is known of a run before it begins, of its chunks and of what is asked after them, who is told of what ends, and
+/// where chunks are that have ended.
 pub trait ChunkJournal: Sync {
     /// In how many shares the run is done: these decide how it is divided.
     fn shares(&self) -> usize {
@@ -33,7 +33,7 @@ pub trait ChunkJournal: Sync {
         false
     }
 
-    /// Whether this run is to do the portion of this number.
+    /// Whether this run is to do the chunk of this number.
     fn wanted(&self, _number: usize) -> bool {
         true
     }
@@ -43,10 +43,10 @@ pub trait ChunkJournal: Sync {
         None
     }
 
-    /// A portion has ended, or a part of it where it is not whole, and its bytes are to be kept; a break ends the run.
+    /// A chunk has ended, or a part of it where it is not whole, and its bytes are to be kept; a break ends the run.
     fn ended(&self, number: usize, whole: bool, bytes: Vec<u8>) -> ControlFlow<()>;
 
-    /// Some of the bytes of a portion that has ended in this run, or that was known before. Whether they are what was kept is
+    /// Some of the bytes of a chunk that has ended in this run, or that was known before. Whether they are what was kept is
     /// the reader's to know.
     ///
     /// # Errors
@@ -138,7 +138,7 @@ impl Chunk {
         Self { meta: about, flags: (0..plan.len()).map(mark).collect(), neighbour_started, bytes }
     }
 
-    /// Of its bytes; none where they are no such portion of so many instances. How many there are is the caller's to know:
+    /// Of its bytes; none where they are no such chunk of so many instances. How many there are is the caller's to know:
     /// bytes may tell of more than there is memory for.
     pub fn of_bytes(bytes: Vec<u8>, (number, count): (usize, usize), accuracy: f64) -> Option<Self> {
         let source = |range: Range<usize>| Ok(bytes.get(range).ok_or("it is cut off")?.to_vec());

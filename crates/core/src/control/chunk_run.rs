@@ -5,7 +5,7 @@ use crate::engine::Outcome;
 use crate::orbit::PeriodicState;
 use crate::plan::Plan;
 
-/// Some instances of a run, or all of a small one. See [`Controlled`](super::Controlled).
+/// Some instances of a run, or all of a small one. See [`RunResult`](super::RunResult).
 #[derive(Clone, Debug)]
 pub struct ChunkRun {
     /// The plan that was carried out.

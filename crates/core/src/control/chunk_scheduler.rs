@@ -1,4 +1,4 @@
-//! All instances of a plan, portion by portion.
+//! All instances of a plan, chunk by chunk.
 
 use super::basis_rules::BasisRules;
 use super::block_solver::{self, BlockSolver};
@@ -15,12 +15,12 @@ use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How the instances of a portion are taken to their ends.
+/// How the instances of a chunk are taken to their ends.
 struct ChunkWork<'a> {
     choices: &'a Choices,
-    /// What the modes left out cost each instance of the plan; see [`modes::Choice`].
+    /// What the modes left out cost each instance of the plan; see [`basis_choice::BasisChoice`].
     truncation: Vec<f64>,
-    /// By instance of the plan; see [`First`].
+    /// By instance of the plan; see [`EstimateInputs`].
     smaller_basis: Option<BasisRules>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
@@ -29,7 +29,7 @@ struct ChunkWork<'a> {
 }
 
 impl ChunkWork<'_> {
-    /// A portion of the whole that is not begun, with its searches from rest where second states are asked for.
+    /// A chunk of the whole that is not begun, with its searches from rest where second states are asked for.
     fn run(&self, number: usize, whole: &JournaledRun) -> Result<ChunkRun, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let mut ran = self.first_states(number, whole)?;
@@ -43,7 +43,7 @@ impl ChunkWork<'_> {
         Ok(ran)
     }
 
-    /// Takes a portion, by its number, to its end.
+    /// Takes a chunk, by its number, to its end.
     fn first_states(&self, number: usize, whole: &JournaledRun) -> Result<ChunkRun, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let portion = whole.chunk(number);
@@ -104,8 +104,8 @@ fn free(
     })
 }
 
-/// Takes all instances of the scene's plan to their ends by what was chosen, in portions, some of them at once. Whoever stops
-/// a run keeps the portions that are done. What `keep` does not want stays not run.
+/// Takes all instances of the scene's plan to their ends by what was chosen, in chunks, some of them at once. Whoever stops
+/// a run keeps the chunks that are done. What `keep` does not want stays not run.
 pub(super) fn run<'k>(
     planned: Plan,
     choices: &Choices,
@@ -172,7 +172,7 @@ pub(super) fn run<'k>(
     Ok(whole)
 }
 
-/// Takes in what earlier runs have ended; gives the numbers of the portions that are to be run.
+/// Takes in what earlier runs have ended; gives the numbers of the chunks that are to be run.
 fn take_known(whole: &mut JournaledRun, keep: &dyn ChunkJournal) -> Vec<usize> {
     let mut wanted = Vec::new();
     for number in 0..whole.division().len() {
@@ -203,7 +203,7 @@ mod tests {
     use crate::scene::Scene;
     use std::path::Path;
 
-    /// The CPU engine with small portions.
+    /// The CPU engine with small chunks.
     struct Small(Cpu);
 
     impl Engine for Small {
@@ -228,7 +228,7 @@ mod tests {
         }
     }
 
-    /// A plan in one piece and in portions, by the same choices.
+    /// A plan in one piece and in chunks, by the same choices.
     fn both(plan: &Plan) -> (RunResult, RunResult) {
         let (engine, progress) = (Cpu::default(), Progress::default());
         let chosen = choose(plan, Course::Controlled, &engine, &progress).expect("trials run");
@@ -242,7 +242,7 @@ mod tests {
         (run(usize::MAX, &engine), run(20, &Small(engine)))
     }
 
-    /// The whole is what portions of it are, to the bit: waited for and searched for.
+    /// The whole is what chunks of it are, to the bit: integrated and searched for.
     #[test]
     fn portions_give_what_the_whole_gives() {
         let text = include_str!("../../../../scenes/quickstart.toml");
@@ -267,7 +267,7 @@ mod tests {
         }
     }
 
-    /// More curves than a portion has: none is cut, and each is what it is in one piece.
+    /// More curves than a chunk has: none is cut, and each is what it is in one piece.
     #[test]
     fn curves_stay_whole_in_portions() {
         let text = r#"
@@ -308,7 +308,7 @@ mod tests {
         }
     }
 
-    /// A grid, and a design, whose instances begin at their neighbours': the same in small portions, in one piece, and on an
+    /// A grid, and a design, whose instances begin at their neighbours': the same in small chunks, in one piece, and on an
     /// engine that only runs plans.
     #[test]
     fn neighbours_lead_to_the_same_in_any_portions() {

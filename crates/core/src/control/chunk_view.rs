@@ -1,4 +1,4 @@
-//! A portion of a run as those are shown it who ask for all instances.
+//! A chunk of a run as those are shown it who ask for all instances.
 
 use super::codec::ChunkReader;
 use super::instance_flags::InstanceFlags;
@@ -7,7 +7,7 @@ use crate::observe::{Measured, Observable, Status};
 use crate::plan::{Plan, Precision};
 use std::sync::OnceLock;
 
-/// A run of which a portion is shown: the plan of the whole, what is held of each instance, and what rounding adds to the
+/// A run of which a chunk is shown: the plan of the whole, what is held of each instance, and what rounding adds to the
 /// estimates, where it does.
 #[derive(Clone, Copy)]
 pub(super) struct RunContext<'a> {
@@ -16,7 +16,7 @@ pub(super) struct RunContext<'a> {
     pub added: &'a [f64],
 }
 
-/// A portion of a run that has ended, or what is known of one that has not.
+/// A chunk of a run that has ended, or what is known of one that has not.
 pub struct ChunkView<'a> {
     run: RunContext<'a>,
     /// By their numbers in the run.
@@ -42,7 +42,7 @@ impl ChunkView<'_> {
         }
     }
 
-    /// What was measured of an instance, by its number in the portion.
+    /// What was measured of an instance, by its number in the chunk.
     pub fn measured(&self, n: usize) -> Measured {
         self.view.as_ref().map_or(Measured::NONE, |view| view.measured(n))
     }
@@ -76,7 +76,7 @@ impl ChunkView<'_> {
         self.run.marks[self.instances[n] as usize].precision()
     }
 
-    /// Estimated errors: see [`Controlled::estimates`](super::Controlled::estimates).
+    /// Estimated errors: see [`RunResult::estimates`](super::RunResult::estimates).
     pub fn estimates(&self) -> Vec<f64> {
         let none = || vec![f64::NAN; self.instances.len()];
         let mut all = self.view.as_ref().map_or_else(none, ChunkReader::estimates);

@@ -1,20 +1,20 @@
-//! How the instances of a plan are divided into portions.
+//! How the instances of a plan are divided into chunks.
 
 use super::choices::Choices;
 use super::hierarchy::SweepBlocks;
 use crate::plan::Plan;
 
-/// How a plan's instances are divided: the order in which they run, and which make a portion. Every run of the plan with
+/// How a plan's instances are divided: the order in which they run, and which make a chunk. Every run of the plan with
 /// the same choices divides them so.
 pub struct Chunking {
     order: Vec<u32>,
-    /// Where in the order each portion ends.
+    /// Where in the order each chunk ends.
     ends: Vec<usize>,
-    /// Where the portions are blocks whose instances begin at one another's states.
+    /// Where the chunks are blocks whose instances begin at one another's states.
     pub(super) blocks: Option<SweepBlocks>,
 }
 
-/// Portions that each share of a run has at least, as far as there are instances: so no share waits long for another.
+/// Chunks that each share of a run has at least, as far as there are instances: so no share waits long for another.
 const MIN_CHUNKS_PER_SHARE: usize = 4;
 /// Fewest instances of them: a lane's worth.
 const MIN_CHUNK_INSTANCES: usize = 16;
@@ -45,7 +45,7 @@ impl Chunking {
         Self { order, ends, blocks: None }
     }
 
-    /// How many portions there are.
+    /// How many chunks there are.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -55,7 +55,7 @@ impl Chunking {
         self.ends.is_empty()
     }
 
-    /// The instances of a portion, by their numbers in the plan.
+    /// The instances of a chunk, by their numbers in the plan.
     pub fn chunk(&self, number: usize) -> &[u32] {
         let from = if number == 0 { 0 } else { self.ends[number - 1] };
         &self.order[from..self.ends[number]]
@@ -65,7 +65,7 @@ impl Chunking {
 /// Curves that are followed side by side, at least: enough to fill a processor's lanes.
 const CURVES_PER_CHUNK: usize = 32;
 
-/// The size of a portion, so that no curve is in two.
+/// The size of a chunk, so that no curve is in two.
 pub(super) fn whole_curves(plan: &Plan, size: usize) -> usize {
     match plan.ensemble.curves {
         Some(curves) => {

@@ -5,10 +5,10 @@ use crate::orbit::{Jacobian, PeriodicState};
 use crate::periodic::Floquet;
 use crate::plan::{BasisRule, Plan, SectionState};
 
-/// A periodic state without the slope of its map. There are very many: of a station only the modes that move are held.
+/// A periodic state without the Jacobian of its map. There are very many: of a section state only the modes that move are held.
 #[derive(Clone, Debug)]
 pub struct CompactOrbit {
-    /// Travels up to the last mode that moves, then rates; see [`Station`].
+    /// Travels up to the last mode that moves, then rates; see [`SectionState`].
     numbers: Box<[f64]>,
     touching: bool,
     finite: bool,

@@ -45,7 +45,7 @@ impl ErrorSummary {
     /// either.
     ///
     /// # Errors
-    /// What is kept of a portion cannot be read.
+    /// What is kept of a chunk cannot be read.
     pub fn of(run: &JournaledRun, audited: &[AuditedInstance], exact: bool) -> Result<Self, EngineError> {
         let accuracy = run.plan.run.accuracy;
         let compared = || audited.iter().filter(|one| one.worst.is_some());

@@ -22,7 +22,7 @@ pub(super) struct EstimateInputs<'a> {
     pub around: Option<Stencils<'a>>,
 }
 
-/// The next poorer bases.
+/// The next smaller bases.
 pub(super) struct SmallerBasis {
     /// By instance.
     pub bases: Vec<BasisRule>,
@@ -147,7 +147,7 @@ fn coarse_and_fine(
         let settled = orbit::solve_again(fine, &near, engine, progress)?;
         return Ok((rough, settled, Vec::new()));
     };
-    // What is waited for is so in the second run, and only where it settles in the first one.
+    // What is integrated to steady state is so in the second run, and only where it settles in the first one.
     let (leads, patience) = (around.first_run(stepped), around.on_failure());
     let (mut rough, _) = orbit::solve_from_neighbours(coarse, &leads, (&[], patience[0]), engine, progress)?;
     let near = orbit::scatter(&rough.found, stepped, fine.len());

@@ -6,10 +6,10 @@
 use super::orbit_pair::WeightedPoint;
 use crate::plan::{Grid, GridAxis, Ranks};
 
-/// Scouts are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.
+/// Coarse points are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.
 const COARSE_SPACING: (u32, u32) = (16, 8);
 const MIN_COARSE_SPANS: u32 = 7;
-/// Where more than one in so many would be a scout there is too little to win.
+/// Where more than one in so many would be a coarse point there is too little to win.
 const MIN_INSTANCES_PER_COARSE: usize = 4;
 /// Places of an axis on which a guess rests: a cubic.
 const STENCIL_POINTS: usize = 4;
@@ -22,7 +22,7 @@ pub(super) struct GridSlabs {
 }
 
 impl GridSlabs {
-    /// None where too many instances would be scouts.
+    /// None where too many instances would be coarse points.
     pub fn worth(grid: &Grid, most: usize) -> Option<Self> {
         let slabs = Self::over(grid, most);
         let worth =
@@ -144,7 +144,7 @@ impl GridLevel<'_> {
     }
 }
 
-/// Spans between scouts along an axis; of one without an order every place is taken.
+/// Spans between coarse points along an axis; of one without an order every place is taken.
 fn coarse_spans(axis: &GridAxis) -> u32 {
     let steps = axis.length - 1;
     match axis.order.is_empty() {

@@ -11,7 +11,7 @@ use crate::scene::{Start, Steady};
 
 /// Fewer instances than these are searched for one by one.
 const MIN_HIERARCHY_INSTANCES: usize = 1000;
-/// Most instances of a block. More: fewer scouts, and guesses that rest on more of the sweep. Less: less is lost where a run
+/// Most instances of a block. More: fewer coarse points, and guesses that rest on more of the sweep. Less: less is lost where a run
 /// is killed, and more shares have work.
 const MAX_BLOCK_INSTANCES: usize = 1 << 14;
 
@@ -29,7 +29,7 @@ enum BlockKind {
 }
 
 impl SweepBlocks {
-    /// None where the plan is not the scene's own, too small, waited for, or led otherwise: along curves, to set-points.
+    /// None where the plan is not the scene's own, too small, integrated to steady state, or started otherwise: along curves, to set-points.
     pub fn of(plan: &Plan) -> Option<Self> {
         let ensemble = &plan.ensemble;
         let whole = plan.len() == ensemble.len() && plan.len() >= MIN_HIERARCHY_INSTANCES;

@@ -83,7 +83,7 @@ impl InstanceFlags {
         self.has(ESTIMATED)
     }
 
-    /// Whether its periodic state was found by a search, or by waiting for what one did not find.
+    /// Whether its periodic state was found by a search, or by integration where one found none.
     pub fn found(self) -> bool {
         self.has(FOUND)
     }

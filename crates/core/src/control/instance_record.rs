@@ -4,7 +4,7 @@ use super::compact_orbit::CompactOrbit;
 use crate::engine::Finished;
 use crate::plan::{Precision, Resolution};
 
-/// What is said of a portion as a whole.
+/// What is said of a chunk as a whole.
 #[derive(Clone, Debug)]
 pub struct ChunkMeta {
     /// Whether all that was to be done for it was; else what was not done is called not run.
@@ -19,7 +19,7 @@ pub struct ChunkMeta {
     pub notes: Vec<String>,
 }
 
-/// What became of one instance; see [`Part`](super::Part).
+/// What became of one instance; see [`Part`](super::ChunkRun).
 #[derive(Clone, Debug)]
 pub struct InstanceRecord {
     pub finished: Finished,

@@ -9,7 +9,7 @@ use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
-/// [`refine::run`]; where it was stopped, what it would have gone on with is marked.
+/// [`refinement::run`]; where it was stopped, what it would have gone on with is marked.
 pub(super) fn marked(
     plan: Plan,
     stepped: &[u32],
@@ -60,7 +60,7 @@ impl ChunkRun {
             let waited = !search && (arithmetic.of[i] == Precision::F64 || !chosen.mixed);
             let done = match outcome.results[i].status {
                 Status::Ok => told || once && estimates[i] <= plan.policy.certain * before.run.accuracy,
-                // Later runs could have settled it: the search's rest is waited for, what f32 leaves goes on in f64.
+                // Later runs could have settled it: the search's rest is integrated, what f32 leaves goes on in f64.
                 Status::NotSteady => waited,
                 Status::OutOfRange | Status::NonFinite => told,
                 Status::Sensitive | Status::AccuracyNotMet | Status::NoSetpoint => true,

@@ -1,4 +1,4 @@
-//! A run whose portions have ended: of each instance a byte is held, the rest is read where they are kept.
+//! A run whose chunks have ended: of each instance a byte is held, the rest is read where they are kept.
 
 use super::choices::Choices;
 use super::chunk::{Chunk, ChunkJournal};
@@ -37,7 +37,7 @@ pub struct JournaledRun<'k> {
     flags: Vec<InstanceFlags>,
     neighbour_started: usize,
     chunking: Chunking,
-    /// Of each portion whether it is kept.
+    /// Of each chunk whether it is kept.
     kept: Vec<bool>,
     keep: &'k dyn ChunkJournal,
 }
@@ -67,7 +67,7 @@ impl<'k> JournaledRun<'k> {
         }
     }
 
-    /// The instances of a portion.
+    /// The instances of a chunk.
     pub(super) fn chunk(&self, number: usize) -> &[u32] {
         self.chunking.chunk(number)
     }
@@ -77,7 +77,7 @@ impl<'k> JournaledRun<'k> {
         &self.chunking
     }
 
-    /// Takes in a portion that is kept.
+    /// Takes in a chunk that is kept.
     pub(super) fn take(&mut self, number: usize, portion: &Chunk) {
         for (i, mark) in self.chunking.chunk(number).iter().zip(&portion.flags) {
             self.flags[*i as usize] = *mark;
@@ -111,7 +111,7 @@ impl<'k> JournaledRun<'k> {
         self.flags[instance as usize].status()
     }
 
-    /// Whether every instance of these portions was run.
+    /// Whether every instance of these chunks was run.
     pub fn is_run(&self, portions: impl Fn(usize) -> bool) -> bool {
         let mut wanted = (0..self.chunking.len()).filter(|number| portions(*number));
         wanted.all(|number| self.chunk(number).iter().all(|i| self.status(*i) != Status::NotRun))
@@ -146,10 +146,10 @@ impl<'k> JournaledRun<'k> {
         if self.flags.iter().any(|mark| mark.precision() != first) { "mixed" } else { first.name() }
     }
 
-    /// Shows all portions, one after the other, until `show` breaks off.
+    /// Shows all chunks, one after the other, until `show` breaks off.
     ///
     /// # Errors
-    /// What is kept of a portion cannot be read.
+    /// What is kept of a chunk cannot be read.
     pub fn each(&self, show: &mut dyn FnMut(&ChunkView) -> ControlFlow<()>) -> Result<(), EngineError> {
         for number in 0..self.chunking.len() {
             if self.shown(number, show)?.is_break() {
@@ -159,14 +159,14 @@ impl<'k> JournaledRun<'k> {
         Ok(())
     }
 
-    /// Shows all portions with nothing but their plans and marks: what is kept of them is not read.
+    /// Shows all chunks with nothing but their plans and marks: what is kept of them is not read.
     pub fn each_unread(&self, show: &mut dyn FnMut(&ChunkView)) {
         for number in 0..self.chunking.len() {
             show(&ChunkView::new(self.context(), self.chunking.chunk(number), None));
         }
     }
 
-    /// What its portions are shown with.
+    /// What its chunks are shown with.
     fn context(&self) -> RunContext<'_> {
         RunContext { plan: &self.plan, marks: &self.flags, added: &self.added }
     }
@@ -190,7 +190,7 @@ impl<'k> JournaledRun<'k> {
     /// The estimates of the instances that are called ok, those that are numbers, the least first.
     ///
     /// # Errors
-    /// As [`Ran::each`].
+    /// As [`JournaledRun::each`].
     pub fn estimates_of_ok(&self) -> Result<Vec<f64>, EngineError> {
         let mut known = Vec::new();
         self.each(&mut |piece| {
@@ -206,7 +206,7 @@ impl<'k> JournaledRun<'k> {
     /// These instances with all that is known of them: a run of them alone, in this order.
     ///
     /// # Errors
-    /// As [`Ran::each`].
+    /// As [`JournaledRun::each`].
     pub fn some(&self, instances: &[u32]) -> Result<RunResult, EngineError> {
         /// No place among them.
         const NONE: u32 = u32::MAX;
@@ -239,7 +239,7 @@ impl<'k> JournaledRun<'k> {
     /// All of it in memory.
     ///
     /// # Errors
-    /// As [`Ran::each`].
+    /// As [`JournaledRun::each`].
     pub fn gathered(&self) -> Result<RunResult, EngineError> {
         self.some(&self.plan.instances().collect::<Vec<u32>>())
     }
@@ -276,7 +276,7 @@ impl GatheredRun {
         Self { run, fineness }
     }
 
-    /// Takes in an instance, number `there` of its portion and `n` here.
+    /// Takes in an instance, number `there` of its chunk and `n` here.
     fn take(&mut self, (view, piece): (&ChunkReader, &ChunkView), there: usize, n: usize) {
         let Some(one) = view.ended(there) else { return };
         let RunResult { results, estimates, truncation: left_out, periods, jumps, neighbour_started, .. } =

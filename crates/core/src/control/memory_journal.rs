@@ -1,11 +1,11 @@
-//! Portions that are kept in memory.
+//! Chunks that are kept in memory.
 
 use super::chunk::ChunkJournal;
 use std::collections::HashMap;
 use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
-/// Nothing is known before, and portions that end are kept in memory.
+/// Nothing is known before, and chunks that end are kept in memory.
 #[derive(Debug, Default)]
 pub struct MemoryJournal {
     portions: Mutex<HashMap<usize, Vec<u8>>>,

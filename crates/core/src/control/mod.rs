@@ -156,7 +156,7 @@ impl Arithmetic {
 /// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
 /// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
 /// runs with poorer and richer bases, and each instance takes the one that serves its neighbours in it; the first of its
-/// two runs is with the next poorer one, so that the difference tells of modes as of steps, and what of it the steps
+/// two runs is with the next smaller one, so that the difference tells of modes as of steps, and what of it the steps
 /// do not explain goes on with a richer one. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
 /// prescribes its steps, they are kept, and the estimate comes from another run with half of them. Instances that had to run with more steps run once more from a start
 /// moved a little: where that moves the result, it is called sensitive.
@@ -177,7 +177,7 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<R
     }
 }
 
-/// Carries out what was chosen for the scene's plan: what [`run`] does once it has chosen. `keep` knows portions that an
+/// Carries out what was chosen for the scene's plan: what [`run`] does once it has chosen. `keep` knows chunks that an
 /// earlier run has ended, and is told of each that this one ends.
 ///
 /// # Errors
@@ -225,7 +225,7 @@ pub fn once(
     let OrbitSolution { mut outcome, found, periods, jumps } =
         orbit::solve_first(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
-        // What no search settles is waited for, and was not.
+        // What no search settles is integrated to steady state, and was not.
         let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
         waits.for_each(|one| one.status = Status::NotRun);
     }

@@ -8,7 +8,7 @@ use crate::kernel::LENGTH;
 use crate::plan::Plan;
 use rayon::prelude::*;
 
-/// Depths of the tree whose instances are scouts: one in 2^SCOUTED of all, at least 2^FEWEST.
+/// Depths of the tree whose instances are coarse points: one in 2^SCOUTED of all, at least 2^FEWEST.
 const COARSE_EXPONENT: u32 = 7;
 const MIN_COARSE_EXPONENT: u32 = 6;
 /// Neighbours that a guess rests on, at least and for each dimension.
@@ -30,7 +30,7 @@ pub(super) struct ScatteredHierarchy {
     /// Instance after instance, in spreads.
     coordinates: Vec<f64>,
     tree: KdTree,
-    /// Depths of the scouts.
+    /// Depths of the coarse points.
     scouted: u32,
 }
 

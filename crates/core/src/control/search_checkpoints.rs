@@ -38,7 +38,7 @@ impl<'a> CheckpointedSearch<'a> {
         Self { engine, progress, keep, size: Cell::new(size), notes: RefCell::default() }
     }
 
-    /// The states of all of a plan's instances that are found from these places; see [`steady::from_places`].
+    /// The states of all of a plan's instances that are found from these places; see [`orbit::solve_from_sections`].
     pub fn from_sections(
         &self,
         plan: &Plan,
@@ -55,7 +55,7 @@ impl<'a> CheckpointedSearch<'a> {
         })
     }
 
-    /// Those that are found from the lever at rest; see [`steady::from_rest`].
+    /// Those that are found from the lever at rest; see [`orbit::solve_from_rest`].
     pub fn from_rest(&self, plan: &Plan) -> Result<Vec<FoundOrbit>, EngineError> {
         let questions: Vec<FollowupKey> =
             plan.instances().map(|i| FollowupKey::new(FollowupKind::FromRest, plan, i, None)).collect();
@@ -100,7 +100,7 @@ impl<'a> CheckpointedSearch<'a> {
                 self.progress.stop();
             }
             for (i, (one, state)) in piece.iter().zip(outcome.results.into_iter().zip(states)) {
-                // Nobody asks for the map's slope there again.
+                // Nobody asks for the map's Jacobian there again.
                 let state =
                     state.map(|state| Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*state }));
                 found[*i as usize] = Some((one, state));

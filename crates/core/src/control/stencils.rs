@@ -12,7 +12,7 @@ pub(super) struct Stencils<'a> {
     support: Support,
 }
 
-/// What instances rest on, by their number in the portion.
+/// What instances rest on, by their number in the chunk.
 enum Support {
     /// Nothing: these are searched for.
     Coarse,
@@ -20,7 +20,7 @@ enum Support {
     Lines { lines: Vec<Vec<WeightedPoint>>, scattered: bool },
     /// Any of those next to them.
     Neighbours(Vec<Vec<u32>>),
-    /// Nothing else has led to them: they are waited for.
+    /// Nothing else has led to them: they are integrated to steady state.
     Integrate,
 }
 
@@ -47,8 +47,8 @@ impl<'a> Stencils<'a> {
         Self { solved, support: Support::Integrate }
     }
 
-    /// What becomes of those that are not found, in the first run and in the second. Much begins at scouts: for these searches are
-    /// repeated. Nothing is waited for before all else is known.
+    /// What becomes of those that are not found, in the first run and in the second. Much begins at coarse points: for these searches are
+    /// repeated. Nothing is integrated to steady state before all else is known.
     pub fn on_failure(&self) -> [OnFailure; 2] {
         match self.support {
             Support::Coarse => [OnFailure::RetryLater; 2],
@@ -62,7 +62,7 @@ impl<'a> Stencils<'a> {
         matches!(self.support, Support::Neighbours(_))
     }
 
-    /// For the first run of each of these instances of the portion: where its neighbours' first runs lead to.
+    /// For the first run of each of these instances of the chunk: where its neighbours' first runs lead to.
     pub fn first_run(&self, instances: &[u32]) -> Vec<StencilStart<'a>> {
         let hint = |weighted: &WeightedPoint, [first, _]: &'a [SolvedNeighbour; 2]| {
             stencil_point(weighted, first, None)

@@ -178,7 +178,7 @@ impl BatchMap {
         }
     }
 
-    /// Takes these through a period, and tells the slope of each.
+    /// Takes these through a period, and tells the Jacobian of each.
     pub fn slopes(&self, least: &[f64], (rows, room): (&mut Buffers, &mut Room<f64>)) -> Vec<Box<[f64]>> {
         let mut slopes = Vec::with_capacity(least.len());
         let Buffers { constants, state, .. } = rows;
@@ -205,7 +205,7 @@ impl BatchMap {
         self.stepper.measure(&rows.constants, &mut rows.state, &mut rows.sums, &span);
     }
 
-    /// Tells where the instance in a lane is; see [`station::put`].
+    /// Tells where the instance in a lane is; see [`section_state::put`].
     pub fn put(
         &self,
         lane: usize,

@@ -1,5 +1,5 @@
 //! Searches that begin where something is known of the period map: from each place one measured period, and from where that
-//! leads a stride of Broyden's method to the next place, until one is a periodic state.
+//! leads a step of Broyden's method to the next place, until one is a periodic state.
 
 use super::return_map::{CpuReturnMap, MapPassage};
 use super::{EngineError, Finished, ProfileSection, Progress};
@@ -17,14 +17,14 @@ pub struct Predictions {
     /// How many numbers each state has: travels of as many modes as [`state_modes`](crate::kernel::broyden::state_modes) tells,
     /// then their rates over angular frequencies; what an instance lacks is at rest.
     pub numbers: usize,
-    /// The longest stride that need not be taken, and the largest bound on the distance of a state that is found; in units of
-    /// [`Guessed::scale`].
+    /// The longest step that need not be taken, and the largest bound on the distance of a state that is found; in units of
+    /// [`Prediction::scale`].
     pub near: f64,
     pub sure: f64,
     pub all: Vec<Prediction>,
     /// The expected states, m, one after the other; after the search where it has led.
     pub places: Vec<f64>,
-    /// What takes a change of the map to the step that undoes it, column by column, one after the other; after the search as it
+    /// The resolvents (I - J)^-1, column by column, one after the other; after the search as it
     /// was corrected on the way.
     pub undoes: Vec<f64>,
 }
@@ -81,7 +81,7 @@ impl Predictions {
         self.undoes.reserve(count * self.numbers * self.numbers);
     }
 
-    /// Adds one, with its state, m, and what undoes a change there.
+    /// Adds one, with its state, m, and the resolvent there.
     pub fn push(&mut self, guessed: Prediction, place: &[f64], undoes: &[f64]) {
         self.all.push(guessed);
         self.places.extend_from_slice(place);
@@ -100,7 +100,7 @@ impl Predictions {
         &self.places[n * self.numbers..][..self.numbers]
     }
 
-    /// What undoes a change there.
+    /// The resolvent there.
     pub fn undoes(&self, n: usize) -> &[f64] {
         let size = self.numbers * self.numbers;
         &self.undoes[n * size..][..size]

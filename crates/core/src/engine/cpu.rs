@@ -64,7 +64,7 @@ impl Engine for Cpu {
         Ok(outcome)
     }
 
-    /// What a portion does on one thread is hidden behind the others.
+    /// What a chunk does on one thread is hidden behind the others.
     fn portions(&self) -> (usize, usize) {
         (1 << 14, 4 * rayon::current_num_threads())
     }
@@ -101,7 +101,7 @@ impl Engine for Cpu {
         Ok(Corrections { all, notes: Vec::new() })
     }
 
-    /// As devices do it. Otherwise rounds side by side take fewer slopes, and differences where these cost less.
+    /// As devices do it. Otherwise rounds side by side take fewer Jacobians, and differences where these cost less.
     fn searches(&self) -> bool {
         self.strict
     }

@@ -12,9 +12,9 @@ pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Step
     E::stepper(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
 }
 
-/// Numbers in which slopes of periods are told.
+/// Numbers in which Jacobians of periods are told.
 pub(super) trait TangentReal: Real {
-    /// What tells the slopes of a class's periods; in f32 where every operation rounds, whatever `rounding` says.
+    /// What tells the Jacobians of a class's periods; in f32 where every operation rounds, whatever `rounding` says.
     ///
     /// # Errors
     /// As [`stepper`].

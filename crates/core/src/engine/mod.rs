@@ -63,7 +63,7 @@ pub trait Engine: Send + Sync {
         true
     }
 
-    /// Of a run of very many instances, how many are taken to their ends together, and how many such portions at once:
+    /// Of a run of very many instances, how many are taken to their ends together, and how many such chunks at once:
     /// enough to keep the device busy, and of what only the way there needs no more is held.
     fn portions(&self) -> (usize, usize) {
         (1 << 17, 1)
@@ -97,13 +97,13 @@ pub trait Engine: Send + Sync {
         Ok(None)
     }
 
-    /// Whether it tells slopes of periods, [`Engine::slopes`].
+    /// Whether it tells Jacobians of periods, [`Engine::slopes`].
     fn tells_slopes(&self) -> bool {
         false
     }
 
-    /// Steps one period of each instance of a plan, from steady free motion on from where the plan says, and tells its slope; of
-    /// that about as much may be left out as `least` says, by instance. Nothing is told by an engine that leaves slopes to
+    /// Steps one period of each instance of a plan, from steady free motion on from where the plan says, and tells its Jacobian; of
+    /// that about as much may be left out as `least` says, by instance. Nothing is told by an engine that leaves Jacobians to
     /// differences.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ pub trait Engine: Send + Sync {
     }
 
     /// Takes each of these guesses at periodic states of instances of the plan to its end, in f64: one measured period after
-    /// another, each from where a stride from the last one has led, [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most. It is
+    /// another, each from where a step from the last one has led, [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most. It is
     /// stepped with the plan's steps, from steady free motion. An engine without a way of its own leaves this to the CPU.
     ///
     /// # Errors
@@ -138,7 +138,7 @@ pub trait Engine: Send + Sync {
     }
 
     /// Takes a search of each instance of the plan to its end by Newton's steps, in the plan's precision, from where the plan says:
-    /// one period with its slope after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an
+    /// one period with its Jacobian after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an
     /// engine that leaves rounds to those who ask for them.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ pub enum EngineError {
     Starts,
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
-    /// What was written down of a portion.
+    /// What was written down of a chunk.
     #[error("what was written down of the run cannot be read again: {why}")]
     Unread { why: String },
 }

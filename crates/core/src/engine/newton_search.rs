@@ -1,4 +1,4 @@
-//! Searches by Newton's steps, from where instances stand: one period with its slope after another, each from where a stride from
+//! Searches by Newton's steps, from where instances stand: one period with its Jacobian after another, each from where a step from
 //! the last one has led, until one is a periodic state.
 
 use super::period_jacobian::{begun, ended, of_class};
@@ -16,7 +16,7 @@ const INSTANCES_PER_BATCH: usize = 256;
 /// How the instances of a plan are searched for.
 #[derive(Clone, Debug)]
 pub struct NewtonStarts {
-    /// The longest step of Newton's that leads to a state, in units of [`Seek::scale`]; and the same where the map is too rough
+    /// The longest step of Newton's that leads to a state, in units of [`NewtonStart::scale`]; and the same where the map is too rough
     /// for that.
     pub near: f64,
     pub enough: f64,
@@ -29,9 +29,9 @@ pub struct NewtonStarts {
 pub struct NewtonStart {
     /// Length of a state that is not small, m.
     pub scale: f64,
-    /// Time that the first stride stands for, periods; of infinitely many it is Newton's step.
+    /// Time that the first step stands for, periods; of infinitely many it is Newton's step.
     pub time: f64,
-    /// About as much as may be left out of slopes.
+    /// About as much as may be left out of Jacobians.
     pub least: f64,
 }
 
@@ -42,7 +42,7 @@ pub struct NewtonResult {
     pub phase: Phase,
     /// Periods stepped.
     pub periods: u32,
-    /// The state that was found, and the slope of the last period, which began next to it.
+    /// The state that was found, and the Jacobian of the last period, which began next to it.
     pub found: Option<PeriodJacobian>,
 }
 
@@ -154,7 +154,7 @@ impl<E: Lane<Element = E>> Iterate<E> {
         self.place.iter().zip(&self.stride).map(|(place, stride)| (*place + *stride).lane(0)).collect()
     }
 
-    /// Takes in where a period has led, and its slope.
+    /// Takes in where a period has led, and its Jacobian.
     fn arrive(&mut self, end: &[f64], (touching, finite): (bool, bool), slope: Box<[f64]>) {
         let numbers = |list: &[f64]| list.iter().map(|value| E::element(*value)).collect::<Vec<E>>();
         let same = !self.remembers || touching == self.start.touching;
@@ -171,7 +171,7 @@ impl<E: Lane<Element = E>> Iterate<E> {
 }
 
 /// Takes searches that one thread has to their ends: `period` takes those under way, by their numbers among all, through a
-/// period with its slope.
+/// period with its Jacobian.
 fn run<E: Lane<Element = E>>(
     mut all: Vec<Iterate<E>>,
     progress: &Progress,

@@ -1,4 +1,4 @@
-//! Slopes of periods: one period of each instance of a plan, on the CPU.
+//! Jacobians of periods: one period of each instance of a plan, on the CPU.
 
 use super::kernel_constants::{LeverTable, Member, member, motion};
 use super::kernel_dispatch::TangentReal;
@@ -9,7 +9,7 @@ use crate::plan::{Class, Plan, Precision, SectionState};
 use crate::scene::Start;
 use rayon::prelude::*;
 
-/// Where a period ends, and its slope.
+/// Where a period ends, and its Jacobian.
 #[derive(Clone, Debug)]
 pub struct PeriodJacobian {
     pub end: SectionState,
@@ -17,7 +17,7 @@ pub struct PeriodJacobian {
     pub slope: Box<[f64]>,
 }
 
-/// Periods of a plan's instances with their slopes.
+/// Periods of a plan's instances with their Jacobians.
 #[derive(Clone, Debug)]
 pub struct PeriodJacobians {
     /// By instance; none where the run was stopped.
@@ -46,7 +46,7 @@ pub(super) fn ended(start: &SectionState, modes: usize, number: impl Fn(usize) -
     end
 }
 
-/// The slope of an instance's `own` modes, out of `all` that are stepped.
+/// The Jacobian of an instance's `own` modes, out of `all` that are stepped.
 pub(super) fn kept((own, all): (usize, usize), at: impl Fn(usize, usize) -> f64) -> Box<[f64]> {
     let numbers = || (0..own).chain(all..all + own);
     numbers().flat_map(|column| numbers().map(|row| at(row, column)).collect::<Vec<_>>()).collect()

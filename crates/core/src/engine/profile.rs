@@ -7,7 +7,7 @@ pub enum ProfileSection {
     Steps,
     /// Making what the kernel is given of instances.
     Constants,
-    /// Guesses, strides and bounds of searches.
+    /// Guesses, steps and bounds of searches.
     Algebra,
 }
 

@@ -32,7 +32,7 @@ pub trait ReturnMap: Send + Sync {
     ) -> Vec<Option<PeriodJacobian>>;
 }
 
-/// An instance on its way through one period, measured or with its slope.
+/// An instance on its way through one period, measured or with its Jacobian.
 #[derive(Debug)]
 pub(super) struct MapPassage<'a> {
     /// A number in the list of instances that the map was made for.
@@ -59,13 +59,13 @@ impl MapPassage<'_> {
     }
 }
 
-/// Where the slope of a period is asked for.
+/// Where the Jacobian of a period is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct JacobianStart {
     /// A number in the list of instances that the map was made for.
     pub instance: u32,
     pub station: SectionState,
-    /// What may be left out of the slope, about.
+    /// What may be left out of the Jacobian, about.
     pub least: f64,
 }
 
@@ -124,8 +124,8 @@ impl CpuReturnMap {
         }
     }
 
-    /// Takes each of these through one period in f64 and tells its slope, of which about as much may be left out as the number
-    /// beside it says. `ended` is told where each one ends, and its slope, column by column. A run that was stopped leaves the
+    /// Takes each of these through one period in f64 and tells its Jacobian, of which about as much may be left out as the number
+    /// beside it says. `ended` is told where each one ends, and its Jacobian, column by column. A run that was stopped leaves the
     /// others where they are.
     pub fn sloping(
         &self,

@@ -1,4 +1,4 @@
-//! Between a plan's stations and the kernel's units.
+//! Between a plan's section states and the kernel's units.
 
 use super::checkpoint::InstanceCheckpoint;
 use super::kernel_constants::member;

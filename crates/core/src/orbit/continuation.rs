@@ -9,15 +9,15 @@ use crate::kernel::MODES_MAX;
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
-/// How far the state may move in one stride, in free amplitudes: what moves farther may have left its branch.
+/// How far the state may move in one step, in free amplitudes: what moves farther may have left its branch.
 const MAX_STATE_CHANGE: f64 = 0.08;
-/// Least stride, as a share of the way from a point to the next: where none so short succeeds the branch has ended.
+/// Least step, as a share of the way from a point to the next: where none so short succeeds the branch has ended.
 const DS_MIN: f64 = 1.0 / 64.0;
-/// Most evaluations of a stride's search, and slopes taken anew.
+/// Most evaluations of a step's search, and Jacobians taken anew.
 const MAX_EVALUATIONS_AND_JACOBIANS: (u32, u32) = (80, 10);
-/// Most strides between two points.
+/// Most steps between two points.
 const MAX_STEPS: u32 = 200;
-/// A stride's prediction goes no farther than so many of the last strides.
+/// A step's prediction goes no farther than so many of the last steps.
 const MAX_EXTRAPOLATION: f64 = 4.0;
 
 /// The states along the curves of a plan.
@@ -47,7 +47,7 @@ struct ContinuationStep {
     curve: usize,
     from: u32,
     to: u32,
-    /// How far it has come, the state there, and the next stride, as shares of the way.
+    /// How far it has come, the state there, and the next step, as shares of the way.
     reached: f64,
     state: PeriodicState,
     length: f64,
@@ -202,7 +202,7 @@ impl<'a> Continuation<'a> {
         self.settle(starts)
     }
 
-    /// Strides to the next points, shorter where a whole one leads nowhere. Where even the shortest does, the branch has
+    /// Steps to the next points, shorter where a whole one leads nowhere. Where even the shortest does, the branch has
     /// ended: these come back.
     fn steps(&mut self, mut left: Vec<ContinuationStep>) -> Result<Vec<ContinuationStep>, EngineError> {
         let mut ended = Vec::new();
@@ -235,7 +235,7 @@ impl<'a> Continuation<'a> {
         Ok(ended)
     }
 
-    /// Where a stride, instance `i` of its plan, looks for its end: a whole one by the secant through the last two points,
+    /// Where a step, instance `i` of its plan, looks for its end: a whole one by the secant through the last two points,
     /// a shorter one where it stands.
     fn predicted(&self, part: &Plan, i: u32, one: &ContinuationStep) -> SectionState {
         let here = period_map::transfer_section(part, i, &one.state);
@@ -245,7 +245,7 @@ impl<'a> Continuation<'a> {
         extrapolated(here, &period_map::transfer_section(part, i, before), strides)
     }
 
-    /// Where waiting at these points would lead from these states: searched for as that does, or waited for.
+    /// Where waiting at these points would lead from these states: searched for as that does, or integrated to steady state.
     fn settle(&mut self, starts: Vec<(usize, u32, PeriodicState, u32)>) -> Result<(), EngineError> {
         if starts.is_empty() || self.progress.stopped() {
             return Ok(());
@@ -307,7 +307,7 @@ pub(super) fn integrated_orbit(plan: &Plan, i: u32, station: SectionState) -> Pe
     PeriodicState { section: station, ..PeriodicState::unknown(plan.steps(i), &plan.driven(i).kept) }
 }
 
-/// The last state of a branch that has ended, which is not to be searched on: its slope leads nowhere.
+/// The last state of a branch that has ended, which is not to be searched on: its Jacobian leads nowhere.
 pub(super) fn branch_end(state: PeriodicState) -> PeriodicState {
     PeriodicState { jacobian: Jacobian::Unknown, ..state }
 }
@@ -351,7 +351,7 @@ pub(super) fn section_distance(a: &SectionState, b: &SectionState) -> f64 {
     (0..MODES_MAX).map(square).sum::<f64>().sqrt()
 }
 
-/// Where waiting would lead each instance of a plan from its state: searched for as that does, or waited for.
+/// Where waiting would lead each instance of a plan from its state: searched for as that does, or integrated to steady state.
 pub(super) fn settled_states(
     plan: &Plan,
     from: &[&PeriodicState],

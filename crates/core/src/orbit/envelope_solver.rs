@@ -1,4 +1,4 @@
-//! What goes to rest so slowly that waiting takes thousands of periods is followed in strides of many.
+//! What goes to rest so slowly that waiting takes thousands of periods is followed in steps of many.
 
 use super::OrbitSolution;
 use super::initial_guess::InitialGuess;
@@ -39,7 +39,7 @@ pub(super) struct EnvelopeStart {
 }
 
 /// Follows these instances, and searches where they come to rest; what is found goes into `settled`. Tells
-/// how many evaluations each has taken: none on an engine that tells no slopes.
+/// how many evaluations each has taken: none on an engine that tells no Jacobians.
 pub(super) fn follow_and_search(
     plan: &Plan,
     from: &[EnvelopeStart],

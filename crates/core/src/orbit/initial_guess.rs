@@ -5,7 +5,7 @@ use super::period_map::{rest_state, transfer_section};
 use crate::plan::{Plan, SectionState};
 
 /// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
-/// of contact, and before the beats that follow it, in which no stride is of use.
+/// of contact, and before the beats that follow it, in which no step is of use.
 const WARM_UP_PERIODS: [(u32, bool); 3] = [(3, true), (32, true), (128, true)];
 /// The same where no search follows before the motion has been looked at.
 const DEFERRED_WARM_UP_PERIODS: [(u32, bool); 1] = [(64, false)];
@@ -43,9 +43,9 @@ pub(super) struct CurvePrediction<'a> {
     pub states: &'a [Option<&'a PeriodicState>],
     /// Where the next ones are expected.
     pub places: &'a [SectionState],
-    /// Most evaluations, and slopes taken anew, of which each takes as many as a state has numbers.
+    /// Most evaluations, and Jacobians taken anew, of which each takes as many as a state has numbers.
     pub max_evaluations: (u32, u32),
-    /// Whether a state is taken as it is met: of its spectrum it is only known what updates of the last slope tell. Empty
+    /// Whether a state is taken as it is met: of its spectrum it is only known what updates of the last Jacobian tell. Empty
     /// where none is.
     pub accept_unverified: &'a [bool],
 }

@@ -15,7 +15,7 @@ fn moving(plan: &Plan, instance: u32, numbers: usize) -> Option<Vec<usize>> {
     (modes < most).then(|| (0..modes).chain((most..).take(modes)).collect())
 }
 
-/// The slope of a state's own numbers, column by column, as that of so many, of which the others are at rest.
+/// The Jacobian of a state's own numbers, column by column, as that of so many, of which the others are at rest.
 pub(super) fn padded<D: Size + DimName>(slope: &[f64]) -> OMatrix<f64, D, D>
 where
     DefaultAllocator: Memory<D>,
@@ -71,7 +71,7 @@ where
         Self { slot, periods: 0, start, remembers, search }
     }
 
-    /// From a place that a curve leads to: the slope at the curve's last point, or else without a sample, will do on the
+    /// From a place that a curve leads to: the Jacobian at the curve's last point, or else without a sample, will do on the
     /// way; the state's own tells its stability.
     pub fn along_curve(
         plan: &Plan,
@@ -104,7 +104,7 @@ where
         Self { slot, periods: 0, start, remembers, search }
     }
 
-    /// From a place that is thought to be next to a state, of whose slope nothing is known.
+    /// From a place that is thought to be next to a state, of whose Jacobian nothing is known.
     pub fn near(plan: &Plan, slot: u32, instance: u32, start: SectionState) -> Self {
         let (remembers, options) = newton_options(plan, instance);
         let search = PtcNewton::new(vector(&start), NewtonOptions { start_is_close: true, ..options });
@@ -117,7 +117,7 @@ where
         self.periods + self.search.evaluations()
     }
 
-    /// Takes the map's answer with its slope.
+    /// Takes the map's answer with its Jacobian.
     pub fn tell_with_jacobian(&mut self, sloped: Option<PeriodJacobian>) {
         let answer =
             sloped.and_then(|PeriodJacobian { end, slope }| Some((self.usable(end)?, padded(&slope))));

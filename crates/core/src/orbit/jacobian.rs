@@ -5,16 +5,16 @@ use nalgebra::{DMatrix, DefaultAllocator, DimName, OMatrix};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The map's slope at a state, in one of two forms. Columns one after the other: travel of the kept modes, then rate over
+/// The map's Jacobian at a state, in one of two forms. Columns one after the other: travel of the kept modes, then rate over
 /// angular frequency, both filled up with modes at rest to the size of the search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Jacobian {
     /// Nothing, or nobody asks for it any more.
     #[default]
     Unknown,
-    /// The slope.
+    /// The Jacobian.
     Monodromy(Box<[f64]>),
-    /// The inverse of one minus the slope: it takes the change of a period to the step that undoes it. Single precision:
+    /// The resolvent (I - J)^-1, which takes the change of a period to Newton's step. Single precision:
     /// it leads to states, and no result hangs on it.
     Resolvent(Arc<[f32]>),
 }
@@ -33,7 +33,7 @@ impl Jacobian {
         }
     }
 
-    /// The slope; none where nothing is known.
+    /// The Jacobian; none where nothing is known.
     pub(super) fn monodromy(&self) -> Option<Cow<'_, [f64]>> {
         let size = self.size();
         match self {
@@ -47,7 +47,7 @@ impl Jacobian {
         }
     }
 
-    /// The inverse of one minus the slope; none where nothing is known, or where a multiplier is 1.
+    /// The inverse of one minus the Jacobian; none where nothing is known, or where a multiplier is 1.
     pub fn undoes(&self) -> Option<Arc<[f32]>> {
         let size = self.size();
         match self {
@@ -69,7 +69,7 @@ impl Jacobian {
     }
 }
 
-/// The inverse of one minus this slope.
+/// The inverse of one minus this Jacobian.
 pub(super) fn resolvent_of<D: Size + DimName>(slope: &OMatrix<f64, D, D>) -> Option<OMatrix<f64, D, D>>
 where
     DefaultAllocator: Memory<D>,

@@ -24,7 +24,7 @@ type Midpoint = (u32, SectionState, f64);
 
 impl OrbitSolution {
     /// What the neighbours of a hint have not led to together is searched for between the nearest two of them, by the map's own
-    /// slope there, and is found if it lies between them.
+    /// Jacobian there, and is found if it lies between them.
     pub(super) fn restart_at_midpoints(
         &mut self,
         plan: &Plan,

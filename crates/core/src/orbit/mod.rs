@@ -1,4 +1,4 @@
-//! The periodic state of each instance: waited for, or searched for and then run on from.
+//! The periodic state of each instance: integrated to steady state, or searched for and then run on from.
 
 mod conservative_orbit;
 mod continuation;
@@ -100,7 +100,7 @@ impl OrbitSolution {
 /// same instances with other steps or levers, or nothing.
 ///
 /// A state found is held to be one only if it is stable and, run on from, stays within the accuracy asked for (where
-/// f32 is too coarse to tell, in f64); every other instance is waited for.
+/// f32 is too coarse to tell, in f64); every other instance is integrated to steady state.
 ///
 /// # Errors
 /// What the engine says.
@@ -113,7 +113,7 @@ pub fn solve(
     solve_or(plan, near, OnFailure::Integrate, engine, progress)
 }
 
-/// As [`run`], but that nothing is waited for where states are searched for: what no search finds is left as not run.
+/// As [`solve`], but that nothing is waited for where states are searched for: what no search finds is left as not run.
 ///
 /// # Errors
 /// What the engine says.
@@ -144,7 +144,7 @@ fn solve_or(
     search_or_integrate(plan, begin, (&[], patience), engine, progress)
 }
 
-/// As [`run`], but that a search begins at these states themselves, of whose slopes nothing need be known: it looks for the
+/// As [`solve`], but that a search begins at these states themselves, of whose Jacobians nothing need be known: it looks for the
 /// states next to them, and not for others.
 ///
 /// # Errors
@@ -169,7 +169,7 @@ pub fn solve_near_states(
 }
 
 /// The plan's instances as a search from there finds them, or where neighbours lead, one by one, if they have `leads`; what is
-/// not found is waited for, or left as not run.
+/// not found is integrated to steady state, or left as not run.
 fn search_or_integrate(
     plan: &Plan,
     begin: InitialGuess,
@@ -252,7 +252,7 @@ fn measure_curve_states(
     Ok(OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
 }
 
-/// Another run of the plan's instances, with other steps or bases: as [`run`], and set-points are held again, from the plan's
+/// Another run of the plan's instances, with other steps or bases: as [`solve`], and set-points are held again, from the plan's
 /// gaps and the states `near`.
 ///
 /// # Errors

@@ -18,11 +18,11 @@ pub enum OnFailure {
     Skip,
     /// The same, but that the search is repeated from later places.
     RetryLater,
-    /// What searches do not find is waited for, what is not to be searched for not before it has come to rest.
+    /// What searches do not find is integrated to steady state, what is not to be searched for not before it has come to rest.
     Integrate,
 }
 
-/// As [`run`](super::run) with `near`, but that instances with a hint begin where their neighbours lead to, or between these,
+/// As [`run`](super::solve) with `near`, but that instances with a hint begin where their neighbours lead to, or between these,
 /// or where both lead alone; they are searched for where that is no periodic state. Where each neighbour alone may lead to it,
 /// that alone is tried. What becomes of those that are not found `patience` says. Which of them began at their neighbours and
 /// ended there comes, too.
@@ -92,7 +92,7 @@ pub fn solve_from_neighbours(
 impl OrbitSolution {
     /// What a search of its own has not found begins, where it has `such` a lead, at each neighbour alone: across the end of a
     /// branch several together lead nowhere, and states are like one of them. It is where most of them lead, `least` or more, if a
-    /// search that takes the map's own slope there finds that state, too; nowhere if as many lead to another.
+    /// search that takes the map's own Jacobian there finds that state, too; nowhere if as many lead to another.
     pub(super) fn vote_of_neighbours(
         &mut self,
         plan: &Plan,

@@ -1,4 +1,4 @@
-//! Periodic states of very many instances: of each only the modes that it has, and not its map's slope.
+//! Periodic states of very many instances: of each only the modes that it has, and not its map's Jacobian.
 
 use super::{Jacobian, PeriodicState};
 use crate::kernel::MODES_MAX;

@@ -52,7 +52,7 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
     station
 }
 
-/// As [`carried`], but corrected by what carrying has missed one step earlier: `before` are states of the instance beyond `from`, of
+/// As [`transfer_orbit`], but corrected by what carrying has missed one step earlier: `before` are states of the instance beyond `from`, of
 /// which the one counts that is nearest. Along a branch that bends, as before a tip lets go, that is the better place.
 pub fn transfer_orbit_corrected(
     from: (&Plan, u32, &PeriodicState),

@@ -100,12 +100,12 @@ impl<'a> PeriodMap<'a> {
 }
 
 impl PeriodMap<'_> {
-    /// Whether slopes can be asked for.
+    /// Whether Jacobians can be asked for.
     pub fn tells_jacobians(&self) -> bool {
         self.return_map.is_some() || self.engine.tells_slopes()
     }
 
-    /// Where each of these is after a period, and the slope of that; none where the run was stopped, or where slopes cannot
+    /// Where each of these is after a period, and the Jacobian of that; none where the run was stopped, or where Jacobians cannot
     /// be asked for.
     pub fn after_with_jacobian(
         &self,
@@ -154,7 +154,7 @@ pub(super) fn rest_state(plan: &Plan, instance: u32) -> SectionState {
     let case = plan.case(instance);
     let driven = plan.driven(instance);
     let free = &driven.free;
-    // The run begins at the top of the free swing; stations stand half a step later.
+    // The run begins at the top of the free swing; section states stand half a step later.
     let angle = FRAC_PI_2 - free.angle + PI / f64::from(case.steps);
     let turn = Complex::from_polar(1.0, angle);
     let mut station = SectionState::FREE;
@@ -168,7 +168,7 @@ pub(super) fn rest_state(plan: &Plan, instance: u32) -> SectionState {
     station
 }
 
-/// How a state with other steps per period or another lever is met with an instance's own: stations stand half a step into
+/// How a state with other steps per period or another lever is met with an instance's own: section states stand half a step into
 /// the period.
 pub(super) struct BasisTransfer {
     /// Modes that both have.
@@ -234,7 +234,7 @@ impl BasisTransfer {
         }
     }
 
-    /// The map's slope from what is known of the other's map; without a sample where nothing is.
+    /// The map's Jacobian from what is known of the other's map; without a sample where nothing is.
     fn monodromy<D: Size + DimName>(
         &self,
         plan: &Plan,
@@ -251,7 +251,7 @@ impl BasisTransfer {
         slope
     }
 
-    /// Puts the map's slope, or the inverse of one minus it, from the other's, column by column, over what it is without a sample:
+    /// Puts the map's Jacobian, or the inverse of one minus it, from the other's, column by column, over what it is without a sample:
     /// that is left of modes that the other lever lacks.
     pub(super) fn transfer_jacobian<D: Size + DimName>(&self, theirs: &[f64], slope: &mut OMatrix<f64, D, D>)
     where
@@ -303,7 +303,7 @@ pub(super) fn section_numbers(station: &SectionState, modes: usize) -> Box<[f64]
     station.x[..modes].iter().chain(&station.u[..modes]).copied().collect()
 }
 
-/// A state found with other steps per period or another lever as it is met with the instance's own, and the map's slope
+/// A state found with other steps per period or another lever as it is met with the instance's own, and the map's Jacobian
 /// there.
 pub(super) fn transfer_with_jacobian<D: Size + DimName>(
     plan: &Plan,
@@ -318,7 +318,7 @@ where
     (turned.section(place), slope)
 }
 
-/// The map's slope without a sample, and its columns of modes that ring for longer than [`SLOW`] says: contact changes
+/// The map's Jacobian without a sample, and its columns of modes that ring for longer than [`SLOW_MODE_EXPONENT`] says: contact changes
 /// these by more than a search can leave to its updates.
 pub(super) fn free_monodromy<D: Size + DimName>(
     plan: &Plan,

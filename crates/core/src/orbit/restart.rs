@@ -6,8 +6,8 @@ use super::{OrbitSolution, PeriodicState};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::Plan;
 
-/// As [`run`](super::run): each instance that has a state in `near` begins there as at a neighbour's, with what is known of the
-/// map's slope, and is searched for where that leads to none.
+/// As [`solve`](super::solve): each instance that has a state in `near` begins there as at a neighbour's, with what is known of the
+/// map's Jacobian, and is searched for where that leads to none.
 pub(super) fn solve_from_own_states(
     plan: &Plan,
     near: &[Option<&PeriodicState>],

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// Instances searched for at a time: as many as keep the engine busy and the memory small.
 const BATCH_INSTANCES: usize = 8192;
-/// The same where there are many modes: a slope of 24 modes has 18 kB.
+/// The same where there are many modes: a Jacobian of 24 modes has 18 kB.
 const BATCH_INSTANCES_MANY: usize = 1024;
 /// What the searches ended with, by instance of the plan.
 pub(super) struct BatchSolution {
@@ -326,7 +326,7 @@ impl SearchBatch<'_> {
         Ok(left)
     }
 
-    /// What the engine's searches come to that begin so: by slot, from a place, with a first stride of so many periods.
+    /// What the engine's searches come to that begin so: by slot, from a place, with a first step of so many periods.
     fn newton_end(
         self,
         begins: &[(u32, SectionState, f64)],

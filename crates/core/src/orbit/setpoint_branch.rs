@@ -13,7 +13,7 @@ const LIGHT_FORCE_SHARE: f64 = 0.95;
 /// How far a state may be from where the last two lead, and how far from the last one, in free amplitudes.
 const MAX_PREDICTION_ERROR: f64 = 0.08;
 const MAX_STATE_CHANGE: f64 = 0.25;
-/// A stride that is to pass the set-point goes so much farther than the last two places say.
+/// A step that is to pass the set-point goes so much farther than the last two places say.
 pub(super) const SETPOINT_OVERSHOOT: f64 = 1.1;
 
 /// A state at a gap, and what it holds.
@@ -21,7 +21,7 @@ pub(super) const SETPOINT_OVERSHOOT: f64 = 1.1;
 pub(super) struct BranchPoint {
     pub gap: f64,
     pub state: PeriodicState,
-    /// See [`miss`].
+    /// See [`setpoint_residual`](super::setpoint_residual::setpoint_residual).
     pub miss: f64,
     pub branch: Option<ForceBranch>,
 }
@@ -33,7 +33,7 @@ pub(super) struct SetPointBranch {
     /// The last place, and the one before on the same branch.
     pub last: BranchPoint,
     pub before: Option<BranchPoint>,
-    /// Length of the next stride, m.
+    /// Length of the next step, m.
     pub step: f64,
     pub steps: u32,
     pub jumps: u32,
@@ -41,9 +41,9 @@ pub(super) struct SetPointBranch {
     pub other: Option<(f64, PeriodicState)>,
     /// Whether it was set on the branch that is asked for.
     pub set: bool,
-    /// Whether the next state's stability is looked at closely: after a stride that failed.
+    /// Whether the next state's stability is looked at closely: after a step that failed.
     pub careful: bool,
-    /// Whether the last stride came to a state that may not be stable.
+    /// Whether the last step came to a state that may not be stable.
     pub unsure: bool,
 }
 

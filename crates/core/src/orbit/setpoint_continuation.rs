@@ -1,5 +1,5 @@
 //! From far away to a set-point: the sample moved nearer until the state passes what is asked for, as a slow feedback does.
-//! Many instances side by side, each with strides of its own.
+//! Many instances side by side, each with steps of its own.
 
 use super::continuation::{self, branch_end, settled_states};
 use super::initial_guess::{CurvePrediction, InitialGuess};
@@ -14,20 +14,20 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, SectionState, StartState};
 use crate::scene::ForceBranch;
 
-/// The first stride and the shortest, in free amplitudes: where none so short succeeds the branch has ended.
+/// The first step and the shortest, in free amplitudes: where none so short succeeds the branch has ended.
 const DS_FIRST_AMPLITUDES: f64 = 0.02;
 const DS_MIN_AMPLITUDES: f64 = 2e-3;
-/// The longest stride, as a share of the gap or the free amplitude.
+/// The longest step, as a share of the gap or the free amplitude.
 const DS_MAX_SHARE: f64 = 0.25;
-/// Most evaluations of a stride's search, and slopes taken anew.
+/// Most evaluations of a step's search, and Jacobians taken anew.
 const MAX_EVALUATIONS_AND_JACOBIANS: (u32, u32) = (12, 3);
-/// The next stride, over one that took no more than so many periods and slopes, and over one that took more or failed.
+/// The next step, over one that took no more than so many periods and Jacobians, and over one that took more or failed.
 const DS_GROWTH: [(u32, u32, f64); 3] = [(6, 0, 2.0), (7, 1, 1.4), (12, 1, 1.0)];
 const DS_SHRINK_COSTLY: f64 = 0.6;
 /// The same over one whose end was looked at closely.
 const DS_GROWTH_AFTER_CARE: f64 = 1.4;
 const DS_SHRINK_FAILED: f64 = 0.25;
-/// Strides of an instance, and jumps from branch to branch: a feedback that jumps more often goes round in circles.
+/// Steps of an instance, and jumps from branch to branch: a feedback that jumps more often goes round in circles.
 const MAX_STEPS: u32 = 1000;
 const MAX_JUMPS: u32 = 4;
 /// How far below the surface a set-point is looked for where the scene does not say, in free amplitudes.
@@ -126,7 +126,7 @@ impl SetPointContinuation<'_> {
         Ok(begun)
     }
 
-    /// One stride of each; those that come back go on.
+    /// One step of each; those that come back go on.
     fn stride(&mut self, mut going: Vec<SetPointBranch>) -> Result<Vec<SetPointBranch>, EngineError> {
         let gaps: Vec<f64> = going.iter().map(SetPointBranch::next_gap).collect();
         let instances: Vec<u32> = going.iter().map(|one| one.instance).collect();
@@ -150,7 +150,7 @@ impl SetPointContinuation<'_> {
             let mut state = found[i as usize].take().filter(|found| follows(found));
             one.unsure = false;
             if let Some(met) = state.as_mut().filter(|_| !one.careful) {
-                // What is not stable by a slope that is only carried is to be looked at closely.
+                // What is not stable by a Jacobian that is only carried is to be looked at closely.
                 one.unsure = met.floquet.multiplier.is_nan() || met.floquet.multiplier >= 1.0;
                 met.floquet = PeriodicState::unknown(met.steps, &met.basis).floquet;
             }
@@ -186,7 +186,7 @@ impl SetPointContinuation<'_> {
             one.jumps += u32::from(jumped);
             match place.filter(|_| one.jumps <= MAX_JUMPS && one.steps < MAX_STEPS) {
                 None if self.progress.stopped() => {}
-                // The branch goes on, only that no search finds it here: it has passed the set-point as a stride does.
+                // The branch goes on, only that no search finds it here: it has passed the set-point as a step does.
                 Some(place) if !jumped && one.last.miss * place.miss <= 0.0 => {
                     going.extend(self.accept(one, place, 0));
                 }
@@ -246,7 +246,7 @@ impl SetPointContinuation<'_> {
         Ok(going)
     }
 
-    /// A stride has come to this place in so many periods: whether the set-point is passed, or another stride is to follow.
+    /// A step has come to this place in so many periods: whether the set-point is passed, or another step is to follow.
     fn accept(
         &mut self,
         mut one: SetPointBranch,

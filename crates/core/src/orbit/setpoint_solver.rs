@@ -18,7 +18,7 @@ const MAX_GAP_STEP_AMPLITUDES: f64 = 0.05;
 const MAX_GAP_STEP_GROWTH: f64 = 8.0;
 
 /// The first run of a plan with set-points: each is approached from far away, then held. The way there is gone with the
-/// poorest levers; where what these lead to does not hold, with the plan's own.
+/// smallest bases; where what these lead to does not hold, with the plan's own.
 pub(super) fn solve_first(
     plan: &mut Plan,
     engine: &dyn Engine,

@@ -1,6 +1,6 @@
 //! What searches have not found is stepped on from where the last of them began, and looked at now and then. What comes to
 //! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end. Where settling
-//! takes very long the motion is followed in long strides first (`slow.rs`).
+//! takes very long the motion is followed in long steps first (`envelope_solver.rs`).
 
 use super::envelope_solver::{EnvelopeStart, follow_and_search, is_slow, max_evaluations};
 use super::initial_guess::{InitialGuess, Unconverged};
@@ -20,7 +20,7 @@ const DECAY_EXPONENT: f64 = 2.0;
 const MIN_DECAY_PERIODS: u32 = 96;
 /// Where that is long, the first searches come after so many periods and after ever twice as many.
 const FIRST_SEARCH_PERIODS: u32 = 192;
-/// Searches from looks; what none of them finds is waited for.
+/// Searches from looks; what none of them finds is integrated to steady state.
 const MAX_SEARCHES: usize = 4;
 /// A motion that has come to rest by less than this share from one look to the next, by the change from period to period,
 /// shows no sign of it ...
@@ -234,7 +234,7 @@ impl CheckpointRun<'_> {
     }
 }
 
-/// Instances that are waited for.
+/// Instances that are integrated to steady state.
 pub(super) struct Integration {
     pub instances: Vec<u32>,
     pub periods: u32,
@@ -244,7 +244,7 @@ pub(super) struct Integration {
     pub ends_are_states: bool,
 }
 
-/// What is waited for in the end: what is free of the sample, which is finished beside the others, and if the run `waits` what
+/// What is integrated to steady state in the end: what is free of the sample, which is finished beside the others, and if the run `waits` what
 /// has no state. Those `left` are waited for from where they are; those that wander are measured there.
 pub(super) fn integrations(
     plan: &Plan,

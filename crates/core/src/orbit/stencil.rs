@@ -7,12 +7,12 @@ use crate::engine::Finished;
 use crate::plan::{Drive, Plan, ReducedBasis};
 use std::sync::Arc;
 
-/// A periodic state, and what takes a change of the period map there to the step that undoes it.
+/// A periodic state, and the resolvent of the period map there.
 #[derive(Clone, Debug)]
 pub struct SolvedNeighbour {
     /// Travel of the kept modes, then rate over angular frequency, m.
     pub(super) state: Box<[f64]>,
-    /// The inverse of one minus the map's slope, column by column; see [`Linear::Undoes`](super::Linear::Undoes).
+    /// The inverse of one minus the map's Jacobian, column by column; see [`Jacobian::Resolvent`](super::Jacobian::Resolvent).
     pub(super) resolvent: Arc<[f32]>,
     pub(super) multiplier: f64,
     pub(super) touching: bool,
@@ -26,7 +26,7 @@ pub struct SolvedNeighbour {
 }
 
 impl SolvedNeighbour {
-    /// Of an instance that was found steady, and what undoes a change of its map; none where it was not.
+    /// Of an instance that was found steady, and the resolvent of its map; none where it was not.
     pub fn new(
         (plan, instance): (&Plan, u32),
         state: &PeriodicState,
@@ -50,7 +50,7 @@ impl SolvedNeighbour {
         })
     }
 
-    /// Of an instance's own state in another run, as others never see it; none where nothing is known of the map's slope there.
+    /// Of an instance's own state in another run, as others never see it; none where nothing is known of the map's Jacobian there.
     pub(super) fn of_own_state(plan: &Plan, instance: u32, state: &PeriodicState) -> Option<Self> {
         let undoes = state.jacobian.undoes().filter(|_| state.is_solved())?;
         Some(Self {

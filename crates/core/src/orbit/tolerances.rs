@@ -11,7 +11,7 @@ const MAX_NEWTON_EVALUATIONS: u32 = 300;
 /// accuracy asked for.
 const NEWTON_TOL_SHARE: f64 = 1e-3;
 const FALLBACK_TOL_SHARE: f64 = 0.1;
-/// Differences, in units of the free amplitude, that make the map's slope on the way and at the end: jumps of the
+/// Differences, in units of the free amplitude, that make the map's Jacobian on the way and at the end: jumps of the
 /// contact make it rough.
 const FD_STEPS_SMOOTH: (f64, Option<f64>) = (1e-6, None);
 const FD_STEPS_ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
@@ -22,14 +22,14 @@ pub(super) const NEWTON_TOL_F32: f64 = 1e-3;
 pub(super) const FALLBACK_TOL_F32: f64 = 1e-2;
 const PERIOD_ROUNDING_F32: f64 = 5e-7;
 
-/// See [`clearly`]: the share, and its least and largest value.
+/// See [`stable_below_fd`]: the share, and its least and largest value.
 const STABILITY_DOUBT_SHARE: f64 = 0.35;
 const STABLE_BELOW_RANGE: (f64, f64) = (0.99, 0.999);
 
-/// See [`tangent_columns`]: where the law acts in some steps of a period, and where it acts in all.
+/// See [`jacobian_columns`]: where the law acts in some steps of a period, and where it acts in all.
 const JACOBIAN_COST_COLUMNS: (usize, usize) = (3, 12);
 
-/// See [`least`].
+/// See [`jacobian_drop_tol`].
 const JACOBIAN_DROP_SHARE: f64 = 0.02;
 
 /// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
@@ -58,7 +58,7 @@ pub(super) fn fallback_tol(plan: &Plan) -> f64 {
     FALLBACK_TOL_SHARE * plan.run.accuracy
 }
 
-/// What may be left out of a period's slope: so small a share of the distance to 1 that the free lever's largest multiplier has.
+/// What may be left out of a period's Jacobian: so small a share of the distance to 1 that the free lever's largest multiplier has.
 pub(super) fn jacobian_drop_tol(plan: &Plan, instance: u32) -> f64 {
     JACOBIAN_DROP_SHARE * (1.0 - free_multiplier(plan, instance))
 }
@@ -68,7 +68,7 @@ pub(super) fn starts_in_f32(plan: &Plan, instance: u32) -> bool {
     PERIOD_ROUNDING_F32 < 0.5 * NEWTON_TOL_F32 * (1.0 - free_multiplier(plan, instance))
 }
 
-/// How many columns of a slope by differences take as long as the slope by tangents.
+/// How many columns of a Jacobian by differences take as long as the Jacobian by tangents.
 pub(super) fn jacobian_columns(plan: &Plan, instance: u32) -> usize {
     match plan.law(instance).attraction() {
         Attraction::Distant => JACOBIAN_COST_COLUMNS.1,

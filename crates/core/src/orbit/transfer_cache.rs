@@ -8,13 +8,13 @@ use crate::plan::{Drive, Driven, Plan, ReducedBasis};
 use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 use std::sync::Arc;
 
-/// Where an instance's state is expected, what undoes a change there, and its largest multiplier.
+/// Where an instance's state is expected, the resolvent there, and its largest multiplier.
 pub(super) struct StatePrediction<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     pub state_for: OVector<f64, D>,
-    /// The inverse of one minus the map's slope.
+    /// The inverse of one minus the map's Jacobian.
     pub resolvent: OMatrix<f64, D, D>,
     pub multiplier: f64,
     pub touching: bool,
@@ -32,10 +32,10 @@ where
     /// Of each neighbour of an instance, and of what is known of it before, how its state is met.
     pub transfers: Vec<[Option<usize>; 2]>,
     pub states: Vec<OVector<f64, D>>,
-    /// Neighbours that are turned alike, and what undoes a change of theirs, added up, one after the other.
+    /// Neighbours with one transfer, and their resolvents, added up, one after the other.
     transfer_sums: Vec<TransferSum>,
     sums: Vec<f64>,
-    /// What undoes a change of theirs, turned.
+    /// Their resolvents, transferred.
     transferred_resolvent: OMatrix<f64, D, D>,
     pub prediction: StatePrediction<D>,
 }
@@ -52,7 +52,7 @@ where
     target: (Arc<ReducedBasis>, u32),
     drive: Arc<Drive>,
     transfer: BasisTransfer,
-    /// The inverse of one minus the slope without a sample.
+    /// The inverse of one minus the Jacobian without a sample.
     free_resolvent: OMatrix<f64, D, D>,
 }
 
@@ -150,7 +150,7 @@ where
                 && same_modes(&turn.source.0, theirs.0)
         };
         self.cached.iter().rposition(fits).unwrap_or_else(|| {
-            // A lever that rings for ever has no step that undoes a change: what meets it is no guide.
+            // A lever that rings for ever has no resolvent: what is transferred to it is no guide.
             let free = resolvent_of(&free_monodromy::<D>(plan, instance).0);
             self.cached.push(CachedTransfer {
                 source: (Arc::clone(theirs.0), theirs.1),
@@ -204,8 +204,8 @@ where
         }
     }
 
-    /// What undoes a change of an instance from those of its neighbours, each so often: those that are met alike are added up
-    /// and turned once.
+    /// The resolvent of an instance from those of its neighbours, each so often: those with one transfer are added up
+    /// and transferred once.
     pub fn sum_resolvents(&mut self, neighbours: &[StencilPoint]) {
         let all = &mut self.prediction.resolvent;
         all.fill(0.0);

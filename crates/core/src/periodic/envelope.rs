@@ -1,27 +1,27 @@
-//! The slow motion of a map that is repeated very often, followed in strides of many periods.
+//! The slow motion of a map that is repeated very often, followed in steps of many periods.
 //!
 //! Where the map is as good as linear, so many of its periods are one matrix: from x, which the map moves by c and where its
-//! slope is J, the place after N periods is x + (1 + J + ... + J^(N-1)) c, and the map moves that by J^N c. A stride takes as
+//! Jacobian is J, the place after N periods is x + (1 + J + ... + J^(N-1)) c, and the map moves that by J^N c. A step takes as
 //! many periods as this serves, and what the map really moves its end by tells whether it did: the exponential
 //! Rosenbrock-Euler method (Hochbruck & Ostermann, Acta Numerica 19 (2010) 209) for a difference equation. What turns or
 //! fades fast costs nothing, however long the slow motion lasts.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A stride's end may be off by so large a share of the stride ...
+/// A step's end may be off by so large a share of the step ...
 const STEP_ERROR_SHARE: f64 = 0.15;
 /// ... or by so many scales, whichever is more.
 const STEP_ERROR_SCALES: f64 = 1e-9;
-/// Longest stride, in scales.
+/// Longest step, in scales.
 const MAX_STEP_SCALES: f64 = 0.3;
-/// Doublings of a stride's periods: at first, and how many more one may have than the one before it.
+/// Doublings of a step's periods: at first, and how many more one may have than the one before it.
 const FIRST_DOUBLINGS: u32 = 2;
 const MAX_MORE_DOUBLINGS: u32 = 3;
 /// Most doublings.
 const MAX_DOUBLINGS: u32 = 40;
-/// A motion has come to rest where a stride for so long leaves less than this of any deviation.
+/// A motion has come to rest where a step for so long leaves less than this of any deviation.
 const FADED_SHARE: f64 = 0.5;
-/// After so many evaluations or more, strides are of no use that have not taken so many periods as their square over this.
+/// After so many evaluations or more, steps are of no use that have not taken so many periods as their square over this.
 const USELESS_EVALUATIONS: (u32, u64) = (8, 32);
 
 /// What became of it.
@@ -29,7 +29,7 @@ const USELESS_EVALUATIONS: (u32, u64) = (8, 32);
 pub enum EnvelopeEnd {
     /// Next to a fixed point to which waiting would lead.
     Settled,
-    /// Nowhere: the map has no number there, no stride serves, or all evaluations are spent.
+    /// Nowhere: the map has no number there, no step serves, or all evaluations are spent.
     Failed,
 }
 
@@ -44,7 +44,7 @@ pub struct EnvelopeOptions {
     pub max_evaluations: u32,
 }
 
-/// A stride on its way: where it ends, and what the map moves that by if it is linear.
+/// A step on its way: where it ends, and what the map moves that by if it is linear.
 #[derive(Clone, Debug)]
 struct EnvelopeStep {
     doublings: u32,
@@ -61,7 +61,7 @@ struct EnvelopeStep {
 pub struct Envelope {
     options: EnvelopeOptions,
     state: DVector<f64>,
-    /// By how much the map moves it, and the map's slope there.
+    /// By how much the map moves it, and the map's Jacobian there.
     change: DVector<f64>,
     jacobian: DMatrix<f64>,
     next_step: Option<EnvelopeStep>,
@@ -86,7 +86,7 @@ impl Envelope {
         }
     }
 
-    /// Where it wants to know the map and its slope next.
+    /// Where it wants to know the map and its Jacobian next.
     pub fn ask(&self) -> DVector<f64> {
         match &self.next_step {
             Some(stride) => &self.state + &stride.step,
@@ -114,7 +114,7 @@ impl Envelope {
         self.periods
     }
 
-    /// Takes the map's answer where it [`asks`](Self::asks), and its slope there; none where it has no answer of use.
+    /// Takes the map's answer where it asks ([`ask`](Self::ask)), and its Jacobian there; none where it has no answer of use.
     pub fn tell(&mut self, answer: Option<(DVector<f64>, DMatrix<f64>)>) {
         self.evaluations += 1;
         let stride = self.next_step.take();
@@ -137,7 +137,7 @@ impl Envelope {
         }
     }
 
-    /// After a stride: how many doublings the next one may have.
+    /// After a step: how many doublings the next one may have.
     fn after_step(&mut self, stride: EnvelopeStep, value: &DVector<f64>, slope: DMatrix<f64>) -> Option<u32> {
         let EnvelopeStep { doublings, step, predicted, sum, fades } = stride;
         let end = &self.state + &step;
@@ -187,7 +187,7 @@ fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
-/// By how many doublings a stride is too long whose error is so many times too large: the error goes with the third power.
+/// By how many doublings a step is too long whose error is so many times too large: the error goes with the third power.
 fn shorter(times: f64) -> u32 {
     (times.log2() / 3.0).clamp(0.0, 62.0) as u32
 }
@@ -283,7 +283,7 @@ mod tests {
         }
     }
 
-    /// A map that is linear takes as many strides as the doublings grow.
+    /// A map that is linear takes as many steps as the doublings grow.
     #[test]
     fn a_linear_map_is_through_in_a_few_strides() {
         let linear: Map = |at| {

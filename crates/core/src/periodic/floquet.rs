@@ -1,9 +1,9 @@
-//! What the map's slope says of a fixed point.
+//! What the map's Jacobian says of a fixed point.
 
 use super::size::{Memory, Size};
 use nalgebra::{DMatrix, DefaultAllocator, Dyn, LU, OMatrix, Schur};
 
-/// Of a map's slope at a fixed point.
+/// Of a map's Jacobian at a fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floquet {
     /// Modulus of the largest multiplier: below 1 the state is stable.
@@ -13,7 +13,7 @@ pub struct Floquet {
 }
 
 impl Floquet {
-    /// Of a slope, with the factors of one minus it.
+    /// Of a Jacobian, with the factors of one minus it.
     pub(super) fn new<D: Size>(slope: &OMatrix<f64, D, D>, factors: &LU<f64, D, D>) -> Self
     where
         DefaultAllocator: Memory<D>,
@@ -22,7 +22,7 @@ impl Floquet {
     }
 }
 
-/// Factors of `shift` minus the slope.
+/// Factors of `shift` minus the Jacobian.
 pub(super) fn factors<D: Size>(slope: &OMatrix<f64, D, D>, shift: f64) -> LU<f64, D, D>
 where
     DefaultAllocator: Memory<D>,
@@ -45,7 +45,7 @@ where
     schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// A bound from below on the smallest singular value of 1 - slope, whose factors these are, good to the root of its size: a
+/// A bound from below on the smallest singular value of 1 - Jacobian, whose factors these are, good to the root of its size: a
 /// change of the state by the map is at least so large a share of its distance to the fixed point.
 fn smallest_singular_value<D: Size>(factors: &LU<f64, D, D>) -> f64
 where

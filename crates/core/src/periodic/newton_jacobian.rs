@@ -1,4 +1,4 @@
-//! Searches of maps that tell their slopes, and how any search ends.
+//! Searches of maps that tell their Jacobians, and how any search ends.
 
 use super::floquet::{Floquet, factors};
 use super::newton_options::NewtonOptions;
@@ -6,14 +6,14 @@ use super::pseudo_transient::{Failure, FixedPoint, JacobianSource, PtcNewton, Pt
 use super::size::{Memory, Size};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
-/// Where the map leads from a state, and its slope there.
+/// Where the map leads from a state, and its Jacobian there.
 type ValueAndJacobian<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
 
 impl<D: Size> FixedPoint<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    /// A fixed point with the map's slope there; none where a small push leaves it for good.
+    /// A fixed point with the map's Jacobian there; none where a small push leaves it for good.
     pub fn stable_fixed_point(state: OVector<f64, D>, slope: OMatrix<f64, D, D>) -> Option<Self> {
         let spectrum = Floquet::new(&slope, &factors(&slope, 1.0));
         (spectrum.multiplier < 1.0).then_some(Self { state, slope, spectrum })
@@ -24,27 +24,27 @@ impl<D: Size> PtcNewton<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    /// Time, in periods, that its next stride stands for: infinitely many where that is Newton's step.
+    /// Time, in periods, that its next step stands for: infinitely many where that is Newton's step.
     pub fn pseudo_time(&self) -> f64 {
         self.pseudo_time
     }
 
-    /// The map tells its slope itself, which costs as much as so many columns of it by differences.
+    /// The map tells its Jacobian itself, which costs as much as so many columns of it by differences.
     pub fn use_tangents(&mut self, columns: usize) {
         self.options.jacobian_columns = Some(columns);
     }
 
-    /// Whether the slope is to be told by the map: all of it, or where some columns would do.
+    /// Whether the Jacobian is to be told by the map: all of it, or where some columns would do.
     pub(super) fn tells_jacobian(&self, whole: bool) -> bool {
         self.options.jacobian_columns.is_some_and(|worth| self.difference_evaluations(whole) > worth)
     }
 
-    /// Whether the slope at the end is to be told by the map.
+    /// Whether the Jacobian at the end is to be told by the map.
     pub(super) fn tells_last_jacobian(&self) -> bool {
         self.options.jacobian_columns.is_some_and(|worth| 2 * self.size() > worth)
     }
 
-    /// Evaluations that differences would take for all of the slope, or for as much of it as will do on the way.
+    /// Evaluations that differences would take for all of the Jacobian, or for as much of it as will do on the way.
     fn difference_evaluations(&self, whole: bool) -> usize {
         match (whole, self.options.central_fd_step) {
             (false, _) => self.columns.len(),
@@ -53,7 +53,7 @@ where
         }
     }
 
-    /// Whether it wants to know the slope, too, at the state that it asks for: [`Search::answer_sloped`] takes both.
+    /// Whether it wants to know the Jacobian, too, at the state that it asks for: [`PtcNewton::tell_with_jacobian`] takes both.
     pub fn wants_jacobian(&self) -> bool {
         match &self.stage {
             Stage::Begin => {
@@ -65,7 +65,7 @@ where
         }
     }
 
-    /// Takes the answer with its slope; none where the map has no answer of use.
+    /// Takes the answer with its Jacobian; none where the map has no answer of use.
     pub fn tell_with_jacobian(&mut self, answer: Option<ValueAndJacobian<D>>) {
         self.evaluations += 1;
         self.evaluations_by_differences += match self.stage {
@@ -114,7 +114,7 @@ where
             return self.found(self.known_floquet.unwrap_or_else(|| Floquet::new(&self.jacobian, newton)));
         }
         self.state += step;
-        // Where nobody asks for stability the slope will do as it is.
+        // Where nobody asks for stability the Jacobian will do as it is.
         let enough = near && (!stable || self.jacobian_source == JacobianSource::Full);
         let at = match self.known_floquet {
             None if enough || !central => Some(Floquet::new(&self.jacobian, newton)),

@@ -13,7 +13,7 @@ where
     DefaultAllocator: Memory<D>,
 {
     pub state: OVector<f64, D>,
-    /// The map's slope there.
+    /// The map's Jacobian there.
     pub slope: OMatrix<f64, D, D>,
     pub spectrum: Floquet,
 }
@@ -38,10 +38,10 @@ where
     Failed(Failure),
 }
 
-/// Time that the first stride stands for, periods.
+/// Time that the first step stands for, periods.
 const FIRST_PSEUDO_TIME: f64 = 20.0;
 
-/// Where the change has fallen by less, the slope is taken anew.
+/// Where the change has fallen by less, the Jacobian is taken anew.
 const REUSE_REDUCTION: f64 = 3.0;
 #[derive(Clone, Debug)]
 pub(super) enum Stage<D: Size>
@@ -50,21 +50,21 @@ where
 {
     /// The map at the start.
     Begin,
-    /// The slope by one-sided differences, of the columns that are not guessed or of all.
+    /// The Jacobian by one-sided differences, of the columns that are not guessed or of all.
     Slope {
         whole: bool,
     },
-    /// A stride, and how often it was shortened.
+    /// A step, and how often it was shortened.
     Stride {
         step: OVector<f64, D>,
         shorter: u32,
     },
-    /// The slope by central differences, or as the map tells it: the end.
+    /// The Jacobian by central differences, or as the map tells it: the end.
     Last,
     Done(PtcOutcome<D>),
 }
 
-/// Where the slope is from.
+/// Where the Jacobian is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JacobianSource {
     /// Carried along from another state.
@@ -88,16 +88,16 @@ where
     pub(super) jacobian: OMatrix<f64, D, D>,
     /// Numbers of the state that the map moves, where these are not all.
     moving: Option<Vec<usize>>,
-    /// Columns of the slope that no guess stands for.
+    /// Columns of the Jacobian that no guess stands for.
     pub(super) columns: Vec<usize>,
-    /// What is known of the slope at the fixed point of a map that differs little from this one.
+    /// What is known of the Jacobian at the fixed point of a map that differs little from this one.
     pub(super) known_floquet: Option<Floquet>,
     pub(super) jacobian_source: JacobianSource,
-    /// Time, in periods, that the next stride stands for.
+    /// Time, in periods, that the next step stands for.
     pub(super) pseudo_time: f64,
     pub(super) stage: Stage<D>,
     pub(super) evaluations: u32,
-    /// The same, but that a slope that the map has told counts as by differences: a search gives up as early with either.
+    /// The same, but that a Jacobian that the map has told counts as by differences: a search gives up as early with either.
     pub(super) evaluations_by_differences: u32,
 }
 
@@ -124,7 +124,7 @@ where
         }
     }
 
-    /// From `state` on, where the slope's columns are `slope`'s but for `columns`, more or less: only these are taken
+    /// From `state` on, where the Jacobian's columns are `slope`'s but for `columns`, more or less: only these are taken
     /// by differences on the way.
     pub fn with_partial_jacobian(
         state: OVector<f64, D>,
@@ -135,7 +135,7 @@ where
         Self { jacobian: slope, columns, ..Self::new(state, options) }
     }
 
-    /// From the fixed point of a map that differs little from this one, and that map's slope there.
+    /// From the fixed point of a map that differs little from this one, and that map's Jacobian there.
     pub fn near_fixed_point(
         state: OVector<f64, D>,
         slope: OMatrix<f64, D, D>,
@@ -181,7 +181,7 @@ where
         (0..self.ask_count()).map(|n| self.point(n))
     }
 
-    /// How many [`Search::asks`] for.
+    /// How many [`PtcNewton::ask`] for.
     pub fn ask_count(&self) -> usize {
         match &self.stage {
             Stage::Begin | Stage::Stride { .. } => 1,
@@ -213,7 +213,7 @@ where
         state
     }
 
-    /// Takes the answers, in the order of [`Search::asks`]; none where the map has no answer of use.
+    /// Takes the answers, in the order of [`PtcNewton::ask`]; none where the map has no answer of use.
     pub fn tell(&mut self, values: &[Option<OVector<f64, D>>]) {
         self.evaluations += values.len() as u32;
         self.evaluations_by_differences += values.len() as u32;
@@ -283,11 +283,11 @@ where
         step.iter().all(|value| value.is_finite()).then_some(step)
     }
 
-    /// The next stride, or the end where Newton's step is short enough.
+    /// The next step, or the end where Newton's step is short enough.
     pub(super) fn next_step(&mut self) -> Stage<D> {
         let stuck = Stage::Done(PtcOutcome::Failed(Failure::Stuck));
         let near = self.options.tolerance * self.options.scale;
-        // Newton's step is no shorter than the change it undoes over the norm of 1 - slope.
+        // Newton's step is no shorter than the residual over the norm of 1 - Jacobian.
         let far = self.change.norm() > near * (1.0 + self.jacobian.norm());
         let time = if far && self.pseudo_time < NEWTON { self.pseudo_time } else { f64::INFINITY };
         let newton = factors(&self.jacobian, 1.0 + 1.0 / time);
@@ -308,7 +308,7 @@ where
         Stage::Stride { step, shorter: 0 }
     }
 
-    /// After a stride.
+    /// After a step.
     fn after_step(
         &mut self,
         step: OVector<f64, D>,
@@ -319,10 +319,10 @@ where
             let state = &self.state + &step;
             let change = value - &state;
             let gain = self.change.norm() / change.norm().max(f64::MIN_POSITIVE);
-            // Early strides may climb a little, as the flow does.
+            // Early steps may climb a little, as the flow does.
             let least = if self.pseudo_time < NEWTON { 0.5 } else { GAINS };
             if gain >= least {
-                // Broyden's update of the slope minus one.
+                // Broyden's update of the Jacobian minus one.
                 let predicted = &self.jacobian * &step - &step;
                 let miss = &change - &self.change - predicted;
                 self.jacobian.ger(1.0 / step.norm_squared(), &miss, &step, 1.0);

@@ -43,7 +43,7 @@ pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES
 const MAX_RATE_RATIO: f64 = 4.0;
 
 /// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate; beyond that rate the bound
-/// is wider, see [`ReducedBasis::wrong`]. Below the accuracy `COARSE` the share falls with the accuracy's square root: without
+/// is wider, see [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without
 /// that one in a hundred of 450 random levers on Hertzian samples, asked for 1e-4, had a largest force that was 1e-4 to 3e-4 off.
 const COMPLIANCE_TOL_SHARE: f64 = 0.75;
 const COARSE_ACCURACY: f64 = 1e-3;

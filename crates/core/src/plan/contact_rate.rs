@@ -123,7 +123,7 @@ impl Driven {
     }
 
     /// The basis for contacts of that rung, where the modes with the largest shares do not do: these may be as many as
-    /// `shares` makes for [`RICHEST`] of the accuracy.
+    /// `shares` makes for [`RICHEST_ACCURACY_SHARE`] of the accuracy.
     pub(super) fn for_rung(
         &self,
         rung: u32,

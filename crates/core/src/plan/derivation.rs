@@ -152,7 +152,7 @@ impl Plan {
     }
 
     /// The basis for the contacts of an instance that the modes with the largest shares do not serve, and the next
-    /// poorer one; none where there is none.
+    /// smaller one; none where there is none.
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
         let rung = driven.rung(&case.contact, case.gap);

@@ -51,7 +51,7 @@ use std::sync::Arc;
 const TOGETHER: usize = 1 << 10;
 
 /// Some instances of an ensemble and how they are to run: what an engine is given. A scene's first plan has all
-/// instances; refinements, samples, portions and audits are plans of some of them, with steps, bases and starts of their
+/// instances; refinements, samples, chunks and audits are plans of some of them, with steps, bases and starts of their
 /// own. Everything that is told by instance is in the order of the plan's: its instance `i` is the ensemble's
 /// `plan.id(i)`.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 /// Where it is known.
 #[derive(Clone, Copy)]
 pub(super) enum InstanceRows<'a> {
-    /// A run's portions.
+    /// A run's chunks.
     Run(&'a JournaledRun<'a>),
     /// A plan that was run once as it is.
     Plain { plan: &'a Plan, finished: &'a ResultColumns, arithmetic: &'a Arithmetic },
@@ -62,7 +62,7 @@ impl<'a> InstanceRows<'a> {
         }
     }
 
-    /// So many numbers of each instance in the order of the instances, of `of` in that of those shown; see [`Rows::each`].
+    /// So many numbers of each instance in the order of the instances, of `of` in that of those shown; see [`InstanceRows::each`].
     pub fn column<T: Copy + Default>(
         &self,
         (width, is_read): (usize, bool),
@@ -193,7 +193,7 @@ impl RowView<'_> {
         (0..self.count()).map(of).collect()
     }
 
-    /// What only a run with its portions knows.
+    /// What only a run with its chunks knows.
     fn of_run<T: Clone>(&self, of: impl FnOnce(&ChunkView) -> Vec<T>, none: T) -> Vec<T> {
         if let Self::Piece(piece, _) = self { of(piece) } else { vec![none; self.count()] }
     }

@@ -55,7 +55,7 @@ pub struct Facts {
 /// What one look at all instances of a run tells.
 ///
 /// # Errors
-/// What is kept of a portion cannot be read.
+/// What is kept of a chunk cannot be read.
 pub fn warned(scene: &Scene, run: &JournaledRun) -> Result<LawWarnings, EngineError> {
     LawWarnings::of(scene, &InstanceRows::Run(run))
 }

@@ -6,7 +6,7 @@ use crate::engine::{EngineError, Progress};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What an audit takes of the stepping's time. README and the command line's help tell it, as they tell [`SECONDS`].
+/// What an audit takes of the stepping's time. README and the command line's help tell it, as they tell [`AUDIT_SECONDS`].
 pub const AUDIT_SHARE: f64 = 0.1;
 /// What it takes after a short run, s.
 pub const AUDIT_SECONDS: f64 = 0.25;

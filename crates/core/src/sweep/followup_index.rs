@@ -1,4 +1,4 @@
-//! What journals know of the questions that are asked once all portions have ended.
+//! What journals know of the questions that are asked once all chunks have ended.
 
 use crate::control::{
     AuditBudget, FollowupKey, FollowupKind, FollowupResult, answers_from_bytes, budget_from_bytes, keys,
@@ -20,7 +20,7 @@ pub(super) struct FollowupIndex {
 }
 
 impl FollowupIndex {
-    /// Takes up a record that is no portion.
+    /// Takes up a record that is no chunk.
     pub fn take(&mut self, place: RecordNumber, kind: RecordKind, bytes: &[u8]) {
         match kind {
             RecordKind::Answers => {

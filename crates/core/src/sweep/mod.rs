@@ -261,7 +261,7 @@ impl Sweep {
     /// Runs it.
     ///
     /// # Errors
-    /// See [`Error`]. A run that is stopped once some instances are done gives these: [`Swept::missing`] says what
+    /// See [`Error`]. A run that is stopped once some instances are done gives these: [`SweepOutcome::missing`] says what
     /// they lack.
     pub fn run(&self) -> Result<SweepOutcome, Error> {
         self.run_with(&Silent)
@@ -277,7 +277,7 @@ impl Sweep {
         self.watched(observer, || self.execute(observer, &memory, &of_all)?.gathered())
     }
 
-    /// Chooses what a run of the scene needs: bases, first steps, precision, size of portions.
+    /// Chooses what a run of the scene needs: bases, first steps, precision, size of chunks.
     ///
     /// # Errors
     /// As [`Sweep::run`].

@@ -77,7 +77,7 @@ fn sum(scene: &Scene) -> String {
     format!("{:08x}", sum.finalize())
 }
 
-/// This program, as [`Prepared`] names it.
+/// This program, as [`Recipe`] names it.
 fn program() -> String {
     format!("afmsweep {} ({})", env!("CARGO_PKG_VERSION"), crate::record::SOURCE_REVISION)
 }
@@ -107,7 +107,7 @@ impl Recipe {
         RecipeOptions::of(options, scene).course
     }
 
-    /// The text that [`Prepared::from_toml`] reads.
+    /// The text that [`Recipe::from_toml`] reads.
     ///
     /// # Errors
     /// None that is known.
@@ -115,7 +115,7 @@ impl Recipe {
         toml::to_string(self).map_err(|error| Error::Prepared { what: error.to_string() })
     }
 
-    /// What [`Prepared::to_toml`] has written.
+    /// What [`Recipe::to_toml`] has written.
     ///
     /// # Errors
     /// It is another text, or was written by another version of the program.

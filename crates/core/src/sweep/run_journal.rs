@@ -1,4 +1,4 @@
-//! The journal of a run: what of its portions is known, and what it writes down.
+//! The journal of a run: what of its chunks is known, and what it writes down.
 
 use super::followup_index::FollowupIndex;
 use super::{Error, Recipe};
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
-/// A share of a run: the portions whose numbers leave this rest.
+/// A share of a run: the chunks whose numbers leave this rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
     /// From 1.
@@ -23,7 +23,7 @@ impl Share {
     /// All of it.
     pub const ALL: Self = Self { number: 1, of: 1 };
 
-    /// Whether a portion is in it.
+    /// Whether a chunk is in it.
     pub fn has(self, portion: usize) -> bool {
         portion % self.of == self.number - 1
     }
@@ -35,11 +35,11 @@ impl std::fmt::Display for Share {
     }
 }
 
-/// What a run knows of portions before it begins, and where it writes down those that end.
+/// What a run knows of chunks before it begins, and where it writes down those that end.
 #[derive(Debug)]
 pub struct RunJournal {
     share: Share,
-    /// In how many shares the portions that are known were run.
+    /// In how many shares the chunks that are known were run.
     divided: usize,
     anyway: bool,
     /// Whether what is not known is to be run.
@@ -47,17 +47,17 @@ pub struct RunJournal {
     /// What the header of its own journal says first; none where that is begun.
     begins: Option<String>,
     journals: Vec<Journal>,
-    /// Of each portion that is known the journal and its record there; the last one counts.
+    /// Of each chunk that is known the journal and its record there; the last one counts.
     chunks: BTreeMap<usize, ChunkRecord>,
     followups: FollowupIndex,
     recipe: Option<Recipe>,
     file: Mutex<Option<RunFile>>,
-    /// Where the bytes of portions are that have ended since.
+    /// Where the bytes of chunks are that have ended since.
     fresh: Mutex<HashMap<usize, Range<u64>>>,
     failed: Mutex<Option<Error>>,
 }
 
-/// A portion in a journal.
+/// A chunk in a journal.
 #[derive(Clone, Copy, Debug)]
 struct ChunkRecord {
     journal: usize,
@@ -66,7 +66,7 @@ struct ChunkRecord {
     instances: usize,
 }
 
-/// Bytes of a portion that tell its number and how many instances it has.
+/// Bytes of a chunk that tell its number and how many instances it has.
 const CHUNK_HEADER_BYTES: u64 = 16;
 
 impl RunJournal {
@@ -94,7 +94,7 @@ impl RunJournal {
         Ok(keeper)
     }
 
-    /// Of portions that were run before, in so many shares, and are only to be put together.
+    /// Of chunks that were run before, in so many shares, and are only to be put together.
     ///
     /// # Errors
     /// Journals of different runs, or spoilt ones.
@@ -141,7 +141,7 @@ impl RunJournal {
     /// waveforms. What an `earlier` merge of the same shares has found is gone on with.
     ///
     /// # Errors
-    /// As [`Keeper::of_journals`].
+    /// As [`RunJournal::of_journals`].
     pub fn of_merge(
         shares: Vec<Journal>,
         share: Share,
@@ -180,12 +180,12 @@ impl RunJournal {
         self.recipe.as_ref()
     }
 
-    /// How many portions are known.
+    /// How many chunks are known.
     pub fn known_portions(&self) -> usize {
         self.chunks.values().filter(|known| known.whole).count()
     }
 
-    /// How many answers are known to what is asked once all portions have ended: second states, audit, waveforms.
+    /// How many answers are known to what is asked once all chunks have ended: second states, audit, waveforms.
     pub fn known_answers(&self) -> usize {
         self.followups.len()
     }
@@ -204,7 +204,7 @@ impl RunJournal {
         self.share
     }
 
-    /// The shares of whose portions some are neither known nor to be run.
+    /// The shares of whose chunks some are neither known nor to be run.
     pub(super) fn missing_shares(&self, division: &Chunking) -> Vec<usize> {
         if self.runs {
             return Vec::new();
@@ -269,7 +269,7 @@ impl ChunkJournal for RunJournal {
         self.runs && self.share.has(number)
     }
 
-    /// Bytes that tell of another number of instances are none of this portion: no memory is asked for by their word.
+    /// Bytes that tell of another number of instances are none of this chunk: no memory is asked for by their word.
     fn known(&self, number: usize, instances: usize) -> Option<Vec<u8>> {
         let known = self.chunks.get(&number).filter(|known| known.instances == instances)?;
         self.journals.get(known.journal)?.record(known.record).ok().map(|(_, bytes)| bytes)

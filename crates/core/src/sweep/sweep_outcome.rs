@@ -36,7 +36,7 @@ pub struct SweepOutcome {
     pub rate: f64,
 }
 
-/// A sweep that was run, with its portions where they are kept: of each instance a few bytes lie in memory. See [`Swept`].
+/// A sweep that was run, with its chunks where they are kept: of each instance a few bytes lie in memory. See [`SweepOutcome`].
 #[non_exhaustive]
 pub struct JournaledOutcome<'k> {
     /// Everything that a results file holds but the numbers over all instances.

@@ -1,8 +1,8 @@
 //! What a measured curve tells: each sample's own curve is held against it, over all offsets and factors that nobody knows.
 
 use super::curve_pieces::{CurveLine, CurvePlace, Points};
+use super::likelihood::{counted, is_phase, weighed};
 use super::marginal::Marginal;
-use super::posterior::{counted, is_phase, weighed};
 use super::{Posterior, StatsError, Study, SummaryOptions};
 use crate::design::{Distribution, Mix};
 use crate::observe::Status;

@@ -7,10 +7,10 @@ mod bins;
 mod curve_pieces;
 mod elementary_effects;
 mod estimate;
+mod likelihood;
 mod marginal;
 mod measured_curve;
 mod observable_summary;
-mod posterior;
 mod saltelli;
 pub mod stats_json;
 mod study_samples;
@@ -18,13 +18,13 @@ mod study_samples;
 pub use bins::first_order;
 pub use elementary_effects::{Effects, Steps, effects};
 pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
+pub use likelihood::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
 pub use measured_curve::{
     CurveColumn, CurveMeasurement, Fit, FreeParameter, SampleCurve, curve_posterior, quantity,
 };
 pub use observable_summary::{
     Convergence, Distributed, SHARES, SensitivityIndices, Summary, SummaryOptions, sorted_out, summary,
 };
-pub use posterior::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
 pub use saltelli::{SobolIndices, indices};
 pub use study_samples::{Study, StudyOutput, outputs, status_word};
 

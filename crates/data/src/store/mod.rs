@@ -237,7 +237,7 @@ pub struct ForceCurve {
     pub contact_radius: Vec<f64>,
 }
 
-/// Code of [`Branch::status`] where there is no second state.
+/// Code of [`BranchTable::status`] where there is no second state.
 pub const NO_STATE: u8 = u8::MAX;
 
 /// Group `other_branch`: a second state of each instance, over all instances and with the dimensions of the first ones.

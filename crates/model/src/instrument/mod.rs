@@ -10,7 +10,7 @@
 //! The equations are those of Ha, Fung & Chen 2005 (J. Dyn. Syst. Meas. Control 127(4), 705-709)
 //! with time derivatives where their (4) prints subscripts z and x; each other choice stands
 //! where it is made: the rod's field in `rod.rs`, the kinematics and the tip's force in
-//! `assemble.rs`.
+//! `assembly.rs`.
 //!
 //! ```
 //! use afmsweep_model::instrument::{DEFAULT_TOLERANCE, Instrument};
@@ -23,8 +23,8 @@
 //! ```
 //!
 //! Flow: `rod.rs`, `beam.rs` (elements, whose modes `unit_modes.rs` keeps) and `lever.rs` (three descriptions of a lever) ->
-//! `assemble.rs` -> `secular.rs` (eigenpairs of what is coupled by one row) -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
-//! `summary.rs`; `fluid.rs` has the lever in a fluid.
+//! `assembly.rs` -> `secular.rs` (eigenpairs of what is coupled by one row) -> `natural_modes.rs` -> `mesh_refinement.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
+//! `mode_summary.rs`; `fluid.rs` has the lever in a fluid.
 
 mod assembly;
 mod beam;

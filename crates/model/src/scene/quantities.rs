@@ -1,7 +1,7 @@
 //! The closed table of a scene's quantities: path, dimension, domain, and their place in [`Params`].
 //!
 //! Reading, sweeping and the resolved echo all go through this table, so a quantity added here can be
-//! written, swept and echoed at once. Its usual and possible sizes stand in `plausible.rs`, when it matters in `given.rs`.
+//! written, swept and echoed at once. Its usual and possible sizes stand in `plausibility.rs`, when it matters in `provenance.rs`.
 
 use super::params::*;
 use super::quantity::{Domain, Quantity};

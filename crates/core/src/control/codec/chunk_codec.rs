@@ -1,4 +1,4 @@
-//! A portion of a run as bytes and back: every number by its bits, column by column.
+//! A chunk of a run as bytes and back: every number by its bits, column by column.
 
 use super::column_codec::{self, ByteReader, CodecRow};
 use crate::control::{ChunkMeta, CompactOrbit, InstanceRecord};
@@ -7,7 +7,7 @@ use crate::observe::{Measured, Status};
 use crate::periodic::Floquet;
 use crate::plan::{BasisRule, Precision, Resolution, SectionState};
 
-/// Modes that a station has room for.
+/// Modes that a section state has room for.
 const MODES: usize = SectionState::FREE.x.len();
 /// Numbers of a result and its state; of an instance's own, and with what a search from rest found.
 pub(super) const STATE_COLUMNS: usize = (Measured::WIDTH + 1) + (1 + 8 + 2 * MODES);
@@ -28,7 +28,7 @@ pub(super) const MULTIPLIER: usize = FOUND + 3;
 /// Bytes before the entries of the columns.
 pub(super) const HEADER_BYTES: usize = 8 + 4 + 4 + 4;
 
-/// A portion and its number as bytes: what is said of it as a whole, and its instances. Its notes come last.
+/// A chunk and its number as bytes: what is said of it as a whole, and its instances. Its notes come last.
 pub fn to_bytes(
     number: usize,
     about: &ChunkMeta,
@@ -61,7 +61,7 @@ pub(super) fn lines<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<String> {
     notes.map(|note| line(note).join(" ")).filter(|note| !note.is_empty()).collect()
 }
 
-/// What the first bytes of a portion tell.
+/// What the first bytes of a chunk tell.
 pub(super) struct ChunkHeader {
     pub number: usize,
     /// Whether it is whole, was searched for, is of curves, was searched for from rest.
@@ -71,7 +71,7 @@ pub(super) struct ChunkHeader {
     pub notes: usize,
 }
 
-/// What these first bytes tell; none where they are no portion's.
+/// What these first bytes tell; none where they are no chunk's.
 pub(super) fn chunk_header(bytes: &[u8]) -> Option<ChunkHeader> {
     let mut rest = ByteReader(bytes);
     let number = usize::try_from(rest.whole(8)?).ok()?;
@@ -83,7 +83,7 @@ pub(super) fn chunk_header(bytes: &[u8]) -> Option<ChunkHeader> {
     Some(ChunkHeader { number, flags, count: rest.whole(4)? as usize, notes: rest.whole(4)? as usize })
 }
 
-/// The number of the portion that the bytes hold, and how many instances it has.
+/// The number of the chunk that the bytes hold, and how many instances it has.
 pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
     let mut rest = ByteReader(bytes);
     let number = rest.whole(8)?;
@@ -204,7 +204,7 @@ fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
     }
 }
 
-/// A state, if there is one; see [`stand`].
+/// A state, if there is one; see [`put_orbit`].
 pub(super) fn compact_orbit(
     numbers: &mut impl Iterator<Item = u64>,
     like: BasisKey,
@@ -275,7 +275,7 @@ mod tests {
         to_bytes(number, about, instances.len(), |n| instances[n].clone())
     }
 
-    /// A portion from all of its bytes.
+    /// A chunk from all of its bytes.
     fn read(bytes: &[u8], number: usize, count: usize) -> Option<(ChunkMeta, Vec<InstanceRecord>)> {
         let source =
             |range: Range<usize>| bytes.get(range).map(<[u8]>::to_vec).ok_or_else(|| "cut off".to_owned());

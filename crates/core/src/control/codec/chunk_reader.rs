@@ -1,4 +1,4 @@
-//! A portion in its bytes: of these the columns are read that are asked for.
+//! A chunk in its bytes: of these the columns are read that are asked for.
 
 use super::chunk_codec::{self, ESTIMATE, FOUND, JUMP, MULTIPLIER, PERIODS, RECORD_COLUMNS, STEPS};
 use super::column_codec::{ByteColumn, CHECKSUM_BYTES, ColumnEntry, ENTRY_BYTES, entries};
@@ -8,13 +8,13 @@ use crate::plan::{Precision, Resolution};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Reads bytes of a portion.
+/// Reads bytes of a chunk.
 pub(in crate::control) type Source<'a> = dyn Fn(Range<usize>) -> Result<Vec<u8>, String> + Sync + 'a;
 
 /// Bytes before the columns.
 const HEADER_AND_ENTRIES: usize = chunk_codec::HEADER_BYTES + RECORD_COLUMNS * ENTRY_BYTES + CHECKSUM_BYTES;
 
-/// A portion whose beginning was read; a column is when it is first asked for.
+/// A chunk whose beginning was read; a column is when it is first asked for.
 pub(in crate::control) struct ChunkReader<'a> {
     source: &'a Source<'a>,
     number: usize,
@@ -27,10 +27,10 @@ pub(in crate::control) struct ChunkReader<'a> {
 }
 
 impl<'a> ChunkReader<'a> {
-    /// Of the portion of this number and so many instances.
+    /// Of the chunk of this number and so many instances.
     ///
     /// # Errors
-    /// In words, why it cannot be read; it is no such portion.
+    /// In words, why it cannot be read; it is no such chunk.
     pub fn of(source: &'a Source<'a>, number: usize, count: usize) -> Result<Self, String> {
         let head = source(0..HEADER_AND_ENTRIES)?;
         let of_head = || {
@@ -63,7 +63,7 @@ impl<'a> ChunkReader<'a> {
         self.failed.get().map(String::as_str)
     }
 
-    /// A column; zeros where it cannot be read, which [`View::failure`] tells.
+    /// A column; zeros where it cannot be read, which [`ChunkReader::failure`] tells.
     pub fn column(&self, number: usize) -> ByteColumn<'_> {
         let entry = &self.entries[number];
         if entry.is_one() {

@@ -1,4 +1,4 @@
-//! What a run writes down, as bytes and back: portions, and what is asked of single instances after them.
+//! What a run writes down, as bytes and back: chunks, and what is asked of single instances after them.
 
 mod chunk_codec;
 mod chunk_reader;

@@ -76,7 +76,7 @@ impl Dop853 {
         self.evaluations += (EXTENDED - STAGES) as u64;
     }
 
-    /// Continuous extension of the sum of unknowns `range`, after [`Stepper::extend`].
+    /// Continuous extension of the sum of unknowns `range`, after [`Dop853::extend`].
     pub fn dense(&self, y: &[f64], range: std::ops::Range<usize>, h: f64) -> Dense {
         let rates: [f64; EXTENDED] = std::array::from_fn(|j| self.k[j][range.clone()].iter().sum());
         let start: f64 = y[range.clone()].iter().sum();

@@ -2,8 +2,8 @@
 //!
 //! It answers what the stepped engines' error is. It shares the instrument, the free motion and the laws'
 //! parameters with them, and neither the stepping nor the forces: the deviation from free motion is integrated with
-//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`force.rs`), every touch, release and turning
-//! point is located (`walk.rs`), and observables are integrals over the continuous path (`meter.rs`).
+//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`reference_force.rs`), every touch, release and turning
+//! point is located (`step_control.rs`), and observables are integrals over the continuous path (`meter.rs`).
 
 mod dop853;
 mod meter;

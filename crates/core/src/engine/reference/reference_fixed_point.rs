@@ -16,11 +16,11 @@ use std::f64::consts::{PI, TAU};
 const NEWTON_TOL_SHARE: f64 = 1e-4;
 const FALLBACK_TOL_SHARE: f64 = 1e-2;
 const MAX_DISTANCE_TOLERANCES: f64 = 100.0;
-/// Error of a slope that the steps' tolerance may make, as a share of what the slowest mode loses in a period; that loss
+/// Error of a Jacobian that the steps' tolerance may make, as a share of what the slowest mode loses in a period; that loss
 /// counts as so much at least.
 const JACOBIAN_ERROR_SHARE: f64 = 1e-2;
 const MIN_MODE_LOSS: f64 = 1e-5;
-/// Differences, in units of the free amplitude, for the slope: as the steps allow, and for jumping contacts.
+/// Differences, in units of the free amplitude, for the Jacobian: as the steps allow, and for jumping contacts.
 const FD_STEP_SMOOTH: f64 = 1e-5;
 const FD_STEP_ROUGH: f64 = 3e-5;
 /// Motion that takes two periods is on one side of a periodic state at the start of one period and on the other side at
@@ -96,7 +96,7 @@ pub fn solve_near(
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
 
-/// The station as unknowns at the period's very start, half a step earlier, and which of all unknowns are the station's
+/// The section state as unknowns at the period's very start, half a step earlier, and which of all unknowns are the section state's
 /// own modes. What its other oscillators move the tip by, the reference's other modes share as they would bend under a
 /// static force: without it a tip that is held in contact would begin beside the sample.
 fn unknowns(
