@@ -1,6 +1,6 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
-mod audit;
+mod audit_message;
 mod backend;
 mod bench;
 mod cells;
@@ -188,7 +188,7 @@ pub fn main() -> ExitCode {
             }
             match error.downcast_ref::<Stopped>() {
                 Some(stopped) => ExitCode::from(stopped.code),
-                None if error.is::<audit::Missed>() => ExitCode::from(audit::MISSED),
+                None if error.is::<audit_message::Missed>() => ExitCode::from(audit_message::MISSED),
                 None => ExitCode::FAILURE,
             }
         }

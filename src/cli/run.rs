@@ -3,7 +3,7 @@
 mod run_json;
 mod run_messages;
 
-use super::audit;
+use super::audit_message;
 use super::backend::EngineArgs;
 use super::prepare;
 use super::signals;
@@ -283,7 +283,7 @@ pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {
         run_json::times(object, (planning, writing), &counted);
         print_json(object)?;
     }
-    audit::strict(args.strict, &verdict, &output)
+    audit_message::strict(args.strict, &verdict, &output)
 }
 
 /// Names the first instance that was left behind.

@@ -2,7 +2,7 @@
 
 use crate::cli::backend::say_choice;
 use crate::cli::progress_bar::ProgressDisplay;
-use crate::cli::{Verbosity, audit, instances, values};
+use crate::cli::{Verbosity, audit_message, instances, values};
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::{Engine, Progress};
 use afmsweep::plan::Plan;
@@ -83,7 +83,7 @@ pub(super) fn end(
         hardest(scene, &swept.run, voice)?;
     }
     precision(&swept.run, voice);
-    audit::accuracy(scene, &swept.run, &swept.verdict, unaudited, voice)
+    audit_message::accuracy(scene, &swept.run, &swept.verdict, unaudited, voice)
 }
 
 /// Stepping of more seconds has its hardest instance named, if that took so large a share of the last runs' steps.

@@ -19,7 +19,7 @@
 mod dmt;
 mod hertz;
 mod jkr;
-mod nothing;
+mod no_sample;
 mod ramp;
 mod static_curve;
 mod static_law;
@@ -37,7 +37,7 @@ pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
 use crate::scene::{Adhesion, LawChoice, Params};
-use nothing::Nothing;
+use no_sample::Nothing;
 use std::f64::consts::PI;
 
 /// What a law's constants are made of. SI units. The reference engine reads its own from [`Contact`].

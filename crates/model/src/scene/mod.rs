@@ -24,7 +24,7 @@ mod sample_table;
 mod scene_echo;
 mod scene_error;
 mod scene_reader;
-mod schema;
+mod scene_schema;
 mod schema_design;
 mod schema_parts;
 mod setpoint_rules;
@@ -45,7 +45,7 @@ use paths::LAW;
 pub use quantities::QUANTITIES;
 pub use quantity::{Domain, Quantity};
 pub use scene_error::SceneError;
-pub use schema::schema;
+pub use scene_schema::schema;
 pub use synonyms::{Meant, meant};
 
 use crate::design::Design;
