@@ -16,7 +16,7 @@ use afmsweep::store::{self, ExistingFile, Journal, RunFile};
 use afmsweep::sweep::{RunJournal, Share};
 use afmsweep::{Audit, Error, Scene, Status, Sweep};
 use anyhow::Context;
-use run_messages::RunMessages;
+use run_messages::Messages;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -237,14 +237,8 @@ pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {
     let StartedRun { sweep, keeper, output, folder } = begin(args, scene, output, &progress, voice)?;
     let partial = store::partial_path(&output);
     let counted = Arc::clone(&progress);
-    let told = RunMessages {
-        path: &args.scene,
-        scene: sweep.scene(),
-        folder,
-        progress,
-        voice,
-        shown: Mutex::default(),
-    };
+    let shown = Mutex::default();
+    let told = Messages { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown };
     plan_notice::announce(told.scene, voice);
     if args.shard.is_some_and(|share| share.of > 1) {
         let whole = sweep.run_share(&keeper, &told);

@@ -76,15 +76,8 @@ pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture,
         let note = left_out(row, instances.len(), "force curves");
         let name = format!("force_curve_{instance}");
         let csv = Some(csv::of_force_curves(&curves));
-        pictures.push(Picture {
-            kind: PictureKind::Asked,
-            name,
-            title,
-            note,
-            svg,
-            hover: Hover::default(),
-            csv,
-        });
+        let (kind, hover) = (PictureKind::Asked, Hover::default());
+        pictures.push(Picture { kind, name, title, note, svg, hover, csv });
     }
     Ok(DrawnPicture { pictures, left_out: undrawn })
 }

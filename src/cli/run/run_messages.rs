@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex};
 const DECIDES: [&str; 2] = ["sample.youngs_modulus", "instrument.tip.radius"];
 
 /// What is said before a run steps, and how far it is then.
-pub(super) struct RunMessages<'a> {
+pub(super) struct Messages<'a> {
     pub path: &'a Path,
     pub scene: &'a Scene,
     /// A folder that was made for the results.
@@ -28,7 +28,7 @@ pub(super) struct RunMessages<'a> {
     pub shown: Mutex<Option<ProgressDisplay>>,
 }
 
-impl Observer for RunMessages<'_> {
+impl Observer for Messages<'_> {
     fn chosen(&self, choice: &EngineChoice) {
         say_choice(choice, self.voice);
     }

@@ -1,5 +1,6 @@
 //! All instances of a plan, chunk by chunk.
 
+use super::basis_choice::{self, BasisChoice};
 use super::basis_rules::BasisRules;
 use super::block_solver::{self, BlockSolver};
 use super::choices::{Choices, Course};
@@ -7,7 +8,7 @@ use super::chunk::{Chunk, ChunkJournal};
 use super::chunking::Chunking;
 use super::first_estimate::{EstimateInputs, SmallerBasis};
 use super::journaled_run::JournaledRun;
-use super::{ChunkRun, basis_choice, branch_switching, by_reference, interruption, once};
+use super::{ChunkRun, branch_switching, by_reference, interruption, once};
 use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::observe::Status;
 use crate::orbit;
@@ -114,25 +115,19 @@ pub(super) fn run<'k>(
     progress: &Progress,
 ) -> Result<JournaledRun<'k>, EngineError> {
     let stepped = planned.stepped();
-    let basis_choice::BasisChoice { mut plan, smaller: poorer, truncation: left_out } = match choices.course {
+    let BasisChoice { mut plan, smaller, truncation } = match choices.course {
         Course::Controlled => basis_choice::choose_bases(&planned, &stepped, choices.bases.as_ref()),
-        _ => basis_choice::BasisChoice { plan: planned.clone(), smaller: None, truncation: Vec::new() },
+        _ => BasisChoice { plan: planned.clone(), smaller: None, truncation: Vec::new() },
     };
     (plan.precision, plan.precision_open) = (choices.precision.precision, false);
     // There may be very many instances.
-    let is_stepped = !stepped.is_empty();
+    let some_stepped = !stepped.is_empty();
     drop(stepped);
     let division = Chunking::of(&planned, choices, keep.shares());
     drop(planned);
     let mut whole = JournaledRun::not_begun(plan, choices, division, keep);
-    let work = ChunkWork {
-        choices,
-        truncation: left_out,
-        smaller_basis: poorer,
-        stepped: is_stepped,
-        engine,
-        progress,
-    };
+    let work =
+        ChunkWork { choices, truncation, smaller_basis: smaller, stepped: some_stepped, engine, progress };
     let wanted = take_known(&mut whole, keep);
     let all: u64 = wanted.iter().map(|number| whole.chunk(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));

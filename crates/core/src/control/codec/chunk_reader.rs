@@ -9,14 +9,14 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Reads bytes of a chunk.
-pub(in crate::control) type Source<'a> = dyn Fn(Range<usize>) -> Result<Vec<u8>, String> + Sync + 'a;
+pub(in crate::control) type ByteSource<'a> = dyn Fn(Range<usize>) -> Result<Vec<u8>, String> + Sync + 'a;
 
 /// Bytes before the columns.
 const HEADER_AND_ENTRIES: usize = chunk_codec::HEADER_BYTES + RECORD_COLUMNS * ENTRY_BYTES + CHECKSUM_BYTES;
 
 /// A chunk whose beginning was read; a column is when it is first asked for.
 pub(in crate::control) struct ChunkReader<'a> {
-    source: &'a Source<'a>,
+    source: &'a ByteSource<'a>,
     number: usize,
     count: usize,
     flags: [bool; 4],
@@ -31,7 +31,7 @@ impl<'a> ChunkReader<'a> {
     ///
     /// # Errors
     /// In words, why it cannot be read; it is no such chunk.
-    pub fn of(source: &'a Source<'a>, number: usize, count: usize) -> Result<Self, String> {
+    pub fn of(source: &'a ByteSource<'a>, number: usize, count: usize) -> Result<Self, String> {
         let head = source(0..HEADER_AND_ENTRIES)?;
         let of_head = || {
             let beginning = chunk_codec::chunk_header(&head)?;

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Modes in order of their share of the tip's flexibility are taken until less than this is left.
 const DROP_SHARE: f64 = 1e-6;
 /// Onset and end of a contact are so many times faster than its middle.
-const ONSET_SPEED_RATIO: f64 = 4.0;
+const ONSET: f64 = 4.0;
 /// By the tolerance of the steps: modes that are faster than the contact by so much are not resolved one by one. They follow
 /// the contact as springs do, but for their inertia. Where a force has a corner or a jump they ring all the same: with 16 the
 /// largest force of a lever of 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32 4e-5, with 64 6e-6; under DMT and Hertz
@@ -251,15 +251,11 @@ fn oscillators(
         .filter(|mode| mode.omega > fastest)
         .collect();
     let answer = |some: &mut dyn Iterator<Item = &Mode>| {
-        compliance(some.map(|m| (m.omega, m.inverse_mass())), ONSET_SPEED_RATIO * rate)
+        compliance(some.map(|m| (m.omega, m.inverse_mass())), ONSET * rate)
     };
     if answer(&mut gone.iter().copied()).abs() > DROP_SHARE * answer(&mut modes.iter())
-        && let Some(one) = reduced(
-            &gone,
-            if far.is_some() { 2 } else { 1 },
-            ONSET_SPEED_RATIO * rate,
-            far.unwrap_or(ONSET_SPEED_RATIO) * rate,
-        )
+        && let Some(one) =
+            reduced(&gone, if far.is_some() { 2 } else { 1 }, ONSET * rate, far.unwrap_or(ONSET) * rate)
     {
         each.extend(one.iter().map(|one| [one.omega, 2.0 * one.damping * one.omega, one.inverse_mass]));
         indices.extend(one.iter().map(|_| None));
