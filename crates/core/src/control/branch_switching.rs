@@ -41,7 +41,7 @@ pub fn second_orbits(
     let mut all = SecondOrbits::default();
     match run.from_rest.is_empty() {
         true => {
-            let found = pieces.from_rest(&plan.part(&instances))?;
+            let found = pieces.solve_from_rest(&plan.part(&instances))?;
             for (&i, one) in instances.iter().zip(found) {
                 match one {
                     Some((finished, place)) => _ = hunt.take(i, finished, place),
@@ -195,7 +195,7 @@ impl BranchSwitching<'_> {
         };
         let places: Vec<SectionState> = wave.iter().enumerate().map(place).collect();
         let mut found = Vec::new();
-        for (&i, one) in numbers.iter().zip(pieces.from_sections(&part, &places)?) {
+        for (&i, one) in numbers.iter().zip(pieces.solve_from_sections(&part, &places)?) {
             let Some((finished, place)) = one else {
                 self.incomplete = true;
                 continue;

@@ -39,7 +39,7 @@ impl<'a> CheckpointedSearch<'a> {
     }
 
     /// The states of all of a plan's instances that are found from these places; see [`orbit::solve_from_sections`].
-    pub fn from_sections(
+    pub fn solve_from_sections(
         &self,
         plan: &Plan,
         places: &[SectionState],
@@ -56,7 +56,7 @@ impl<'a> CheckpointedSearch<'a> {
     }
 
     /// Those that are found from the lever at rest; see [`orbit::solve_from_rest`].
-    pub fn from_rest(&self, plan: &Plan) -> Result<Vec<FoundOrbit>, EngineError> {
+    pub fn solve_from_rest(&self, plan: &Plan) -> Result<Vec<FoundOrbit>, EngineError> {
         let questions: Vec<FollowupKey> =
             plan.instances().map(|i| FollowupKey::new(FollowupKind::FromRest, plan, i, None)).collect();
         self.answer(plan, &questions, &|part, _| {

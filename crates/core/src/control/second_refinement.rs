@@ -140,7 +140,9 @@ impl SecondRefinement {
         };
         let places: Vec<SectionState> = instances.iter().enumerate().map(place).collect();
         let mut all = Vec::with_capacity(instances.len());
-        for (there, (n, found)) in instances.iter().zip(pieces.from_sections(plan, &places)?).enumerate() {
+        for (there, (n, found)) in
+            instances.iter().zip(pieces.solve_from_sections(plan, &places)?).enumerate()
+        {
             let n = *n as usize;
             let Some((finished, place)) = found else {
                 self.open[n] = true;
