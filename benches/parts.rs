@@ -1,9 +1,9 @@
 //! Times of the parts of a run. `cargo bench --bench parts`
 
 use afmsweep::engine::{Cpu, Engine, Progress, Reference, solve_near};
-use afmsweep::plan::{Plan, Precision, Station};
+use afmsweep::orbit;
+use afmsweep::plan::{Plan, Precision, SectionState};
 use afmsweep::scene::Scene;
-use afmsweep::steady;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;
@@ -66,7 +66,7 @@ fn periodic_states(c: &mut Criterion) {
         let plan = plan(law, "steady = \"search\"", Precision::F64);
         group.throughput(Throughput::Elements(plan.len() as u64));
         group.bench_function(law, |b| {
-            b.iter(|| steady::run(&plan, &[], &engine, &Progress::default()).expect("the plan can be run"));
+            b.iter(|| orbit::solve(&plan, &[], &engine, &Progress::default()).expect("the plan can be run"));
         });
     }
     group.finish();
@@ -75,9 +75,9 @@ fn periodic_states(c: &mut Criterion) {
 fn reference(c: &mut Criterion) {
     let plan = plan("dmt", "steady = \"search\"", Precision::F64);
     let found =
-        steady::run(&plan, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run").found;
+        orbit::solve(&plan, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run").found;
     let place = found.iter().position(Option::is_some).expect("some state was found");
-    let station: Station = found[place].as_ref().map(|state| state.station).expect("it was found");
+    let station: SectionState = found[place].as_ref().map(|state| state.section).expect("it was found");
     c.bench_function("reference beside a state", |b| {
         b.iter(|| solve_near(&plan, place, &station, &Reference::default(), &Progress::default()));
     });

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example cancel`
 
-use afmsweep::engine::Phase;
+use afmsweep::engine::ProgressPhase;
 use afmsweep::{Backend, Error, Observer, Scene, Status, Sweep};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 struct Patience(Instant);
 
 impl Observer for Patience {
-    fn progress(&self, phase: &Phase) -> ControlFlow<()> {
+    fn progress(&self, phase: &ProgressPhase) -> ControlFlow<()> {
         println!("{}: {:.0} %", phase.name, 100.0 * phase.share.unwrap_or(0.0));
         match self.0.elapsed() > Duration::from_millis(300) {
             true => ControlFlow::Break(()),

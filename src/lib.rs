@@ -60,11 +60,11 @@ pub use observe::{Observable, Status};
 pub use plan::{Policy, Precision};
 pub use scene::Scene;
 pub use store::{Array, Results};
-pub use sweep::{Audit, Backend, Error, Observer, Sweep, Swept};
+pub use sweep::{Audit, Backend, Error, Observer, Sweep, SweepOutcome};
 
 // The crates below this one, each with the modules that its own page describes.
-pub use afmsweep_core::{compare, control, engine, periodic, plan, record, steady, sweep};
-pub use afmsweep_data::{design, observe, reconstruct, stats, store, units};
+pub use afmsweep_core::{compare, control, engine, orbit, periodic, plan, record, sweep};
+pub use afmsweep_data::{design, observe, reconstruction, stats, store, units};
 pub use afmsweep_kernel as kernel;
 pub use afmsweep_model::{contact, instrument, scene};
 #[cfg(feature = "report")]

@@ -2,9 +2,9 @@
 
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::{BasisRule, Plan, Precision};
 use afmsweep::scene::Scene;
-use afmsweep::steady;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -54,7 +54,7 @@ fn plan(modes: &str) -> Plan {
 /// The largest force of each instance, N, and the seconds it took; not a number where none is found.
 fn forces(plan: &Plan) -> (Vec<f64>, f64) {
     let start = Instant::now();
-    let run = steady::run(&plan.clone().with_steps(|_| STEPS), &[], &Cpu::default(), &Progress::default());
+    let run = orbit::solve(&plan.clone().with_steps(|_| STEPS), &[], &Cpu::default(), &Progress::default());
     let results = run.expect("the plan can be run").outcome.results;
     let force = |one: &Finished| if one.status == Status::Ok { one.measured.force_max } else { f64::NAN };
     (results.iter().map(force).collect(), start.elapsed().as_secs_f64())
@@ -66,11 +66,11 @@ pub fn run() -> Vec<Value> {
     let whole = plan("");
     let all: Vec<u32> = whole.instances().collect();
     let fine = whole.clone().with_steps(|_| STEPS);
-    let run = steady::run(&fine, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run");
+    let run = orbit::solve(&fine, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run");
     let reference = Reference { tolerance: 1e-12, ..Reference::default() };
     let truth = |i: &u32| {
         let station =
-            run.found[*i as usize].as_ref().expect("a tap of a lever in a liquid is steady").station;
+            run.found[*i as usize].as_ref().expect("a tap of a lever in a liquid is steady").section;
         let found = solve_near(&fine, *i as usize, &station, &reference, &Progress::default());
         found.expect("the plan has it").expect("the reference finds it").measured
     };

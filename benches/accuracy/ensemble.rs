@@ -3,7 +3,7 @@
 
 use crate::random::{Ranges, Wide, quantile, scene};
 use afmsweep::compare::{self, Scales, worst};
-use afmsweep::control::{self, Audited, Controlled, InMemory};
+use afmsweep::control::{self, AuditedInstance, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -54,12 +54,12 @@ fn truths(wide: &Wide) -> Vec<Option<Finished>> {
     let (plan, start) = (plan(wide), Instant::now());
     let run = control::run(&plan, &Cpu::default(), &Progress::default()).expect("the plan can be run");
     println!("    {}: run for {:e} in {:.0} s", wide.law, wide.accuracy, start.elapsed().as_secs_f64());
-    let audited = control::audit(&run, wide.count, &InMemory::default(), &Progress::default())
+    let audited = control::audit(&run, wide.count, &MemoryJournal::default(), &Progress::default())
         .expect("the plan can be run");
     println!("    {}: truths in {:.0} s", wide.law, start.elapsed().as_secs_f64());
     let mut truths = vec![None; wide.count];
-    for one in audited.into_iter().filter(|one| one.truth.status == Status::Ok) {
-        truths[one.instance as usize] = Some(one.truth);
+    for one in audited.into_iter().filter(|one| one.reference.status == Status::Ok) {
+        truths[one.instance as usize] = Some(one.reference);
     }
     truths
 }
@@ -167,7 +167,7 @@ pub fn run(ensemble: &Ensemble, only: &Only, count: usize, waits: usize, seed: u
 }
 
 /// The run as the command line makes it, and its seconds.
-fn carried_out(wide: &Wide) -> (Controlled, f64) {
+fn carried_out(wide: &Wide) -> (RunResult, f64) {
     let mut plan = plan(wide);
     plan.precision_open = true;
     let start = Instant::now();
@@ -177,15 +177,15 @@ fn carried_out(wide: &Wide) -> (Controlled, f64) {
 
 /// The reference's states next to those of a run, of every instance that it calls ok; where there is none, the
 /// reference's own run as the scene says.
-fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
+fn own_truths(run: &RunResult) -> Vec<Option<Finished>> {
     let (count, start) = (run.plan.len(), Instant::now());
-    let audited =
-        control::audit(run, count, &InMemory::default(), &Progress::default()).expect("the plan can be run");
+    let audited = control::audit(run, count, &MemoryJournal::default(), &Progress::default())
+        .expect("the plan can be run");
     let mut truths = vec![None; count];
     let mut without = Vec::new();
     for one in audited {
-        match one.truth.status {
-            Status::Ok => truths[one.instance as usize] = Some(one.truth),
+        match one.reference.status {
+            Status::Ok => truths[one.instance as usize] = Some(one.reference),
             _ => without.push(one.instance),
         }
     }
@@ -205,13 +205,14 @@ fn own_truths(run: &Controlled) -> Vec<Option<Finished>> {
 
 /// How many of the first instances that are not steady the reference was asked about, and next to the ends of how many
 /// it finds a periodic state all the same.
-fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
+fn unsteady(run: &RunResult, count: usize) -> [usize; 2] {
     let status = |i: &u32| run.results.get(*i as usize).status;
     let all = (0..run.plan.len() as u32).filter(|i| status(i) == Status::NotSteady);
     let first: Vec<u32> = all.take(count).collect();
-    let audited = control::audit_of(run, &first, &InMemory::default(), &Progress::default())
+    let audited = control::audit_of(run, &first, &MemoryJournal::default(), &Progress::default())
         .expect("the plan can be run");
-    let with: Vec<&Audited> = audited.iter().filter(|one| one.truth.status == Status::Ok).collect();
+    let with: Vec<&AuditedInstance> =
+        audited.iter().filter(|one| one.reference.status == Status::Ok).collect();
     for one in &with {
         let i = one.instance as usize;
         println!("    instance {i} ({}): not steady, the reference finds a state", parameters(&run.plan, i));
@@ -219,7 +220,7 @@ fn unsteady(run: &Controlled, count: usize) -> [usize; 2] {
     [audited.len(), with.len()]
 }
 
-fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64) -> Value {
+fn row(wide: &Wide, run: &RunResult, truths: &[Option<Finished>], seconds: f64) -> Value {
     let (Wide { law, count, accuracy, .. }, plan) = (*wide, &run.plan);
     let (mut errors, mut low, mut steps, mut others) = (Vec::new(), 0, 0.0, 0);
     for (i, truth) in truths.iter().enumerate() {
@@ -298,8 +299,8 @@ fn row(wide: &Wide, run: &Controlled, truths: &[Option<Finished>], seconds: f64)
 }
 
 /// The reference's periodic state next to the run's own, if there is one.
-fn beside(run: &Controlled, instance: u32) -> Option<Finished> {
-    let station = run.found.get(instance as usize)?.station;
+fn beside(run: &RunResult, instance: u32) -> Option<Finished> {
+    let station = run.found.get(instance as usize)?.section;
     let reference = Reference { tolerance: BESIDE, ..Reference::default() };
     let found = solve_near(&run.plan, instance as usize, &station, &reference, &Progress::default());
     found.expect("the plan has the instance").filter(|one| one.status == Status::Ok)

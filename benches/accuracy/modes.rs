@@ -78,7 +78,7 @@ pub fn run() -> Vec<Value> {
             let measured = worst(&plan.observables, &ours.measured, &truth.measured, &scales);
             // Told how many modes to keep, the run does not look at what they leave out.
             let told = !modes.is_empty();
-            let estimated = if told { f64::NAN } else { run.left_out[i] };
+            let estimated = if told { f64::NAN } else { run.truncation[i] };
             let steady = ours.status == Status::Ok && truth.status == Status::Ok;
             println!(
                 "{:<18}{:>9.0e} Pa{:>9}{measured:>11.1e}{:>11}{:>11.1e}{:>11.1e}",

@@ -9,14 +9,14 @@ mod scenes;
 
 use afmsweep::compare::{Scales, worst};
 use afmsweep::observe::Status;
-use afmsweep::{Audit, Backend, Scene, Sweep, Swept};
+use afmsweep::{Audit, Backend, Scene, Sweep, SweepOutcome};
 use cpu_time::ProcessTime;
 use page::Part;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// A run, its CPU time (s) and its instance-steps.
-fn run(scene: &Scene, cold: bool) -> (Swept, f64) {
+fn run(scene: &Scene, cold: bool) -> (SweepOutcome, f64) {
     let start = ProcessTime::now();
     let sweep =
         Sweep::new(scene.clone()).backend(Backend::Cpu).audit(Audit::None).cold(cold).threads(Some(1));
@@ -37,7 +37,7 @@ struct Apart {
     estimates: Vec<f64>,
 }
 
-fn apart(ours: &Swept, cold: &Swept) -> Apart {
+fn apart(ours: &SweepOutcome, cold: &SweepOutcome) -> Apart {
     let mut apart = Apart::default();
     let plan = &cold.run.plan;
     for i in 0..plan.len() {
@@ -50,7 +50,7 @@ fn apart(ours: &Swept, cold: &Swept) -> Apart {
             continue;
         }
         let n = i as u32;
-        let modes = |swept: &Swept| swept.run.plan.driven(n).kept.modes.clone();
+        let modes = |swept: &SweepOutcome| swept.run.plan.driven(n).kept.modes.clone();
         if ours.run.plan.steps(n) != plan.steps(n) || modes(ours) != modes(cold) {
             apart.refined += 1;
             continue;
@@ -69,10 +69,10 @@ fn share(sorted: &[f64], of: f64) -> f64 {
 }
 
 /// Instances whose results differ by more than the accuracy, each in a line.
-fn told(name: &str, ours: &Swept, cold: &Swept, apart: &Apart) -> Vec<Value> {
+fn told(name: &str, ours: &SweepOutcome, cold: &SweepOutcome, apart: &Apart) -> Vec<Value> {
     let accuracy = cold.run.plan.run.accuracy;
     let one = |(difference, i): &(f64, usize)| {
-        let of = |swept: &Swept| {
+        let of = |swept: &SweepOutcome| {
             let measured = &swept.run.results.get(*i).measured;
             format!("phase {:.1}, mean force {:.1e} N", measured.phase, measured.force_mean)
         };
@@ -85,7 +85,7 @@ fn told(name: &str, ours: &Swept, cold: &Swept, apart: &Apart) -> Vec<Value> {
     apart.differences.iter().filter(|one| one.0 > accuracy).map(one).chain(others).collect()
 }
 
-fn row(name: &str, ours: (&Swept, f64), cold: (&Swept, f64), apart: &Apart) -> Value {
+fn row(name: &str, ours: (&SweepOutcome, f64), cold: (&SweepOutcome, f64), apart: &Apart) -> Value {
     let count = cold.0.run.plan.len() as f64;
     let differences: Vec<f64> = apart.differences.iter().map(|one| one.0).collect();
     let accuracy = cold.0.run.plan.run.accuracy;

@@ -4,7 +4,7 @@ use crate::level::Cost;
 use crate::measure::Point;
 use crate::problem::PERIODS;
 use crate::settled::{NAME, Settled};
-use afmsweep::report::{Chart, Document, Field, Look, Plot, ReportError};
+use afmsweep::report::{Chart, ChartField, Document, Look, Plot, ReportError};
 use std::fmt::Write;
 
 /// Marks the page, so that the folder may be written again.
@@ -193,7 +193,7 @@ fn look(name: &str, number: usize) -> Look {
 }
 
 /// Median, 95th percentile and largest error over time or steps, for engines and two opponents.
-fn diagram(points: &[Point], law: &str, x: Field, over: Value) -> Result<String, ReportError> {
+fn diagram(points: &[Point], law: &str, x: ChartField, over: Value) -> Result<String, ReportError> {
     const SOLVERS: [&str; 6] =
         ["cpu f32", "cpu f64", "gpu f32", "gpu f64", "RK4 by hand", "ode_solvers dop853"];
     let present: Vec<&str> = SOLVERS
@@ -235,7 +235,7 @@ fn peers(points: &[Point], law: &str) -> Result<String, ReportError> {
         .collect();
     let chart = Chart {
         title: format!("{}: median error over CPU time, one thread", title(law)),
-        x: Field { label: "CPU time per instance".into(), units: "s".into(), log: true },
+        x: ChartField { label: "CPU time per instance".into(), units: "s".into(), log: true },
         series: families.iter().enumerate().map(|(number, (name, _))| look(name, number)).collect(),
         panels: vec![Plot {
             label: "median error".into(),
@@ -301,8 +301,8 @@ pub fn files(
                 to_the_state(points, settled),
             );
         }
-        let time = Field { label: "time per instance".into(), units: "s".into(), log: true };
-        let steps = Field { label: "steps per period".into(), units: "1".into(), log: true };
+        let time = ChartField { label: "time per instance".into(), units: "s".into(), log: true };
+        let steps = ChartField { label: "steps per period".into(), units: "1".into(), log: true };
         let drawn = [
             (format!("{law}_peers.svg"), peers(points, &law)?, "Median error over CPU time, all solvers"),
             (

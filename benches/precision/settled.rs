@@ -8,8 +8,8 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control::by_reference;
 use afmsweep::engine::{Cpu, Engine, Finished, Model, Progress, Reference};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::Plan;
-use afmsweep::steady;
 
 /// How the names of the points of searches begin.
 pub const NAME: &str = "cpu search";
@@ -80,7 +80,7 @@ pub fn measure(problem: &Problem, repeats: u32) -> Settled {
             let mut results = Vec::new();
             for _ in 0..repeats {
                 let search =
-                    || steady::run(&plan, &[], &cpu, &Progress::default()).expect("the plan can be run");
+                    || orbit::solve(&plan, &[], &cpu, &Progress::default()).expect("the plan can be run");
                 let (took, settled) = timed("cpu", search);
                 seconds = seconds.min(took);
                 results = settled.outcome.results;

@@ -4,9 +4,9 @@ use crate::random::{Random, Ranges, quantile};
 use crate::sorted;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
 use afmsweep::observe::Status;
-use afmsweep::plan::{Plan, Precision, StartState, Station};
+use afmsweep::orbit;
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
 use afmsweep::scene::Scene;
-use afmsweep::steady;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -88,7 +88,7 @@ fn followed(law: &str, count: usize, seed: u64) -> Points {
         GAPS.replace(", ", "\n")
     );
     let mut plan = plan(law, count, seed, &lines);
-    let settled = steady::begin(&mut plan, &Cpu::default(), &Progress::default()).expect("it runs");
+    let settled = orbit::solve_first(&mut plan, &Cpu::default(), &Progress::default()).expect("it runs");
     // The file has the way back in the order of the way there.
     let order: Vec<usize> = (0..count)
         .flat_map(|curve| {
@@ -112,7 +112,7 @@ fn grid(steady: &str, periods: u32) -> String {
 /// Periods of a search from the free oscillation at each point.
 fn fresh(law: &str, count: usize, seed: u64) -> Vec<u32> {
     let plan = plan(law, count, seed, &grid("search", 4000));
-    steady::run(&plan, &[], &Cpu::default(), &Progress::default()).expect("it runs").periods
+    orbit::solve(&plan, &[], &Cpu::default(), &Progress::default()).expect("it runs").periods
 }
 
 /// Each point waited for from where the one before ended, all curves side by side. The gap changes at one stroke, which may
@@ -124,7 +124,7 @@ fn waited(law: &str, count: usize, seed: u64) -> Points {
         periods: vec![0; count * 2 * POINTS],
         jumps: Vec::new(),
     };
-    let mut ends: Vec<Option<Station>> = vec![None; count];
+    let mut ends: Vec<Option<SectionState>> = vec![None; count];
     for (number, place) in way().enumerate() {
         // The gap is the slower axis.
         let instance = |curve: usize| (place * count + curve) as u32;
@@ -132,7 +132,7 @@ fn waited(law: &str, count: usize, seed: u64) -> Points {
         for _ in 0..LOOKS {
             let instances: Vec<u32> = left.iter().map(|curve| instance(*curve)).collect();
             let start =
-                |curve: &usize| ends[*curve].unwrap_or_else(|| Station::free(&plan, instance(*curve)));
+                |curve: &usize| ends[*curve].unwrap_or_else(|| SectionState::free(&plan, instance(*curve)));
             let starts = left.iter().map(|curve| StartState::from(start(curve))).collect();
             let part = plan.part(&instances).starting_at(starts);
             let outcome = Cpu::default().run(&part, &Progress::default()).expect("it runs");

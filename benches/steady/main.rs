@@ -12,9 +12,9 @@ mod random;
 use afmsweep::compare::{Scales, worst};
 use afmsweep::engine::{Cpu, Finished, Progress, processor};
 use afmsweep::observe::Status;
+use afmsweep::orbit::{self, OrbitSolution};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Steady;
-use afmsweep::steady::{self, Settled};
 use page::Part;
 use random::{Ranges, Wide, quantile, scene};
 use serde_json::{Value, json};
@@ -22,8 +22,8 @@ use serde_json::{Value, json};
 const LAWS: [&str; 3] = ["hertz", "dmt", "jkr"];
 const ACCURACY: f64 = 1e-3;
 
-fn run(plan: &Plan) -> Settled {
-    steady::run(plan, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run")
+fn run(plan: &Plan) -> OrbitSolution {
+    orbit::solve(plan, &[], &Cpu::default(), &Progress::default()).expect("the plan can be run")
 }
 
 fn plan(wide: &Wide, steady: Steady, periods: u32) -> Plan {
@@ -150,7 +150,7 @@ fn same(count: usize, seed: u64) -> Vec<Value> {
                     ours.harmonics[0] * 1e9,
                     theirs.force_mean,
                     ours.force_mean,
-                    search.found[i].as_ref().map_or(f64::NAN, |place| place.spectrum.multiplier),
+                    search.found[i].as_ref().map_or(f64::NAN, |place| place.floquet.multiplier),
                     after[i].unwrap_or(0),
                     search.periods[i],
                 );

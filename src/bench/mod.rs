@@ -1,10 +1,10 @@
 //! Speed and error of the engines on one scene, over the size of the ensemble.
 
-mod measure;
-mod page;
+mod bench_measurement;
+mod bench_page;
 
-pub use measure::{Error, Machine, Options, Point, Series, measure};
-pub use page::{GENERATOR, files, table};
+pub use bench_measurement::{BenchOptions, BenchSeries, ErrorSample, Machine, Point, measure};
+pub use bench_page::{GENERATOR, files, table};
 
 use crate::engine::EngineError;
 use crate::plan::PlanError;

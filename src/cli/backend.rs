@@ -1,7 +1,7 @@
 //! Which engine a command takes, and why.
 
-use super::Voice;
-use afmsweep::sweep::{self, Choice};
+use super::Verbosity;
+use afmsweep::sweep::{self, EngineChoice};
 use afmsweep::{Precision, Scene, Sweep};
 
 /// Which engine runs it, and how.
@@ -79,26 +79,26 @@ impl EngineArgs {
 }
 
 /// Why an engine was taken that was not named.
-pub(super) fn say_choice(choice: &Choice, voice: Voice) {
+pub(super) fn say_choice(choice: &EngineChoice, voice: Verbosity) {
     match choice {
-        Choice::Short if voice.verbose => {
+        EngineChoice::Short if voice.verbose => {
             voice.say("on the CPU: so short a run is done before a GPU is ready");
         }
-        Choice::NoGpu => voice.say("no hardware GPU found: running on the CPU"),
-        Choice::NoDouble(name) => {
+        EngineChoice::NoGpu => voice.say("no hardware GPU found: running on the CPU"),
+        EngineChoice::NoDouble(name) => {
             voice.say(format_args!("{name} cannot compute in f64: running on the CPU"));
         }
-        Choice::OneOf(indices) => {
+        EngineChoice::OneOf(indices) => {
             let all = indices.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
             voice.say(format_args!(
                 "on one of {} GPUs of its kind: --device all, or --device {all}, runs on all of them",
                 indices.len()
             ));
         }
-        Choice::Without(others) => {
+        EngineChoice::Without(others) => {
             voice.say(format_args!("on all GPUs of one kind, without those of another: {}", others.join("; ")));
         }
-        Choice::Software => voice.say(
+        EngineChoice::Software => voice.say(
             "the only GPU adapter is a software driver, which computes on the processor: --backend cpu is faster",
         ),
         _ => {}

@@ -1,7 +1,7 @@
 //! `afmsweep bench`: speed and error of each engine.
 
-use super::{Voice, load, print, print_json};
-use afmsweep::bench::{self, GENERATOR, Machine, Options, Series};
+use super::{Verbosity, load, print, print_json};
+use afmsweep::bench::{self, BenchOptions, BenchSeries, GENERATOR, Machine};
 use afmsweep::engine::gpu::{Gpu, adapters};
 use afmsweep::engine::{Cpu, on_threads, processor};
 use afmsweep::plan::Precision;
@@ -59,7 +59,7 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-pub fn main(args: &BenchArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &BenchArgs, voice: Verbosity) -> anyhow::Result<()> {
     let (name, scene) = match &args.scene {
         Some(path) => (path.file_name().unwrap_or_default().to_string_lossy().into_owned(), load(path)?),
         None => ("quickstart.toml".into(), Scene::parse(Path::new("quickstart.toml"), SCENE)?),
@@ -70,7 +70,7 @@ pub fn main(args: &BenchArgs, voice: Voice) -> anyhow::Result<()> {
     let folder = args.output.clone().unwrap_or_else(|| Path::new("results/bench").join(slug(&device)));
     // Minutes of measuring are not to end in a folder that cannot be written.
     check_folder(&folder, GENERATOR)?;
-    let options = Options {
+    let options = BenchOptions {
         sizes: args.sizes.iter().map(|size| *size as usize).collect(),
         seconds: args.seconds,
         repeats: 2,
@@ -94,7 +94,7 @@ pub fn main(args: &BenchArgs, voice: Voice) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn machines(args: &BenchArgs, voice: Voice) -> anyhow::Result<Vec<Machine>> {
+fn machines(args: &BenchArgs, voice: Verbosity) -> anyhow::Result<Vec<Machine>> {
     let has = |which| args.backend.contains(&which);
     let mut all = Vec::new();
     if has(Which::Cpu) || has(Which::Auto) {
@@ -139,7 +139,7 @@ fn slug(device: &str) -> String {
     if words.is_empty() { "device".into() } else { words.join("-") }
 }
 
-fn series_json(series: &Series) -> Value {
+fn series_json(series: &BenchSeries) -> Value {
     let points: Vec<Value> = series
         .points
         .iter()

@@ -1,8 +1,8 @@
 //! `afmsweep check`: every engine on a few instances, side by side with the reference.
 
-mod table;
+mod check_table;
 
-use super::{Voice, load, print, print_json};
+use super::{Verbosity, load, print, print_json};
 use afmsweep::compare::{Scales, choose, numbers};
 use afmsweep::control;
 use afmsweep::engine::gpu::Gpu;
@@ -12,10 +12,10 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use afmsweep::store;
 use anyhow::Context;
+use check_table::{CheckColumn, CheckTable};
 use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use table::{Column, Table};
 
 #[derive(clap::Args)]
 #[command(after_help = "Examples: afmsweep check lever.toml\n          afmsweep check results/lever.h5 -i 4")]
@@ -36,7 +36,7 @@ pub struct CheckArgs {
     json: bool,
 }
 
-pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &CheckArgs, voice: Verbosity) -> anyhow::Result<()> {
     let (scene, stored) = match holds_results(&args.input) {
         true => from_file(&args.input)?,
         false => (load(&args.input)?, None),
@@ -58,14 +58,14 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
     let progress = Progress::default();
     let ours = control::run(&checked.part, &Cpu::default(), &progress)?;
     let truths = control::beside(&ours, &checked.places, &Reference::default(), &progress)?;
-    let mut columns: Vec<Column> =
+    let mut columns: Vec<CheckColumn> =
         stored.map(|results| file_column(&results, &plan, &instances)).into_iter().collect();
     columns.push(of_run("cpu f64".into(), &ours, &checked.places));
     columns.push(checked.column("cpu", &Cpu::default(), Precision::F32)?);
     columns.extend(checked.on_gpu(args.device.as_deref(), voice)?);
     let plan = ours.plan.part(&checked.places);
     let scales = (0..instances.len()).map(|i| Scales::of(&plan, i, &truths[i].0.measured)).collect();
-    let table = Table { scales, instances, plan, truths, columns };
+    let table = CheckTable { scales, instances, plan, truths, columns };
     if args.json {
         print_json(&table.json())?;
     } else {
@@ -75,7 +75,7 @@ pub fn main(args: &CheckArgs, voice: Voice) -> anyhow::Result<()> {
 }
 
 /// Whether the check stands: something was compared, and nothing of it is above the accuracy asked for.
-fn judge(table: &Table) -> anyhow::Result<()> {
+fn judge(table: &CheckTable) -> anyhow::Result<()> {
     let known = table.known();
     if known == 0 {
         anyhow::bail!(
@@ -181,7 +181,7 @@ struct Checked {
 }
 
 impl Checked {
-    fn new(plan: &Plan, instances: &[u32], voice: Voice) -> Self {
+    fn new(plan: &Plan, instances: &[u32], voice: Verbosity) -> Self {
         let curve = |i: u32| plan.ensemble.curves.map(|curves| curves.place(plan.id(i)).0);
         let wanted: BTreeSet<u32> = instances.iter().filter_map(|i| curve(*i)).collect();
         let mut members: BTreeSet<u32> = instances.iter().copied().collect();
@@ -198,14 +198,14 @@ impl Checked {
     }
 
     /// What an engine makes of the chosen instances.
-    fn column(&self, name: &str, engine: &dyn Engine, precision: Precision) -> anyhow::Result<Column> {
+    fn column(&self, name: &str, engine: &dyn Engine, precision: Precision) -> anyhow::Result<CheckColumn> {
         let run = control::run(&self.part.clone().in_precision(precision), engine, &Progress::default())?;
         Ok(of_run(format!("{name} {}", precision.name()), &run, &self.places))
     }
 
     /// The same of a GPU in each precision that it has, with the CPU that rounds alike beside it; nothing where there is no
     /// GPU and none was asked for.
-    fn on_gpu(&self, device: Option<&str>, voice: Voice) -> anyhow::Result<Vec<Column>> {
+    fn on_gpu(&self, device: Option<&str>, voice: Verbosity) -> anyhow::Result<Vec<CheckColumn>> {
         let gpu = match Gpu::new(device) {
             Ok(gpu) => gpu,
             Err(error) if device.is_some() => return Err(error.into()),
@@ -219,16 +219,16 @@ impl Checked {
         let columns = [Precision::F64, Precision::F32].into_iter().filter(has).map(|precision| {
             let twin = self.column("cpu", &Cpu { strict: true }, precision)?;
             let ours = self.column("gpu", &gpu, precision)?;
-            Ok(Column { strict: Some(twin.numbers), ..ours })
+            Ok(CheckColumn { strict: Some(twin.numbers), ..ours })
         });
         columns.collect()
     }
 }
 
 /// What a run has of the instances of these places in it.
-fn of_run(name: String, run: &control::Controlled, places: &[u32]) -> Column {
+fn of_run(name: String, run: &control::RunResult, places: &[u32]) -> CheckColumn {
     let finished: Vec<_> = places.iter().map(|place| run.results.get(*place as usize)).collect();
-    Column {
+    CheckColumn {
         name,
         status: finished.iter().map(|one| one.status).collect(),
         numbers: finished.iter().map(|one| all_numbers(&run.plan, &one.measured)).collect(),
@@ -236,7 +236,7 @@ fn of_run(name: String, run: &control::Controlled, places: &[u32]) -> Column {
     }
 }
 
-fn file_column(results: &store::Results, plan: &Plan, instances: &[u32]) -> Column {
+fn file_column(results: &store::Results, plan: &Plan, instances: &[u32]) -> CheckColumn {
     let row = |observable: &Observable, instance: usize| {
         let width = observable.width();
         let variable = results.variables.iter().find(|variable| variable.name == observable.name());
@@ -248,7 +248,7 @@ fn file_column(results: &store::Results, plan: &Plan, instances: &[u32]) -> Colu
         code.and_then(Status::from_code).unwrap_or(Status::NotRun)
     };
     let rows = |instance: &u32| plan.observables.iter().map(|one| row(one, *instance as usize)).collect();
-    Column {
+    CheckColumn {
         name: "file".into(),
         status: instances.iter().map(status).collect(),
         numbers: instances.iter().map(rows).collect(),

@@ -2,8 +2,8 @@
 //!
 //! Its answers are the rows of the tables in docs/scene.md and docs/results.md.
 
+use super::glossary::{GlossaryRow, all};
 use super::print;
-use super::words::{Row, all};
 use afmsweep::scene::{self, Meant};
 use anyhow::bail;
 
@@ -28,14 +28,15 @@ pub fn main(args: &ExplainArgs) -> anyhow::Result<()> {
     let spelled = args.word.join("_");
     let named = |word: &str| rows.iter().any(|row| row.names(word)) || scene::meant(word).is_some();
     let word = &if named(&spelled) { spelled } else { spelled.replace('-', "_") };
-    let found: Vec<String> = rows.iter().filter(|row| row.names(word)).map(Row::told).collect();
+    let found: Vec<String> = rows.iter().filter(|row| row.names(word)).map(GlossaryRow::told).collect();
     if found.is_empty()
         && let Some(meant) = scene::meant(word)
     {
         return match meant {
             Meant::Instead(text) => print(&format!("{word}: {text}\n")),
             Meant::Name(name) => {
-                let told: Vec<String> = rows.iter().filter(|row| row.names(name)).map(Row::told).collect();
+                let told: Vec<String> =
+                    rows.iter().filter(|row| row.names(name)).map(GlossaryRow::told).collect();
                 print(&format!("{word}: here that is {name}\n\n{}", told.join("\n")))
             }
         };

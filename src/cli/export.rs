@@ -1,7 +1,7 @@
 //! `afmsweep export`: the rows of a results file for other programs, and a journal as a results file.
 
 use super::cells::{head, number};
-use super::{Voice, look_in, print};
+use super::{Verbosity, peek, print};
 use afmsweep::report::defused;
 use afmsweep::stats::{Study, outputs, sorted_out, status_word};
 use afmsweep::store::{Coordinate, Results};
@@ -61,10 +61,10 @@ enum Failed {
     Keep,
 }
 
-pub fn main(args: &ExportArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &ExportArgs, voice: Verbosity) -> anyhow::Result<()> {
     match (args.format, &args.output) {
         (Some(format), _) => of_results(args, format, voice),
-        (None, Some(output)) => look_in::main(&args.file, output, args.overwrite, voice),
+        (None, Some(output)) => peek::main(&args.file, output, args.overwrite, voice),
         (None, None) => bail!(
             "nothing says what to export: --format csv for the rows of a results file, --format salib for its samples, -o FILE.h5 \
              for what a journal has"
@@ -72,7 +72,7 @@ pub fn main(args: &ExportArgs, voice: Voice) -> anyhow::Result<()> {
     }
 }
 
-fn of_results(args: &ExportArgs, format: Format, voice: Voice) -> anyhow::Result<()> {
+fn of_results(args: &ExportArgs, format: Format, voice: Verbosity) -> anyhow::Result<()> {
     let results = store::read(&args.file)?;
     if args.group == Some(Group::Waveforms) {
         return put(args, &waveforms(&results, &args.file)?);

@@ -1,7 +1,7 @@
 //! `afmsweep force`: static curves of one instance's contact, over the indentation or under a lever over the base.
 
 use super::{cells, load, print, print_json};
-use afmsweep::contact::{Contact, Curve, Jump, Ramp};
+use afmsweep::contact::{Contact, Jump, Ramp, StaticCurve};
 use afmsweep::instrument::Instrument;
 use afmsweep::units::{self, Dimension};
 use std::fmt::Write;
@@ -162,7 +162,7 @@ fn csv<'a>(
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-fn table(text: &mut String, curve: &Curve) {
+fn table(text: &mut String, curve: &StaticCurve) {
     let shown = |value: Option<f64>, unit: f64| {
         value.map_or_else(|| "none".to_owned(), |value| format!("{:.6}", value / unit))
     };

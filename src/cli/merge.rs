@@ -1,11 +1,11 @@
 //! `afmsweep merge`: the results that one run would have made, of the files of its shares.
 
 use super::run::lost;
-use super::stopped::Stopped;
-use super::{Voice, signals};
+use super::stop_message::Stopped;
+use super::{Verbosity, signals};
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, Earlier, Journal, RunFile};
-use afmsweep::sweep::{Keeper, Prepared, Share, command_of, is_of_merge, read_header};
+use afmsweep::store::{self, ExistingFile, Journal, RunFile};
+use afmsweep::sweep::{Recipe, RunJournal, Share, command_of, is_of_merge, read_header};
 use afmsweep::{Audit, Error, Sweep};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -42,12 +42,12 @@ pub struct MergeArgs {
 
 impl MergeArgs {
     /// What an earlier merge has found is gone on with.
-    fn earlier(&self) -> Earlier {
+    fn earlier(&self) -> ExistingFile {
         let journal = || store::open_journal(&store::partial_path(&self.output));
         match self.overwrite {
-            true => Earlier::Replaced,
-            false if journal().is_ok_and(|journal| is_of_merge(journal.header())) => Earlier::GoneOnWith,
-            false => Earlier::Kept,
+            true => ExistingFile::Replaced,
+            false if journal().is_ok_and(|journal| is_of_merge(journal.header())) => ExistingFile::GoneOnWith,
+            false => ExistingFile::Kept,
         }
     }
 }
@@ -56,18 +56,18 @@ impl MergeArgs {
 struct Part {
     path: PathBuf,
     journal: Journal,
-    prepared: Prepared,
+    prepared: Recipe,
     share: Share,
 }
 
-fn part(path: &Path, voice: Voice) -> anyhow::Result<Part> {
+fn part(path: &Path, voice: Verbosity) -> anyhow::Result<Part> {
     let journal = store::open_journal(path)?;
     lost(&journal, path, voice);
     let (prepared, share) = read_header(journal.header()).with_context(|| path.display().to_string())?;
     Ok(Part { path: path.to_path_buf(), journal, prepared, share })
 }
 
-pub fn main(args: &MergeArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &MergeArgs, voice: Verbosity) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
     let parts: Vec<Part> = args.files.iter().map(|path| part(path, voice)).collect::<Result<_, _>>()?;
@@ -90,7 +90,7 @@ pub fn main(args: &MergeArgs, voice: Voice) -> anyhow::Result<()> {
     let journals = parts.into_iter().map(|part| part.journal).collect();
     let file = RunFile::create(&args.output, prepared.scene_text(), args.earlier())?;
     let partial = file.0.partial().to_path_buf();
-    let keeper = Keeper::of_merge(journals, share, file)?.on_any_engine(args.anyway);
+    let keeper = RunJournal::of_merge(journals, share, file)?.on_any_engine(args.anyway);
     if keeper.known_later() > 0 {
         voice.say(format_args!(
             "goes on with {} of what an earlier merge has found: {}",

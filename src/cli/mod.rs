@@ -1,6 +1,6 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
-mod audit;
+mod audit_message;
 mod backend;
 mod bench;
 mod cells;
@@ -10,15 +10,16 @@ mod devices;
 mod explain;
 mod export;
 mod force;
+mod glossary;
 mod infer;
 mod init;
-mod look_in;
 mod merge;
 mod modes;
+mod peek;
 mod plan;
-mod planning;
+mod plan_notice;
 mod prepare;
-mod progress;
+mod progress_bar;
 mod report;
 mod run;
 mod sample;
@@ -28,10 +29,9 @@ mod shell;
 mod signals;
 mod slurm;
 mod stats;
-mod stopped;
+mod stop_message;
 mod study;
 mod table;
-mod words;
 
 use afmsweep::Error;
 use afmsweep::report::shown;
@@ -42,7 +42,7 @@ use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use stopped::Stopped;
+use stop_message::Stopped;
 
 /// Reads a scene (TOML: lever, tip, sample, drive, what varies), steps thousands of instances of it side by side, and
 /// writes a labelled results file (HDF5): amplitudes, phases, forces, each with its error.
@@ -125,12 +125,12 @@ struct SceneArgs {
 
 /// How much to say on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Voice {
+pub struct Verbosity {
     pub quiet: bool,
     pub verbose: bool,
 }
 
-impl Voice {
+impl Verbosity {
     /// Says a line on standard error unless silenced.
     pub fn say(self, line: impl std::fmt::Display) {
         if !self.quiet {
@@ -153,7 +153,7 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(asked) => return not_parsed(&asked),
     };
-    let voice = Voice { quiet: cli.quiet, verbose: cli.verbose };
+    let voice = Verbosity { quiet: cli.quiet, verbose: cli.verbose };
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
         Command::Prepare(args) => prepare::main(&args, voice),
@@ -192,7 +192,7 @@ pub fn main() -> ExitCode {
             }
             match error.downcast_ref::<Stopped>() {
                 Some(stopped) => ExitCode::from(stopped.code),
-                None if error.is::<audit::Missed>() => ExitCode::from(audit::MISSED),
+                None if error.is::<audit_message::Missed>() => ExitCode::from(audit_message::MISSED),
                 None => ExitCode::FAILURE,
             }
         }

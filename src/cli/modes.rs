@@ -1,7 +1,7 @@
 //! `afmsweep modes`: natural frequencies and shares of the scene's first instance; of its lever in a fluid.
 
 use super::{SceneArgs, load, print, print_json};
-use afmsweep::instrument::{DEFAULT_TOLERANCE, Fluid, Instrument, InstrumentError, modes_in, summary};
+use afmsweep::instrument::{DEFAULT_TOLERANCE, Fluid, Instrument, InstrumentError, mode_summary, modes_in};
 use afmsweep::plan::PlanError;
 use afmsweep::units::{Dimension, parse};
 use serde_json::json;
@@ -48,8 +48,8 @@ pub fn main(args: &ModesArgs) -> anyhow::Result<()> {
     if let Some(fluid) = args.fluid {
         let modes = modes_in(&params.instrument, fluid).map_err(refused)?;
         return match args.scene.json {
-            true => print_json(&summary::fluid_json(fluid, &modes)),
-            false => print(&summary::fluid_table(fluid, &modes)),
+            true => print_json(&mode_summary::fluid_json(fluid, &modes)),
+            false => print(&mode_summary::fluid_table(fluid, &modes)),
         };
     }
     let instrument =
@@ -57,7 +57,7 @@ pub fn main(args: &ModesArgs) -> anyhow::Result<()> {
     if args.scene.json {
         // The list ends where frequencies can no longer be vouched for; shares count all modes.
         let rest = |shares: Vec<f64>| shares[instrument.resolved..].iter().sum::<f64>();
-        let mut answer = summary::modes_json(&instrument);
+        let mut answer = mode_summary::modes_json(&instrument);
         answer["rest"] = json!({
             "modes": instrument.modes.len() - instrument.resolved,
             "tip_share": rest(instrument.tip_shares()),
@@ -65,6 +65,6 @@ pub fn main(args: &ModesArgs) -> anyhow::Result<()> {
         });
         print_json(&answer)
     } else {
-        print(&summary::modes_table(&instrument))
+        print(&mode_summary::modes_table(&instrument))
     }
 }

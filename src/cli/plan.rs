@@ -2,10 +2,10 @@
 
 use super::backend::{EngineArgs, say_choice};
 use super::table::TableArgs;
-use super::{Voice, instances, planning, print, print_json};
+use super::{Verbosity, instances, plan_notice, print, print_json};
 use afmsweep::Observer;
 use afmsweep::engine::estimate;
-use afmsweep::sweep::{Choice, Forecast};
+use afmsweep::sweep::{EngineChoice, Forecast};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -22,10 +22,10 @@ pub struct PlanArgs {
     engine: EngineArgs,
 }
 
-pub fn main(args: &PlanArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &PlanArgs, voice: Verbosity) -> anyhow::Result<()> {
     let sweep = args.engine.sweep(args.table.load(&args.scene)?)?;
-    planning::announce(sweep.scene(), voice);
-    let (plan, engine) = sweep.plan(&Told(Voice { quiet: voice.quiet || args.json, ..voice }))?;
+    plan_notice::announce(sweep.scene(), voice);
+    let (plan, engine) = sweep.plan(&PlanObserver(Verbosity { quiet: voice.quiet || args.json, ..voice }))?;
     let scene = sweep.scene();
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
     let forecast = sweep.forecast()?;
@@ -74,12 +74,12 @@ fn rounded(seconds: f64) -> String {
 }
 
 /// Says which engine would run.
-struct Told(Voice);
+struct PlanObserver(Verbosity);
 
-impl Observer for Told {
-    fn chosen(&self, choice: &Choice) {
+impl Observer for PlanObserver {
+    fn chosen(&self, choice: &EngineChoice) {
         // Nothing runs: which engine would is told to those who ask, what more there is to all.
-        if self.0.verbose || matches!(choice, Choice::OneOf(_) | Choice::Without(_)) {
+        if self.0.verbose || matches!(choice, EngineChoice::OneOf(_) | EngineChoice::Without(_)) {
             say_choice(choice, self.0);
         }
     }

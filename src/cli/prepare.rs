@@ -1,10 +1,10 @@
 //! `afmsweep prepare`: the choices of a run, made once for all of its shares.
 
 use super::backend::{EngineArgs, say_choice};
-use super::stopped::Stopped;
-use super::{Voice, load, run, signals};
+use super::stop_message::Stopped;
+use super::{Verbosity, load, run, signals};
 use afmsweep::engine::Progress;
-use afmsweep::sweep::{Choice, Prepared};
+use afmsweep::sweep::{EngineChoice, Recipe};
 use afmsweep::{Error, Observer};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
@@ -33,15 +33,15 @@ pub struct PrepareArgs {
     engine: EngineArgs,
 }
 
-struct Told(Voice);
+struct PrepareObserver(Verbosity);
 
-impl Observer for Told {
-    fn chosen(&self, choice: &Choice) {
+impl Observer for PrepareObserver {
+    fn chosen(&self, choice: &EngineChoice) {
         say_choice(choice, self.0);
     }
 }
 
-pub fn main(args: &PrepareArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &PrepareArgs, voice: Verbosity) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
     let output = args.output.clone().unwrap_or_else(|| run::default_output(&args.scene, ".choices.toml"));
@@ -55,7 +55,7 @@ pub fn main(args: &PrepareArgs, voice: Voice) -> anyhow::Result<()> {
         .cold(args.cold)
         .portion(args.portion.map(|count| count as usize))
         .watched_by(&progress);
-    let prepared = match sweep.prepare(&Told(voice)) {
+    let prepared = match sweep.prepare(&PrepareObserver(voice)) {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
         other => other?,
     };
@@ -78,8 +78,8 @@ fn write(path: &Path, text: &str) -> std::io::Result<()> {
 }
 
 /// The choices in a file.
-pub(super) fn read(path: &Path) -> anyhow::Result<Prepared> {
+pub(super) fn read(path: &Path) -> anyhow::Result<Recipe> {
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the choices {}", path.display()))?;
-    Prepared::from_toml(&text).with_context(|| path.display().to_string())
+    Recipe::from_toml(&text).with_context(|| path.display().to_string())
 }

@@ -1,7 +1,7 @@
 //! `afmsweep report`: pictures and tables from a results file.
 
-use super::{Voice, print_json};
-use afmsweep::report::{self, Best, Wish};
+use super::{Verbosity, print_json};
+use afmsweep::report::{self, Best, ViewRequest};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -46,8 +46,8 @@ fn place(text: &str) -> Result<(String, String), String> {
     Ok((path.trim().to_owned(), value.trim().to_owned()))
 }
 
-pub fn main(args: &ReportArgs, voice: Voice) -> anyhow::Result<()> {
-    let wish = Wish {
+pub fn main(args: &ReportArgs, voice: Verbosity) -> anyhow::Result<()> {
+    let wish = ViewRequest {
         x: args.x.clone(),
         y: args.y.clone(),
         curves: args.curves.clone(),

@@ -1,25 +1,25 @@
 //! `afmsweep run`: the main job.
 
-mod json;
-mod told;
+mod run_json;
+mod run_messages;
 
-use super::audit;
+use super::audit_message;
 use super::backend::EngineArgs;
 use super::prepare;
 use super::signals;
-use super::stopped::Stopped;
+use super::stop_message::Stopped;
 use super::table::TableArgs;
-use super::{STANDARD_INPUT, Voice, planning, print_json, values};
-use afmsweep::control::Ran;
+use super::{STANDARD_INPUT, Verbosity, plan_notice, print_json, values};
+use afmsweep::control::JournaledRun;
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, Earlier, Journal, RunFile};
-use afmsweep::sweep::{Keeper, Share};
+use afmsweep::store::{self, ExistingFile, Journal, RunFile};
+use afmsweep::sweep::{RunJournal, Share};
 use afmsweep::{Audit, Error, Scene, Status, Sweep};
 use anyhow::Context;
+use run_messages::Messages;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
-use told::Told;
 
 #[derive(clap::Args)]
 #[command(
@@ -123,11 +123,11 @@ impl RunArgs {
         self.output.clone().unwrap_or_else(|| default_output(&self.scene, &ending))
     }
 
-    fn earlier(&self) -> Earlier {
+    fn earlier(&self) -> ExistingFile {
         match (self.overwrite, self.resume) {
-            (true, _) => Earlier::Replaced,
-            (_, Some(_)) => Earlier::GoneOnWith,
-            _ => Earlier::Kept,
+            (true, _) => ExistingFile::Replaced,
+            (_, Some(_)) => ExistingFile::GoneOnWith,
+            _ => ExistingFile::Kept,
         }
     }
 
@@ -149,9 +149,9 @@ impl RunArgs {
 }
 
 /// What a run says and does until its sweep begins.
-struct Begun {
+struct StartedRun {
     sweep: Sweep,
-    keeper: Keeper,
+    keeper: RunJournal,
     output: PathBuf,
     /// A folder that was made for the results, that somebody named, who may have misspelt it.
     folder: Option<PathBuf>,
@@ -162,8 +162,8 @@ fn begin(
     scene: Scene,
     output: PathBuf,
     progress: &Arc<Progress>,
-    voice: Voice,
-) -> anyhow::Result<Begun> {
+    voice: Verbosity,
+) -> anyhow::Result<StartedRun> {
     if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
         anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
     }
@@ -176,7 +176,7 @@ fn begin(
     let partial = file.partial().to_path_buf();
     let share = args.shard.unwrap_or(Share::ALL);
     let anyway = args.resume == Some(Resume::Anyway);
-    let keeper = Keeper::of_run(file, earlier, share, anyway)?;
+    let keeper = RunJournal::of_run(file, earlier, share, anyway)?;
     if args.resume.is_some() {
         let later = match keeper.known_answers() {
             0 => String::new(),
@@ -201,11 +201,11 @@ fn begin(
         .prepared(prepared)
         .watched_by(progress)
         .command_line(command_line());
-    Ok(Begun { sweep, keeper, output, folder })
+    Ok(StartedRun { sweep, keeper, output, folder })
 }
 
 /// Says what of a journal cannot be gone on with.
-pub(super) fn lost(journal: &Journal, path: &Path, voice: Voice) {
+pub(super) fn lost(journal: &Journal, path: &Path, voice: Verbosity) {
     if journal.torn() > 0 {
         voice.say(format_args!(
             "{}: {} bytes at its end are of a record that was not written whole; they are left out",
@@ -223,24 +223,23 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {
     let progress = Arc::new(Progress::default());
     signals::listen(&progress, voice);
     let scene = args.table.load(&args.scene)?;
     let output = args.output();
     if args.is_done(&output, &scene) {
         voice.say(format_args!("{} is whole: nothing to go on with", output.display()));
-        let kept =
-            serde_json::json!({ "version": json::VERSION, "file": output.to_string_lossy(), "kept": true });
+        let kept = serde_json::json!({ "version": run_json::VERSION, "file": output.to_string_lossy(), "kept": true });
         return if args.json { print_json(&kept) } else { Ok(()) };
     }
     let start = Instant::now();
-    let Begun { sweep, keeper, output, folder } = begin(args, scene, output, &progress, voice)?;
+    let StartedRun { sweep, keeper, output, folder } = begin(args, scene, output, &progress, voice)?;
     let partial = store::partial_path(&output);
     let counted = Arc::clone(&progress);
-    let told =
-        Told { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown: Mutex::default() };
-    planning::announce(told.scene, voice);
+    let shown = Mutex::default();
+    let told = Messages { path: &args.scene, scene: sweep.scene(), folder, progress, voice, shown };
+    plan_notice::announce(told.scene, voice);
     if args.shard.is_some_and(|share| share.of > 1) {
         let whole = sweep.run_share(&keeper, &told);
         drop(told);
@@ -258,8 +257,8 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
         }
         return Err(Stopped::with(&swept.missing, &swept.run, &partial).into());
     }
-    told::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice)?;
-    let mut object = args.json.then(|| json::object(&swept, &output)).transpose()?;
+    run_messages::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice)?;
+    let mut object = args.json.then(|| run_json::object(&swept, &output)).transpose()?;
     let (verdict, planning, stepping, rate) = (swept.verdict, swept.planning, swept.stepping, swept.rate);
     let (writing, stays) =
         (Instant::now(), || format!("the run is whole, and its journal stays {}", partial.display()));
@@ -275,14 +274,14 @@ pub fn main(args: &RunArgs, voice: Voice) -> anyhow::Result<()> {
     ));
     if let Some(object) = &mut object {
         object["wall_time_s"] = wall.into();
-        json::times(object, (planning, writing), &counted);
+        run_json::times(object, (planning, writing), &counted);
         print_json(object)?;
     }
-    audit::strict(args.strict, &verdict, &output)
+    audit_message::strict(args.strict, &verdict, &output)
 }
 
 /// Names the first instance that was left behind.
-fn left_behind(run: &Ran, scene: &Scene, partial: &Path) -> Stopped {
+fn left_behind(run: &JournaledRun, scene: &Scene, partial: &Path) -> Stopped {
     let first = run.marks().iter().position(|mark| mark.status() == Status::NotRun).unwrap_or_default();
     let place = match values(scene, first) {
         values if values.is_empty() => first.to_string(),
@@ -294,13 +293,13 @@ fn left_behind(run: &Ran, scene: &Scene, partial: &Path) -> Stopped {
 /// The end of a share: its journal becomes its file.
 fn share(
     whole: Result<bool, Error>,
-    (keeper, stopped): (Keeper, bool),
+    (keeper, stopped): (RunJournal, bool),
     output: &Path,
     start: Instant,
-    voice: Voice,
+    voice: Verbosity,
 ) -> anyhow::Result<()> {
     let share = keeper.share();
-    let file = |keeper: Keeper| keeper.into_file().context("the run has no file");
+    let file = |keeper: RunJournal| keeper.into_file().context("the run has no file");
     match whole {
         Err(Error::Stopped(phase)) => return Err(Stopped::before(phase).into()),
         Ok(false) if stopped => return Err(Stopped::share(share, file(keeper)?.partial()).into()),

@@ -2,7 +2,7 @@
 
 use super::cells::{head, number};
 use super::table::TableArgs;
-use super::{Voice, instances, print};
+use super::{Verbosity, instances, print};
 use afmsweep::report::defused;
 use afmsweep::scene::{Axis, Scene};
 use anyhow::{Context, bail};
@@ -21,7 +21,7 @@ pub struct SampleArgs {
     table: TableArgs,
 }
 
-pub fn main(args: &SampleArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &SampleArgs, voice: Verbosity) -> anyhow::Result<()> {
     let scene = args.table.load(&args.scene)?;
     scene.warnings().iter().for_each(|line| voice.say(format_args!("warning: {line}")));
     let Some((columns, ids)) = samples(&scene) else {

@@ -1,6 +1,6 @@
 //! `afmsweep shader`: the shader of a scene, as a GPU gets it.
 
-use super::{Voice, load, print};
+use super::{Verbosity, load, print};
 use afmsweep::kernel::Entry;
 use afmsweep::plan::{Plan, Precision};
 use anyhow::Context;
@@ -34,7 +34,7 @@ fn precision(word: &str) -> Result<Precision, String> {
     known.into_iter().find(|one| one.name() == word).ok_or("expected f32 or f64".to_owned())
 }
 
-pub fn main(args: &ShaderArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &ShaderArgs, voice: Verbosity) -> anyhow::Result<()> {
     let scene = load(&args.scene)?;
     let place = || args.scene.display().to_string();
     let plan = Plan::new(&scene, args.precision).with_context(place)?;

@@ -1,6 +1,6 @@
 //! Ctrl-C, the end that a batch queue sets and a terminal that closes: a run ends early and keeps what is complete.
 
-use super::Voice;
+use super::Verbosity;
 use afmsweep::engine::Progress;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -50,7 +50,7 @@ static FIRST: AtomicI32 = AtomicI32::new(0);
 static HELD: AtomicBool = AtomicBool::new(false);
 
 /// From here on the first signal asks `progress` to stop, and a second one ends the program at once.
-pub fn listen(progress: &Arc<Progress>, voice: Voice) {
+pub fn listen(progress: &Arc<Progress>, voice: Verbosity) {
     if PROGRESS.set(Arc::clone(progress)).is_err() {
         return;
     }

@@ -1,6 +1,6 @@
 //! `afmsweep slurm`: the script that runs a scene's shares on a cluster.
 
-use super::{Voice, load, print};
+use super::{Verbosity, load, print};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ fn script(args: &SlurmArgs) -> anyhow::Result<String> {
     Ok(words.iter().fold(SCRIPT.to_owned(), |script, (key, word)| script.replace(key, word)))
 }
 
-pub fn main(args: &SlurmArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &SlurmArgs, voice: Verbosity) -> anyhow::Result<()> {
     // A scene that is wrong is better told now than by a cluster.
     load(&args.scene)?;
     let script = script(args)?;

@@ -1,9 +1,12 @@
 //! `afmsweep stats`: how the observables of a study are distributed, and which parameters decide them.
 
-use super::{Voice, print, print_json};
+use super::{Verbosity, print, print_json};
 use afmsweep::Status;
 use afmsweep::report::{self, shown};
-use afmsweep::stats::{self, Estimate, Indices, Options, Output, SHARES, StatsError, Study, Summary, json};
+use afmsweep::stats::{
+    self, Estimate, SHARES, SensitivityIndices, StatsError, Study, StudyOutput, Summary, SummaryOptions,
+    stats_json,
+};
 use afmsweep::store;
 use anyhow::bail;
 use serde_json::{Map, Value};
@@ -55,24 +58,24 @@ fn status(text: &str) -> Result<Status, String> {
 }
 
 impl RowArgs {
-    pub fn options(&self) -> Options {
-        Options { most_left_out: self.left_out / 100.0, kept: self.kept.clone() }
+    pub fn options(&self) -> SummaryOptions {
+        SummaryOptions { most_left_out: self.left_out / 100.0, kept: self.kept.clone() }
     }
 }
 
 /// What is told of each observable at a point.
-type Told<'a> = Vec<(&'a Output, Result<Summary, StatsError>)>;
+type Told<'a> = Vec<(&'a StudyOutput, Result<Summary, StatsError>)>;
 
-pub fn main(args: &StatsArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &StatsArgs, voice: Verbosity) -> anyhow::Result<()> {
     let study = Study::of(&store::read(&args.file)?)?;
-    let outputs: Vec<&Output> = match args.observables.as_slice() {
+    let outputs: Vec<&StudyOutput> = match args.observables.as_slice() {
         [] => study.outputs.iter().collect(),
         names => names.iter().map(|name| study.output(name)).collect::<Result<_, _>>()?,
     };
     let options = args.rows.options();
     let points: Vec<Told> = (0..study.points())
         .map(|point| {
-            let one = |output: &&'_ Output| stats::summary(&study, output, point, &options);
+            let one = |output: &&'_ StudyOutput| stats::summary(&study, output, point, &options);
             outputs.iter().map(|output| (*output, one(output))).collect()
         })
         .collect();
@@ -81,7 +84,7 @@ pub fn main(args: &StatsArgs, voice: Voice) -> anyhow::Result<()> {
         false => print(&as_text(&study, &points))?,
     }
     if let Some(folder) = &args.output {
-        let told: Vec<Vec<(&Output, Option<Summary>)>> = points
+        let told: Vec<Vec<(&StudyOutput, Option<Summary>)>> = points
             .iter()
             .map(|told| told.iter().map(|(output, told)| (*output, told.as_ref().ok().cloned())).collect())
             .collect();
@@ -111,9 +114,9 @@ fn as_json(args: &StatsArgs, study: &Study, points: &[Told]) -> Value {
     say("rows", design.rows.into());
     say("names", design.group_names().into());
     let of = |told: &Told| -> Map<String, Value> {
-        let one = |(output, told): &(&Output, Result<Summary, StatsError>)| {
+        let one = |(output, told): &(&StudyOutput, Result<Summary, StatsError>)| {
             let value = match told {
-                Ok(summary) => json::summary(summary, output),
+                Ok(summary) => stats_json::summary(summary, output),
                 Err(error) => serde_json::json!({ "error": error.to_string() }),
             };
             (output.name.clone(), value)
@@ -124,7 +127,7 @@ fn as_json(args: &StatsArgs, study: &Study, points: &[Told]) -> Value {
         (true, [only]) => say("observables", of(only).into()),
         _ => {
             let one = |(point, told): (usize, &Told)| -> Value {
-                serde_json::json!({ "at": json::place(study, point), "observables": of(told) })
+                serde_json::json!({ "at": stats_json::place(study, point), "observables": of(told) })
             };
             say("points", points.iter().enumerate().map(one).collect());
         }
@@ -160,7 +163,7 @@ fn as_text(study: &Study, points: &[Told]) -> String {
     text
 }
 
-fn observable(study: &Study, output: &Output, summary: &Summary) -> String {
+fn observable(study: &Study, output: &StudyOutput, summary: &Summary) -> String {
     let mut text = format!("\n{} ({})\n  {} rows count", output.name, output.long_name, summary.count);
     let left_out: Vec<String> =
         summary.left_out.iter().map(|(word, count)| format!("{count} {word}")).collect();
@@ -210,7 +213,7 @@ fn lost(indices: &[(&str, &Estimate)]) -> String {
 }
 
 /// A table of indices or effects.
-fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
+fn indices(study: &Study, output: &StudyOutput, summary: &Summary) -> String {
     let names = study.design.group_names();
     let wide = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
     let share = |one: &Estimate| match one.half_width {
@@ -219,7 +222,7 @@ fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
     };
     let mut text = String::new();
     match &summary.indices {
-        Indices::Saltelli(indices) => {
+        SensitivityIndices::Saltelli(indices) => {
             text += &format!("  {:wide$}  {:<18}  ST\n", "", "S1");
             for (n, name) in names.iter().enumerate() {
                 let (first, total) = (&indices.first[n], &indices.total[n]);
@@ -235,7 +238,7 @@ fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
                 text.push('\n');
             }
         }
-        Indices::Morris(effects) => {
+        SensitivityIndices::Morris(effects) => {
             for (n, name) in names.iter().enumerate() {
                 let star = &effects.mu_star[n];
                 text += &format!(
@@ -248,7 +251,7 @@ fn indices(study: &Study, output: &Output, summary: &Summary) -> String {
                 );
             }
         }
-        Indices::Bins(first) => {
+        SensitivityIndices::Bins(first) => {
             for (name, one) in names.iter().zip(first) {
                 let lost = lost(&[("", one)]);
                 text += format!("  {name:wide$}  S1 (bins) {}  {lost}", share(one)).trim_end();

@@ -1,6 +1,6 @@
 //! `afmsweep study`: a question answered by one command and one page.
 
-use super::Voice;
+use super::Verbosity;
 use afmsweep::study::paper::{self, Extent};
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ enum Study {
     Paper,
 }
 
-pub fn main(args: &StudyArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &StudyArgs, voice: Verbosity) -> anyhow::Result<()> {
     let Study::Paper = args.study;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from("results/paper"));
     paper::write(&folder, Extent::Full, &|what| voice.say(what))?;

@@ -5,7 +5,7 @@
 
 mod number;
 pub mod paper;
-mod run;
+mod scene_run;
 
 pub use number::{Number, Numbers};
 

@@ -4,7 +4,7 @@
 use crate::agree_curves::{BRANCHES, DAMPED, GAP, KHZ, NM, System, agrees, run};
 use crate::support::follow::Motion;
 use crate::support::sweeper::{Mode, Sweeper};
-use afmsweep::control::{self, InMemory};
+use afmsweep::control::{self, MemoryJournal};
 use afmsweep::engine::{Cpu, Progress};
 use afmsweep::observe::Measured;
 use afmsweep::scene::Scene;
@@ -55,7 +55,7 @@ fn contact_beyond_the_free_amplitude_ends_where_a_multiplier_reaches_one() {
     let values = &scene.sweep.axes[0].values;
     let run = run(&scene);
     let jump = run.jumps.iter().position(|jump| *jump).expect("the branch ends");
-    let multiplier = |n: usize| run.found.get(n).expect("it is found").spectrum.multiplier;
+    let multiplier = |n: usize| run.found.get(n).expect("it is found").floquet.multiplier;
     // (1 - multiplier)^2 falls in a straight line to 0 at the fold.
     let left = |n: usize| (1.0 - multiplier(n)).powi(2);
     let fold = values[jump - 1]
@@ -88,8 +88,8 @@ fn second_states_beyond_the_free_amplitude_are_those_of_the_way_that_keeps_conta
         let run = run(&swept);
         let (engine, progress) = (Cpu::default(), Progress::default());
         let shape = swept.sweep.shape();
-        let others =
-            control::others(&run, &shape, &InMemory::default(), &engine, &progress).expect("they are found");
+        let others = control::second_orbits(&run, &shape, &MemoryJournal::default(), &engine, &progress)
+            .expect("they are found");
         let motion = |one: &Measured| Motion { amplitude: one.harmonics[0], phase: one.phase };
         let mut second = 0;
         for n in 0..points {
@@ -99,7 +99,7 @@ fn second_states_beyond_the_free_amplitude_are_those_of_the_way_that_keeps_conta
             }
             second += 1;
             let ours = motion(&run.results.get(n).measured);
-            let other = others.states.iter().find(|one| one.instance as usize == n);
+            let other = others.orbits.iter().find(|one| one.instance as usize == n);
             let other = motion(
                 &other.unwrap_or_else(|| panic!("{path}: point {n} has a second state")).finished.measured,
             );

@@ -4,7 +4,7 @@
 
 use crate::support::follow::{Follower, Motion};
 use crate::support::laws::Law;
-use afmsweep::control::{self, Controlled, InMemory, Others};
+use afmsweep::control::{self, MemoryJournal, RunResult, SecondOrbits};
 use afmsweep::engine::{Cpu, Progress, on_threads};
 use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -61,13 +61,14 @@ fn scene(lever: &str, amplitudes: &[f64], gaps: &str) -> Scene {
     Scene::parse(Path::new("branches.toml"), &text.replace("GAPS", gaps)).unwrap()
 }
 
-fn run(scene: &Scene, threads: usize) -> (Controlled, Others) {
+fn run(scene: &Scene, threads: usize) -> (RunResult, SecondOrbits) {
     let plan = Plan::new(scene, Precision::F64).unwrap();
     let (engine, progress) = (Cpu::default(), Progress::default());
     let both = || {
         let run = control::run(&plan, &engine, &progress).unwrap();
         let others =
-            control::others(&run, &scene.sweep.shape(), &InMemory::default(), &engine, &progress).unwrap();
+            control::second_orbits(&run, &scene.sweep.shape(), &MemoryJournal::default(), &engine, &progress)
+                .unwrap();
         (run, others)
     };
     on_threads(Some(threads), both).unwrap()
@@ -143,7 +144,7 @@ struct Tally {
     not_ok: usize,
 }
 
-fn compare(scene: &Scene, run: &Controlled, others: &Others) -> Tally {
+fn compare(scene: &Scene, run: &RunResult, others: &SecondOrbits) -> Tally {
     let (amplitudes, gaps) = (&scene.sweep.axes[0].values, &scene.sweep.axes[1].values);
     let motion = |measured: &Measured| Motion { amplitude: measured.harmonics[0], phase: measured.phase };
     let mut tally = Tally::default();
@@ -152,7 +153,7 @@ fn compare(scene: &Scene, run: &Controlled, others: &Others) -> Tally {
         let ours = |n: usize| {
             let i = a * gaps.len() + n;
             let first = run.results.get(i);
-            let other = others.states.iter().find(|other| other.instance as usize == i);
+            let other = others.orbits.iter().find(|other| other.instance as usize == i);
             let second = other.map(|other| motion(&other.finished.measured));
             first.status.is_steady().then(|| motion(&first.measured)).into_iter().chain(second).collect()
         };
@@ -179,7 +180,7 @@ fn compare(scene: &Scene, run: &Controlled, others: &Others) -> Tally {
             }
         }
     }
-    tally.not_ok = others.states.iter().filter(|other| other.finished.status != Status::Ok).count();
+    tally.not_ok = others.orbits.iter().filter(|other| other.finished.status != Status::Ok).count();
     tally
 }
 
@@ -197,7 +198,7 @@ fn a_followed_branch_has_no_holes() {
     assert!(tally.largest < 2e-3, "{}", tally.largest);
     assert!(others.followed > 0 && others.followed <= others.tried);
     // As lossless contacts have it: the power of the drive is the lever's own loss.
-    for other in &others.states {
+    for other in &others.orbits {
         let measured = &other.finished.measured;
         let loss = measured.phase.to_radians().sin() / (measured.harmonics[0] / 20e-9);
         assert!((loss - 1.0).abs() < 2e-3, "{loss}");
@@ -223,9 +224,9 @@ fn estimates_of_second_states_are_not_too_low() {
     let mut fine = scene.clone();
     fine.run.accuracy = 1e-5;
     let (_, truth) = run(&fine, 1);
-    assert!(others.states.len() >= 5, "{}", others.states.len());
-    for other in &others.states {
-        let exact = truth.states.iter().find(|one| one.instance == other.instance);
+    assert!(others.orbits.len() >= 5, "{}", others.orbits.len());
+    for other in &others.orbits {
+        let exact = truth.orbits.iter().find(|one| one.instance == other.instance);
         let exact = exact.unwrap_or_else(|| panic!("no exact second state of {}", other.instance));
         let (ours, theirs) = (&other.finished.measured, &exact.finished.measured);
         let of_length = (ours.harmonics[0] - theirs.harmonics[0]).abs() / 20e-9;

@@ -2,7 +2,7 @@
 //! given gaps, along curves and at set-points, under every law, on the processor's vectors and rounding as a shader does.
 //! Truth: the reference engine, which meets every touch and release; contacts and permanent contact by what they are.
 
-use afmsweep::control::{self, Controlled, InMemory};
+use afmsweep::control::{self, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
@@ -97,21 +97,21 @@ fn holds(law: &str, case: (&str, &str, Contact), strict: bool) {
     let scene = scene(law, case);
     let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
     let progress = Progress::default();
-    let run: Controlled = control::run(&plan, &Cpu { strict }, &progress).expect("it runs");
+    let run: RunResult = control::run(&plan, &Cpu { strict }, &progress).expect("it runs");
     // What is free in closed form needs no other engine's word.
     let all = run.plan.stepped();
     let free =
         run.results.iter().filter(|one| one.measured.contact_time == 0.0 && one.measured.contacts == 0.0);
     assert!(case.2 != Contact::None || free.count() == run.plan.len(), "{law}, {}", case.1);
-    let redone = control::audit_of(&run, &all, &InMemory::default(), &progress).expect("it is redone");
+    let redone = control::audit_of(&run, &all, &MemoryJournal::default(), &progress).expect("it is redone");
     let what = format!("{law}, {}, strict {strict}", case.1.replace('\n', " "));
     assert_eq!(redone.len(), all.len(), "{what}");
     for one in redone {
         let ours = run.results.get(one.instance as usize);
-        let (measured, truth) = (&ours.measured, &one.truth.measured);
+        let (measured, truth) = (&ours.measured, &one.reference.measured);
         let told =
             || format!("{what}: {} contacts, {} of the period", measured.contacts, measured.contact_time);
-        assert_eq!((ours.status, one.truth.status), (Status::Ok, Status::Ok), "{}", told());
+        assert_eq!((ours.status, one.reference.status), (Status::Ok, Status::Ok), "{}", told());
         assert_eq!(measured.contacts, truth.contacts, "{}", told());
         let worst = one.worst.expect("both are ok");
         assert!(worst < run.plan.run.accuracy, "{}: {worst:e}, {:?}", told(), one.errors);
@@ -196,7 +196,8 @@ gap = "0.26942 nm"
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         let progress = Progress::default();
         let run = control::run(&plan, &Cpu::default(), &progress).expect("it runs");
-        let redone = control::audit_of(&run, &[0], &InMemory::default(), &progress).expect("it is redone");
+        let redone =
+            control::audit_of(&run, &[0], &MemoryJournal::default(), &progress).expect("it is redone");
         let worst = redone[0].worst.expect("both are ok");
         println!("{worst:.1e}, estimated {:.1e}", run.estimates[0]);
         assert!(

@@ -2,14 +2,14 @@
 
 use crate::checks;
 use afmsweep::compare::{Scales, worst};
-use afmsweep::control::{self, Controlled, InMemory};
+use afmsweep::control::{self, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Engine, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
 use afmsweep::scene::{LawChoice, Scene};
 use std::path::Path;
 
-fn controlled(plan: &Plan) -> Controlled {
+fn controlled(plan: &Plan) -> RunResult {
     control::run(plan, &Cpu::default(), &Progress::default()).unwrap()
 }
 
@@ -81,7 +81,7 @@ fn gaps_swept_alone_each_have_the_modes_they_need() {
     let plan = checks::plan(&scene, None);
     let run = controlled(&plan);
     assert!(run.results.iter().all(|one| one.status == Status::Ok));
-    let audited = control::audit(&run, plan.len(), &InMemory::default(), &Progress::default());
+    let audited = control::audit(&run, plan.len(), &MemoryJournal::default(), &Progress::default());
     let errors: Vec<f64> = audited.expect("it runs").iter().filter_map(|one| one.worst).collect();
     println!("largest error {:.1e}", errors.iter().copied().fold(0.0, f64::max));
     assert_eq!(errors.len(), plan.len());
@@ -149,10 +149,10 @@ fn an_instance_alone_equals_itself_among_others() {
 fn the_audit_is_the_references_word() {
     let plan = checks::plan(&sweep(LawChoice::Dmt, 1e-3), None);
     let run = controlled(&plan);
-    let audited = control::audit(&run, 4, &InMemory::default(), &Progress::default()).unwrap();
+    let audited = control::audit(&run, 4, &MemoryJournal::default(), &Progress::default()).unwrap();
     assert_eq!(audited.len(), 1);
     let truth = Reference::default().run(&plan, &Progress::default()).unwrap().results[0];
-    let (a, b) = (audited[0].truth.measured.harmonics[0], truth.measured.harmonics[0]);
+    let (a, b) = (audited[0].reference.measured.harmonics[0], truth.measured.harmonics[0]);
     assert!((a / b - 1.0).abs() < 1e-7, "{a:e} {b:e}");
     assert!(audited[0].worst.unwrap() < 1e-3);
     // A run that is wrong is found out.
@@ -160,6 +160,6 @@ fn the_audit_is_the_references_word() {
     let mut first = run.results.get(0);
     first.measured.force_max *= 1.01;
     wrong.results.set(0, &first);
-    let audited = control::audit(&wrong, 4, &InMemory::default(), &Progress::default()).unwrap();
+    let audited = control::audit(&wrong, 4, &MemoryJournal::default(), &Progress::default()).unwrap();
     assert!((audited[0].worst.unwrap() - 0.01).abs() < 1e-3);
 }

@@ -4,12 +4,12 @@
 use crate::support::follow::Motion;
 use crate::support::laws::Law;
 use crate::support::sweeper::{Mode, Place, Sweeper};
-use afmsweep::control::{self, Controlled};
+use afmsweep::control::{self, RunResult};
 use afmsweep::engine::{Cpu, Engine, EngineError, Outcome, Progress, on_threads};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
-use afmsweep::steady;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -166,7 +166,7 @@ impl System {
     }
 }
 
-pub fn run(scene: &Scene) -> Controlled {
+pub fn run(scene: &Scene) -> RunResult {
     let plan = Plan::new(scene, Precision::F64).expect("the scene can be planned");
     control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs")
 }
@@ -242,7 +242,7 @@ fn a_curve_alone_is_the_same_among_others_and_on_any_number_of_threads() {
     let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
     let begin = |plan: &Plan, threads| {
         let run =
-            || steady::begin(&mut plan.clone(), &Cpu::default(), &Progress::default()).expect("it runs");
+            || orbit::solve_first(&mut plan.clone(), &Cpu::default(), &Progress::default()).expect("it runs");
         on_threads(Some(threads), run).expect("there are threads")
     };
     let (one, three) = (begin(&plan, 1), begin(&plan, 3));
@@ -319,10 +319,10 @@ fn jumps_that_move_with_the_steps_are_told() {
         let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
         control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs")
     };
-    let place = |run: &Controlled| run.jumps.iter().position(|jump| *jump).expect("it jumps");
+    let place = |run: &RunResult| run.jumps.iter().position(|jump| *jump).expect("it jumps");
     let (rough, fine) = (run(0.05), run(5e-4));
     println!("jumps at points {} and {}", place(&rough), place(&fine));
     assert_ne!(place(&fine), place(&rough));
-    let told = |run: &Controlled| run.notes.iter().any(|note| note.contains("jumps stand at another point"));
+    let told = |run: &RunResult| run.notes.iter().any(|note| note.contains("jumps stand at another point"));
     assert!(told(&rough), "{:?}", rough.notes);
 }

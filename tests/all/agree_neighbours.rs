@@ -3,7 +3,7 @@
 
 use afmsweep::compare::{Scales, worst};
 use afmsweep::observe::{Observable, Status};
-use afmsweep::{Audit, Backend, Scene, Sweep, Swept};
+use afmsweep::{Audit, Backend, Scene, Sweep, SweepOutcome};
 use std::path::Path;
 
 /// Three axes, one of which changes the drive.
@@ -61,7 +61,7 @@ observables = ["amplitude", "phase", "force_max", "dissipation"]
     Scene::parse(Path::new("grid.toml"), &text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn run(scene: &Scene, cold: bool, threads: usize) -> Swept {
+fn run(scene: &Scene, cold: bool, threads: usize) -> SweepOutcome {
     let sweep = Sweep::new(scene.clone()).backend(Backend::Cpu).audit(Audit::None);
     sweep.cold(cold).threads(Some(threads)).run().unwrap_or_else(|error| panic!("{error}"))
 }
@@ -148,7 +148,7 @@ fn what_never_touches_has_its_free_oscillation() {
 }
 
 /// Every number's bits, the status, the estimate.
-fn bits(swept: &Swept, i: usize) -> Vec<u64> {
+fn bits(swept: &SweepOutcome, i: usize) -> Vec<u64> {
     let result = &swept.run.results.get(i);
     let mut bits = vec![result.status as u64, swept.run.estimates[i].to_bits()];
     let mut row = vec![0.0; 64];

@@ -2,7 +2,7 @@
 
 use crate::program::Desk;
 use afmsweep::compare::{Scales, worst};
-use afmsweep::control::{self, Controlled, InMemory};
+use afmsweep::control::{self, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
@@ -30,11 +30,11 @@ fn plan(text: &str, precision: Precision, open: bool) -> Plan {
     plan
 }
 
-fn run(plan: &Plan) -> Controlled {
+fn run(plan: &Plan) -> RunResult {
     control::run(plan, &Cpu::default(), &Progress::default()).unwrap()
 }
 
-fn in_single(run: &Controlled) -> usize {
+fn in_single(run: &RunResult) -> usize {
     run.arithmetic.of.iter().filter(|one| **one == Precision::F32).count()
 }
 
@@ -60,7 +60,7 @@ fn single_where_its_rounding_is_small() {
         differ += usize::from(apart > 0.0);
     }
     assert!(differ >= single, "{differ} of {single} are rounded");
-    let audited = control::audit(&ours, 40, &InMemory::default(), &Progress::default()).unwrap();
+    let audited = control::audit(&ours, 40, &MemoryJournal::default(), &Progress::default()).unwrap();
     assert_eq!(audited.len(), 40);
     for one in audited {
         assert!(one.worst.is_some_and(|error| error < 1e-3), "instance {}: {:?}", one.instance, one.worst);

@@ -6,7 +6,7 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control;
 use afmsweep::engine::{Cpu, Model, Progress, Reference, solve, solve_near};
 use afmsweep::observe::Status;
-use afmsweep::scene::{LawChoice, Lever, LeverMode, Scene, Start};
+use afmsweep::scene::{LawChoice, LeverMode, LeverSpec, Scene, Start};
 use std::path::Path;
 use std::time::Instant;
 
@@ -59,7 +59,7 @@ fn two_modes_from_rest() {
         let scene = one_mode(5.0, 70e3, 10.0, 30e-9, 22e-9, |scene| {
             let first = LeverMode { stiffness: 5.0, frequency: 70e3, quality_factor: 10.0, drive: 1.0 };
             let second = LeverMode { stiffness: 200.0, frequency: 440e3, quality_factor: 20.0, drive: 1.0 };
-            scene.base.instrument.cantilever.lever = Lever::Modes(vec![first, second]);
+            scene.base.instrument.cantilever.lever = LeverSpec::Modes(vec![first, second]);
             sample(scene, law, 500e6, 0.02, 10e-9);
             scene.run.start = Start::Rest;
             (scene.run.periods, scene.run.measure) = (60, 10);
@@ -78,7 +78,7 @@ fn modes_far_faster_than_the_contact_are_two_oscillators() {
         let plan = checks::plan(&scene, None);
         let progress = Progress::default();
         let run = control::run(&plan, &Cpu::default(), &progress).expect("the plan can be run");
-        let station = run.found.get(0).expect("it has a periodic state").station;
+        let station = run.found.get(0).expect("it has a periodic state").section;
         let state = |tolerance| {
             let start = Instant::now();
             let found = solve_near(&run.plan, 0, &station, &options(tolerance, Model::Whole), &progress);

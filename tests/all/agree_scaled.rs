@@ -3,7 +3,7 @@
 use afmsweep::design::Mix;
 use afmsweep::instrument::{Instrument, Pattern};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, QualityFactor, Scene};
+use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, LeverSpec, QualityFactor, Scene};
 use afmsweep::store::Attribute;
 use afmsweep::{Audit, Backend, Sweep};
 
@@ -12,8 +12,10 @@ fn lever(number: u64) -> InstrumentParams {
     let share = |place: u64| Mix::new(19).of(number).of(place).share();
     let mut params = InstrumentParams::default();
     params.actuator.model = ActuatorModel::Rigid;
-    params.cantilever.lever =
-        Lever::Calibrated { stiffness: 0.01 * 1e5f64.powf(share(0)), frequency: 1e3 * 1e4f64.powf(share(1)) };
+    params.cantilever.lever = LeverSpec::Calibrated {
+        stiffness: 0.01 * 1e5f64.powf(share(0)),
+        frequency: 1e3 * 1e4f64.powf(share(1)),
+    };
     params.cantilever.quality_factor = match number % 3 {
         0 => QualityFactor::All(f64::INFINITY),
         1 => QualityFactor::All(1000.0 * share(2) + 1.0),
@@ -69,7 +71,7 @@ fn other_levers_are_not_scaled() {
     heavy.tip.mass = afmsweep::scene::TipMass::Given(1e-15);
     assert!(!Pattern::serves(&heavy));
     let mut bad = lever(2);
-    bad.cantilever.lever = Lever::Calibrated { stiffness: -1.0, frequency: 1e5 };
+    bad.cantilever.lever = LeverSpec::Calibrated { stiffness: -1.0, frequency: 1e5 };
     let pattern = Pattern::new(DriveOn::Tip, 1e-8).unwrap();
     assert!(pattern.instrument(&bad).unwrap().unwrap_err().to_string().contains("stiffness"));
 }
@@ -84,7 +86,7 @@ fn rows_that_share_a_lever_share_its_instrument() {
     assert_eq!((plan.len(), plan.ensemble.drives.len()), (32 * 8, 32 * 4));
     for i in 0..plan.len() as u32 {
         let own = scene.instance(i as usize).instrument.cantilever;
-        let Lever::Calibrated { stiffness, .. } = own.lever else { panic!() };
+        let LeverSpec::Calibrated { stiffness, .. } = own.lever else { panic!() };
         let first = plan.ensemble.drive(plan.id(i)).free.first_mode;
         assert!((first.1 / stiffness - 1.0).abs() < 1e-9, "{i}: {first:?}, not {stiffness}");
     }

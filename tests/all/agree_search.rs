@@ -2,20 +2,20 @@
 
 use crate::checks;
 use afmsweep::compare::{Scales, worst};
-use afmsweep::control::{self, InMemory};
+use afmsweep::control::{self, MemoryJournal};
 use afmsweep::engine::{Cpu, Finished, Progress, Reference, solve_near};
 use afmsweep::observe::Status;
+use afmsweep::orbit::{self, OrbitSolution};
 use afmsweep::plan::{BasisRule, Plan};
-use afmsweep::scene::{LawChoice, Lever, LeverMode, Scene, Steady};
-use afmsweep::steady::{self, Settled};
+use afmsweep::scene::{LawChoice, LeverMode, LeverSpec, Scene, Steady};
 use std::f64::consts::PI;
 use std::path::Path;
 
-fn run(scene: &Scene, way: Steady) -> (Plan, Settled) {
+fn run(scene: &Scene, way: Steady) -> (Plan, OrbitSolution) {
     let mut scene = scene.clone();
     scene.run.steady = way;
     let plan = checks::plan(&scene, None);
-    let settled = steady::run(&plan, &[], &Cpu::default(), &Progress::default()).unwrap();
+    let settled = orbit::solve(&plan, &[], &Cpu::default(), &Progress::default()).unwrap();
     (plan, settled)
 }
 
@@ -29,7 +29,7 @@ fn tapping(law: LawChoice, quality: f64, modulus: f64, gap: f64) -> Scene {
         let mode =
             |stiffness, frequency| LeverMode { stiffness, frequency, quality_factor: quality, drive: 1.0 };
         scene.base.instrument.cantilever.lever =
-            Lever::Modes(vec![mode(40.0, 300e3), mode(1571.0, 1880.1e3), mode(12317.0, 5264.4e3)]);
+            LeverSpec::Modes(vec![mode(40.0, 300e3), mode(1571.0, 1880.1e3), mode(12317.0, 5264.4e3)]);
         checks::sample(scene, law, modulus, 0.03, 10e-9);
         scene.run.measure = 4;
     })
@@ -47,10 +47,10 @@ fn a_state_found_with_another_lever_leads_to_the_one_found_without() {
         let plan = checks::plan(&scene, None);
         let with =
             |accuracy: f64| plan.with_bases(&[(0, BasisRule::Shares { accuracy })]).with_steps(|_| 512);
-        let run = |plan: &Plan, near: &Settled| {
-            steady::run(plan, &steady::of(&near.found, &[0]), &engine, &progress).unwrap()
+        let run = |plan: &Plan, near: &OrbitSolution| {
+            orbit::solve(plan, &orbit::gather(&near.found, &[0]), &engine, &progress).unwrap()
         };
-        let alone = |plan: &Plan| steady::run(plan, &[], &engine, &progress).unwrap();
+        let alone = |plan: &Plan| orbit::solve(plan, &[], &engine, &progress).unwrap();
         for (from, to) in [(0.1, 1e-4), (1e-4, 0.1)] {
             let (first, second) = (with(from), with(to));
             let count = |plan: &Plan| plan.driven(0).kept.modes.len();
@@ -104,9 +104,9 @@ fn multipliers_of_one_mode_are_liouvilles() {
             let (_, settled) = run(&scene, Steady::Search);
             let found = settled.found[0].as_ref().unwrap_or_else(|| panic!("{law:?} {quality}: none"));
             let exact = (-PI / quality).exp();
-            let off = (found.spectrum.multiplier - exact).abs();
-            println!("{law:?}, Q {quality}: {:.7}, exact {exact:.7}", found.spectrum.multiplier);
-            assert!(off < 2e-5, "{law:?} {quality}: {} {exact}", found.spectrum.multiplier);
+            let off = (found.floquet.multiplier - exact).abs();
+            println!("{law:?}, Q {quality}: {:.7}, exact {exact:.7}", found.floquet.multiplier);
+            assert!(off < 2e-5, "{law:?} {quality}: {} {exact}", found.floquet.multiplier);
         }
     }
 }
@@ -142,10 +142,10 @@ fn the_references_own_state_is_next_to_the_one_found() {
         let mut scene = tapping(law, 300.0, 1e9, 14e-9);
         scene.run.steady = Steady::Search;
         let plan = checks::plan(&scene, Some(1024));
-        let settled = steady::run(&plan, &[], &Cpu::default(), &Progress::default()).unwrap();
+        let settled = orbit::solve(&plan, &[], &Cpu::default(), &Progress::default()).unwrap();
         let found = settled.found[0].as_ref().expect("a state");
         let (reference, progress) = (Reference::default(), Progress::default());
-        let near = solve_near(&plan, 0, &found.station, &reference, &progress).unwrap().expect("a state");
+        let near = solve_near(&plan, 0, &found.section, &reference, &progress).unwrap().expect("a state");
         let error = apart(&plan, &settled.outcome.results[0], &near);
         println!("{law:?}: {error:.1e}");
         assert!(error < 1e-4, "{law:?}: {error:e}");
@@ -169,7 +169,8 @@ fn both_branches_are_those_that_two_starts_end_on() {
     let plan = checks::plan(&scene, None);
     let (engine, progress) = (Cpu::default(), Progress::default());
     let run = control::run(&plan, &engine, &progress).unwrap();
-    let others = control::others(&run, &[], &InMemory::default(), &engine, &progress).unwrap().states;
+    let others =
+        control::second_orbits(&run, &[], &MemoryJournal::default(), &engine, &progress).unwrap().orbits;
     assert_eq!(others.len(), 1);
     let wait = |name: &str| {
         let plan = checks::plan(&load(name), None);

@@ -4,12 +4,12 @@
 
 use crate::support::laws::Law;
 use crate::support::sweeper::{Mode, Place, Sweeper};
-use afmsweep::control::{self, Controlled};
+use afmsweep::control::{self, RunResult};
 use afmsweep::engine::{Cpu, Progress, on_threads};
 use afmsweep::observe::Status;
+use afmsweep::orbit;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{Held, Scene};
-use afmsweep::steady;
 use std::path::Path;
 
 const TAPPING: &str = r#"
@@ -44,7 +44,7 @@ fn tapping(wanted: &str, swept: &str) -> Scene {
     parse(&TAPPING.replace("WHERE", wanted).replace("SWEPT", swept))
 }
 
-fn run(scene: &Scene) -> Controlled {
+fn run(scene: &Scene) -> RunResult {
     let plan = Plan::new(scene, Precision::F64).expect("the scene can be planned");
     control::run(&plan, &Cpu::default(), &Progress::default()).expect("it runs")
 }
@@ -177,7 +177,7 @@ fn held_states_do_not_depend_on_threads_or_neighbours() {
     let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
     let begin = |plan: &Plan| {
         let mut plan = plan.clone();
-        let settled = steady::begin(&mut plan, &Cpu::default(), &Progress::default()).expect("it runs");
+        let settled = orbit::solve_first(&mut plan, &Cpu::default(), &Progress::default()).expect("it runs");
         let all = settled.outcome.results.into_iter().map(|one| format!("{one:?}"));
         all.collect::<Vec<_>>()
     };

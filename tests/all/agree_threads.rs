@@ -3,12 +3,14 @@
 
 use crate::checks;
 use crate::checks::{bounds, worst};
+use crate::program::Desk;
 use afmsweep::contact::Law;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, on_threads};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{Scene, Start, SweptAxes};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 const STARTS: [&str; 2] = ["steady", "rest"];
 
@@ -206,4 +208,36 @@ fn f32_is_as_accurate_as_asked() {
         }
     }
     assert!(compared >= 60, "only {compared} instances compared");
+}
+
+/// Runs of thousands of instances end on many threads: in one of ten a thread had waited for itself.
+#[test]
+fn runs_on_more_threads_than_cores_end() {
+    let desk = Desk::new();
+    let axis = |path: &str, ends: &str| format!("\"{path}\" = {{ {ends}, points = 80 }}\n");
+    let scene = [
+        "[instrument.cantilever]\nstiffness = \"40 N/m\"\nfrequency = \"300 kHz\"\nquality_factor = 100\n",
+        "[sample]\nsurface_energy = \"50 mJ/m^2\"\n[drive]\non = \"tip\"\nfrequency = \"resonance\"\nfree_amplitude = \"20 nm\"\n",
+        "[run]\nperiods = 2\nmeasure = 1\nmodes = 1\nsteps_per_period = 64\n[sweep]\n",
+        &axis("sample.youngs_modulus", "from = \"1 GPa\", to = \"5 GPa\""),
+        &axis("approach.gap", "from = \"12 nm\", to = \"16 nm\""),
+    ];
+    desk.write("many.toml", &scene.concat());
+    let options = ["--backend", "cpu", "--threads", "16", "--no-estimate", "--no-audit", "--overwrite"];
+    for turn in 0..25 {
+        let mut run = desk.command(&[&["run", "many.toml", "-q", "-o", "many.h5"], &options[..]].concat());
+        let mut child = run.spawn().unwrap();
+        let start = Instant::now();
+        let ended = loop {
+            match child.try_wait().unwrap() {
+                Some(status) => break Some(status),
+                None if start.elapsed() > Duration::from_secs(120) => break None,
+                None => std::thread::sleep(Duration::from_millis(10)),
+            }
+        };
+        if ended.is_none() {
+            child.kill().unwrap();
+        }
+        assert!(ended.is_some_and(|status| status.success()), "run {turn}: {ended:?}");
+    }
 }

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 /// crates it is Cargo that sees to it.
 const ORDER: [&[&str]; 14] = [
     // The kernel is a crate of its own: what it may know is Cargo's to say.
-    &["suggest", "kernel", "reconstruct"],
+    &["suggestion", "kernel", "reconstruction"],
     &["units", "observe", "design"],
     &["scene"],
     &["instrument", "contact", "periodic"],
     &["plan"],
     &["engine"],
-    &["compare", "steady"],
+    &["compare", "orbit"],
     &["control"],
     &["store"],
     &["record", "stats"],
@@ -27,7 +27,7 @@ const NARROW: [(&str, &[&str]); 3] = [
     // The file's format does not depend on how results came about. The kernel has the names and codes of laws.
     ("store", &["kernel", "observe"]),
     // Pictures come from the results file alone.
-    ("report", &["design", "observe", "reconstruct", "stats", "store", "suggest", "units"]),
+    ("report", &["design", "observe", "reconstruction", "stats", "store", "suggestion", "units"]),
     // Statistics as well.
     ("stats", &["design", "observe", "store"]),
 ];

@@ -2,7 +2,7 @@
 
 use crate::program::{Desk, said};
 use afmsweep::Results;
-use afmsweep::store::{Journal, Kind, partial_path, read};
+use afmsweep::store::{Journal, RecordKind, partial_path, read};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -201,11 +201,11 @@ fn altered(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
     let journal = Journal::read(bytes.to_vec()).unwrap();
     let (before, header) = (journal.header(), journal.header().replace(from, to));
     let (start, rest) = (13, 13 + before.len() + 13);
-    [&bytes[..start], &recorded(Kind::Header, header.as_bytes()), &bytes[rest..]].concat()
+    [&bytes[..start], &recorded(RecordKind::Header, header.as_bytes()), &bytes[rest..]].concat()
 }
 
 /// A record of a journal, with its sums.
-fn recorded(kind: Kind, own: &[u8]) -> Vec<u8> {
+fn recorded(kind: RecordKind, own: &[u8]) -> Vec<u8> {
     let mut record = (own.len() as u32).to_le_bytes().to_vec();
     record.push(kind as u8);
     let sum = crc32fast::hash(&[&record, own].concat());
@@ -225,7 +225,7 @@ fn a_portion_of_more_instances_than_there_are_is_run_again() {
     let (number, flags, notes) = (0u64.to_le_bytes(), [1, 1, 0, 0], 0u32.to_le_bytes());
     let column = [&[0u8][..], &1u64.to_le_bytes()].concat().repeat(1000);
     let own = [&number[..], &flags, &u32::MAX.to_le_bytes(), &notes, &column].concat();
-    std::fs::write(desk.path("a.h5.partial"), [bytes, recorded(Kind::Portion, &own)].concat()).unwrap();
+    std::fs::write(desk.path("a.h5.partial"), [bytes, recorded(RecordKind::Portion, &own)].concat()).unwrap();
     let resume = ["run", "tapping.toml", "-q", "-o", "a.h5", "--audit", "2", "--resume"];
     let limited = "ulimit -v 8000000; exec \"$0\" \"$@\"";
     let mut command = std::process::Command::new("sh");

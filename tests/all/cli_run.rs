@@ -2,7 +2,7 @@
 //! Truth: the engine called directly, the contact laws, and sums over the waveforms.
 
 use crate::program::{Desk, difference, scenes, variable};
-use afmsweep::control::{self, Controlled};
+use afmsweep::control::{self, RunResult};
 use afmsweep::engine::{Cpu, Engine, Progress, Reference};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
@@ -34,7 +34,7 @@ waveforms = { instances = [1, 4], samples_per_period = 256, periods = 3 }
 "#;
 
 /// The same scene by the library.
-fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> Controlled {
+fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> RunResult {
     let mut scene = Scene::load(path).unwrap();
     scene.run.steps_per_period = steps.or(scene.run.steps_per_period);
     let plan = Plan::new(&scene, precision).unwrap();
@@ -43,7 +43,7 @@ fn engine(path: &Path, precision: Precision, steps: Option<u32>) -> Controlled {
 
 /// Every variable and status equals what the engine says, to the bit.
 fn agrees(results: &Results, path: &Path, precision: Precision, steps: Option<u32>) {
-    let Controlled { plan, results: finished, estimates, .. } = engine(path, precision, steps);
+    let RunResult { plan, results: finished, estimates, .. } = engine(path, precision, steps);
     assert_eq!(difference(variable(results, "error_estimate"), &estimates), 0.0, "{}", path.display());
     for observable in &plan.observables {
         let mut expected = vec![f64::NAN; observable.width() * finished.len()];

@@ -23,7 +23,7 @@ fn closed_form_rod_converges_with_order_2p() {
     p.actuator.model = ActuatorModel::Prescribed;
     p.actuator.h33 = 0.0;
     // So short a lever that its modes lie far above the rod's.
-    if let afmsweep::scene::Lever::Dimensions { length, .. } = &mut p.cantilever.lever {
+    if let afmsweep::scene::LeverSpec::Dimensions { length, .. } = &mut p.cantilever.lever {
         *length = 20e-6;
     }
     p.tip.mass = TipMass::Given(0.0);
@@ -96,7 +96,7 @@ fn finer_meshes_confirm_instruments_of_many_dimensions() {
         p.actuator.model = models[case % models.len()];
         p.actuator.length = draw(0.5e-3, 8e-3);
         p.actuator.width = draw(5e-5, 1e-3);
-        if let afmsweep::scene::Lever::Dimensions { length, thickness, .. } = &mut p.cantilever.lever {
+        if let afmsweep::scene::LeverSpec::Dimensions { length, thickness, .. } = &mut p.cantilever.lever {
             (*length, *thickness) = (draw(60e-6, 300e-6), draw(1e-6, 8e-6));
         }
         p.tip.half_length = draw(1e-6, 1e-5);

@@ -2,12 +2,12 @@
 //! Truth: the program's own table against the document's, and the scene's own words.
 
 use afmsweep::Scene;
-use afmsweep::scene::{LEVERS, Lever};
+use afmsweep::scene::{LEVERS, LeverSpec};
 use afmsweep::units::{Dimension, parse};
 
 fn lever(scene: &Scene) -> (f64, f64) {
     match scene.base.instrument.cantilever.lever {
-        Lever::Calibrated { stiffness, frequency } => (stiffness, frequency),
+        LeverSpec::Calibrated { stiffness, frequency } => (stiffness, frequency),
         ref other => panic!("not a calibrated lever: {other:?}"),
     }
 }

@@ -6,14 +6,14 @@ use afmsweep::contact::Law;
 use afmsweep::control::Arithmetic;
 use afmsweep::record::{self, BRANCHES, Facts, JUMPS, WARNINGS};
 use afmsweep::store::{Attribute, Results};
-use afmsweep::sweep::Phase;
-use afmsweep::{Audit, Backend, Observable, Precision, Scene, Status, Sweep, Swept};
+use afmsweep::sweep::SweepPhase;
+use afmsweep::{Audit, Backend, Observable, Precision, Scene, Status, Sweep, SweepOutcome};
 use hdf5::types::{FloatSize, IntSize, TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, Group};
 use std::path::Path;
 
 /// A searched grid with everything asked for, and a list whose instances have frequencies of their own.
-fn runs() -> Vec<Swept> {
+fn runs() -> Vec<SweepOutcome> {
     let names: Vec<String> = Observable::all().map(|one| format!("\"{}\"", one.name())).collect();
     let output = format!(
         "[output]\nobservables = [{}]\nwaveforms = {{ instances = [0, 1] }}\nspectra = {{ instances = [0] }}\n",
@@ -33,7 +33,7 @@ fn runs() -> Vec<Swept> {
 }
 
 /// The results of a run that went through both precisions and was stopped.
-fn mixed_and_stopped(swept: &Swept) -> Results {
+fn mixed_and_stopped(swept: &SweepOutcome) -> Results {
     let run = &swept.run;
     let facts = Facts {
         device: String::new(),
@@ -162,13 +162,13 @@ fn every_status_and_every_other_word_is_told() {
         document.says("Variables", word);
     }
     for phase in [
-        Phase::Planning,
-        Phase::Stepping,
-        Phase::Refinement,
-        Phase::Branches,
-        Phase::Audit,
-        Phase::Waveforms,
-        Phase::Spectra,
+        SweepPhase::Planning,
+        SweepPhase::Stepping,
+        SweepPhase::Refinement,
+        SweepPhase::Branches,
+        SweepPhase::Audit,
+        SweepPhase::Waveforms,
+        SweepPhase::Spectra,
     ] {
         document.says("An incomplete file", phase.word());
     }

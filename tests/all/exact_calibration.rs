@@ -2,10 +2,10 @@
 
 use crate::continuum::{clamped_free, close, hertz};
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument};
-use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, TipMass};
+use afmsweep::scene::{ActuatorModel, DriveOn, InstrumentParams, LeverSpec, TipMass};
 use std::f64::consts::{PI, TAU};
 
-fn rigid(lever: Lever, tip: f64) -> InstrumentParams {
+fn rigid(lever: LeverSpec, tip: f64) -> InstrumentParams {
     let mut p = InstrumentParams::default();
     p.actuator.model = ActuatorModel::Rigid;
     p.cantilever.lever = lever;
@@ -20,7 +20,7 @@ fn closed_form_calibrated_lever_with_a_tip_mass() {
     let (stiffness, frequency) = (0.4, 70e3);
     let moving = stiffness / (TAU * frequency).powi(2);
     for share in [0.01, 0.2, 0.7, 0.95] {
-        let p = rigid(Lever::Calibrated { stiffness, frequency }, share * moving);
+        let p = rigid(LeverSpec::Calibrated { stiffness, frequency }, share * moving);
         let lever = Instrument::reduce(&p, DriveOn::Tip, DEFAULT_TOLERANCE).expect("a sound instrument");
         let first = &lever.modes[0];
         close(hertz(first), frequency, 1e-9, "first frequency");
@@ -54,7 +54,7 @@ fn closed_form_calibrated_lever_with_a_tip_mass() {
         close(found[1], expected[1], 1e-7, "third over first");
         close(found[2], expected[2], 1e-7, "fourth over first");
     }
-    let p = rigid(Lever::Calibrated { stiffness, frequency }, 1.01 * moving);
+    let p = rigid(LeverSpec::Calibrated { stiffness, frequency }, 1.01 * moving);
     let error = Instrument::reduce(&p, DriveOn::Tip, DEFAULT_TOLERANCE).expect_err("more than all");
     assert!(error.to_string().contains("the tip's mass"), "{error}");
 }

@@ -7,12 +7,12 @@ use crate::continuum::close;
 use crate::program::{Desk, numbers, scene};
 use afmsweep::Scene;
 use afmsweep::instrument::{Fluid, FluidMode, hydrodynamic_function, modes_in};
-use afmsweep::scene::{InstrumentParams, Lever, TipMass};
+use afmsweep::scene::{InstrumentParams, LeverSpec, TipMass};
 
 /// A bare beam: modulus (Pa), density (kg/m^3), length, width, thickness (m).
 fn beam([youngs_modulus, density, length, width, thickness]: [f64; 5]) -> InstrumentParams {
     let mut params = InstrumentParams::default();
-    params.cantilever.lever = Lever::Dimensions { youngs_modulus, density, length, width, thickness };
+    params.cantilever.lever = LeverSpec::Dimensions { youngs_modulus, density, length, width, thickness };
     params.tip.half_length = 0.0;
     params.tip.mass = TipMass::Given(0.0);
     params
@@ -142,14 +142,16 @@ fn the_command_tells_modes_and_lines_for_a_scene() {
     const DRIVE: &str = "[drive]\non = \"tip\"\nfree_amplitude = \"1 nm\"\n";
     let text = format!("{DRIVE}[instrument.cantilever]{lines}");
     let pasted = Scene::parse("pasted.toml".as_ref(), &text).expect("a scene");
-    let Lever::Calibrated { frequency, .. } = pasted.base.instrument.cantilever.lever else {
+    let LeverSpec::Calibrated { frequency, .. } = pasted.base.instrument.cantilever.lever else {
         panic!("not a calibrated lever: {text}")
     };
     close(frequency, 34574.350522964545, 1e-5, "pasted frequency");
     let (_, listed) = text.split_once("# modes = [").expect("modes as a comment");
     let listed = format!("{DRIVE}[instrument.cantilever]\nmodes = [{}", listed.replace("\n#", "\n"));
     let pasted = Scene::parse("pasted.toml".as_ref(), &listed).expect("a scene");
-    let Lever::Modes(list) = pasted.base.instrument.cantilever.lever else { panic!("no modes: {listed}") };
+    let LeverSpec::Modes(list) = pasted.base.instrument.cantilever.lever else {
+        panic!("no modes: {listed}")
+    };
     close(list[1].frequency, 234562.33768081537, 1e-5, "second frequency");
 }
 

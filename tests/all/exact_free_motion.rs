@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, Mode, Place};
+use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, Mode, MotionPlace};
 use afmsweep::scene::{
-    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, Lever, LeverMode, QualityFactor,
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverMode, LeverSpec, QualityFactor,
 };
 use nalgebra::{Matrix4, Vector4};
 
@@ -26,7 +26,7 @@ fn single(on: DriveOn, hz: f64, q: f64) -> Instrument {
     let mut p = InstrumentParams::default();
     p.actuator.model = ActuatorModel::Rigid;
     let mode = LeverMode { stiffness: 10.0, frequency: hz, quality_factor: q, drive: 1.0 };
-    p.cantilever.lever = Lever::Modes(vec![mode]);
+    p.cantilever.lever = LeverSpec::Modes(vec![mode]);
     Instrument::reduce(&p, on, DEFAULT_TOLERANCE).expect("a sound instrument")
 }
 
@@ -81,7 +81,7 @@ fn integrated_start_from_rest() {
             let skip: Vec<bool> = (0..i.modes.len()).map(|k| k > 1).collect();
             for periods in [0.05, 0.4, 1.0, 3.3] {
                 let t = periods / hz;
-                let transient = m.transient_at(&i, Place::Tip, t, &skip);
+                let transient = m.transient_at(&i, MotionPlace::Tip, t, &skip);
                 let (mut z, mut rate, mut size) = (0.0, 0.0, 0.0);
                 for k in 0..2 {
                     let mode = &i.modes[k];
@@ -153,7 +153,7 @@ fn table_equals_single_evaluations() {
         let m = i.free_motion(DriveLevel::Voltage(15.0), hz).unwrap();
         let skip = [false, true];
         let (first, step) = (19.5, 1.0 / hz / 97.0);
-        for place in [Place::Tip, Place::Top] {
+        for place in [MotionPlace::Tip, MotionPlace::Top] {
             let table = m.transient_table(&i, place, &skip, first, step, 5000);
             let largest = table.iter().fold(0.0, |a: f64, b| a.max(b[0].abs()));
             let fastest = table.iter().fold(0.0, |a: f64, b| a.max(b[1].abs()));
@@ -179,7 +179,7 @@ fn table_equals_single_evaluations() {
 fn heavily_damped_modes_have_a_table_from_before_the_start() {
     let i = instrument(ActuatorModel::Coupled, DriveOn::Actuator, 0.1);
     let m = i.free_motion(DriveLevel::Voltage(15.0), 30e3).unwrap();
-    let table = m.transient_table(&i, Place::Tip, &[], -0.5, 1.0 / 30e3 / 64.0, 200);
+    let table = m.transient_table(&i, MotionPlace::Tip, &[], -0.5, 1.0 / 30e3 / 64.0, 200);
     assert!(table.iter().flatten().all(|value| value.is_finite()), "{:?}", &table[..3]);
     assert!(table[199][0].abs() < table[1][0].abs());
 }

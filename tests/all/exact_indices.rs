@@ -1,12 +1,12 @@
 //! Indices, means and quantiles of functions whose answers are known in closed form, through the same path as observables.
 
 use crate::study::*;
-use afmsweep::design::{Distribution, Kind, Settings, normal_quantile};
-use afmsweep::stats::{Estimate, Indices, Options, SHARES, Study, Summary, summary};
+use afmsweep::design::{DesignKind, Distribution, Settings, normal_quantile};
+use afmsweep::stats::{Estimate, SHARES, SensitivityIndices, Study, Summary, SummaryOptions, summary};
 use std::f64::consts::PI;
 
 fn told(study: &Study) -> Summary {
-    summary(study, &study.outputs[0], 0, &Options::default()).unwrap()
+    summary(study, &study.outputs[0], 0, &SummaryOptions::default()).unwrap()
 }
 
 fn covers(one: &Estimate, truth: f64) -> bool {
@@ -16,7 +16,7 @@ fn covers(one: &Estimate, truth: f64) -> bool {
 /// All first and total indices.
 fn sobol_indices(summary: &Summary) -> Vec<Estimate> {
     match &summary.indices {
-        Indices::Saltelli(all) => all.first.iter().chain(&all.total).copied().collect(),
+        SensitivityIndices::Saltelli(all) => all.first.iter().chain(&all.total).copied().collect(),
         other => panic!("{other:?}"),
     }
 }
@@ -27,11 +27,11 @@ fn sobol_indices(summary: &Summary) -> Vec<Estimate> {
 fn indices_of_ishigami_and_g() {
     let (first, total) = ishigami_indices();
     let truth: Vec<f64> = first.into_iter().chain(total).collect();
-    let told_of = told(&study(settings(Kind::Saltelli, 1 << 14, 3), &uniform(3, -PI, PI), ishigami));
+    let told_of = told(&study(settings(DesignKind::Saltelli, 1 << 14, 3), &uniform(3, -PI, PI), ishigami));
     inside(&sobol_indices(&told_of), &truth);
     let (first, total) = g_indices();
     let truth: Vec<f64> = first.into_iter().chain(total).collect();
-    let told_of = told(&study(settings(Kind::Saltelli, 1 << 14, 6), &uniform(6, 0.0, 1.0), g_function));
+    let told_of = told(&study(settings(DesignKind::Saltelli, 1 << 14, 6), &uniform(6, 0.0, 1.0), g_function));
     inside(&sobol_indices(&told_of), &truth);
 }
 
@@ -53,7 +53,7 @@ fn coverage(
     use rayon::prelude::*;
     const REPEATS: u64 = 1000;
     let one = |seed: u64| -> Vec<f64> {
-        let settings = Settings { seed, ..settings(Kind::Saltelli, 1 << 10, distributions.len()) };
+        let settings = Settings { seed, ..settings(DesignKind::Saltelli, 1 << 10, distributions.len()) };
         let found = sobol_indices(&told(&study(settings, distributions, &function)));
         found.iter().zip(truth).map(|(one, truth)| f64::from(u8::from(covers(one, *truth)))).collect()
     };
@@ -82,9 +82,9 @@ fn intervals_of_1024_samples_cover_the_truth_as_often_as_they_say() {
 #[test]
 fn bins_tell_first_order_of_any_sample() {
     let (truth, _) = ishigami_indices();
-    for kind in [Kind::MonteCarlo, Kind::LatinHypercube, Kind::Sobol] {
+    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol] {
         let found = told(&study(settings(kind, 1 << 14, 3), &uniform(3, -PI, PI), ishigami));
-        let Indices::Bins(first) = found.indices else { panic!("{kind:?}") };
+        let SensitivityIndices::Bins(first) = found.indices else { panic!("{kind:?}") };
         for (one, truth) in first.iter().zip(truth) {
             let miss = (one.value - truth).abs();
             assert!(miss < 0.02 && miss < 2.0 * one.half_width + 0.003, "{kind:?}: {one:?}, not {truth}");
@@ -96,7 +96,8 @@ fn bins_tell_first_order_of_any_sample() {
 #[test]
 fn a_normal_output_has_its_mean_spread_and_quantiles() {
     let normal = |mean: f64, sd: f64| Distribution::Normal { mean, sd, from: None, to: None };
-    for kind in [Kind::MonteCarlo, Kind::LatinHypercube, Kind::Sobol, Kind::Saltelli] {
+    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol, DesignKind::Saltelli]
+    {
         let sum = |x: &[f64]| x[0] + x[1];
         let found = told(&study(settings(kind, 1 << 12, 2), &[normal(3.0, 0.3), normal(1.0, 0.4)], sum));
         let spread = found.spread.unwrap();
@@ -112,7 +113,7 @@ fn a_normal_output_has_its_mean_spread_and_quantiles() {
         // Balanced points know the mean far better than random ones, and their intervals say so.
         let half_width = spread.mean.half_width;
         assert!(
-            (kind == Kind::MonteCarlo || kind == Kind::LatinHypercube) == (half_width > 2e-3),
+            (kind == DesignKind::MonteCarlo || kind == DesignKind::LatinHypercube) == (half_width > 2e-3),
             "{kind:?}"
         );
     }
@@ -122,8 +123,8 @@ fn a_normal_output_has_its_mean_spread_and_quantiles() {
 #[test]
 fn effects_of_a_linear_function_are_its_slopes() {
     let linear = |x: &[f64]| 2.0 * x[0] - 3.0 * x[1] + x[2] * 0.0;
-    let found = told(&study(settings(Kind::Morris, 40, 3), &uniform(3, -1.0, 1.0), linear));
-    let Indices::Morris(effects) = found.indices else { panic!() };
+    let found = told(&study(settings(DesignKind::Morris, 40, 3), &uniform(3, -1.0, 1.0), linear));
+    let SensitivityIndices::Morris(effects) = found.indices else { panic!() };
     for (n, slope) in [4.0, -6.0, 0.0].into_iter().enumerate() {
         assert!((effects.mu[n] - slope).abs() < 1e-12 && effects.sigma[n] < 1e-12, "{effects:?}");
         assert!((effects.mu_star[n].value - slope.abs()).abs() < 1e-12, "{effects:?}");
@@ -136,7 +137,7 @@ fn effects_of_a_linear_function_are_its_slopes() {
 fn failed_rows_are_counted_and_never_averaged_in() {
     let (first, total) = ishigami_indices();
     let truth: Vec<f64> = first.into_iter().chain(total).collect();
-    let mut results = results(settings(Kind::Saltelli, 1 << 12, 3), &uniform(3, -PI, PI), ishigami);
+    let mut results = results(settings(DesignKind::Saltelli, 1 << 12, 3), &uniform(3, -PI, PI), ishigami);
     for (n, row) in (0..results.status.len()).step_by(397).enumerate() {
         results.status[row] = if n % 2 == 0 { 1 } else { 4 };
         results.variables[0].data[row] = if n % 3 == 0 { f64::NAN } else { 1.0 };
@@ -155,8 +156,8 @@ fn failed_rows_are_counted_and_never_averaged_in() {
     }
     results.status.iter_mut().take(1500).for_each(|code| *code = 3);
     let study = Study::of(&results).unwrap();
-    let refused = summary(&study, &study.outputs[0], 0, &Options::default()).unwrap_err().to_string();
+    let refused = summary(&study, &study.outputs[0], 0, &SummaryOptions::default()).unwrap_err().to_string();
     assert!(refused.contains("1500 non_finite") && refused.contains("--left-out 100"), "{refused}");
-    let allowed = Options { most_left_out: 1.0, ..Options::default() };
+    let allowed = SummaryOptions { most_left_out: 1.0, ..SummaryOptions::default() };
     assert!(summary(&study, &study.outputs[0], 0, &allowed).is_ok());
 }

@@ -1,8 +1,8 @@
 //! Inference from weighted samples, where the answer is known: a linear model with Gaussian errors.
 
 use crate::study::*;
-use afmsweep::design::{Distribution, Kind, Mix, Settings, normal_quantile};
-use afmsweep::stats::{Observed, Options, Study, posterior};
+use afmsweep::design::{DesignKind, Distribution, Mix, Settings, normal_quantile};
+use afmsweep::stats::{Observed, Study, SummaryOptions, posterior};
 
 /// A normal number of a place in a stream of its own.
 fn normal(seed: u64, place: u64) -> f64 {
@@ -18,11 +18,11 @@ fn model(x: &[f64]) -> f64 {
     x[0] + x[1]
 }
 
-fn of_kind(kind: Kind, seed: u64) -> Study {
+fn of_kind(kind: DesignKind, seed: u64) -> Study {
     of_samples(kind, seed, 1 << 13)
 }
 
-fn of_samples(kind: Kind, seed: u64, samples: usize) -> Study {
+fn of_samples(kind: DesignKind, seed: u64, samples: usize) -> Study {
     study(Settings { seed, ..settings(kind, samples, 2) }, &prior(), model)
 }
 
@@ -33,9 +33,9 @@ fn seen(value: f64) -> [Observed; 1] {
 /// The conjugate posterior: precision 1/s1^2 of the prior, and one observation of the sum.
 #[test]
 fn a_gaussian_posterior_is_found() {
-    for kind in [Kind::MonteCarlo, Kind::LatinHypercube, Kind::Sobol] {
+    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol] {
         let study = of_kind(kind, 1);
-        let found = posterior(&study, 0, &seen(3.0), &Options::default()).unwrap();
+        let found = posterior(&study, 0, &seen(3.0), &SummaryOptions::default()).unwrap();
         let (spread, gain) = (1.0 + 0.25 + 0.04, [1.0, 0.25]);
         let columns: Vec<&[f64]> = study.parameters.iter().map(|one| &one.values[..]).collect();
         for (n, (mean, variance)) in [(2.0, 1.0), (0.0, 0.25)].into_iter().enumerate() {
@@ -67,8 +67,8 @@ fn intervals_hold_the_truth_in_a_hundred_studies() {
         let truth = [prior()[0].value(share(seed, 0)), prior()[1].value(share(seed, 1))];
         let value = model(&truth) + 0.2 * normal(seed, 2);
         // Enough for truths far out: the farthest has 70 effective samples.
-        let study = of_samples(Kind::Sobol, seed, 1 << 15);
-        let found = posterior(&study, 0, &seen(value), &Options::default()).unwrap();
+        let study = of_samples(DesignKind::Sobol, seed, 1 << 15);
+        let found = posterior(&study, 0, &seen(value), &SummaryOptions::default()).unwrap();
         told += 1;
         for n in 0..2 {
             let column = &study.parameters[n].values;
@@ -87,12 +87,12 @@ fn share(seed: u64, place: u64) -> f64 {
 /// What no row agrees with is refused with its numbers; so are rows that are no sample.
 #[test]
 fn too_few_effective_samples_are_refused() {
-    let study = of_kind(Kind::Sobol, 1);
-    let far = posterior(&study, 0, &seen(30.0), &Options::default()).unwrap_err().to_string();
+    let study = of_kind(DesignKind::Sobol, 1);
+    let far = posterior(&study, 0, &seen(30.0), &SummaryOptions::default()).unwrap_err().to_string();
     for words in ["effective samples of 8192", "fewer than 50", "Take more samples", "standard deviations"] {
         assert!(far.contains(words), "{far}");
     }
-    let saltelli = of_kind(Kind::Saltelli, 1);
-    let refused = posterior(&saltelli, 0, &seen(3.0), &Options::default()).unwrap_err().to_string();
+    let saltelli = of_kind(DesignKind::Saltelli, 1);
+    let refused = posterior(&saltelli, 0, &seen(3.0), &SummaryOptions::default()).unwrap_err().to_string();
     assert!(refused.contains("no sample of the parameters") && refused.contains("\"sobol\""), "{refused}");
 }

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use crate::continuum::{Continuum, clamped_free, close, hertz};
-use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError, summary};
+use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError, mode_summary};
 use afmsweep::scene::{
-    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, Lever, LeverMode, QualityFactor, TipMass,
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverMode, LeverSpec, QualityFactor, TipMass,
 };
 
 const VOLTS: f64 = 15.0;
@@ -29,7 +29,9 @@ fn reduce(p: &InstrumentParams, on: DriveOn) -> Instrument {
 
 fn beam(p: &mut InstrumentParams) -> (&mut f64, &mut f64, &mut f64) {
     match &mut p.cantilever.lever {
-        Lever::Dimensions { youngs_modulus, length, thickness, .. } => (youngs_modulus, length, thickness),
+        LeverSpec::Dimensions { youngs_modulus, length, thickness, .. } => {
+            (youngs_modulus, length, thickness)
+        }
         _ => panic!("a lever with dimensions"),
     }
 }
@@ -227,7 +229,7 @@ fn published_claims_about_the_couplings_of_table_1() {
 #[test]
 fn closed_form_calibrated_lever() {
     let mut p = with(ActuatorModel::Rigid);
-    p.cantilever.lever = Lever::Calibrated { stiffness: 42.0, frequency: 300e3 };
+    p.cantilever.lever = LeverSpec::Calibrated { stiffness: 42.0, frequency: 300e3 };
     p.cantilever.quality_factor = QualityFactor::All(400.0);
     let i = reduce(&p, DriveOn::Tip);
     for k in 0..8 {
@@ -248,7 +250,7 @@ fn listed() -> InstrumentParams {
         drive,
     };
     // Not in rising order, on purpose.
-    p.cantilever.lever = Lever::Modes(vec![mode(80.0, 438.9e3, 250.0, 0.0), mode(2.0, 70e3, 100.0, 1.0)]);
+    p.cantilever.lever = LeverSpec::Modes(vec![mode(80.0, 438.9e3, 250.0, 0.0), mode(2.0, 70e3, 100.0, 1.0)]);
     p
 }
 
@@ -313,7 +315,7 @@ fn closed_form_share_of_a_listed_mode_in_damping() {
     (p.actuator.length, p.actuator.width, p.actuator.thickness) = (500e-6, 20e-6, 20e-6);
     let modified = |factor: f64| {
         let mut p = p.clone();
-        if let Lever::Modes(modes) = &mut p.cantilever.lever {
+        if let LeverSpec::Modes(modes) = &mut p.cantilever.lever {
             modes[1].stiffness *= factor;
             modes[1].frequency *= factor.sqrt();
             (modes[0].quality_factor, modes[1].quality_factor) = (f64::INFINITY, 40.0);
@@ -334,7 +336,7 @@ fn shares_and_summary() {
     let i = reduce(&p, DriveOn::Actuator);
     close(i.tip_shares().iter().sum(), 1.0, 1e-12, "tip shares");
     close(i.drive_shares().iter().map(|s| s.abs()).sum(), 1.0, 1e-12, "drive shares");
-    let json = summary::modes_json(&i);
+    let json = mode_summary::modes_json(&i);
     let modes = json["modes"].as_array().unwrap();
     assert_eq!(modes.len(), i.resolved);
     close(modes[1]["frequency_hz"].as_f64().unwrap(), 192287.4162, 1e-9, "frequency_hz");
@@ -343,9 +345,9 @@ fn shares_and_summary() {
     assert!(modes[0]["drive_share"].as_f64().unwrap() > 0.5);
     p.cantilever.quality_factor = QualityFactor::All(200.0);
     let i = reduce(&p, DriveOn::Actuator);
-    let json = summary::modes_json(&i);
+    let json = mode_summary::modes_json(&i);
     close(json["modes"][1]["quality_factor"].as_f64().unwrap(), 200.0, 1e-3, "quality_factor");
-    let table = summary::modes_table(&i);
+    let table = mode_summary::modes_table(&i);
     assert!(table.contains("192.2874 kHz"), "{table}");
     p.actuator.h33 = 0.0;
     let still = reduce(&p, DriveOn::Actuator);

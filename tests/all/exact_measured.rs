@@ -2,8 +2,10 @@
 //! priors, so that the posterior is that of linear regression.
 
 use crate::study::*;
-use afmsweep::design::{Distribution, Kind, Mix, Settings, normal_quantile};
-use afmsweep::stats::{Column, Curve, Fit, Free, Measured, Options, Study, curve_posterior};
+use afmsweep::design::{DesignKind, Distribution, Mix, Settings, normal_quantile};
+use afmsweep::stats::{
+    CurveColumn, CurveMeasurement, Fit, FreeParameter, SampleCurve, Study, SummaryOptions, curve_posterior,
+};
 use afmsweep::store::{Coordinate, Flags, Results, Variable};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -24,7 +26,7 @@ fn prior() -> [Distribution; 2] {
 
 /// A file whose observables over the gap are this function of a sample's two parameters and the gap.
 fn curves(samples: usize, model: impl Fn([f64; 2], f64) -> [f64; 2]) -> Results {
-    let settings = Settings { seed: 3, ..settings(Kind::Sobol, samples, 2) };
+    let settings = Settings { seed: 3, ..settings(DesignKind::Sobol, samples, 2) };
     let mut results = results(settings, &prior(), |_| 0.0);
     let columns = &results.axes[0].columns;
     let rows: Vec<[f64; 2]> = (0..samples).map(|n| [columns[0].values[n], columns[1].values[n]]).collect();
@@ -56,9 +58,9 @@ fn linear([a, b]: [f64; 2], gap: f64) -> [f64; 2] {
 }
 
 /// What is measured of a truth at 30 places, before an offset and with a factor of the amplitude.
-fn measured(model: impl Fn(f64) -> [f64; 2], offset: f64, factor: f64) -> Measured {
+fn measured(model: impl Fn(f64) -> [f64; 2], offset: f64, factor: f64) -> CurveMeasurement {
     let places: Vec<f64> = (0..30).map(|n| 21.0 - 0.34 * n as f64).collect();
-    let column = |which: usize, name: &str, factor: f64| Column {
+    let column = |which: usize, name: &str, factor: f64| CurveColumn {
         name: name.into(),
         values: (0..30)
             .map(|n| factor * model(places[n] + offset)[which] + SDS[which] * normal(n as u64, which as u64))
@@ -66,13 +68,13 @@ fn measured(model: impl Fn(f64) -> [f64; 2], offset: f64, factor: f64) -> Measur
         sds: vec![SDS[which]; 30],
     };
     let columns = vec![column(0, "amplitude", factor), column(1, "phase", 1.0)];
-    Measured { ways: vec![0; 30], places, columns }
+    CurveMeasurement { ways: vec![0; 30], places, columns }
 }
 
-fn fit(results: &Results, measured: &Measured, free: &Free) -> (Study, Fit) {
+fn fit(results: &Results, measured: &CurveMeasurement, free: &FreeParameter) -> (Study, Fit) {
     let study = Study::of(results).unwrap();
-    let curve = Curve { study: &study, axis: 0, at: &[0] };
-    let fit = curve_posterior(&curve, measured, free, &Options::default()).unwrap();
+    let curve = SampleCurve { study: &study, axis: 0, at: &[0] };
+    let fit = curve_posterior(&curve, measured, free, &SummaryOptions::default()).unwrap();
     (study, fit)
 }
 
@@ -104,7 +106,7 @@ fn is_normal(fit: &Fit, values: &[f64], (mean, sd): (f64, f64), what: &str) {
 }
 
 /// The rows of the regression: the priors, then the measured values less what is known of them.
-fn rows(measured: &Measured, with_offset: bool) -> Vec<(Vec<f64>, f64, f64)> {
+fn rows(measured: &CurveMeasurement, with_offset: bool) -> Vec<(Vec<f64>, f64, f64)> {
     let unit = |n: usize, of: f64| (0..3).map(|k| if k == n { of } else { 0.0 }).collect::<Vec<f64>>();
     let mut rows = vec![(unit(0, 1.0), 2.0, 0.4), (unit(1, 1.0), -1.0, 0.9)];
     for (which, column) in measured.columns.iter().enumerate() {
@@ -125,7 +127,7 @@ fn rows(measured: &Measured, with_offset: bool) -> Vec<(Vec<f64>, f64, f64)> {
 fn a_known_gap_gives_the_posterior_of_linear_regression() {
     let results = curves(1 << 13, linear);
     let measured = measured(|gap| linear([2.3, -1.4], gap), 0.0, 1.0);
-    let (study, fit) = fit(&results, &measured, &Free::default());
+    let (study, fit) = fit(&results, &measured, &FreeParameter::default());
     let truth = regression(3, &rows(&measured, false));
     for (n, (parameter, truth)) in study.parameters.iter().zip(&truth).enumerate() {
         is_normal(&fit, &parameter.values, *truth, &format!("parameter {n}"));
@@ -140,7 +142,7 @@ fn an_unknown_offset_is_one_more_unknown_of_the_regression() {
     let results = curves(1 << 12, linear);
     let measured = measured(|gap| linear([2.3, -1.4], gap), 0.7, 1.0);
     let offset = Some(Distribution::Uniform { from: -2.0, to: 2.0 });
-    let (study, fit) = fit(&results, &measured, &Free { offset, ..Free::default() });
+    let (study, fit) = fit(&results, &measured, &FreeParameter { offset, ..FreeParameter::default() });
     let truth = regression(3, &rows(&measured, true));
     for (n, (parameter, truth)) in study.parameters.iter().zip(&truth).enumerate() {
         is_normal(&fit, &parameter.values, *truth, &format!("parameter {n}"));
@@ -165,7 +167,7 @@ fn an_unknown_factor_is_told_beside_an_offset() {
         let prior = sigma.map_or(Distribution::Uniform { from: 0.5, to: 2.0 }, |sigma| {
             Distribution::LogNormal { median: 1.0, sigma, from: None, to: None }
         });
-        let free = Free { offset, scale: Some(prior), scaled: scaled.clone() };
+        let free = FreeParameter { offset, scale: Some(prior), scaled: scaled.clone() };
         let (_, fit) = fit(&results, &measured, &free);
         let density = |f: f64| {
             let prior = sigma.map_or(0.0, |sigma: f64| -0.5 * (f.ln() / sigma).powi(2) - f.ln());
@@ -191,24 +193,24 @@ fn nothing_is_interpolated_across_a_jump() {
     for sample in results.flags[0].data.chunks_mut(GAPS.len()) {
         sample[5] = 1;
     }
-    let at = |value: f64| Measured {
+    let at = |value: f64| CurveMeasurement {
         places: vec![18.0, 15.25],
         ways: vec![0, 0],
-        columns: vec![Column { name: "amplitude".into(), values: vec![14.1, value], sds: vec![0.3; 2] }],
+        columns: vec![CurveColumn { name: "amplitude".into(), values: vec![14.1, value], sds: vec![0.3; 2] }],
     };
     for value in [14.1, 2.1] {
-        let (study, fit) = fit(&results, &at(value), &Free::default());
+        let (study, fit) = fit(&results, &at(value), &FreeParameter::default());
         let truth = regression(1, &[(vec![1.0], 2.0, 0.4), (vec![1.0], 2.1, 0.3), (vec![1.0], 2.1, 0.3)]);
         is_normal(&fit, &study.parameters[0].values, truth[0], "parameter");
         assert!(fit.posterior.best_chi_squared < 3.0);
     }
     let study = Study::of(&results).unwrap();
-    let curve = Curve { study: &study, axis: 0, at: &[0] };
-    let halfway = curve_posterior(&curve, &at(8.1), &Free::default(), &Options::default());
+    let curve = SampleCurve { study: &study, axis: 0, at: &[0] };
+    let halfway = curve_posterior(&curve, &at(8.1), &FreeParameter::default(), &SummaryOptions::default());
     assert!(halfway.unwrap_err().to_string().contains("standard deviations in all"));
     // Without the mark it is a slope like any other.
     results.flags[0].data.fill(0);
-    let (_, fit) = fit(&results, &at(8.1), &Free::default());
+    let (_, fit) = fit(&results, &at(8.1), &FreeParameter::default());
     assert!(fit.posterior.best_chi_squared < 3.0);
 }
 
@@ -228,15 +230,15 @@ fn failed_points_are_told() {
     fail(&mut results, 8, 3..6);
     // The measured rows begin at 21, below 21.5.
     fail(&mut results, 9, 0..1);
-    let (_, found) = fit(&results, &measured, &Free::default());
+    let (_, found) = fit(&results, &measured, &FreeParameter::default());
     assert_eq!((found.bridged, found.posterior.left_out), (1, 1));
     assert!(!found.posterior.rows.contains(&8) && found.posterior.rows.contains(&9));
     for sample in 100..210 {
         fail(&mut results, sample, 3..6);
     }
     let study = Study::of(&results).unwrap();
-    let curve = Curve { study: &study, axis: 0, at: &[0] };
-    let refused = curve_posterior(&curve, &measured, &Free::default(), &Options::default());
+    let curve = SampleCurve { study: &study, axis: 0, at: &[0] };
+    let refused = curve_posterior(&curve, &measured, &FreeParameter::default(), &SummaryOptions::default());
     let refused = refused.unwrap_err().to_string();
     assert!(refused.contains("111 of 2048 rows cannot count") && refused.contains("not_steady"), "{refused}");
 }

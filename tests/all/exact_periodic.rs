@@ -1,41 +1,41 @@
 //! The search for fixed points on maps whose fixed points and multipliers are known in closed form.
 
-use afmsweep::periodic::{Found, Lost, Options, Search, Verdict};
+use afmsweep::periodic::{Failure, FixedPoint, NewtonOptions, PtcNewton, PtcOutcome};
 use nalgebra::{DMatrix, DVector, Dyn};
 
-const OPTIONS: Options = Options {
+const OPTIONS: NewtonOptions = NewtonOptions {
     scale: 1.0,
     tolerance: 1e-10,
-    enough: 1e-6,
-    step: 1e-6,
-    last_step: Some(1e-6),
-    tangent: None,
-    most: 500,
-    near: false,
-    carried: false,
-    clearly: 0.99,
-    certainly: 0.99,
-    stable: true,
+    fallback_tolerance: 1e-6,
+    fd_step: 1e-6,
+    central_fd_step: Some(1e-6),
+    jacobian_columns: None,
+    max_evaluations: 500,
+    start_is_close: false,
+    reuse_jacobian: false,
+    stable_below_fd: 0.99,
+    stable_below: 0.99,
+    require_stable: true,
 };
 
 /// The end of a search, and its evaluations.
 fn search(
     start: &[f64],
-    options: Options,
+    options: NewtonOptions,
     map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
-) -> (Verdict<Dyn>, u32) {
-    let mut search = Search::new(DVector::from_column_slice(start), options);
+) -> (PtcOutcome<Dyn>, u32) {
+    let mut search = PtcNewton::new(DVector::from_column_slice(start), options);
     while search.verdict().is_none() {
-        let values: Vec<_> = search.asks().map(|state| map(&state)).collect();
-        search.answer(&values);
+        let values: Vec<_> = search.ask().map(|state| map(&state)).collect();
+        search.tell(&values);
     }
     (search.verdict().expect("it has ended").clone(), search.evaluations())
 }
 
-fn found(verdict: Verdict<Dyn>) -> Found<Dyn> {
+fn found(verdict: PtcOutcome<Dyn>) -> FixedPoint<Dyn> {
     match verdict {
-        Verdict::Found(found) => *found,
-        Verdict::Lost(why) => panic!("{why:?}"),
+        PtcOutcome::Converged(found) => *found,
+        PtcOutcome::Failed(why) => panic!("{why:?}"),
     }
 }
 
@@ -58,9 +58,10 @@ fn henons_fixed_point_and_its_multiplier_are_found() {
         let off = (found.spectrum.multiplier - multiplier).abs();
         assert!(off < 1e-8, "{a}: {} {multiplier}", found.spectrum.multiplier);
         // One-sided differences are off by half the second derivative, which is a, times their step.
-        let (verdict, fewer) = search(&[0.0, 0.0], Options { last_step: None, ..OPTIONS }, henon(a, b));
+        let (verdict, fewer) =
+            search(&[0.0, 0.0], NewtonOptions { central_fd_step: None, ..OPTIONS }, henon(a, b));
         let off = (self::found(verdict).spectrum.multiplier - multiplier).abs();
-        assert!(off < 2.0 * a * OPTIONS.step && fewer < spent, "{a}: off by {off:e}, {fewer} of {spent}");
+        assert!(off < 2.0 * a * OPTIONS.fd_step && fewer < spent, "{a}: off by {off:e}, {fewer} of {spent}");
         println!("a = {a}: {spent} evaluations");
         assert!(spent < 100, "{spent}");
     }
@@ -73,19 +74,19 @@ fn a_map_that_tells_its_slope_is_asked_for_no_differences() {
     for a in [0.05f64, 0.2, 0.35] {
         let x = (b - 1.0 + ((1.0 - b) * (1.0 - b) + 4.0 * a).sqrt()) / (2.0 * a);
         let multiplier = a * x + (a * a * x * x + b).sqrt();
-        let options = Options { tangent: Some(0), ..OPTIONS };
-        let (map, mut search) = (henon(a, b), Search::new(DVector::from_vec(vec![0.0, 0.0]), options));
+        let options = NewtonOptions { jacobian_columns: Some(0), ..OPTIONS };
+        let (map, mut search) = (henon(a, b), PtcNewton::new(DVector::from_vec(vec![0.0, 0.0]), options));
         let mut slopes = 0;
         while search.verdict().is_none() {
-            let states: Vec<DVector<f64>> = search.asks().collect();
+            let states: Vec<DVector<f64>> = search.ask().collect();
             assert_eq!(states.len(), 1, "differences were asked for");
             let value = map(&states[0]);
-            if search.wants_slope() {
+            if search.wants_jacobian() {
                 slopes += 1;
                 let slope = DMatrix::from_row_slice(2, 2, &[-2.0 * a * states[0][0], 1.0, b, 0.0]);
-                search.answer_sloped(value.map(|value| (value, slope)));
+                search.tell_with_jacobian(value.map(|value| (value, slope)));
             } else {
-                search.answer(&[value]);
+                search.tell(&[value]);
             }
         }
         let (verdict, spent) = (search.verdict().expect("it has ended").clone(), search.evaluations());
@@ -102,7 +103,7 @@ fn a_map_that_tells_its_slope_is_asked_for_no_differences() {
 #[test]
 fn a_fixed_point_that_repels_is_called_unstable() {
     let (verdict, _) = search(&[0.6, 0.2], OPTIONS, henon(0.5, 0.3));
-    assert!(matches!(verdict, Verdict::Lost(Lost::Unstable)), "{verdict:?}");
+    assert!(matches!(verdict, PtcOutcome::Failed(Failure::Unstable)), "{verdict:?}");
 }
 
 /// Of a linear map the number of evaluations does not depend on how slowly it settles.
@@ -129,11 +130,11 @@ fn a_slow_linear_map_costs_no_more_than_a_fast_one() {
 fn what_has_no_fixed_point_or_no_answer_ends_in_words() {
     // A shift.
     let (verdict, spent) = search(&[0.0], OPTIONS, |s| Some(s.add_scalar(0.01)));
-    assert!(matches!(verdict, Verdict::Lost(Lost::Stuck)), "{verdict:?}");
-    assert!(spent <= OPTIONS.most + 2);
+    assert!(matches!(verdict, PtcOutcome::Failed(Failure::Stuck)), "{verdict:?}");
+    assert!(spent <= OPTIONS.max_evaluations + 2);
     let (verdict, _) = search(&[0.0], OPTIONS, |_| None);
-    assert!(matches!(verdict, Verdict::Lost(Lost::Undefined)), "{verdict:?}");
+    assert!(matches!(verdict, PtcOutcome::Failed(Failure::Undefined)), "{verdict:?}");
     // Numbers that are none.
     let (verdict, _) = search(&[0.1], OPTIONS, |s| Some(s * f64::NAN));
-    assert!(matches!(verdict, Verdict::Lost(_)), "{verdict:?}");
+    assert!(matches!(verdict, PtcOutcome::Failed(_)), "{verdict:?}");
 }

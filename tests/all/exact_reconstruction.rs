@@ -2,7 +2,7 @@
 //! Truth: forces whose shift is known in closed form (SciPy 1.17.1 for the Bessel function in it), and the contact law that a
 //! simulated curve was made with, as its own formula says it.
 
-use afmsweep::reconstruct::{Orbit, force, force_by_sader_jarvis};
+use afmsweep::reconstruction::{Orbit, force, force_by_sader_jarvis};
 use afmsweep::{Scene, Sweep};
 use std::f64::consts::PI;
 

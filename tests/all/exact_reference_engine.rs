@@ -6,7 +6,7 @@ use crate::checks::{one_mode, sample};
 use afmsweep::engine::{Finished, Model, Reference, Work, solve};
 use afmsweep::observe::Status;
 use afmsweep::plan::Plan;
-use afmsweep::scene::{LawChoice, Lever, LeverMode, Scene};
+use afmsweep::scene::{LawChoice, LeverMode, LeverSpec, Scene};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -80,7 +80,7 @@ fn contact_resonance() {
     let scene = one_mode(5.0, 70e3, 5.0, 60e-15, -4e-9, |scene| {
         let first = LeverMode { stiffness: 5.0, frequency: 70e3, quality_factor: 5.0, drive: 1.0 };
         let second = LeverMode { stiffness: 200.0, frequency: 440e3, quality_factor: 8.0, drive: 1.0 };
-        scene.base.instrument.cantilever.lever = Lever::Modes(vec![first, second]);
+        scene.base.instrument.cantilever.lever = LeverSpec::Modes(vec![first, second]);
         sample(scene, LawChoice::Hertz, 100e6, 0.0, 10e-9);
         (scene.run.periods, scene.run.measure) = (70, 2);
     });

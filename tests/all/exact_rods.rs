@@ -3,7 +3,7 @@
 use crate::continuum::{Continuum, close, hertz};
 use afmsweep::design::Mix;
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError};
-use afmsweep::scene::{DriveLevel, DriveOn, InstrumentParams, Lever, TipMass};
+use afmsweep::scene::{DriveLevel, DriveOn, InstrumentParams, LeverSpec, TipMass};
 
 const VOLTS: f64 = 15.0;
 
@@ -21,7 +21,9 @@ fn any_geometry(number: u64) -> InstrumentParams {
     [&mut a.length, &mut a.width, &mut a.thickness, &mut a.density].into_iter().for_each(about);
     // From half of the softening that makes it unstable to none.
     a.h33 *= share() * 1.3;
-    if let Lever::Dimensions { youngs_modulus, density, length, width, thickness } = &mut p.cantilever.lever {
+    if let LeverSpec::Dimensions { youngs_modulus, density, length, width, thickness } =
+        &mut p.cantilever.lever
+    {
         [&mut *youngs_modulus, &mut *density, &mut *length, &mut *width, &mut *thickness]
             .into_iter()
             .for_each(about);

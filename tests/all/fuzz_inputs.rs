@@ -3,12 +3,12 @@
 //! FUZZ_SECONDS is set, others for so long in each test. What was found wrong once stands in `tests/scenes/bad` or here.
 
 use afmsweep::Status;
-use afmsweep::control::{About, Ended, Place, Portion, portion_number, portion_to_bytes};
+use afmsweep::control::{Chunk, ChunkMeta, CompactOrbit, InstanceRecord, portion_number, portion_to_bytes};
 use afmsweep::engine::Finished;
-use afmsweep::periodic::Spectrum;
-use afmsweep::plan::{BasisRule, Fineness, Precision, Station};
+use afmsweep::periodic::Floquet;
+use afmsweep::plan::{BasisRule, Precision, Resolution, SectionState};
 use afmsweep::scene::Scene;
-use afmsweep::store::{Earlier, Journal, Kind, RunFile};
+use afmsweep::store::{ExistingFile, Journal, RecordKind, RunFile};
 use afmsweep::units::{self, Dimension, parse};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseError, TestRunner};
@@ -277,10 +277,10 @@ fn harmed(bytes: &[u8], all: &[Harm]) -> Vec<u8> {
 }
 
 /// The journal of a run that wrote these records.
-fn journal(records: &[(Kind, Vec<u8>)]) -> Vec<u8> {
+fn journal(records: &[(RecordKind, Vec<u8>)]) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("there is room");
     let path = folder.path().join("a.h5");
-    let (mut file, _) = RunFile::create(&path, "scene", Earlier::Kept).expect("the place is free");
+    let (mut file, _) = RunFile::create(&path, "scene", ExistingFile::Kept).expect("the place is free");
     file.begin("the header").expect("there is room");
     records.iter().for_each(|(kind, bytes)| _ = file.append(*kind, bytes).expect("there is room"));
     std::fs::read(file.partial()).expect("it is there")
@@ -289,11 +289,11 @@ fn journal(records: &[(Kind, Vec<u8>)]) -> Vec<u8> {
 /// Damaged bytes of a journal hold records that were written, in their order, or are refused in words.
 #[test]
 fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
-    let whole: Vec<(Kind, Vec<u8>)> = vec![
-        (Kind::Portion, (0..200u16).map(|n| (n * 7) as u8).collect()),
-        (Kind::Unfinished, Vec::new()),
-        (Kind::Portion, vec![0; 64]),
-        (Kind::Portion, b"afmjournal 2\n".to_vec()),
+    let whole: Vec<(RecordKind, Vec<u8>)> = vec![
+        (RecordKind::Portion, (0..200u16).map(|n| (n * 7) as u8).collect()),
+        (RecordKind::Unfinished, Vec::new()),
+        (RecordKind::Portion, vec![0; 64]),
+        (RecordKind::Portion, b"afmjournal 2\n".to_vec()),
     ];
     let bytes = journal(&whole);
     hold(&harms(bytes.len(), 5), |all| {
@@ -318,10 +318,10 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
 /// Damaged bytes of a portion are none, or, where its notes alone are damaged, a portion of as many instances.
 #[test]
 fn portions_of_any_bytes_are_what_they_were_or_none() {
-    let spectrum = Spectrum { multiplier: 0.3, least_change: f64::NAN };
+    let spectrum = Floquet { multiplier: 0.3, sigma_min: f64::NAN };
     let rule = BasisRule::Contact { rate: 2e6, count: 3 };
-    let place = Place::new(&Station::FREE, spectrum, 256, rule);
-    let one = |n: u32| Ended {
+    let place = CompactOrbit::new(&SectionState::FREE, spectrum, 256, rule);
+    let one = |n: u32| InstanceRecord {
         finished: Finished { status: Status::ALL[n as usize % 3], ..Finished::NOT_RUN },
         estimate: 1e-4 * f64::from(n),
         left_out: f64::NAN,
@@ -329,22 +329,22 @@ fn portions_of_any_bytes_are_what_they_were_or_none() {
         jump: n == 2,
         neighbour_started: n > 1,
         precision: Precision::F64,
-        fineness: Fineness { steps: 64 << n, gap: 1e-8, rule: BasisRule::Shares { accuracy: 1e-3 } },
+        fineness: Resolution { steps: 64 << n, gap: 1e-8, rule: BasisRule::Shares { accuracy: 1e-3 } },
         state: (n > 0).then(|| place.clone()),
         from_rest: (n == 3).then(|| Box::new((Finished::NOT_RUN, place.clone()))),
     };
     let notes = vec!["a note of what a user should know".repeat(40)];
-    let about = About { whole: true, searched: true, curves: false, from_rest: true, notes };
+    let about = ChunkMeta { whole: true, searched: true, curves: false, from_rest: true, notes };
     let bytes = portion_to_bytes(7, &about, 4, |n| one(n as u32));
-    let written = Portion::of_bytes(bytes.clone(), (7, 4), 1e-3).expect("it is whole");
+    let written = Chunk::of_bytes(bytes.clone(), (7, 4), 1e-3).expect("it is whole");
     hold(&harms(bytes.len(), 2), |all| {
         let harmed = harmed(&bytes, &all);
         let Some(told) = portion_number(&harmed) else { return Ok(false) };
-        let Some(portion) = Portion::of_bytes(harmed, (7, 4), 1e-3) else { return Ok(false) };
+        let Some(portion) = Chunk::of_bytes(harmed, (7, 4), 1e-3) else { return Ok(false) };
         prop_assert_eq!(told, (7, 4));
-        prop_assert_eq!((portion.about.whole, portion.about.searched), (true, true));
-        prop_assert_eq!(&portion.marks, &written.marks);
-        prop_assert!(portion.about.notes.iter().all(|note| !note.is_empty() && !note.contains('\n')));
+        prop_assert_eq!((portion.meta.whole, portion.meta.searched), (true, true));
+        prop_assert_eq!(&portion.flags, &written.flags);
+        prop_assert!(portion.meta.notes.iter().all(|note| !note.is_empty() && !note.contains('\n')));
         Ok(true)
     });
 }

@@ -1,6 +1,6 @@
 //! An engine that leaves an instance behind, and whether the run says so. Truth: the engine that leaves none.
 
-use afmsweep::control::{self, Course, InMemory, Keep, Ran, Verdict};
+use afmsweep::control::{self, ChunkJournal, Course, ErrorSummary, JournaledRun, MemoryJournal};
 use afmsweep::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use afmsweep::observe::Status;
 use afmsweep::plan::{Plan, Precision};
@@ -44,14 +44,14 @@ impl Engine for Forgets {
 /// Portions as a journal keeps them.
 #[derive(Default)]
 struct Journal {
-    memory: InMemory,
+    memory: MemoryJournal,
     /// Of each that has ended its number, whether it was whole, and its bytes.
     ended: Mutex<Vec<(usize, bool, Vec<u8>)>>,
     /// What an earlier run has ended, taken to be whole.
     known: Vec<(usize, Vec<u8>)>,
 }
 
-impl Keep for Journal {
+impl ChunkJournal for Journal {
     fn known(&self, number: usize, _instances: usize) -> Option<Vec<u8>> {
         self.known.iter().find(|(known, _)| *known == number).map(|(_, bytes)| bytes.clone())
     }
@@ -75,13 +75,13 @@ fn an_instance_left_behind_is_told_and_run_again() {
         .expect("trials run")
         .expect("nobody stops it");
     let first = Journal::default();
-    let run = |keep, engine: &dyn Engine| -> Ran {
-        control::carry_out(plan.clone(), &choices, keep, engine, &progress).expect("it runs")
+    let run = |keep, engine: &dyn Engine| -> JournaledRun {
+        control::run_chunks(plan.clone(), &choices, keep, engine, &progress).expect("it runs")
     };
     let lost = run(&first, &Forgets(7));
     assert_eq!((lost.count(Status::NotRun), lost.status(7)), (1, Status::NotRun));
     assert!(!lost.is_run(|_| true));
-    let verdict = Verdict::of(&lost, &[], false).expect("it lies in memory");
+    let verdict = ErrorSummary::of(&lost, &[], false).expect("it lies in memory");
     assert!(
         !verdict.met() && verdict.words().contains("1 of 20 instances were not run"),
         "{}",
@@ -93,5 +93,5 @@ fn an_instance_left_behind_is_told_and_run_again() {
     let whole = run(&second, &Cpu::default());
     assert!(whole.is_run(|_| true) && whole.status(7) == Status::Ok);
     assert!(second.ended.lock().expect("nobody panicked")[0].1);
-    assert!(Verdict::of(&whole, &[], false).expect("it lies in memory").met());
+    assert!(ErrorSummary::of(&whole, &[], false).expect("it lies in memory").met());
 }

@@ -5,7 +5,7 @@
 
 use crate::checks;
 use afmsweep::compare::{Scales, error};
-use afmsweep::control::{self, Controlled};
+use afmsweep::control::{self, RunResult};
 use afmsweep::engine::{Cpu, Finished, Progress, Reference, solve};
 use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
@@ -157,7 +157,7 @@ fn errors(plan: &Plan, ours: &Finished, truth: &Finished) -> (f64, Option<Observ
 }
 
 /// As `afmsweep run` does it.
-fn controlled(plan: &Plan) -> Controlled {
+fn controlled(plan: &Plan) -> RunResult {
     control::run(plan, &Cpu::default(), &Progress::default()).expect("the plan can be run")
 }
 

@@ -5,7 +5,7 @@ use afmsweep::Sweep;
 use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
-    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, LawChoice, Lever, LeverMode, Scene, Start,
+    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, LawChoice, LeverMode, LeverSpec, Scene, Start,
 };
 use rayon::prelude::*;
 use std::path::Path;
@@ -15,7 +15,7 @@ const LAWS: [LawChoice; 3] = [LawChoice::Hertz, LawChoice::Dmt, LawChoice::Jkr];
 type Change = (&'static str, fn(&mut Scene));
 
 fn lever(scene: &mut Scene, change: impl Fn(&mut LeverMode)) {
-    if let Lever::Modes(modes) = &mut scene.base.instrument.cantilever.lever {
+    if let LeverSpec::Modes(modes) = &mut scene.base.instrument.cantilever.lever {
         modes.iter_mut().for_each(change);
     }
 }

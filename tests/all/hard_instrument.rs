@@ -2,7 +2,7 @@
 
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError as Error, Mesh};
 use afmsweep::scene::{
-    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, Lever, LeverMode, QualityFactor, TipMass,
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LeverMode, LeverSpec, QualityFactor, TipMass,
 };
 
 /// Failures print the error, not hundreds of modes.
@@ -17,7 +17,7 @@ fn reduce(change: impl Fn(&mut InstrumentParams)) -> Result<Instrument, Error> {
 }
 
 fn calibrated(p: &mut InstrumentParams, frequency: f64) {
-    p.cantilever.lever = Lever::Calibrated { stiffness: 40.0, frequency };
+    p.cantilever.lever = LeverSpec::Calibrated { stiffness: 40.0, frequency };
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn impossible_values_are_named() {
             ("the rod's beta33", reduce(|p| p.actuator.beta33 = value)),
             ("the lever's thickness", {
                 reduce(|p| {
-                    if let Lever::Dimensions { thickness, .. } = &mut p.cantilever.lever {
+                    if let LeverSpec::Dimensions { thickness, .. } = &mut p.cantilever.lever {
                         *thickness = value;
                     }
                 })
@@ -54,7 +54,7 @@ fn impossible_values_are_named() {
                 reduce(|p| {
                     let mode =
                         LeverMode { stiffness: value, frequency: 1e5, quality_factor: 10.0, drive: 1.0 };
-                    p.cantilever.lever = Lever::Modes(vec![mode]);
+                    p.cantilever.lever = LeverSpec::Modes(vec![mode]);
                 })
             }),
         ];
@@ -77,7 +77,7 @@ fn impossible_values_are_named() {
         reduce(|p| p.cantilever.quality_factor = QualityFactor::PerMode(vec![])),
         Err(Error::NoQualityFactors)
     );
-    assert_eq!(reduce(|p| p.cantilever.lever = Lever::Modes(vec![])), Err(Error::NoModes));
+    assert_eq!(reduce(|p| p.cantilever.lever = LeverSpec::Modes(vec![])), Err(Error::NoModes));
     for tolerance in [0.0, -1e-8, 1.0, f64::NAN] {
         let result = Instrument::reduce(&InstrumentParams::default(), DriveOn::Tip, tolerance);
         assert!(matches!(result, Err(Error::BadValue { .. })), "tolerance {tolerance}: {:?}", short(&result));
@@ -99,7 +99,7 @@ fn extreme_sizes_neither_panic_nor_give_nan() {
             &|p| p.actuator.h33 = size,
             &|p| p.tip.mass = TipMass::Given(size),
             &|p| p.tip.half_length = size,
-            &|p| p.cantilever.lever = Lever::Calibrated { stiffness: size, frequency: 1e5 },
+            &|p| p.cantilever.lever = LeverSpec::Calibrated { stiffness: size, frequency: 1e5 },
             &|p| calibrated(p, size),
         ];
         for model in [
@@ -144,7 +144,7 @@ fn plausible_instruments_all_reduce() {
                         let result = reduce(|p| {
                             let a = &mut p.actuator;
                             (a.length, a.width, a.thickness) = (rod, side, side);
-                            if let Lever::Dimensions { length, thickness, .. } = &mut p.cantilever.lever {
+                            if let LeverSpec::Dimensions { length, thickness, .. } = &mut p.cantilever.lever {
                                 (*length, *thickness) = (lever, thick);
                             }
                             p.tip.mass = TipMass::Given(tip);

@@ -1,7 +1,7 @@
 //! Contacts under JKR whose force jumps strongly as they end, few among many that hardly adhere, against the reference engine.
 
 use afmsweep::observe::Status;
-use afmsweep::{Audit, Backend, Scene, Sweep, Swept};
+use afmsweep::{Audit, Backend, Scene, Sweep, SweepOutcome};
 use std::path::Path;
 
 /// Works of adhesion (J/m^2), moduli (Pa) and tip radii (m): from, to, points.
@@ -44,7 +44,7 @@ observables = ["amplitude", "force_max"]
     Scene::parse(Path::new("jumps.toml"), &text).unwrap()
 }
 
-fn run(scene: Scene, backend: Backend) -> Swept {
+fn run(scene: Scene, backend: Backend) -> SweepOutcome {
     Sweep::new(scene).backend(backend).audit(Audit::None).run().unwrap()
 }
 

@@ -41,6 +41,7 @@ mod agree_setpoint;
 mod agree_threads;
 mod architecture;
 mod architecture_circles;
+mod architecture_names;
 mod cli_audit;
 mod cli_bench;
 mod cli_check;

@@ -1,7 +1,7 @@
 //! What a run says of itself on the way. Truth: a watcher beside it.
 
-use afmsweep::control::{self, InMemory};
-use afmsweep::engine::{Cpu, Phase, Progress};
+use afmsweep::control::{self, MemoryJournal};
+use afmsweep::engine::{Cpu, Progress, ProgressPhase};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::Scene;
 use std::path::Path;
@@ -17,15 +17,15 @@ fn scene(steady: &str) -> Scene {
 }
 
 /// Every phase seen during a run, and the shares seen in it.
-fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
+fn watched(steady: &str) -> Vec<(ProgressPhase, Vec<f64>)> {
     let plan = Plan::new(&scene(steady), Precision::F64).unwrap();
     let some: Vec<u32> = (0..plan.len() as u32).step_by(plan.len().div_ceil(40)).collect();
     let plan = plan.part(&some);
     let (engine, progress, over) = (Cpu::default(), Progress::default(), AtomicBool::new(false));
-    let mut seen: Vec<(Phase, Vec<f64>)> = Vec::new();
+    let mut seen: Vec<(ProgressPhase, Vec<f64>)> = Vec::new();
     std::thread::scope(|scope| {
         let watcher = scope.spawn(|| {
-            let mut seen: Vec<(Phase, Vec<f64>)> = Vec::new();
+            let mut seen: Vec<(ProgressPhase, Vec<f64>)> = Vec::new();
             while !over.load(Ordering::Relaxed) {
                 let phase = progress.phase();
                 if seen.last().is_none_or(|(last, _)| last.number != phase.number) {
@@ -39,8 +39,8 @@ fn watched(steady: &str) -> Vec<(Phase, Vec<f64>)> {
             seen
         });
         let run = control::run(&plan, &engine, &progress).unwrap();
-        control::others(&run, &[plan.len()], &InMemory::default(), &engine, &progress).unwrap();
-        control::audit(&run, 2, &InMemory::default(), &progress).unwrap();
+        control::second_orbits(&run, &[plan.len()], &MemoryJournal::default(), &engine, &progress).unwrap();
+        control::audit(&run, 2, &MemoryJournal::default(), &progress).unwrap();
         over.store(true, Ordering::Relaxed);
         seen = watcher.join().unwrap();
     });

@@ -3,8 +3,8 @@
 
 use crate::common::{coordinate, grid, list, ramp, results, scalar, variable};
 use crate::report_pages::{Report, cube, number, save};
-use afmsweep::report::{self, Wish};
-use afmsweep::store::{Branch, Flags, Results};
+use afmsweep::report::{self, ViewRequest};
+use afmsweep::store::{BranchTable, Flags, Results};
 use std::fs;
 use std::process::Command;
 
@@ -41,7 +41,7 @@ fn a_short_axis_becomes_curves_and_second_states_are_dashed() {
     assert_eq!(rows[0], "instance,a_0 [m],a_1 [m],amplitude [m],status,second_amplitude [m],second_status");
     assert!(rows[1].ends_with(",ok,1e-9,") && rows[41].ends_with(",ok"), "{} {}", rows[1], rows[41]);
     // A map has no room for both: a second picture.
-    let wish = Wish { y: Some("a_0".into()), ..Wish::default() };
+    let wish = ViewRequest { y: Some("a_0".into()), ..ViewRequest::default() };
     report::write(&save(report.home.path(), &results), Some(&report.folder), &wish).unwrap();
     assert!(report.words("amplitude_second.svg").contains("second state"));
 }
@@ -60,7 +60,7 @@ fn one_branch_is_drawn_of_first_and_second_states() {
     results.variables = vec![variable("amplitude", "m", None, vec![1e-9, 2e-9, 3e-9, 4e-9])];
     results.variables[0].error_scale = "free tip amplitude".into();
     results.flags = vec![flag(vec![2, 2, 1, 1])];
-    results.other_branch = Some(Branch {
+    results.other_branch = Some(BranchTable {
         variables: vec![variable("amplitude", "m", None, vec![5e-9, f64::NAN, 7e-9, f64::NAN])],
         status: vec![0, 255, 0, 255],
         steps_per_period: vec![0; 4],
@@ -69,7 +69,7 @@ fn one_branch_is_drawn_of_first_and_second_states() {
     let report = Report::of(&results);
     let file = save(report.home.path(), &results);
     let drawn = |branch: &str| {
-        let wish = Wish { branch: Some(branch.into()), ..Wish::default() };
+        let wish = ViewRequest { branch: Some(branch.into()), ..ViewRequest::default() };
         report::write(&file, Some(&report.folder), &wish)
     };
     let ends = |cells: [&str; 4]| {
@@ -89,7 +89,7 @@ fn one_branch_is_drawn_of_first_and_second_states() {
     ends(["5e-9 ok", " ", "3e-9 ok", "4e-9 ok"]);
     let refused = drawn("upper").unwrap_err().to_string();
     assert_eq!(refused, "--branch upper: expected attractive or repulsive");
-    let all = report::write(&file, Some(&report.folder), &Wish::default()).unwrap();
+    let all = report::write(&file, Some(&report.folder), &ViewRequest::default()).unwrap();
     let line = "The states are on different branches: 2 attractive, 2 repulsive; --branch repulsive shows one of them.";
     assert!(all.findings.iter().any(|one| one == line), "{:?}", all.findings);
 }
@@ -183,7 +183,7 @@ fn what_is_not_ok_is_no_finding() {
     results.variables = vec![variable("contact_time", "1", None, vec![0.0; 32])];
     let report = Report::of(&results);
     let file = save(report.home.path(), &results);
-    let told = report::write(&file, Some(&report.folder), &Wish::default()).unwrap().findings;
+    let told = report::write(&file, Some(&report.folder), &ViewRequest::default()).unwrap().findings;
     assert!(told.iter().all(|line| !line.starts_with("Over")), "{told:?}");
     assert!(told.iter().any(|line| line.starts_with("0 of 32 instances are ok (32 not steady)")), "{told:?}");
 }

@@ -3,7 +3,7 @@
 
 use crate::common::{coordinate, results, variable};
 use crate::report_pages::{Report, save};
-use afmsweep::report::{self, ReportError, Wish};
+use afmsweep::report::{self, ReportError, ViewRequest};
 use afmsweep::store::{Coordinate, Flags, Results};
 
 /// Amplitude and largest force over these axes: instance i has i nm and 2 i nN.
@@ -36,7 +36,7 @@ fn pairs(limits: &[(&str, &str)]) -> Vec<(String, String)> {
     limits.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect()
 }
 
-fn drawn(results: &Results, wish: &Wish) -> (Report, Result<report::Report, ReportError>) {
+fn drawn(results: &Results, wish: &ViewRequest) -> (Report, Result<report::Report, ReportError>) {
     let report = Report::of(results);
     let written = report::write(&save(report.home.path(), results), Some(&report.folder), wish);
     (report, written)
@@ -46,7 +46,7 @@ fn drawn(results: &Results, wish: &Wish) -> (Report, Result<report::Report, Repo
 #[test]
 fn what_is_outside_the_limits_stands_back_and_what_is_left_is_told() {
     let results = tapping(vec![named(&["PS", "PMMA"]), axis("gap", 6)]);
-    let wish = Wish { below: pairs(&[("force_max", "9 nN")]), ..Wish::default() };
+    let wish = ViewRequest { below: pairs(&[("force_max", "9 nN")]), ..ViewRequest::default() };
     let (report, written) = drawn(&results, &wish);
     let written = written.unwrap();
     report.check();
@@ -67,12 +67,12 @@ fn what_is_outside_the_limits_stands_back_and_what_is_left_is_told() {
     assert_eq!(csv.matches(",outside_limits\n").count(), 7);
 
     // Limits join; above alone asks for the smallest of the others.
-    let wish = Wish { above: pairs(&[("amplitude", "3.5 nm")]), ..wish };
+    let wish = ViewRequest { above: pairs(&[("amplitude", "3.5 nm")]), ..wish };
     assert_eq!(drawn(&results, &wish).1.unwrap().kept.unwrap().instances, 1);
-    let wish = Wish { above: pairs(&[("amplitude", "3.5 nm")]), ..Wish::default() };
+    let wish = ViewRequest { above: pairs(&[("amplitude", "3.5 nm")]), ..ViewRequest::default() };
     let told = drawn(&results, &wish).1.unwrap();
     assert!(told.findings[0].starts_with("Smallest force_max with amplitude above 3.5 nm: 8 nN at gap 5 nm"));
-    let wish = Wish { below: pairs(&[("amplitude", "-1 nm")]), ..Wish::default() };
+    let wish = ViewRequest { below: pairs(&[("amplitude", "-1 nm")]), ..ViewRequest::default() };
     let told = drawn(&results, &wish).1.unwrap();
     assert_eq!(told.findings[0], "None of 12 instances has amplitude below −1 nm.");
     assert!(told.left_out[0].contains("outside the limits asked for (12)"), "{:?}", told.left_out);
@@ -89,7 +89,7 @@ fn limits_of_unknown_names_and_without_units_are_refused() {
         (("force_max", "5"), "--below force_max=5: expected a value with its unit, such as force_max=3nN"),
         (("force_max", "5 nm"), "expected a value with its unit"),
     ] {
-        let wish = Wish { below: pairs(&[limit]), ..Wish::default() };
+        let wish = ViewRequest { below: pairs(&[limit]), ..ViewRequest::default() };
         let error = drawn(&results, &wish).1.unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     }
@@ -135,7 +135,7 @@ fn cells_without_a_value_are_clear_in_images() {
 fn the_axis_of_the_curves_can_be_chosen() {
     let names: Vec<String> = (0..10).map(|i| format!("m{i}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let wish = |curves: &str| Wish { curves: Some(curves.into()), ..Wish::default() };
+    let wish = |curves: &str| ViewRequest { curves: Some(curves.into()), ..ViewRequest::default() };
     let results = tapping(vec![axis("gap", 9), axis("radius", 20), axis("force", 3)]);
     let (report, written) = drawn(&results, &wish("gap"));
     written.unwrap();
@@ -154,7 +154,7 @@ fn the_axis_of_the_curves_can_be_chosen() {
         let error = drawn(&results, &wish(curves)).1.unwrap_err().to_string();
         assert!(error.starts_with(words), "{error}");
     }
-    let both = Wish { y: Some("gap".into()), ..wish("gap") };
+    let both = ViewRequest { y: Some("gap".into()), ..wish("gap") };
     assert!(drawn(&tapping(vec![axis("gap", 5), axis("radius", 6)]), &both).1.is_err());
 }
 

@@ -1,7 +1,7 @@
 //! Names of files in a report's Markdown: whatever they hold, they stay names.
 
 use crate::common::{SCENE, grid};
-use afmsweep::report::{self, Wish};
+use afmsweep::report::{self, ViewRequest};
 use afmsweep::store::Writer;
 use std::fs;
 
@@ -17,7 +17,7 @@ fn no_name_of_a_file_leaves_its_place_in_the_markdown() {
         let nasty = home.path().join(name);
         fs::copy(&file, &nasty).unwrap();
         let folder = home.path().join("page");
-        report::write(&nasty, Some(&folder), &Wish::default()).unwrap();
+        report::write(&nasty, Some(&folder), &ViewRequest::default()).unwrap();
         let text = fs::read_to_string(folder.join("report.md")).unwrap();
         let line = text.lines().find_map(|line| line.strip_prefix("From ")).unwrap();
         let fence: String = line.chars().take_while(|c| *c == '`').collect();

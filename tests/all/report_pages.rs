@@ -2,7 +2,7 @@
 //! Truth: an XML parser, and the data put in.
 
 use crate::common::{SCENE, coordinate, grid, list, ramp, results, scalar, variable};
-use afmsweep::report::{self, ReportError, Wish};
+use afmsweep::report::{self, ReportError, ViewRequest};
 use afmsweep::store::{Attribute, Results, Writer};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ impl Report {
     pub fn of(results: &Results) -> Self {
         let home = tempfile::tempdir().unwrap();
         let file = save(home.path(), results);
-        let folder = report::write(&file, None, &Wish::default()).unwrap().folder;
+        let folder = report::write(&file, None, &ViewRequest::default()).unwrap().folder;
         assert_eq!(folder, home.path().join("a"));
         Self { home, folder }
     }
@@ -275,23 +275,26 @@ fn only_an_empty_folder_or_a_report_is_written_to() {
     let file = save(home.path(), &grid());
     let taken = home.path().join("taken");
     fs::create_dir(&taken).unwrap();
-    report::write(&file, Some(&taken), &Wish::default()).unwrap();
-    report::write(&file, Some(&taken), &Wish::default()).unwrap();
+    report::write(&file, Some(&taken), &ViewRequest::default()).unwrap();
+    report::write(&file, Some(&taken), &ViewRequest::default()).unwrap();
     for page in [None, Some("<html>mine</html>")] {
         let other = tempfile::tempdir().unwrap();
         fs::write(other.path().join(page.map_or("notes.txt", |_| "index.html")), page.unwrap_or("mine"))
             .unwrap();
-        let error = report::write(&file, Some(other.path()), &Wish::default()).unwrap_err();
+        let error = report::write(&file, Some(other.path()), &ViewRequest::default()).unwrap_err();
         assert!(matches!(error, ReportError::Occupied { .. }), "{error}");
         assert_eq!(fs::read_dir(other.path()).unwrap().count(), 1);
     }
     assert!(matches!(
-        report::write(&file, Some(&file), &Wish::default()),
+        report::write(&file, Some(&file), &ViewRequest::default()),
         Err(ReportError::NotAFolder { .. })
     ));
     let bare = home.path().join("bare");
     fs::copy(&file, &bare).unwrap();
-    assert_eq!(report::write(&bare, None, &Wish::default()).unwrap().folder, home.path().join("bare.report"));
+    assert_eq!(
+        report::write(&bare, None, &ViewRequest::default()).unwrap().folder,
+        home.path().join("bare.report")
+    );
 }
 
 #[test]

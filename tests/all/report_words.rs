@@ -3,10 +3,10 @@
 
 use crate::common::{coordinate, grid, ramp, results, scalar, variable};
 use crate::report_pages::{Report, save};
-use afmsweep::report::{self, Wish};
+use afmsweep::report::{self, ViewRequest};
 use afmsweep::store::{Attribute, Coordinate, Flags, Results};
 
-fn findings(results: &Results, wish: &Wish) -> Vec<String> {
+fn findings(results: &Results, wish: &ViewRequest) -> Vec<String> {
     let report = Report::of(results);
     report::write(&save(report.home.path(), results), Some(&report.folder), wish).unwrap().findings
 }
@@ -26,7 +26,7 @@ fn digits_tell_neighbours_apart() {
         bits: false,
         data: (0..161).map(|i| u8::from(i == 54 || i == 37)).collect(),
     }];
-    let told = findings(&one, &Wish::default());
+    let told = findings(&one, &ViewRequest::default());
     assert!(told.iter().any(|line| line.ends_with("298.925 kHz to 299.35 kHz.")), "{told:?}");
     assert!(told[0].ends_with("phase 44.41° to 44.426°."), "{told:?}");
 }
@@ -36,7 +36,7 @@ fn digits_tell_neighbours_apart() {
 fn findings_are_of_what_is_shown() {
     let mut results = grid();
     results.status.fill(0);
-    let wish = Wish { at: vec![("tip_radius".into(), "10 nm".into())], ..Wish::default() };
+    let wish = ViewRequest { at: vec![("tip_radius".into(), "10 nm".into())], ..ViewRequest::default() };
     let told = findings(&results, &wish);
     // Instances 1, 5 and 9 of values 0.5 nm, 1.5 nm, ...
     assert!(
@@ -55,7 +55,7 @@ fn a_page_begins_with_what_is_not_there_and_shows_what_is() {
     results.status.fill(5);
     results.variables[0].data.fill(f64::NAN);
     results.attributes.push(("complete".into(), Attribute::Number(0.0)));
-    let told = findings(&results, &Wish::default());
+    let told = findings(&results, &ViewRequest::default());
     assert_eq!(told[0], "Incomplete: 0 of 1,728 instances are done.");
     let report = Report::of(&results);
     report.check();

@@ -231,7 +231,7 @@ fn an_axis_switches_alternatives_as_the_file_would() {
          \"instrument.cantilever.stiffness\" = { values = [\"40 N/m\", \"42 N/m\"] }",
     );
     let lever = calibrated.instance(1).instrument.cantilever.lever;
-    assert_eq!(lever, Lever::Calibrated { stiffness: 42.0, frequency: 3e5 });
+    assert_eq!(lever, LeverSpec::Calibrated { stiffness: 42.0, frequency: 3e5 });
 }
 
 /// A lever by its calibration or its modes has a rod only where the scene names one.

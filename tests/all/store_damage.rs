@@ -2,7 +2,7 @@
 
 use crate::common::{SCENE, coordinate, grid, list, own_times, ramp, results, scalar};
 use afmsweep::store::{
-    Earlier, Kind, Results, RunFile, StoreError, Writer, open_journal, partial_path, read,
+    ExistingFile, RecordKind, Results, RunFile, StoreError, Writer, open_journal, partial_path, read,
 };
 use std::path::{Path, PathBuf};
 
@@ -214,9 +214,9 @@ fn a_spoilt_number_is_seen_in_variables_of_every_size() {
 fn a_share_of_which_a_bit_is_spoilt_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
-    let (mut file, _) = RunFile::create(&path, SCENE, Earlier::Kept).unwrap();
+    let (mut file, _) = RunFile::create(&path, SCENE, ExistingFile::Kept).unwrap();
     file.begin("the header").unwrap();
-    file.append(Kind::Portion, &[7; 300]).unwrap();
+    file.append(RecordKind::Portion, &[7; 300]).unwrap();
     file.finish_share("a share").unwrap();
     assert_eq!(open_journal(&path).unwrap().records().count(), 1);
     let whole = std::fs::read(&path).unwrap();

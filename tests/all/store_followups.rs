@@ -3,8 +3,8 @@
 
 use crate::cli_journal::{KINDS, LIST, TAPPING, assert_alike};
 use crate::program::Desk;
-use afmsweep::store::{Earlier, Journal, Kind, RunFile};
-use afmsweep::sweep::{Keeper, Share, Silent, Swept};
+use afmsweep::store::{ExistingFile, Journal, RecordKind, RunFile};
+use afmsweep::sweep::{RunJournal, Share, Silent, SweepOutcome};
 use afmsweep::{Audit, Backend, Scene, Sweep};
 use std::path::Path;
 
@@ -14,10 +14,10 @@ fn sweep(text: &str, audit: Audit) -> Sweep {
 }
 
 /// Runs a scene into `path`, which it puts in place only to `finish`; what is known of its journal is gone on with.
-fn run(text: &str, audit: Audit, path: &Path, finish: bool) -> Swept {
+fn run(text: &str, audit: Audit, path: &Path, finish: bool) -> SweepOutcome {
     let sweep = sweep(text, audit);
-    let (file, earlier) = RunFile::create(path, &sweep.scene().source, Earlier::GoneOnWith).unwrap();
-    let keeper = Keeper::of_run(file, earlier, Share::ALL, false).unwrap();
+    let (file, earlier) = RunFile::create(path, &sweep.scene().source, ExistingFile::GoneOnWith).unwrap();
+    let keeper = RunJournal::of_run(file, earlier, Share::ALL, false).unwrap();
     let swept = sweep.run_kept(&keeper, &Silent).unwrap();
     assert!(swept.missing.is_empty());
     if finish {
@@ -26,7 +26,7 @@ fn run(text: &str, audit: Audit, path: &Path, finish: bool) -> Swept {
     swept
 }
 
-fn kinds(journal: &Path) -> Vec<Kind> {
+fn kinds(journal: &Path) -> Vec<RecordKind> {
     let journal = Journal::read(std::fs::read(journal).unwrap()).unwrap();
     journal.records().map(|(kind, _)| kind).collect()
 }
@@ -46,8 +46,8 @@ fn what_is_finished_is_not_done_again() {
         let whole = run(text, Audit::Instances(3), &path, false);
         let known = std::fs::read(&partial).unwrap();
         let of = |kind| kinds(&partial).into_iter().filter(|one| *one == kind).count();
-        assert_eq!(of(Kind::Numbers), if text == TAPPING { 2 } else { 0 }, "{name}");
-        assert!(of(Kind::Answers) >= 3, "{name}: {}", of(Kind::Answers));
+        assert_eq!(of(RecordKind::Numbers), if text == TAPPING { 2 } else { 0 }, "{name}");
+        assert!(of(RecordKind::Answers) >= 3, "{name}: {}", of(RecordKind::Answers));
         let again = run(text, Audit::Instances(3), &path, false);
         assert!(whole.steps_taken > 0);
         assert_eq!((again.steps_taken, again.verdict.audited), (0, 3), "{name}");
@@ -66,7 +66,7 @@ fn a_run_goes_on_from_any_record_to_the_same_file() {
         run(text, Audit::Instances(4), &whole, true);
         let bytes = std::fs::read(&partial).unwrap();
         let all = kinds(&partial);
-        let first = all.iter().position(|kind| *kind != Kind::Portion).unwrap();
+        let first = all.iter().position(|kind| *kind != RecordKind::Portion).unwrap();
         let ends = ends(&bytes);
         // One more than records: that of the header.
         assert_eq!(ends.len(), all.len() + 1);
@@ -90,7 +90,7 @@ fn spoilt_answers_are_found_again() {
     run(TAPPING, Audit::Instances(4), &path, false);
     run(TAPPING, Audit::Instances(4), &whole, true);
     let bytes = std::fs::read(&partial).unwrap();
-    let first = kinds(&partial).iter().position(|kind| *kind != Kind::Portion).unwrap();
+    let first = kinds(&partial).iter().position(|kind| *kind != RecordKind::Portion).unwrap();
     let from = ends(&bytes)[first];
     desk.write("scene.toml", TAPPING);
     for n in 0..8usize {
@@ -118,7 +118,7 @@ fn an_audit_ended_by_time_is_over_when_its_time_is() {
     let whole = run(LIST, Audit::Auto, &path, false);
     assert!(whole.verdict.audited > 0);
     let again = run(LIST, Audit::Auto, &path, true);
-    let table = |swept: &Swept| format!("{:?}", swept.results.audit);
+    let table = |swept: &SweepOutcome| format!("{:?}", swept.results.audit);
     assert_eq!(table(&whole), table(&again));
 }
 
@@ -131,7 +131,7 @@ fn a_look_into_the_journal_shows_what_is_found() {
     let bytes = std::fs::read(&partial).unwrap();
     let looked = |end: usize| {
         let journal = Journal::read(bytes[..end].to_vec()).unwrap();
-        let keeper = Keeper::of_journals(vec![journal], Share::ALL).unwrap();
+        let keeper = RunJournal::of_journals(vec![journal], Share::ALL).unwrap();
         sweep(TAPPING, Audit::Auto).looked_into(&keeper).unwrap()
     };
     let all = looked(bytes.len());
@@ -141,10 +141,10 @@ fn a_look_into_the_journal_shows_what_is_found() {
     assert_eq!(format!("{:?}", ours.other_branch), format!("{:?}", theirs.other_branch));
     assert_eq!(format!("{:?}", ours.audit), format!("{:?}", theirs.audit));
     // Of states whose errors were not looked at yet nothing is said to be known.
-    let first = kinds(&partial).iter().position(|kind| *kind != Kind::Portion).unwrap();
+    let first = kinds(&partial).iter().position(|kind| *kind != RecordKind::Portion).unwrap();
     let some = looked(ends(&bytes)[first]);
     assert!(some.results.audit.is_none());
-    let known = some.others.unwrap().states;
+    let known = some.others.unwrap().orbits;
     assert!(!known.is_empty());
     assert!(known.iter().all(|one| one.finished.status == afmsweep::Status::NotRun), "{known:?}");
 }
@@ -168,8 +168,8 @@ fn a_merge_goes_on_from_any_record_to_the_same_file() {
             files.iter().map(|file| afmsweep::store::open_journal(&desk.path(file)).unwrap()).collect();
         let prepared = afmsweep::sweep::read_header(journals[0].header()).unwrap().0;
         let sweep = Sweep::new(prepared.scene().unwrap()).told_as(&prepared).audit(Audit::Instances(4));
-        let file = RunFile::create(&path, prepared.scene_text(), Earlier::GoneOnWith).unwrap();
-        let keeper = Keeper::of_merge(journals, Share { number: 1, of: 2 }, file).unwrap();
+        let file = RunFile::create(&path, prepared.scene_text(), ExistingFile::GoneOnWith).unwrap();
+        let keeper = RunJournal::of_merge(journals, Share { number: 1, of: 2 }, file).unwrap();
         let swept = sweep.run_kept(&keeper, &Silent).unwrap();
         assert!(swept.missing.is_empty());
         (swept.steps_taken, swept.verdict.audited)
@@ -177,7 +177,7 @@ fn a_merge_goes_on_from_any_record_to_the_same_file() {
     let (steps, audited) = merge();
     let bytes = std::fs::read(&partial).unwrap();
     assert!(steps > 0 && audited == 4);
-    assert!(kinds(&partial).contains(&Kind::Answers) && kinds(&partial).contains(&Kind::Numbers));
+    assert!(kinds(&partial).contains(&RecordKind::Answers) && kinds(&partial).contains(&RecordKind::Numbers));
     assert_eq!(merge(), (0, 4), "nothing is stepped again");
     assert_eq!(std::fs::read(&partial).unwrap(), bytes, "nothing new is asked");
     let words = ["merge", files[0], files[1], "-o", "merged.h5", "--audit", "4"];

@@ -1,7 +1,7 @@
 //! What a results file of very many instances is beside its numbers: no text grows with them.
 
 use afmsweep::Scene;
-use afmsweep::engine::Columns;
+use afmsweep::engine::ResultColumns;
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::record::{self, Facts};
 use afmsweep::store::{Attribute, Results};
@@ -20,7 +20,7 @@ fn results(scene: &Scene) -> Results {
         command_line: String::new(),
         arithmetic: afmsweep::control::Arithmetic::of(&plan, "none ran"),
     };
-    record::results(scene, &plan, &Columns::not_run(plan.len()), &facts).expect("it lies in memory")
+    record::results(scene, &plan, &ResultColumns::not_run(plan.len()), &facts).expect("it lies in memory")
 }
 
 /// Characters of all its texts.

@@ -1,11 +1,11 @@
 //! Whole runs by the library, against the file that they leave and against the program.
 
 use crate::program::Desk;
-use afmsweep::engine::{Engine, Phase as Stage};
+use afmsweep::engine::{Engine, ProgressPhase as Stage};
 use afmsweep::plan::Plan;
 use afmsweep::store::read;
-use afmsweep::sweep::Phase;
-use afmsweep::{Audit, Backend, Error, Observer, Scene, Status, Sweep, Swept};
+use afmsweep::sweep::SweepPhase;
+use afmsweep::{Audit, Backend, Error, Observer, Scene, Status, Sweep, SweepOutcome};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -44,7 +44,7 @@ fn sweep() -> Sweep {
     Sweep::new(scene()).backend(Backend::Cpu).audit(Audit::None)
 }
 
-fn numbers(swept: &Swept) -> Vec<u64> {
+fn numbers(swept: &SweepOutcome) -> Vec<u64> {
     let variables = swept.results.variables.iter();
     variables.flat_map(|one| one.data.iter().map(|number| number.to_bits())).collect()
 }
@@ -142,9 +142,9 @@ fn an_observer_can_stop_a_run() {
         }
         Err(other) => panic!("{other}"),
     };
-    assert_eq!(phase, Phase::Stepping);
+    assert_eq!(phase, SweepPhase::Stepping);
 
     let stopped = Sweep::new(long).backend(Backend::Cpu);
     stopped.progress().stop();
-    assert!(matches!(stopped.run(), Err(Error::Stopped(Phase::Planning))));
+    assert!(matches!(stopped.run(), Err(Error::Stopped(SweepPhase::Planning))));
 }

@@ -12,8 +12,8 @@ use afmsweep::engine::{Cpu, Engine, Finished, Progress};
 use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
-    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, Lever, LeverMode, QualityFactor,
-    Scene, Start,
+    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, LeverMode, LeverSpec,
+    QualityFactor, Scene, Start,
 };
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -33,7 +33,7 @@ pub fn one_mode(k: f64, frequency: f64, q: f64, a0: f64, gap: f64, change: impl 
         let base = &mut scene.base;
         base.instrument.actuator.model = ActuatorModel::Rigid;
         let mode = LeverMode { stiffness: k, frequency, quality_factor: q, drive: 1.0 };
-        base.instrument.cantilever.lever = Lever::Modes(vec![mode]);
+        base.instrument.cantilever.lever = LeverSpec::Modes(vec![mode]);
         base.drive.on = DriveOn::Tip;
         base.drive.frequency = DriveFrequency::Hertz(frequency);
         base.drive.level = DriveLevel::FreeAmplitude(a0);
@@ -54,7 +54,7 @@ pub fn calibrated(
 ) -> Scene {
     one_mode(k, frequency, q, a0, gap, |scene| {
         let cantilever = &mut scene.base.instrument.cantilever;
-        cantilever.lever = Lever::Calibrated { stiffness: k, frequency };
+        cantilever.lever = LeverSpec::Calibrated { stiffness: k, frequency };
         cantilever.quality_factor = QualityFactor::All(q);
         scene.base.drive.frequency = DriveFrequency::Resonance;
         change(scene);

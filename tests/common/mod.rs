@@ -3,7 +3,7 @@
 // Each test file uses its own part of this.
 
 use afmsweep::store::{
-    Attribute, AuditTable, Branch, Coordinate, Flags, ForceCurve, Results, Spectra, Variable, Waveforms,
+    Attribute, AuditTable, BranchTable, Coordinate, Flags, ForceCurve, Results, Spectra, Variable, Waveforms,
 };
 
 pub const SCENE: &str = "title = \"one\"\n";
@@ -110,7 +110,7 @@ pub fn results(axes: Vec<Coordinate>, list: bool) -> Results {
                 data: vec![0, 1],
             }],
         }),
-        other_branch: Some(Branch {
+        other_branch: Some(BranchTable {
             variables: vec![
                 variable("amplitude", "m", None, ramp(count, 2e-9)),
                 variable("harmonic_amplitude", "m", Some(3), ramp(3 * count, 2e-12)),

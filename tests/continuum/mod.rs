@@ -10,7 +10,7 @@
 // Each test file that shares this uses its own part.
 
 use afmsweep::instrument::Mode;
-use afmsweep::scene::{InstrumentParams, Lever, TipMass};
+use afmsweep::scene::{InstrumentParams, LeverSpec, TipMass};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -52,7 +52,7 @@ pub struct Continuum {
 impl Continuum {
     pub fn new(p: &InstrumentParams) -> Self {
         let a = &p.actuator;
-        let Lever::Dimensions { youngs_modulus, density, length, width, thickness } = p.cantilever.lever
+        let LeverSpec::Dimensions { youngs_modulus, density, length, width, thickness } = p.cantilever.lever
         else {
             panic!("continuum of a lever with dimensions only");
         };

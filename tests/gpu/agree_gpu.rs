@@ -11,9 +11,9 @@ use crate::shader::{self, cpu, gpu, laws, on, same, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
+use afmsweep::orbit::{self, OrbitSolution, PeriodicState};
 use afmsweep::plan::Precision;
 use afmsweep::scene::{QualityFactor, Scene, Start, Steady};
-use afmsweep::steady::{self, PeriodicState, Settled};
 use libtest_mimic::{Failed, Trial};
 use std::path::Path;
 use std::time::Duration;
@@ -178,7 +178,7 @@ fn searches_alike(precision: Precision) -> Result<(), Failed> {
     scene.base.instrument.cantilever.quality_factor = QualityFactor::All(200.0);
     let plan = checks::plan_in(&scene, None, precision);
     let settle =
-        |engine: &dyn Engine| steady::run(&plan, &[], engine, &Progress::default()).expect("it runs");
+        |engine: &dyn Engine| orbit::solve(&plan, &[], engine, &Progress::default()).expect("it runs");
     let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
     let count = same(&ours.outcome.results, &theirs.outcome.results, "search")?;
     assert_eq!(ours.found, theirs.found);
@@ -228,18 +228,18 @@ fn curves_alike() -> Result<(), Failed> {
         let scene = Scene::parse(Path::new("curves.toml"), &text).expect("the scene is whole");
         let plan = checks::plan_in(&scene, None, Precision::F64);
         let settle = |engine: &dyn Engine| {
-            steady::begin(&mut plan.clone(), engine, &Progress::default()).expect("it runs")
+            orbit::solve_first(&mut plan.clone(), engine, &Progress::default()).expect("it runs")
         };
         let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
         let count = same(&ours.outcome.results, &theirs.outcome.results, law)?;
         // What was waited for has no multiplier, which is no number and unlike itself.
-        let states = |all: &Settled| -> Vec<_> {
-            let one = |state: &PeriodicState| (state.station, state.spectrum.multiplier.to_bits());
+        let states = |all: &OrbitSolution| -> Vec<_> {
+            let one = |state: &PeriodicState| (state.section, state.floquet.multiplier.to_bits());
             all.found.iter().map(|state| state.as_deref().map(one)).collect()
         };
         assert!(states(&ours) == states(&theirs), "{law} over {quantity}");
         assert_eq!(ours.jumps, theirs.jumps);
-        let found = ours.found.iter().flatten().filter(|state| state.searched()).count();
+        let found = ours.found.iter().flatten().filter(|state| state.is_solved()).count();
         println!("{law} over {quantity}: {count} of {count} points identical, {found} followed");
         assert!(found > count / 2);
     }
@@ -281,7 +281,7 @@ fn set_points_alike() -> Result<(), Failed> {
         let scene = Scene::parse(Path::new("held.toml"), &text).expect("the scene is whole");
         let plan = checks::plan_in(&scene, None, Precision::F64);
         let settle = |engine: &dyn Engine| {
-            steady::begin(&mut plan.clone(), engine, &Progress::default()).expect("it runs")
+            orbit::solve_first(&mut plan.clone(), engine, &Progress::default()).expect("it runs")
         };
         let (ours, theirs) = (settle(&gpu()), settle(&Cpu { strict: true }));
         let count = same(&ours.outcome.results, &theirs.outcome.results, law)?;

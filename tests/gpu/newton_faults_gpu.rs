@@ -6,7 +6,7 @@
 use crate::newton_gpu::{WARM, begun, held, same, sought};
 use crate::shader::{self, gpu};
 use afmsweep::engine::gpu::{AdapterReport, Gpu};
-use afmsweep::engine::{Cpu, Searches, Seeks};
+use afmsweep::engine::{Cpu, NewtonResults, NewtonStarts};
 use afmsweep::plan::Plan;
 use libtest_mimic::{Failed, Trial};
 use std::collections::BTreeMap;
@@ -118,16 +118,16 @@ const HARMLESS: &[Fault] = &[
 ];
 
 /// What a fault is looked for with, and what the CPU makes of it: by law.
-type Truths = BTreeMap<&'static str, Vec<((Plan, Seeks), Searches)>>;
+type Truths = BTreeMap<&'static str, Vec<((Plan, NewtonStarts), NewtonResults)>>;
 
 fn truths() -> Truths {
-    let truth = |begun: (Plan, Seeks)| {
+    let truth = |begun: (Plan, NewtonStarts)| {
         let truth = sought(&Cpu { strict: true }, &begun);
         (begun, truth)
     };
     let of = |law: &'static str| {
         let (plan, seeks) = begun(law, 3, WARM[0]);
-        let with = |near, enough| Seeks { near, enough, ..seeks.clone() };
+        let with = |near, enough| NewtonStarts { near, enough, ..seeks.clone() };
         let mut all = vec![truth((plan.clone(), with(1e-7, 1e-4)))];
         if law == "jkr" {
             // Newton's steps from afar, to where the map is too rough for them.

@@ -7,12 +7,14 @@
 use crate::checks;
 use crate::shader::{self, gpu, laws, scene};
 use afmsweep::engine::gpu::AdapterReport;
-use afmsweep::engine::{Cpu, Engine, Progress, Searches, Seek, Seeks, Sloped, Sought};
+use afmsweep::engine::{
+    Cpu, Engine, NewtonResult, NewtonResults, NewtonStart, NewtonStarts, PeriodJacobian, Progress,
+};
 use afmsweep::kernel::broyden::Phase;
 use afmsweep::kernel::newton::ROUNDS;
-use afmsweep::plan::{Plan, Precision, StartState, Station};
+use afmsweep::orbit::{self, OrbitSolution};
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
 use afmsweep::scene::Scene;
-use afmsweep::steady::{self, Settled};
 use libtest_mimic::{Failed, Trial};
 use std::path::Path;
 
@@ -20,14 +22,14 @@ use std::path::Path;
 pub const WARM: [u32; 2] = [3, 32];
 
 /// A plan of 30 instances under a law: see [`begun_in`].
-pub fn begun(law: &str, modes: usize, warm: u32) -> (Plan, Seeks) {
+pub fn begun(law: &str, modes: usize, warm: u32) -> (Plan, NewtonStarts) {
     let steps = if modes > 4 { 512 } else { 128 };
     let plan = checks::plan_in(&scene(law, "steady", modes, steps, 20), None, Precision::F64);
     begun_in(&plan.stepping_all(steps), warm)
 }
 
 /// A small swing that adhesion holds to the sample, mostly.
-pub fn held() -> (Plan, Seeks) {
+pub fn held() -> (Plan, NewtonStarts) {
     let text = GRID.replace("LAW", "jkr").replace("20 nm", "0.5 nm").replace("8 nm", "-2 nm");
     let scene =
         Scene::parse(Path::new("held.toml"), &text.replace("19.5 nm", "2 nm")).expect("it is a scene");
@@ -36,22 +38,22 @@ pub fn held() -> (Plan, Seeks) {
 
 /// A plan whose instances begin where they are after some periods, and searches from there: of every third instance the first
 /// stride is Newton's.
-pub fn begun_in(plan: &Plan, warm: u32) -> (Plan, Seeks) {
+pub fn begun_in(plan: &Plan, warm: u32) -> (Plan, NewtonStarts) {
     let seek = |i: u32| {
         let time = if i.is_multiple_of(3) { f64::INFINITY } else { 20.0 };
-        Seek { scale: plan.driven(i).free_amplitude(), time, least: 1e-6 }
+        NewtonStart { scale: plan.driven(i).free_amplitude(), time, least: 1e-6 }
     };
-    let seeks = Seeks { near: 1e-6, enough: 1e-4, all: plan.instances().map(seek).collect() };
+    let seeks = NewtonStarts { near: 1e-6, enough: 1e-4, all: plan.instances().map(seek).collect() };
     (shader::from_there(plan, &shader::after(plan, warm)), seeks)
 }
 
-pub fn sought(engine: &dyn Engine, (plan, seeks): &(Plan, Seeks)) -> Searches {
+pub fn sought(engine: &dyn Engine, (plan, seeks): &(Plan, NewtonStarts)) -> NewtonResults {
     engine.newton(plan, seeks, &Progress::default()).expect("it runs")
 }
 
 /// Everything of an end, to the bit.
-fn bits(one: &Sought) -> Vec<u64> {
-    let found = one.found.iter().flat_map(|Sloped { end, slope }| {
+fn bits(one: &NewtonResult) -> Vec<u64> {
+    let found = one.found.iter().flat_map(|PeriodJacobian { end, slope }| {
         let numbers = end.x.iter().chain(&end.u).chain(slope.iter()).map(|value| value.to_bits());
         numbers.chain([u64::from(end.touching), u64::from(end.finite)]).collect::<Vec<u64>>()
     });
@@ -59,7 +61,7 @@ fn bits(one: &Sought) -> Vec<u64> {
 }
 
 /// How many ends are the same; an error where one is not.
-pub fn same(ours: &Searches, theirs: &Searches, what: &str) -> Result<usize, Failed> {
+pub fn same(ours: &NewtonResults, theirs: &NewtonResults, what: &str) -> Result<usize, Failed> {
     let count = theirs.all.len();
     assert_eq!(ours.all.len(), count);
     match (0..count).find(|n| bits(&ours.all[*n]) != bits(&theirs.all[*n])) {
@@ -69,12 +71,12 @@ pub fn same(ours: &Searches, theirs: &Searches, what: &str) -> Result<usize, Fai
 }
 
 /// The same searches in f32, which are over where f64 takes them on.
-fn in_f32((plan, seeks): (Plan, Seeks)) -> (Plan, Seeks) {
-    (plan.in_precision(Precision::F32), Seeks { near: 1e-3, enough: 1e-2, ..seeks })
+fn in_f32((plan, seeks): (Plan, NewtonStarts)) -> (Plan, NewtonStarts) {
+    (plan.in_precision(Precision::F32), NewtonStarts { near: 1e-3, enough: 1e-2, ..seeks })
 }
 
 /// How many have each phase.
-fn phases(searches: &Searches) -> [usize; 3] {
+fn phases(searches: &NewtonResults) -> [usize; 3] {
     let count = |phase: Phase| searches.all.iter().filter(|one| one.phase == phase).count();
     [Phase::On, Phase::Found, Phase::Lost].map(count)
 }
@@ -133,9 +135,10 @@ fn long_periods_go_in_parts() -> Result<(), Failed> {
     let plan =
         checks::plan_in(&scene("dmt", "steady", 1, steps, 6), None, Precision::F64).stepping_all(steps);
     let all: Vec<u32> = plan.instances().step_by(4).take(4).collect();
-    let seek = |i: &u32| Seek { scale: plan.driven(*i).free_amplitude(), time: 20.0, least: 1e-6 };
-    let seeks = Seeks { near: 1e-6, enough: 1e-4, all: all.iter().map(seek).collect() };
-    let begun = (plan.trial(&all, 1, 1).starting_at(vec![StartState::from(Station::FREE); all.len()]), seeks);
+    let seek = |i: &u32| NewtonStart { scale: plan.driven(*i).free_amplitude(), time: 20.0, least: 1e-6 };
+    let seeks = NewtonStarts { near: 1e-6, enough: 1e-4, all: all.iter().map(seek).collect() };
+    let begun =
+        (plan.trial(&all, 1, 1).starting_at(vec![StartState::from(SectionState::FREE); all.len()]), seeks);
     let ours = sought(&gpu(), &begun);
     assert!(ours.notes.is_empty(), "{:?}", ours.notes);
     same(&ours, &sought(&Cpu { strict: true }, &begun), "70,000 steps a period")?;
@@ -214,7 +217,7 @@ fn f32_comes_near() -> Result<(), Failed> {
 }
 
 /// How far two states are apart, m.
-fn apart(a: &Station, b: &Station) -> f64 {
+fn apart(a: &SectionState, b: &SectionState) -> f64 {
     let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
     (off(&a.x, &b.x) + off(&a.u, &b.u)).sqrt()
 }
@@ -242,8 +245,8 @@ observables = ["amplitude", "phase", "force_max"]
 "#;
 
 /// Searches of a plan from where its scene begins; nothing is waited for.
-fn settled(plan: &Plan, engine: &dyn Engine) -> Settled {
-    steady::sought(plan, &[], engine, &Progress::default()).expect("it runs")
+fn settled(plan: &Plan, engine: &dyn Engine) -> OrbitSolution {
+    orbit::solve_without_integration(plan, &[], engine, &Progress::default()).expect("it runs")
 }
 
 /// Quality factor, moduli, gaps and surface energy.
@@ -273,14 +276,14 @@ fn grids_have_the_hosts_states(law: &str) -> Result<(), Failed> {
             let n = i as usize;
             assert_eq!(ours.state(n), twin.state(n), "{law}, instance {i}");
             if let (Some(a), Some(b)) = (ours.state(n), host.state(n)) {
-                let share = apart(&a.station, &b.station) / plan.driven(i).free_amplitude();
+                let share = apart(&a.section, &b.section) / plan.driven(i).free_amplitude();
                 let near = share < plan.run.accuracy;
                 others += usize::from(!near);
                 farthest = farthest.max(if near { share } else { 0.0 });
             }
         }
-        let count = |settled: &Settled| settled.found.iter().flatten().count();
-        let periods = |settled: &Settled| settled.periods.iter().sum::<u32>();
+        let count = |settled: &OrbitSolution| settled.found.iter().flatten().count();
+        let periods = |settled: &OrbitSolution| settled.periods.iter().sum::<u32>();
         let (all, found, by_host) = (plan.len(), count(&ours), count(&host));
         println!(
             "{law}, quality factor {quality}: {found} of {all} found, by rounds on the host {by_host}; {others} are others, the rest within {farthest:.1e}; {} and {} periods",

@@ -5,7 +5,7 @@ use afmsweep::contact::Law;
 use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use afmsweep::observe::Observable;
-use afmsweep::plan::{Plan, StartState, Station};
+use afmsweep::plan::{Plan, SectionState, StartState};
 use afmsweep::scene::Scene;
 use libtest_mimic::Failed;
 use std::path::Path;
@@ -63,11 +63,11 @@ steps_per_period = {steps}
 }
 
 /// Where a plan's instances are after some periods from steady free motion, by the CPU.
-pub fn after(plan: &Plan, periods: u32) -> Vec<Station> {
+pub fn after(plan: &Plan, periods: u32) -> Vec<SectionState> {
     let all: Vec<u32> = plan.instances().collect();
     let first = plan.instances().map(|i| {
         let touching = plan.case(i).contact.next_contact(-plan.case(i).gap, false);
-        StartState::from(Station { touching, ..Station::FREE })
+        StartState::from(SectionState { touching, ..SectionState::FREE })
     });
     let warm = plan.trial(&all, periods, 1).starting_at(first.collect());
     let ends = Cpu { strict: true }.run(&warm, &Progress::default()).expect("the plan can be run").ends;
@@ -75,7 +75,7 @@ pub fn after(plan: &Plan, periods: u32) -> Vec<Station> {
 }
 
 /// One period of a plan's instances from where these are.
-pub fn from_there(plan: &Plan, places: &[Station]) -> Plan {
+pub fn from_there(plan: &Plan, places: &[SectionState]) -> Plan {
     let all: Vec<u32> = plan.instances().collect();
     plan.trial(&all, 1, 1).starting_at(places.iter().copied().map(StartState::from).collect())
 }

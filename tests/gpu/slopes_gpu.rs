@@ -7,10 +7,10 @@
 use crate::checks;
 use crate::shader::{self, gpu, laws, scene};
 use afmsweep::engine::gpu::{AdapterReport, Gpu};
-use afmsweep::engine::{Cpu, Engine, Progress, Sloped, Slopes};
-use afmsweep::plan::{Plan, Precision, StartState, Station};
+use afmsweep::engine::{Cpu, Engine, PeriodJacobian, PeriodJacobians, Progress};
+use afmsweep::orbit::{self, PeriodicState};
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
 use afmsweep::scene::{QualityFactor, Steady};
-use afmsweep::steady::{self, PeriodicState};
 use libtest_mimic::{Failed, Trial};
 use std::time::Duration;
 
@@ -28,19 +28,19 @@ fn begun(law: &str, modes: usize, precision: Precision) -> Plan {
     shader::from_there(&plan, &shader::after(&plan, WARM))
 }
 
-fn told(engine: &dyn Engine, plan: &Plan, least: f64) -> Slopes {
+fn told(engine: &dyn Engine, plan: &Plan, least: f64) -> PeriodJacobians {
     engine.slopes(plan, &vec![least; plan.len()], &Progress::default()).expect("slopes are told")
 }
 
 /// Everything of an answer, to the bit.
-fn bits(one: &Option<Sloped>) -> Vec<u64> {
-    let Some(Sloped { end, slope }) = one else { return Vec::new() };
+fn bits(one: &Option<PeriodJacobian>) -> Vec<u64> {
+    let Some(PeriodJacobian { end, slope }) = one else { return Vec::new() };
     let numbers = end.x.iter().chain(&end.u).chain(slope.iter()).map(|value| value.to_bits());
     numbers.chain([u64::from(end.touching), u64::from(end.finite)]).collect()
 }
 
 /// How many instances are the same; an error where one is not.
-fn same(ours: &Slopes, theirs: &Slopes, what: &str) -> Result<usize, Failed> {
+fn same(ours: &PeriodJacobians, theirs: &PeriodJacobians, what: &str) -> Result<usize, Failed> {
     assert_eq!(ours.all.len(), theirs.all.len());
     let wrong = ours.all.iter().zip(&theirs.all).position(|(a, b)| a.is_none() || bits(a) != bits(b));
     match wrong {
@@ -50,8 +50,8 @@ fn same(ours: &Slopes, theirs: &Slopes, what: &str) -> Result<usize, Failed> {
 }
 
 /// Slopes that a kick has a part in: not those of the same instances without a sample.
-fn kicked(law: &Slopes, free: &Slopes) -> usize {
-    let slope = |one: &Option<Sloped>| one.as_ref().map(|one| one.slope.clone());
+fn kicked(law: &PeriodJacobians, free: &PeriodJacobians) -> usize {
+    let slope = |one: &Option<PeriodJacobian>| one.as_ref().map(|one| one.slope.clone());
     law.all.iter().zip(&free.all).filter(|(a, b)| slope(a) != slope(b)).count()
 }
 
@@ -102,7 +102,7 @@ fn long_periods_go_in_parts() -> Result<(), Failed> {
     let plan =
         checks::plan_in(&scene("dmt", "steady", 1, steps, 6), None, Precision::F64).stepping_all(steps);
     let all: Vec<u32> = plan.instances().step_by(4).collect();
-    let places = vec![StartState::from(Station::FREE); all.len()];
+    let places = vec![StartState::from(SectionState::FREE); all.len()];
     let plan = plan.trial(&all, 1, 1).starting_at(places);
     let ours = told(&gpu(), &plan, 1e-6);
     assert!(ours.notes.is_empty(), "{:?}", ours.notes);
@@ -143,7 +143,7 @@ fn agrees(precision: Precision) -> Result<(), Failed> {
         let mut free = gpu();
         free.strict = false;
         let (ours, theirs) = (told(&free, &plan, 1e-6), told(&Cpu { strict: true }, &plan, 1e-6));
-        let error = |(a, b): (&Option<Sloped>, &Option<Sloped>)| -> f64 {
+        let error = |(a, b): (&Option<PeriodJacobian>, &Option<PeriodJacobian>)| -> f64 {
             let (Some(a), Some(b)) = (a, b) else { return f64::INFINITY };
             let scale = b.slope.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
             let off = a.slope.iter().zip(&b.slope).map(|(a, b)| (a - b).abs());
@@ -240,8 +240,8 @@ fn searches_take_them_on_the_device() -> Result<(), Failed> {
     scene.base.instrument.cantilever.quality_factor = QualityFactor::All(200.0);
     let plan = checks::plan_in(&scene, None, Precision::F64);
     let multipliers = |engine: &dyn Engine| -> Vec<Option<u64>> {
-        let settled = steady::run(&plan, &[], engine, &Progress::default()).expect("it runs");
-        let one = |state: &PeriodicState| state.spectrum.multiplier.to_bits();
+        let settled = orbit::solve(&plan, &[], engine, &Progress::default()).expect("it runs");
+        let one = |state: &PeriodicState| state.floquet.multiplier.to_bits();
         settled.found.iter().map(|state| state.as_deref().map(one)).collect()
     };
     let theirs = multipliers(&Cpu { strict: true });

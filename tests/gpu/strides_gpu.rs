@@ -8,9 +8,9 @@ use crate::checks;
 use crate::shader::{self, gpu, laws, scene};
 use afmsweep::control;
 use afmsweep::engine::gpu::AdapterReport;
-use afmsweep::engine::{Arrivals, Arrived, Cpu, Engine, Guessed, Guesses, Progress};
+use afmsweep::engine::{Correction, Corrections, Cpu, Engine, Prediction, Predictions, Progress};
 use afmsweep::kernel::broyden::{Phase, ROUNDS, state_modes};
-use afmsweep::plan::{Plan, Precision, StartState, Station};
+use afmsweep::plan::{Plan, Precision, SectionState, StartState};
 use afmsweep::scene::Scene;
 use libtest_mimic::{Failed, Trial};
 use std::path::Path;
@@ -19,7 +19,7 @@ use std::path::Path;
 pub const WARM: [u32; 2] = [12, 48];
 
 /// A plan, and guesses at the states of its instances: where they are after some periods, with the slopes there.
-pub fn guessed(law: &str, modes: usize, warm: u32) -> (Plan, Guesses) {
+pub fn guessed(law: &str, modes: usize, warm: u32) -> (Plan, Predictions) {
     let steps = if modes > 4 { 512 } else { 128 };
     let plan = checks::plan_in(&scene(law, "steady", modes, steps, 20), None, Precision::F64);
     let plan = plan.stepping_all(steps);
@@ -29,12 +29,12 @@ pub fn guessed(law: &str, modes: usize, warm: u32) -> (Plan, Guesses) {
     let slopes =
         Cpu { strict: true }.slopes(&once, &least, &Progress::default()).expect("slopes are told").all;
     let padded = state_modes(modes);
-    let mut guesses = Guesses::new(2 * padded, 1e-6, 3e-5);
+    let mut guesses = Predictions::new(2 * padded, 1e-6, 3e-5);
     for (i, (place, slope)) in places.iter().zip(slopes).enumerate() {
         let state = [&place.x[..padded], &place.u[..padded]].concat();
         let undoes = undoing(&slope.expect("it was not stopped").slope, modes, padded);
         let scale = plan.driven(i as u32).free_amplitude();
-        guesses.push(Guessed { instance: i as u32, touching: place.touching, scale }, &state, &undoes);
+        guesses.push(Prediction { instance: i as u32, touching: place.touching, scale }, &state, &undoes);
     }
     (plan, guesses)
 }
@@ -66,9 +66,9 @@ fn undoing(slope: &[f64], modes: usize, padded: usize) -> Vec<f64> {
 }
 
 /// Guesses after a search, and what became of them.
-pub type Ends = (Guesses, Arrivals);
+pub type Ends = (Predictions, Corrections);
 
-pub fn led(engine: &dyn Engine, (plan, guesses): &(Plan, Guesses)) -> Ends {
+pub fn led(engine: &dyn Engine, (plan, guesses): &(Plan, Predictions)) -> Ends {
     let mut guesses = guesses.clone();
     let arrivals = engine.broyden(plan, &mut guesses, &Progress::default()).expect("it runs");
     (guesses, arrivals)
@@ -76,7 +76,7 @@ pub fn led(engine: &dyn Engine, (plan, guesses): &(Plan, Guesses)) -> Ends {
 
 /// Everything of an end, to the bit; of what is not found no result.
 fn bits((guesses, arrivals): &Ends, n: usize) -> Vec<u64> {
-    let Arrived { phase, periods, finished, touching } = &arrivals.all[n];
+    let Correction { phase, periods, finished, touching } = &arrivals.all[n];
     let numbers = guesses.place(n).iter().chain(guesses.undoes(n)).map(|value| value.to_bits());
     numbers
         .chain([*phase as u64, u64::from(*periods), u64::from(*touching)])
@@ -136,12 +136,12 @@ fn what_is_found_is_periodic() -> Result<(), Failed> {
     let instances: Vec<u32> = found.iter().map(|n| *n as u32).collect();
     let station = |n: &usize| {
         let (x, u) = guesses.place(*n).split_at(guesses.numbers / 2);
-        let mut station = Station { touching: guesses.all[*n].touching, ..Station::FREE };
+        let mut station = SectionState { touching: guesses.all[*n].touching, ..SectionState::FREE };
         station.x[..x.len()].copy_from_slice(x);
         station.u[..u.len()].copy_from_slice(u);
         station
     };
-    let starts: Vec<Station> = found.iter().map(station).collect();
+    let starts: Vec<SectionState> = found.iter().map(station).collect();
     let on =
         begun.0.trial(&instances, 40, 1).starting_at(starts.iter().copied().map(StartState::from).collect());
     let ends = Cpu::default().run(&on, &Progress::default()).expect("it runs").ends;
@@ -170,7 +170,7 @@ fn pieces_change_no_bit() -> Result<(), Failed> {
             same(&ours, &whole, &format!("{law}, pieces of {chunk}"))?;
         }
         // Some of a plan, in another order.
-        let mut some = Guesses::new(begun.1.numbers, begun.1.near, begun.1.sure);
+        let mut some = Predictions::new(begun.1.numbers, begun.1.near, begun.1.sure);
         let order: Vec<usize> = (0..begun.1.all.len()).rev().step_by(2).collect();
         order.iter().for_each(|n| some.push(begun.1.all[*n], begun.1.place(*n), begun.1.undoes(*n)));
         let part = led(&gpu(), &(begun.0.clone(), some));
@@ -186,9 +186,9 @@ fn long_periods_go_in_parts() -> Result<(), Failed> {
     let (steps, count) = (70_000, 6);
     let plan =
         checks::plan_in(&scene("dmt", "steady", 1, steps, 6), None, Precision::F64).stepping_all(steps);
-    let mut guesses = Guesses::new(2, 1e-6, 3e-5);
+    let mut guesses = Predictions::new(2, 1e-6, 3e-5);
     for i in plan.instances().step_by(4).take(count) {
-        let guess = Guessed { instance: i, touching: false, scale: plan.driven(i).free_amplitude() };
+        let guess = Prediction { instance: i, touching: false, scale: plan.driven(i).free_amplitude() };
         // What the free lever's own decay tells of the map.
         guesses.push(guess, &[0.0; 2], &[10.0, 0.0, 0.0, 10.0]);
     }
@@ -279,7 +279,7 @@ fn sweeps_as_the_cpu_does() -> Result<(), Failed> {
         let scene = Scene::parse(Path::new("sweep.toml"), &SWEEP.replace("LAW", law))?;
         let plan = checks::plan_in(&scene, None, Precision::F64);
         let run = |engine: &dyn Engine| control::run(&plan, engine, &Progress::default()).expect("it runs");
-        let bits = |ran: &control::Controlled| -> Vec<Vec<u64>> {
+        let bits = |ran: &control::RunResult| -> Vec<Vec<u64>> {
             let one = |(finished, estimate): (_, &f64)| {
                 [shader::bits(&finished), vec![estimate.to_bits()]].concat()
             };

@@ -1,16 +1,16 @@
 //! Results files whose observables are functions with known answers, at the points of a design.
 
-use afmsweep::design::{Described, Design, Distribution, Kind, Parameter, Settings};
+use afmsweep::design::{Design, DesignDescription, DesignKind, Distribution, Parameter, Settings};
 use afmsweep::stats::Study;
 use afmsweep::store::{Attribute, Coordinate, Results, Variable};
 use std::sync::Arc;
 
 /// A design of so many base samples over the same distribution of each parameter.
-pub fn settings(kind: Kind, samples: usize, parameters: usize) -> Settings {
+pub fn settings(kind: DesignKind, samples: usize, parameters: usize) -> Settings {
     Settings {
         kind,
         samples,
-        replicates: if matches!(kind, Kind::Sobol | Kind::Saltelli) { 16 } else { 1 },
+        replicates: if matches!(kind, DesignKind::Sobol | DesignKind::Saltelli) { 16 } else { 1 },
         seed: 1,
         scramble: true,
         second_order: false,
@@ -53,7 +53,7 @@ pub fn results(
         ..Coordinate::default()
     };
     let ends = vec![(0.0, 1.0); distributions.len()];
-    let told = serde_json::to_string(&Described::new(&design, &ends)).unwrap();
+    let told = serde_json::to_string(&DesignDescription::new(&design, &ends)).unwrap();
     Results {
         title: "made up".into(),
         axes: vec![samples],

@@ -1,13 +1,13 @@
 //! How [afmsweep](https://docs.rs/afmsweep) runs a scene: a [`plan`] of what it needs, an [`engine`] that steps it, the
-//! [`periodic`] states it ends in ([`steady`]), [`control`] of errors, the [`record`] for a file; [`sweep`] is all of it.
+//! [`periodic`] states it ends in ([`orbit`]), [`control`] of errors, the [`record`] for a file; [`sweep`] is all of it.
 
 pub mod compare;
 pub mod control;
 pub mod engine;
+pub mod orbit;
 pub mod periodic;
 pub mod plan;
 pub mod record;
-pub mod steady;
 pub mod sweep;
 
 use afmsweep_data::{design, observe, store};

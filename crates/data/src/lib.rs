@@ -1,13 +1,13 @@
 //! What [afmsweep](https://docs.rs/afmsweep) knows without a lever: [`units`], observables ([`observe`]), points of
-//! uncertain quantities ([`design`]), forces from curves ([`reconstruct`]), results files ([`store`]) and what a study's
+//! uncertain quantities ([`design`]), forces from curves ([`reconstruction`]), results files ([`store`]) and what a study's
 //! file tells ([`stats`]).
 
 pub mod design;
 pub mod observe;
-pub mod reconstruct;
+pub mod reconstruction;
 pub mod stats;
 pub mod store;
-pub mod suggest;
+pub mod suggestion;
 pub mod units;
 
 use afmsweep_kernel as kernel;

@@ -11,14 +11,14 @@
 //! assert_eq!(format(3e-8, Dimension::Length), "30 nm");
 //! ```
 
-mod error;
 mod symbols;
 #[cfg(test)]
 mod tests;
+mod unit_error;
 
-pub use error::shortened;
-pub use error::{UnitError, UnitErrorKind};
 use symbols::Unit;
+pub use unit_error::shortened;
+pub use unit_error::{UnitError, UnitErrorKind};
 
 /// What kind of quantity a text must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

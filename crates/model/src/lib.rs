@@ -5,5 +5,5 @@ pub mod contact;
 pub mod instrument;
 pub mod scene;
 
-use afmsweep_data::{design, observe, suggest, units};
+use afmsweep_data::{design, observe, suggestion, units};
 use afmsweep_kernel as kernel;

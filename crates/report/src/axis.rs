@@ -1,17 +1,17 @@
 //! One axis of a picture: what range it shows, linear or logarithmic, and where its ticks stand.
 
 use super::labels::short;
-use super::quantity::{Unit, number, superscript};
+use super::quantity_text::{DisplayUnit, number, superscript};
 use crate::store::Coordinate;
 
 /// A range of SI values, its unit and its label.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
+pub(super) struct PlotAxis {
     /// Ends, in shown units (their decimal logarithm if `log`).
     low: f64,
     high: f64,
     pub log: bool,
-    pub unit: Unit,
+    pub unit: DisplayUnit,
     /// With the unit.
     pub label: String,
     /// What stands at 0, 1 and so on in place of numbers.
@@ -21,7 +21,7 @@ pub(super) struct Axis {
 /// A labelled tick: its place along the axis from 0 to 1.
 pub(super) type Tick = (f64, String);
 
-impl Axis {
+impl PlotAxis {
     /// An axis over all finite `values`, widened by `margin` of its length at both ends.
     pub fn over(
         values: impl Iterator<Item = f64> + Clone,
@@ -32,7 +32,7 @@ impl Axis {
     ) -> Self {
         let finite = values.filter(|value| value.is_finite() && (!log || *value > 0.0));
         let largest = finite.clone().fold(0.0, |most: f64, value| most.max(value.abs()));
-        let unit = Unit::fitting(units, largest);
+        let unit = DisplayUnit::fitting(units, largest);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in finite {
             let at = if log { unit.show(value).log10() } else { unit.show(value) };
@@ -68,7 +68,7 @@ impl Axis {
         !self.names.is_empty()
     }
 
-    /// The same axis with these ends, given on the scale of [`Axis::scaled`].
+    /// The same axis with these ends, given on the scale of [`PlotAxis::scaled`].
     pub fn between(mut self, low: f64, high: f64) -> Self {
         (self.low, self.high) = (low, high);
         self
@@ -85,7 +85,7 @@ impl Axis {
         self.place_scaled(self.scaled(value))
     }
 
-    /// As [`Axis::place`], for what [`Axis::scaled`] gives.
+    /// As [`PlotAxis::place`], for what [`PlotAxis::scaled`] gives.
     pub fn place_scaled(&self, scaled: f64) -> f64 {
         let place = (scaled - self.low) / (self.high - self.low);
         if place.is_finite() { place } else { f64::NAN }
@@ -219,20 +219,20 @@ pub(super) fn least_of_decades(values: impl Iterator<Item = f64>) -> Option<f64>
 mod tests {
     use super::*;
 
-    fn texts(axis: &Axis, count: usize) -> Vec<String> {
+    fn texts(axis: &PlotAxis, count: usize) -> Vec<String> {
         axis.ticks(count).0.into_iter().map(|(_, text)| text).collect()
     }
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let axis = Axis::over([0.0, 97e-9].into_iter(), "m", "gap", false, 0.0);
+        let axis = PlotAxis::over([0.0, 97e-9].into_iter(), "m", "gap", false, 0.0);
         assert_eq!(axis.label, "gap (nm)");
         assert_eq!(texts(&axis, 5), ["0", "20", "40", "60", "80"]);
-        let axis = Axis::over([1e8, 1e11].into_iter(), "Pa", "modulus", true, 0.0);
+        let axis = PlotAxis::over([1e8, 1e11].into_iter(), "Pa", "modulus", true, 0.0);
         assert_eq!(texts(&axis, 5), ["0.1", "1", "10", "100"]);
-        let axis = Axis::over([5e-9, 40e-9].into_iter(), "m", "radius", true, 0.0);
+        let axis = PlotAxis::over([5e-9, 40e-9].into_iter(), "m", "radius", true, 0.0);
         assert_eq!(texts(&axis, 5), ["5", "10", "20"]);
-        let axis = Axis::over([0.0, 180.0].into_iter(), "degree", "phase", false, 0.0);
+        let axis = PlotAxis::over([0.0, 180.0].into_iter(), "degree", "phase", false, 0.0);
         assert_eq!(texts(&axis, 5), ["0", "45", "90", "135", "180"]);
     }
 
@@ -240,7 +240,7 @@ mod tests {
     fn no_values_one_value_and_huge_values_make_an_axis() {
         for values in [vec![], vec![f64::NAN], vec![0.0], vec![3.0], vec![1e300, -1e300], vec![1e-320]] {
             for log in [false, true] {
-                let axis = Axis::over(values.iter().copied(), "m", "x", log, 0.05);
+                let axis = PlotAxis::over(values.iter().copied(), "m", "x", log, 0.05);
                 assert!(axis.ticks(5).0.iter().all(|(place, _)| place.is_finite()), "{values:?}");
             }
         }
@@ -249,7 +249,7 @@ mod tests {
     /// Truth: the values put in.
     #[test]
     fn a_short_logarithmic_axis_has_more_ticks_than_one() {
-        let axis = Axis::over([1.3e9, 70e9].into_iter(), "Pa", "modulus", true, 0.0);
+        let axis = PlotAxis::over([1.3e9, 70e9].into_iter(), "Pa", "modulus", true, 0.0);
         assert_eq!(texts(&axis, 5), ["2", "5", "10", "20", "50"]);
     }
 
@@ -272,7 +272,7 @@ mod tests {
             values: vec![0.0, 1.0].into(),
             ..Coordinate::default()
         };
-        let axis = Axis::of(&material, 0.0);
+        let axis = PlotAxis::of(&material, 0.0);
         assert_eq!(axis.ticks(9).0, [(0.25, "PS".to_owned()), (0.75, "PMMA".to_owned())]);
     }
 

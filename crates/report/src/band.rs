@@ -1,12 +1,12 @@
 //! What values are over an axis of many cases: the middle, and shaded where half of them and where nine of ten lie.
 
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
-use super::frame::{Frame, KEY_ROW, Key, key, key_rows, left_margin, title};
-use super::from_curve::{is_ok, jumps};
+use super::curve_forces::{is_ok, jumps};
+use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
 use super::labels::{brief, shown};
 use super::picture::places;
-use super::view::DIRECTION;
+use super::view_request::DIRECTION;
 use super::{ReportError, SAMPLES};
 use crate::store::{Coordinate, Results, Variable};
 
@@ -20,7 +20,7 @@ pub(super) const SHARES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 const COVER: [f64; 2] = [0.16, 0.3];
 
 /// One band: its name and, at each place of the axis, the values at [`SHARES`].
-pub(super) struct Series {
+pub(super) struct BandSeries {
     pub name: String,
     pub points: Vec<[f64; 5]>,
 }
@@ -31,23 +31,23 @@ pub(super) struct Bands<'a> {
     pub x: &'a Coordinate,
     pub label: &'a str,
     pub units: &'a str,
-    pub series: Vec<Series>,
+    pub series: Vec<BandSeries>,
 }
 
 impl Bands<'_> {
     /// The picture as SVG. Names along the axis have bars in place of areas.
     pub fn draw(&self) -> Result<String, ReportError> {
-        let x_axis = Axis::of(self.x, 0.0);
+        let x_axis = PlotAxis::of(self.x, 0.0);
         let values = self.series.iter().flat_map(|one| &one.points).flatten().copied();
-        let y_axis = Axis::over(values, self.units, self.label, false, 0.06);
-        let mut entries: Vec<(Key, String)> = Vec::new();
+        let y_axis = PlotAxis::over(values, self.units, self.label, false, 0.06);
+        let mut entries: Vec<(Legend, String)> = Vec::new();
         for (number, one) in self.series.iter().enumerate().filter(|_| self.series.len() > 1) {
-            entries.push((Key::Line(LINES[number % LINES.len()]), one.name.clone()));
+            entries.push((Legend::Line(LINES[number % LINES.len()]), one.name.clone()));
         }
         let middle = if self.series.len() > 1 { INK } else { LINES[0] };
-        entries.push((Key::Line(middle), "median".to_owned()));
-        entries.push((Key::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
-        entries.push((Key::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
+        entries.push((Legend::Line(middle), "median".to_owned()));
+        entries.push((Legend::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
+        entries.push((Legend::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
         let (width, height, top) = (560.0, 360.0, 40.0);
         let left = left_margin(&y_axis, height);
         let total_width = left + width + 28.0;
@@ -154,7 +154,8 @@ pub(super) fn draw(
     };
     let points: Vec<[f64; 5]> = held.iter_mut().map(quantiles).collect();
     let series = names.into_iter().zip(points.chunks(length));
-    let series: Vec<Series> = series.map(|(name, points)| Series { name, points: points.to_vec() }).collect();
+    let series: Vec<BandSeries> =
+        series.map(|(name, points)| BandSeries { name, points: points.to_vec() }).collect();
     let csv = csv(&axes[x], variable, &series);
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
     let label = brief(name, &variable.name);
@@ -175,7 +176,7 @@ fn axis_of(axes: &[Coordinate], many: bool) -> Option<usize> {
     all().find(numbers).or_else(|| all().find(usable))
 }
 
-fn csv(x: &Coordinate, variable: &Variable, series: &[Series]) -> String {
+fn csv(x: &Coordinate, variable: &Variable, series: &[BandSeries]) -> String {
     let mut text = format!("band,{}", super::csv::head(&x.name, &x.units));
     SHARES.iter().for_each(|share| text += &format!(",share {share} [{}]", variable.units));
     text.push('\n');

@@ -1,9 +1,9 @@
 //! Lines over a common axis, in one panel or several above each other, with marked points.
 
 use super::ReportError;
-use super::axis::{Axis, spans_decades};
+use super::axis::{PlotAxis, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, LINES, WHITE, picture};
-use super::frame::{Frame, KEY_ROW, Key, SMALL, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, SMALL, key, key_rows, left_margin, title};
 
 /// How a series is drawn, the same in every panel.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ pub struct Plot {
 
 /// The common axis.
 #[derive(Clone, Debug)]
-pub struct Field {
+pub struct ChartField {
     pub label: String,
     /// SI unit, as the results file writes it.
     pub units: String,
@@ -55,7 +55,7 @@ pub struct Field {
 #[derive(Clone, Debug)]
 pub struct Chart {
     pub title: String,
-    pub x: Field,
+    pub x: ChartField,
     pub series: Vec<Look>,
     pub panels: Vec<Plot>,
 }
@@ -67,15 +67,16 @@ impl Chart {
     /// [`ReportError::Draw`].
     pub fn draw(&self) -> Result<String, ReportError> {
         let points = || self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
-        let x_axis = Axis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
-        let axes: Vec<Axis> = self.panels.iter().map(Plot::axis).collect();
-        let entries: Vec<(Key, String)> = self
+        let x_axis =
+            PlotAxis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
+        let axes: Vec<PlotAxis> = self.panels.iter().map(Plot::axis).collect();
+        let entries: Vec<(Legend, String)> = self
             .series
             .iter()
             .enumerate()
             .map(|(number, look)| {
                 let shade = LINES[number % LINES.len()];
-                let sample = if look.dashed { Key::Dashes(shade) } else { Key::Line(shade) };
+                let sample = if look.dashed { Legend::Dashes(shade) } else { Legend::Line(shade) };
                 (sample, look.name.clone())
             })
             .collect();
@@ -125,9 +126,9 @@ impl Chart {
 }
 
 impl Plot {
-    fn axis(&self) -> Axis {
+    fn axis(&self) -> PlotAxis {
         let values = self.lines.iter().flatten().map(|point| point.1);
-        Axis::over(values.clone(), &self.units, &self.label, spans_decades(values), 0.06)
+        PlotAxis::over(values.clone(), &self.units, &self.label, spans_decades(values), 0.06)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::ReportError;
 use super::canvas::{Anchor, INK, WHITE, text_width};
-use super::cells::Field;
 use super::frame::{Frame, State};
+use super::heat_cells::CellField;
 use std::collections::HashMap;
 
 /// Pixels for each line that a map may have.
@@ -16,8 +16,8 @@ const STEP: f64 = 1.5;
 const LETTERS: f64 = 11.0;
 
 /// Draws the lines of a panel and their values; `cells` are those that the panel shows, the lowest row first.
-pub(super) fn draw(field: &Field, cells: &[(f64, State)]) -> Result<(), ReportError> {
-    let Field { frame, across, up, bar } = field;
+pub(super) fn draw(field: &CellField, cells: &[(f64, State)]) -> Result<(), ReportError> {
+    let CellField { frame, across, up, bar } = field;
     let values = || cells.iter().filter(|cell| cell.1.has_value()).map(|cell| cell.0);
     // Counts have no values between.
     if across.axis.has_names() || up.axis.has_names() || values().all(|value| value.fract() == 0.0) {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// A table with a caption: the first row is its head.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct DocumentTable {
     pub caption: String,
     pub rows: Vec<Vec<String>>,
 }
@@ -19,7 +19,7 @@ pub enum Block {
         text: String,
     },
     /// With its caption above it, if there is one.
-    Table(Table),
+    Table(DocumentTable),
     /// A picture in a file beside the page. Where its text is here too, the page holds it: neighbours stand side by side,
     /// and its colours follow the page's.
     Figure {
@@ -54,7 +54,7 @@ impl Document {
 
     /// A table.
     pub fn table(&mut self, caption: &str, rows: Vec<Vec<String>>) {
-        self.blocks.push(Block::Table(Table { caption: caption.to_owned(), rows }));
+        self.blocks.push(Block::Table(DocumentTable { caption: caption.to_owned(), rows }));
     }
 
     /// A picture in a file beside the page.
@@ -167,7 +167,7 @@ impl Document {
     }
 }
 
-impl Table {
+impl DocumentTable {
     /// As HTML, without the caption.
     pub(super) fn html(&self) -> String {
         let mut text = String::from("<div class=\"wide\"><table>\n");

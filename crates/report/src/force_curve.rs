@@ -1,10 +1,10 @@
 //! Force against indentation of one instance: the law, and the forces that its motion tells, where something happens.
 
 use super::ReportError;
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
-use super::frame::{Frame, KEY_ROW, Key, key, key_rows, left_margin, title};
-use super::from_curve::LARGEST;
+use super::curve_forces::LARGEST;
+use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
 use crate::store::ForceCurve;
 
 /// Decay lengths of the attraction and largest indentations from the surface that are shown.
@@ -26,21 +26,21 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) ->
     let all = || curves.iter().flat_map(|curve| pairs(curve));
     let (x_axis, y_axis) = match field(&curves, decay) {
         Some(((from, to), (low, high))) => (
-            Axis::over([from, to].into_iter(), "m", X, false, 0.0),
-            Axis::over([low, high].into_iter(), "N", Y, false, 0.0),
+            PlotAxis::over([from, to].into_iter(), "m", X, false, 0.0),
+            PlotAxis::over([low, high].into_iter(), "N", Y, false, 0.0),
         ),
         None => (
-            Axis::over(all().map(|one| one.0), "m", X, false, 0.03),
-            Axis::over(all().map(|one| one.1), "N", Y, false, 0.06),
+            PlotAxis::over(all().map(|one| one.0), "m", X, false, 0.03),
+            PlotAxis::over(all().map(|one| one.1), "N", Y, false, 0.06),
         ),
     };
     let mut entries = Vec::new();
     for (number, curve) in curves.iter().enumerate() {
         let shade = LINES[number % LINES.len()];
         let sample = match curve {
-            curve if is_retraction(curve) => Key::Dashes(shade),
-            curve if is_cloud(curve) => Key::Dot(shade),
-            _ => Key::Line(shade),
+            curve if is_retraction(curve) => Legend::Dashes(shade),
+            curve if is_cloud(curve) => Legend::Dot(shade),
+            _ => Legend::Line(shade),
         };
         entries.push((sample, names[number].clone()));
     }
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn lines_are_cut_at_the_edges() {
         let made = picture((100.0, 100.0), |canvas| {
-            let axis = Axis::over([0.0, 1.0].into_iter(), "1", "", false, 0.0);
+            let axis = PlotAxis::over([0.0, 1.0].into_iter(), "1", "", false, 0.0);
             let (width, height) = (10.0, 10.0);
             let frame = Frame { canvas, left: 0.0, top: 0.0, width, height, x: &axis, y: &axis };
             let found = inside(&frame, &[(-5.0, 5.0), (5.0, 5.0), (5.0, 25.0), (50.0, 50.0)]);

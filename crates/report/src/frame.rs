@@ -1,7 +1,7 @@
 //! What pictures have in common: the frame with its ticks, the key below it, colours for values.
 
 use super::ReportError;
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{Anchor, Canvas, GREY, INK, PALE, WHITE, text_width};
 use crate::observe::Status;
 use crate::store::NO_STATE;
@@ -104,7 +104,7 @@ impl Tally {
 
     /// Entries of a key for what there is, with a sample for each: of what is doubtful, nothing, without a value, failed,
     /// outside the limits.
-    pub fn entries(&self, samples: [Key; 5]) -> Vec<(Key, String)> {
+    pub fn entries(&self, samples: [Legend; 5]) -> Vec<(Legend, String)> {
         let codes = |counts: &BTreeMap<u8, usize>| {
             let one = |(code, count): (&u8, &usize)| format!("{} ({count})", status_word(*code));
             counts.iter().map(one).collect::<Vec<_>>().join(", ")
@@ -126,7 +126,7 @@ impl Tally {
 
 /// A sample in a key.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Key {
+pub(super) enum Legend {
     Line(RGBColor),
     Thin(RGBColor),
     Dashes(RGBColor),
@@ -150,7 +150,7 @@ pub(super) fn key(
     canvas: &Canvas,
     (left, top): (f64, f64),
     right: f64,
-    entries: &[(Key, String)],
+    entries: &[(Legend, String)],
 ) -> Result<(), ReportError> {
     let (mut x, mut y) = (left, top);
     for (sample, text) in entries {
@@ -161,20 +161,20 @@ pub(super) fn key(
         let (a, b) = ((x, y - 6.0), (x + 22.0, y + 6.0));
         let middle = (x + 11.0, y);
         match *sample {
-            Key::Line(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 2.0)?,
-            Key::Thin(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 0.8)?,
-            Key::Dashes(colour) => canvas.dashes(&[(a.0, y), (b.0, y)], colour, 2.0)?,
-            Key::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
-            Key::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
-            Key::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
-            Key::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
-            Key::Swatch(colour) => canvas.rectangle(a, b, colour)?,
-            Key::Shade(colour, cover) => canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?,
-            Key::Marked(colour) => {
+            Legend::Line(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Legend::Thin(colour) => canvas.line(&[(a.0, y), (b.0, y)], colour, 0.8)?,
+            Legend::Dashes(colour) => canvas.dashes(&[(a.0, y), (b.0, y)], colour, 2.0)?,
+            Legend::Dot(colour) => canvas.dot(middle, 3.0, colour)?,
+            Legend::Ring(colour) => canvas.ring(middle, 3.5, colour)?,
+            Legend::Cross(colour) => canvas.cross(middle, 3.5, colour)?,
+            Legend::Tick(colour) => canvas.line(&[(middle.0, y - 4.0), (middle.0, y + 4.0)], colour, 1.3)?,
+            Legend::Swatch(colour) => canvas.rectangle(a, b, colour)?,
+            Legend::Shade(colour, cover) => canvas.shade(&[a, (b.0, a.1), b, (a.0, b.1)], (colour, cover))?,
+            Legend::Marked(colour) => {
                 canvas.rectangle(a, b, colour)?;
                 mark(canvas, middle)?;
             }
-            Key::Hatched => canvas.hatched(a, b)?,
+            Legend::Hatched => canvas.hatched(a, b)?,
         }
         canvas.text(text, (x + 28.0, y), SMALL, Anchor::Left, INK)?;
         x += width;
@@ -183,7 +183,7 @@ pub(super) fn key(
 }
 
 /// Rows that [`key`] needs.
-pub(super) fn key_rows(width: f64, entries: &[(Key, String)]) -> f64 {
+pub(super) fn key_rows(width: f64, entries: &[(Legend, String)]) -> f64 {
     let (mut x, mut rows) = (0.0, f64::from(u8::from(!entries.is_empty())));
     for (_, text) in entries {
         let entry = 30.0 + text_width(text, SMALL) + 16.0;
@@ -208,8 +208,8 @@ pub(super) struct Frame<'a, 'c> {
     pub top: f64,
     pub width: f64,
     pub height: f64,
-    pub x: &'a Axis,
-    pub y: &'a Axis,
+    pub x: &'a PlotAxis,
+    pub y: &'a PlotAxis,
 }
 
 impl Frame<'_, '_> {
@@ -301,7 +301,7 @@ impl Frame<'_, '_> {
 }
 
 /// An upright label in the room it has: in smaller letters, or the unit alone, where it is too long.
-pub(super) fn upward(canvas: &Canvas, axis: &Axis, at: (f64, f64), room: f64) -> Result<(), ReportError> {
+pub(super) fn upward(canvas: &Canvas, axis: &PlotAxis, at: (f64, f64), room: f64) -> Result<(), ReportError> {
     let room = room + 30.0;
     let sizes = [LABEL, SMALL, 11.0, 10.0];
     let size = sizes.into_iter().find(|size| text_width(&axis.label, *size) <= room);
@@ -315,7 +315,7 @@ fn widest(ticks: &[(f64, String)]) -> f64 {
 }
 
 /// Room that an axis needs at the left of a field of this height.
-pub(super) fn left_margin(axis: &Axis, height: f64) -> f64 {
+pub(super) fn left_margin(axis: &PlotAxis, height: f64) -> f64 {
     16.0 + widest(&axis.ticks((height / 45.0) as usize + 1).0) + LABEL * 1.2 + 10.0
 }
 

@@ -1,11 +1,11 @@
 //! One instance's harmonics as sticks: travel and force in panels above each other.
 
 use super::ReportError;
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{Anchor, INK, LINES, picture};
 use super::frame::{Frame, SMALL, left_margin, title};
-use super::hover::{Hover, Told};
-use super::quantity::shown;
+use super::hover::{Hint, Hover};
+use super::quantity_text::shown;
 use crate::store::Spectra;
 
 /// Amplitudes below this share of a panel's largest are not drawn.
@@ -21,7 +21,7 @@ struct Panel<'a> {
     units: &'static str,
     amplitude: &'a [f64],
     phase: &'a [f64],
-    axis: Axis,
+    axis: PlotAxis,
     /// What the axis ends at.
     floor: f64,
 }
@@ -39,7 +39,7 @@ pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(Stri
     let last = last(&panels) as f64;
     let first = frequency.first().copied().unwrap_or(f64::NAN);
     let label = format!("harmonic of {}", shown(first, "Hz", 6));
-    let x_axis = Axis::over([0.0, last + 1.0].into_iter(), "1", &label, false, 0.0);
+    let x_axis = PlotAxis::over([0.0, last + 1.0].into_iter(), "1", &label, false, 0.0);
     let (width, height, gap, top) = (640.0, 190.0, 16.0, 40.0);
     let left = panels.iter().map(|panel| left_margin(&panel.axis, height)).fold(0.0, f64::max);
     let total_width = left + width + 24.0;
@@ -71,12 +71,12 @@ impl<'a> Panel<'a> {
         let shown = || amplitude.iter().copied().filter(|value| *value > 0.0 && *value >= FLOOR * most);
         // Whole decades around what is shown.
         let ends = [shown().fold(most, f64::min) / 2.0, most * 2.0];
-        let axis = Axis::over(ends.into_iter(), units, label, true, 0.0);
+        let axis = PlotAxis::over(ends.into_iter(), units, label, true, 0.0);
         Self { label, units, amplitude, phase, axis, floor: FLOOR * most.max(f64::MIN_POSITIVE) }
     }
 
     /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
-    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<Told>, ReportError> {
+    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<Hint>, ReportError> {
         let bottom = frame.top + frame.height;
         // Many of them are thin.
         let apart = frame.at(2.0, f64::NAN).0 - frame.at(1.0, f64::NAN).0;

@@ -1,13 +1,13 @@
 //! Values over two axes as coloured cells, alone or as panels over slices of further axes.
 
 use super::ReportError;
-use super::axis::{Axis, least_of_decades, spans_decades};
+use super::axis::{PlotAxis, least_of_decades, spans_decades};
 use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
-use super::cells::{Cells, Field, MARKED, MOST_CELLS, NONE, RASTER};
 use super::contour;
 use super::frame::{
-    Frame, KEY_ROW, Key, LABEL, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
+    Frame, KEY_ROW, LABEL, Legend, SMALL, State, Tally, colour, key, key_rows, left_margin, title, upward,
 };
+use super::heat_cells::{CellField, HeatCells, MARKED, MOST_CELLS, NONE, RASTER};
 use super::hover::Hover;
 use crate::store::Coordinate;
 
@@ -69,9 +69,9 @@ impl Heatmap<'_> {
         contours: bool,
     ) -> Result<(String, Hover), ReportError> {
         let mut hover = Hover::default();
-        let (across, up) = (Cells::along(self.x), Cells::along(self.y));
+        let (across, up) = (HeatCells::along(self.x), HeatCells::along(self.y));
         let states = self.panels.iter().flat_map(|panel| &panel.values).map(|(_, state)| *state);
-        let bar = Axis::over(values, self.units, self.long_name, log, 0.0);
+        let bar = PlotAxis::over(values, self.units, self.long_name, log, 0.0);
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let rows = self.panels.len().div_ceil(columns);
         let single = self.panels.len() == 1;
@@ -106,7 +106,7 @@ impl Heatmap<'_> {
                 };
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
                 canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
-                let map = Field { frame: &frame, across: &across, up: &up, bar: &bar };
+                let map = CellField { frame: &frame, across: &across, up: &up, bar: &bar };
                 self.panel(&map, panel, (raster, contours), &mut hover)?;
                 let lowest = number + columns >= self.panels.len();
                 frame.ticks(lowest, column == 0)?;
@@ -124,7 +124,7 @@ impl Heatmap<'_> {
     /// The cells of a panel and the lines over them.
     fn panel(
         &self,
-        map: &Field,
+        map: &CellField,
         panel: &Panel,
         (raster, contours): (bool, bool),
         hover: &mut Hover,
@@ -138,24 +138,24 @@ impl Heatmap<'_> {
         overlay(map.frame, &panel.lines)
     }
 
-    fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Key, String)> {
+    fn entries(&self, states: impl Iterator<Item = State>, cells: usize) -> Vec<(Legend, String)> {
         let tally = Tally::of(states);
-        let mut entries: Vec<(Key, String)> = Vec::new();
+        let mut entries: Vec<(Legend, String)> = Vec::new();
         for (number, name) in self.lines.iter().enumerate() {
-            let sample = if number == 0 { Key::Line(INK) } else { Key::Dashes(INK) };
+            let sample = if number == 0 { Legend::Line(INK) } else { Legend::Dashes(INK) };
             entries.push((sample, name.clone()));
         }
-        let [marked, back] = [Key::Marked(colour(0.4)), Key::Swatch(BACK)];
-        let samples = [marked, Key::Swatch(NONE), Key::Swatch(PALE), Key::Hatched, back];
+        let [marked, back] = [Legend::Marked(colour(0.4)), Legend::Swatch(BACK)];
+        let samples = [marked, Legend::Swatch(NONE), Legend::Swatch(PALE), Legend::Hatched, back];
         for (sample, mut words) in tally.entries(samples) {
-            if matches!(sample, Key::Marked(_)) && cells > MARKED {
+            if matches!(sample, Legend::Marked(_)) && cells > MARKED {
                 words += ", not marked";
             }
             entries.push((sample, words));
         }
         if self.x.values.len().max(self.y.values.len()) > MOST_CELLS {
             let text = "each cell is the mean of its neighbouring instances that have a value".to_owned();
-            entries.push((Key::Swatch(colour(0.6)), text));
+            entries.push((Legend::Swatch(colour(0.6)), text));
         }
         entries
     }
@@ -176,7 +176,12 @@ fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> 
     Ok(())
 }
 
-fn colour_bar(canvas: &Canvas, bar: &Axis, (left, top): (f64, f64), height: f64) -> Result<(), ReportError> {
+fn colour_bar(
+    canvas: &Canvas,
+    bar: &PlotAxis,
+    (left, top): (f64, f64),
+    height: f64,
+) -> Result<(), ReportError> {
     const STEPS: usize = 100;
     let (width, bottom) = (18.0, top + height);
     for step in 0..STEPS {

@@ -6,7 +6,7 @@ use serde_json::json;
 const MOST_CELLS: usize = 20_000;
 
 /// A point and what it stands for.
-pub(super) type Told = ((f64, f64), String);
+pub(super) type Hint = ((f64, f64), String);
 
 /// What lies where in a picture, in its pixels.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +16,7 @@ pub(super) struct Hover {
 }
 
 /// The cells of one map.
-pub(super) struct Cells {
+pub(super) struct HoverCells {
     /// Left and upper end.
     pub corner: (f64, f64),
     /// Right ends of the columns.
@@ -34,14 +34,14 @@ pub(super) struct Cells {
 
 impl Hover {
     /// Points with what they stand for.
-    pub fn points(&mut self, points: Vec<Told>) {
+    pub fn points(&mut self, points: Vec<Hint>) {
         let points: Vec<serde_json::Value> =
             points.into_iter().map(|((x, y), text)| json!([tenth(x), tenth(y), text])).collect();
         self.fields.push(json!({ "points": points }));
     }
 
     /// The cells of a map.
-    pub fn cells(&mut self, cells: Cells) {
+    pub fn cells(&mut self, cells: HoverCells) {
         self.cells += cells.values.len();
         if self.cells > MOST_CELLS {
             self.fields.clear();
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn too_many_cells_are_not_told() {
-        let cells = |count: usize| Cells {
+        let cells = |count: usize| HoverCells {
             corner: (0.0, 0.0),
             right: vec![1.0],
             top: vec![0.0],

@@ -1,6 +1,6 @@
 //! Words for axes, values and texts.
 
-use super::quantity::Unit;
+use super::quantity_text::DisplayUnit;
 use crate::store::Coordinate;
 
 /// What an axis is called beside it: its label, or its name in the file where that is too long.
@@ -29,7 +29,7 @@ pub(super) fn shown(axis: &Coordinate, value: f64) -> String {
         return word.clone();
     }
     let largest = axis.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let unit = Unit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() });
+    let unit = DisplayUnit::fitting(&axis.units, if value == 0.0 { largest } else { value.abs() });
     unit.digits(value, digits(&axis.values).max(4))
 }
 
@@ -60,7 +60,7 @@ pub(super) fn span(values: impl Iterator<Item = f64>, units: &str) -> Option<Str
     }
     let fitting = |value: f64| if value == 0.0 { low.abs().max(high.abs()) } else { value.abs() };
     let digits = telling(low, high).clamp(3, 7);
-    let show = |value: f64| Unit::fitting(units, fitting(value)).digits(value, digits);
+    let show = |value: f64| DisplayUnit::fitting(units, fitting(value)).digits(value, digits);
     Some(if show(low) == show(high) { show(high) } else { format!("{} to {}", show(low), show(high)) })
 }
 

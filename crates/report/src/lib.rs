@@ -4,45 +4,45 @@
 
 mod axis;
 mod band;
+mod branch_states;
 mod canvas;
-mod cells;
 mod chart;
 mod contour;
 mod csv;
-mod curve;
+mod curve_forces;
+mod curve_picture;
 mod document;
-mod findings;
-mod floor;
+mod error_floor;
 mod force_curve;
 mod frame;
-mod from_curve;
 mod harmonics;
+mod heat_cells;
 mod heatmap;
 mod hover;
 mod labels;
 mod limits;
-mod on_branch;
 mod page;
+mod page_summary;
 mod picture;
 mod pictures;
-mod quantity;
+mod quantity_text;
 mod raster;
 mod scatter;
 mod tables;
 pub mod uncertainty;
 mod variable;
-mod view;
+mod view_request;
 mod waveform;
 
-pub use chart::{Chart, Field, Look, Mark, Plot};
+pub use chart::{Chart, ChartField, Look, Mark, Plot};
 pub use csv::defused;
-pub use document::{Block, Document, Table};
+pub use document::{Block, Document, DocumentTable};
 pub use frame::State;
 pub use heatmap::{Heatmap, Panel};
-pub use quantity::shown;
-pub use view::Wish;
+pub use quantity_text::shown;
+pub use view_request::ViewRequest;
 
-use afmsweep_data::{observe, reconstruct, stats, store, suggest, units};
+use afmsweep_data::{observe, reconstruction, stats, store, suggestion, units};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -134,23 +134,23 @@ pub struct Pictured {
 ///
 /// # Errors
 /// See [`ReportError`].
-pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, ReportError> {
+pub fn write(file: &Path, output: Option<&Path>, wish: &ViewRequest) -> Result<Report, ReportError> {
     let folder = output.map_or_else(|| default_folder(file), Path::to_path_buf);
     check_folder(&folder, MARKER)?;
     let results = match &wish.branch {
         None => read(file)?,
-        Some(branch) => on_branch::chosen(read(file)?, branch)?,
+        Some(branch) => branch_states::chosen(read(file)?, branch)?,
     };
     let (results, limited) = limits::applied(ways_named(samples_as_list(results)), wish)?;
     let drawn = pictures::all(&results, wish)?;
-    let fixed = if results.list { Vec::new() } else { view::fixed(&results, wish)? };
-    let slice = (!fixed.is_empty()).then(|| findings::of_shown(&results, &fixed));
+    let fixed = if results.list { Vec::new() } else { view_request::fixed(&results, wish)? };
+    let slice = (!fixed.is_empty()).then(|| page_summary::of_shown(&results, &fixed));
     let looked_at = slice.as_ref().unwrap_or(&results);
     let (kept, sentence) = match limited {
         true => limits::kept(looked_at, wish).map(|(kept, sentence)| (Some(kept), Some(sentence)))?,
         false => (None, None),
     };
-    let findings = findings::all(looked_at, &fixed, sentence);
+    let findings = page_summary::all(looked_at, &fixed, sentence);
     let page = ("index.html".to_owned(), page::html(&results, file, (&drawn, &findings)));
     let text = ("report.md".to_owned(), page::markdown(&results, file, (&drawn, &findings)));
     let mut files = vec![page, text];
@@ -169,8 +169,9 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &Wish) -> Result<Report, 
 fn ways_named(mut results: Results) -> Results {
     let Some((last, others)) = results.axes.split_last_mut() else { return results };
     let falls = last.values.first() >= last.values.last();
-    if let Some(ways) = others.iter_mut().find(|axis| axis.name == view::DIRECTION && axis.words.len() == 2)
-        && last.scene_path == from_curve::GAP
+    if let Some(ways) =
+        others.iter_mut().find(|axis| axis.name == view_request::DIRECTION && axis.words.len() == 2)
+        && last.scene_path == curve_forces::GAP
     {
         ways.words = ["approach", "retraction"].map(str::to_owned).to_vec();
         if !falls {

@@ -3,9 +3,9 @@
 use super::ReportError;
 use super::frame::{EXCLUDED, State};
 use super::labels::{brief, label, shown, span};
-use super::picture::{Kind, places, second_states, states};
-use super::quantity::Unit;
-use super::view::{Wish, typed, unknown};
+use super::picture::{PictureKind, places, second_states, states};
+use super::quantity_text::DisplayUnit;
+use super::view_request::{ViewRequest, typed, unknown};
 use super::{Best, Kept};
 use crate::observe::Observable;
 use crate::store::{Coordinate, NO_STATE, Results, Variable};
@@ -25,7 +25,7 @@ impl Limit<'_> {
         format!(
             "{} {way} {}",
             self.variable.name,
-            Unit::fitting(&self.variable.units, largest).value(self.value)
+            DisplayUnit::fitting(&self.variable.units, largest).value(self.value)
         )
     }
 
@@ -38,7 +38,7 @@ impl Limit<'_> {
 ///
 /// # Errors
 /// A name that no observable of the file has, and a value without its unit.
-fn limits<'a>(results: &'a Results, wish: &Wish) -> Result<Vec<Limit<'a>>, ReportError> {
+fn limits<'a>(results: &'a Results, wish: &ViewRequest) -> Result<Vec<Limit<'a>>, ReportError> {
     let all = || results.variables.iter().filter(|one| one.harmonics.is_none());
     let limit = |below: bool, name: &str, text: &str| {
         let option = if below { "--below" } else { "--above" };
@@ -49,7 +49,7 @@ fn limits<'a>(results: &'a Results, wish: &Wish) -> Result<Vec<Limit<'a>>, Repor
             let example = match variable.units.as_str() {
                 "1" | "" => "0.5".to_owned(),
                 "degree" => "90".to_owned(),
-                units => Unit::fitting(units, 3e-9).value(3e-9).replace(' ', ""),
+                units => DisplayUnit::fitting(units, 3e-9).value(3e-9).replace(' ', ""),
             };
             let expected = format!("a value with its unit, such as {name}={example}");
             ReportError::wish(option, &format!("{name}={text}"), &expected)
@@ -73,7 +73,7 @@ fn counted((value, state): &(f64, State)) -> Option<f64> {
 ///
 /// # Errors
 /// As told by [`limits`].
-pub(super) fn applied(mut results: Results, wish: &Wish) -> Result<(Results, bool), ReportError> {
+pub(super) fn applied(mut results: Results, wish: &ViewRequest) -> Result<(Results, bool), ReportError> {
     let limits = limits(&results, wish)?;
     if limits.is_empty() {
         return Ok((results, false));
@@ -109,7 +109,7 @@ pub(super) fn applied(mut results: Results, wish: &Wish) -> Result<(Results, boo
 ///
 /// # Errors
 /// As told by [`limits`].
-pub(super) fn kept(results: &Results, wish: &Wish) -> Result<(Kept, String), ReportError> {
+pub(super) fn kept(results: &Results, wish: &ViewRequest) -> Result<(Kept, String), ReportError> {
     let limits = limits(results, wish)?;
     let words: Vec<String> = limits.iter().map(Limit::words).collect();
     let words = words.join(" and ");
@@ -129,7 +129,9 @@ pub(super) fn kept(results: &Results, wish: &Wish) -> Result<(Kept, String), Rep
     let smallest = limits.iter().all(|limit| !limit.below);
     let is_limit = |one: &Variable| limits.iter().any(|limit| limit.variable.name == one.name);
     let asked = |one: &&Variable| {
-        Observable::from_name(&one.name).is_some() && one.harmonics.is_none() && Kind::of(one) == Kind::Asked
+        Observable::from_name(&one.name).is_some()
+            && one.harmonics.is_none()
+            && PictureKind::of(one) == PictureKind::Asked
     };
     let free = results.variables.iter().filter(asked).find(|one| !is_limit(one));
     let first = free.or(limits.first().map(|limit| limit.variable));
@@ -143,7 +145,7 @@ pub(super) fn kept(results: &Results, wish: &Wish) -> Result<(Kept, String), Rep
         if variable.long_name.is_empty() { &variable.name } else { &variable.long_name },
         &variable.name,
     );
-    let said = Unit::fitting(&variable.units, value.abs()).short(value);
+    let said = DisplayUnit::fitting(&variable.units, value.abs()).short(value);
     let what = match (smallest, name.strip_prefix("largest ")) {
         (false, rest) => format!("Largest {}", rest.unwrap_or(&name)),
         (true, None) => format!("Smallest {name}"),

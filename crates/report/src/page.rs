@@ -3,8 +3,8 @@
 use super::document::{self, code, escape, plain};
 use super::labels::capital;
 use super::labels::is_long;
-use super::picture::{Kind, Picture};
-use super::pictures::Drawn;
+use super::picture::{Picture, PictureKind};
+use super::pictures::DrawnPicture;
 use super::{MARKER, hover, tables};
 use crate::store::{Attribute, Results};
 use std::fmt::Write;
@@ -59,7 +59,7 @@ fn cut(text: &str) -> String {
 pub(super) fn html(
     results: &Results,
     file: &Path,
-    (Drawn { pictures, left_out }, findings): (&Drawn, &[String]),
+    (DrawnPicture { pictures, left_out }, findings): (&DrawnPicture, &[String]),
 ) -> String {
     let mut page = document::open(&heading(results, file), MARKER);
     // Writing to a String cannot fail.
@@ -72,10 +72,10 @@ pub(super) fn html(
             "<p>A single case has no pictures of its observables; the table below holds them.</p>\n",
         );
     }
-    figures(&mut page, of_kind(pictures, Kind::Asked));
-    if of_kind(pictures, Kind::Spectrum).next().is_some() {
+    figures(&mut page, of_kind(pictures, PictureKind::Asked));
+    if of_kind(pictures, PictureKind::Spectrum).next().is_some() {
         let _ = writeln!(page, "<h2>{SPECTRA}</h2>");
-        figures(&mut page, of_kind(pictures, Kind::Spectrum));
+        figures(&mut page, of_kind(pictures, PictureKind::Spectrum));
     }
     for line in left_out {
         let _ = writeln!(page, "<p class=\"caption\">Not drawn: {}</p>", escape(line));
@@ -89,7 +89,7 @@ pub(super) fn html(
         let _ = writeln!(page, "<h2>{}</h2>", escape(&table.caption));
         page.push_str(&table.html());
     }
-    figures(&mut page, of_kind(pictures, Kind::Computed));
+    figures(&mut page, of_kind(pictures, PictureKind::Computed));
     page.push_str("</details>\n");
     for (name, text) in texts(results) {
         let (name, text) = (escape(&name), escape(&text));
@@ -100,7 +100,7 @@ pub(super) fn html(
     page
 }
 
-fn of_kind(pictures: &[Picture], kind: Kind) -> impl Iterator<Item = &Picture> {
+fn of_kind(pictures: &[Picture], kind: PictureKind) -> impl Iterator<Item = &Picture> {
     pictures.iter().filter(move |picture| picture.kind == kind)
 }
 
@@ -144,7 +144,7 @@ fn figure(picture: &Picture) -> String {
 pub(super) fn markdown(
     results: &Results,
     file: &Path,
-    (Drawn { pictures, left_out }, findings): (&Drawn, &[String]),
+    (DrawnPicture { pictures, left_out }, findings): (&DrawnPicture, &[String]),
 ) -> String {
     let mut page = String::new();
     let _ = write!(page, "# {}\n\n", plain(&heading(results, file)));
@@ -152,7 +152,7 @@ pub(super) fn markdown(
     for line in findings {
         let _ = write!(page, "{}\n\n", plain(line));
     }
-    let show = |page: &mut String, kind: Kind| {
+    let show = |page: &mut String, kind: PictureKind| {
         for picture in of_kind(pictures, kind) {
             let title = plain(&picture.title);
             let _ = write!(page, "## {title}\n\n![{title}]({})\n\n", picture.file());
@@ -161,15 +161,15 @@ pub(super) fn markdown(
             }
         }
     };
-    show(&mut page, Kind::Asked);
-    show(&mut page, Kind::Spectrum);
+    show(&mut page, PictureKind::Asked);
+    show(&mut page, PictureKind::Spectrum);
     for line in left_out {
         let _ = write!(page, "Not drawn: {}\n\n", plain(line));
     }
     for table in tables::results(results).into_iter().chain(tables::computed(results)) {
         let _ = write!(page, "## {}\n\n{}\n", table.caption, table.markdown());
     }
-    show(&mut page, Kind::Computed);
+    show(&mut page, PictureKind::Computed);
     for (name, text) in texts(results) {
         // Indented text needs no fence that the text itself might hold.
         let _ = write!(page, "## {}\n\n", plain(&name));

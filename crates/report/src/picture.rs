@@ -1,6 +1,6 @@
 //! One picture of a page, and the states that it shows.
 
-use super::floor::errors;
+use super::error_floor::errors;
 use super::frame::State;
 use super::hover::Hover;
 use super::labels::shown;
@@ -9,7 +9,7 @@ use crate::store::{Coordinate, NO_STATE, Results, Variable};
 
 /// What a picture is about, and so where it stands on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum PictureKind {
     /// What a user asked for: observables, waveforms, force curves.
     Asked,
     /// Spectra, which stand below a heading of their own.
@@ -18,7 +18,7 @@ pub(super) enum Kind {
     Computed,
 }
 
-impl Kind {
+impl PictureKind {
     pub fn of(variable: &Variable) -> Self {
         let computed = variable.error_scale.is_empty() && Observable::from_name(&variable.name).is_none();
         if computed { Self::Computed } else { Self::Asked }
@@ -27,7 +27,7 @@ impl Kind {
 
 /// One picture of the page.
 pub(super) struct Picture {
-    pub kind: Kind,
+    pub kind: PictureKind,
     /// Of its files, without folder and ending.
     pub name: String,
     pub title: String,

@@ -2,28 +2,28 @@
 
 use super::ReportError;
 use super::band::{self, Band};
-use super::floor::SCALES;
+use super::error_floor::SCALES;
 use super::force_curve;
-use super::frame::{Key, State, Tally};
+use super::frame::{Legend, State, Tally};
 use super::hover::Hover;
 use super::labels::{capital, caption};
-use super::picture::{Kind, Picture, places, states};
-use super::quantity::Unit;
-use super::view::{View, Wish};
-use super::{csv, from_curve, harmonics, variable, waveform};
+use super::picture::{Picture, PictureKind, places, states};
+use super::quantity_text::DisplayUnit;
+use super::view_request::{View, ViewRequest};
+use super::{csv, curve_forces, harmonics, variable, waveform};
 use crate::store::{Coordinate, ForceCurve, Results, Variable};
 
 /// Pictures of single instances at most, of each kind.
 const MOST_INSTANCES: usize = 24;
 
 /// What a page shows, and what it does not: a line for each.
-pub(super) struct Drawn {
+pub(super) struct DrawnPicture {
     pub pictures: Vec<Picture>,
     pub left_out: Vec<String>,
 }
 
 /// All pictures: one for each variable that varies by more than its error, then waveforms, then force curves.
-pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> {
+pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture, ReportError> {
     if !results.list {
         // A wish that cannot be met is told whatever there is to draw.
         View::of(results, wish)?;
@@ -46,7 +46,7 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
             let name = format!("waveform_{instance}");
             let csv = Some(csv::of_waveform(waveforms, row));
             let hover = Hover::default();
-            pictures.push(Picture { kind: Kind::Asked, name, title, note, svg, hover, csv });
+            pictures.push(Picture { kind: PictureKind::Asked, name, title, note, svg, hover, csv });
         }
     }
     if let Some(spectra) = &results.spectra {
@@ -58,7 +58,7 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
                 harmonics::told(spectra, row),
                 left_out(row, spectra.instances.len(), "spectra")
             );
-            let (kind, name) = (Kind::Spectrum, format!("spectrum_{instance}"));
+            let (kind, name) = (PictureKind::Spectrum, format!("spectrum_{instance}"));
             let csv = Some(harmonics::csv(spectra, row));
             pictures.push(Picture { kind, name, title, note: note.trim_end().to_owned(), svg, hover, csv });
         }
@@ -68,23 +68,24 @@ pub(super) fn all(results: &Results, wish: &Wish) -> Result<Drawn, ReportError> 
     instances.sort_unstable();
     instances.dedup();
     for (row, instance) in instances.iter().enumerate().take(MOST_INSTANCES) {
-        let told = from_curve::forces(results, *instance);
+        let told = curve_forces::forces(results, *instance);
         let laws = results.force_curves.iter().filter(|curve| curve.instance == *instance);
         let curves: Vec<&ForceCurve> = laws.chain(&told).collect();
         let title = with_case(results, &format!("Force curve of instance {instance}"), *instance);
-        let svg = force_curve::draw(&curves, &title, from_curve::decay_length(results, *instance))?;
+        let svg = force_curve::draw(&curves, &title, curve_forces::decay_length(results, *instance))?;
         let note = left_out(row, instances.len(), "force curves");
         let name = format!("force_curve_{instance}");
         let csv = Some(csv::of_force_curves(&curves));
-        pictures.push(Picture { kind: Kind::Asked, name, title, note, svg, hover: Hover::default(), csv });
+        let (kind, hover) = (PictureKind::Asked, Hover::default());
+        pictures.push(Picture { kind, name, title, note, svg, hover, csv });
     }
-    Ok(Drawn { pictures, left_out: undrawn })
+    Ok(DrawnPicture { pictures, left_out: undrawn })
 }
 
 /// What an observable is over many curves.
 fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
-    let kind = Kind::of(variable);
-    if kind == Kind::Computed {
+    let kind = PictureKind::of(variable);
+    if kind == PictureKind::Computed {
         return Ok(None);
     }
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
@@ -117,7 +118,7 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
         (0, 1) => None,
         (zeros, 0) => Some(format!("{name}: 0 within its error in all {zeros} instances that have a value.")),
         (0, count) if high - low <= SAME * low.abs().max(high.abs()) => {
-            let value = Unit::fitting(&variable.units, high.abs()).value(high);
+            let value = DisplayUnit::fitting(&variable.units, high.abs()).value(high);
             Some(format!("{name}: the same in all {count} instances that have a value, {value}."))
         }
         _ => None,
@@ -127,7 +128,7 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
 /// That no instance has a value, and why.
 fn without(name: &str, states: &[(f64, State)]) -> String {
     let tally = Tally::of(states.iter().map(|one| one.1));
-    let words = tally.entries([Key::Hatched; 5]).into_iter().map(|one| one.1).collect::<Vec<_>>();
+    let words = tally.entries([Legend::Hatched; 5]).into_iter().map(|one| one.1).collect::<Vec<_>>();
     format!("{name}: no instance has a value: {}.", words.join(", "))
 }
 

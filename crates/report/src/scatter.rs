@@ -1,11 +1,11 @@
 //! Values of a list as clouds of points, a panel for each parameter; of very many, how dense they lie.
 
 use super::ReportError;
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{BACK, GREY, LINES, picture};
-use super::curve::{Series, absent, drawn, state_entries, values_axis};
-use super::frame::{Frame, KEY_ROW, Key, State, colour, key, key_rows, left_margin, title};
-use super::hover::{Hover, Told};
+use super::curve_picture::{Curve, absent, drawn, state_entries, values_axis};
+use super::frame::{Frame, KEY_ROW, Legend, State, colour, key, key_rows, left_margin, title};
+use super::hover::{Hint, Hover};
 use super::labels::shown;
 use super::raster::Dots;
 use super::uncertainty::density;
@@ -21,7 +21,7 @@ pub(super) fn draw(
     heading: &str,
     (units, long_name): (&str, &str),
     parameters: &[Coordinate],
-    series: &Series,
+    series: &Curve,
 ) -> Result<(String, Hover), ReportError> {
     let y_axis = values_axis(std::iter::once(series), units, long_name);
     let count = series.values.len();
@@ -32,7 +32,7 @@ pub(super) fn draw(
     let mut entries = state_entries(std::iter::once(series));
     let shapes = count <= MOST_SHAPES;
     if !shapes {
-        entries.insert(0, (Key::Swatch(colour(1.0)), "where most lie; dark: few".to_owned()));
+        entries.insert(0, (Legend::Swatch(colour(1.0)), "where most lie; dark: few".to_owned()));
     }
     let field = columns as f64 * (width + gap) - gap;
     let total_width = left + field + 28.0;
@@ -42,7 +42,7 @@ pub(super) fn draw(
     let svg = picture(total, |canvas| {
         title(canvas, heading, left, total_width)?;
         for (number, parameter) in parameters.iter().enumerate() {
-            let x_axis = Axis::of(parameter, 0.04);
+            let x_axis = PlotAxis::of(parameter, 0.04);
             let (row, column) = (number / columns, number % columns);
             let frame = Frame {
                 canvas,
@@ -67,7 +67,7 @@ pub(super) fn draw(
 }
 
 /// The points of one panel as shapes.
-fn cloud(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), ReportError> {
+fn cloud(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), ReportError> {
     for (&value, &x) in series.values.iter().zip(parameter.values.iter()) {
         let (value, state) = drawn(value);
         let at = frame.at(x, value);
@@ -86,7 +86,7 @@ fn cloud(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), R
 }
 
 /// Where the points of one panel lie how densely, over those outside the limits.
-fn dense(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), ReportError> {
+fn dense(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), ReportError> {
     let (mut x, mut y, mut lost) = (Vec::new(), Vec::new(), Vec::new());
     let mut back = Dots::new(frame.width, frame.height);
     let mut any_back = false;
@@ -116,7 +116,7 @@ fn dense(frame: &Frame, parameter: &Coordinate, series: &Series) -> Result<(), R
 }
 
 /// Some of the points with what they stand for.
-fn told(frame: &Frame, parameter: &Coordinate, series: &Series) -> Vec<Told> {
+fn told(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Vec<Hint> {
     let every = series.values.len().div_ceil(MOST_TOLD).max(1);
     let one = |(number, (&value, &x)): (usize, (&(f64, State), &f64))| {
         let (value, _) = drawn(value);

@@ -1,11 +1,11 @@
 //! The tables of a page.
 
-use super::document::Table;
+use super::document::DocumentTable;
 use super::frame::{NOTHING, State, status_word};
 use super::labels::is_long;
 use super::labels::{brief, label};
 use super::picture::{case, states};
-use super::quantity::{Unit, number};
+use super::quantity_text::{DisplayUnit, number};
 use crate::observe::Status;
 use crate::store::{Attribute, NO_STATE, Results};
 
@@ -13,23 +13,23 @@ use crate::store::{Attribute, NO_STATE, Results};
 const MOST_FAILED: usize = 20;
 
 /// What came out, for a reader of the results.
-pub(super) fn results(results: &Results) -> Vec<Table> {
+pub(super) fn results(results: &Results) -> Vec<DocumentTable> {
     let all = [failed(results), harmonics(results), observables(results), axes(results), status(results)];
     some(all.into_iter().chain([flags(results)]))
 }
 
 /// How it was computed.
-pub(super) fn computed(results: &Results) -> Vec<Table> {
+pub(super) fn computed(results: &Results) -> Vec<DocumentTable> {
     some([run(results), plan(results)].into_iter())
 }
 
 /// Those that have more than a head.
-fn some(tables: impl Iterator<Item = Table>) -> Vec<Table> {
+fn some(tables: impl Iterator<Item = DocumentTable>) -> Vec<DocumentTable> {
     tables.filter(|table| table.rows.len() > 1).collect()
 }
 
 /// Instances that are not ok, with what varies, and why.
-fn failed(results: &Results) -> Table {
+fn failed(results: &Results) -> DocumentTable {
     let ok = Status::Ok as u8;
     let bad: Vec<usize> =
         (0..results.status.len()).filter(|i| ![ok, NO_STATE].contains(&results.status[*i])).collect();
@@ -52,7 +52,7 @@ fn failed(results: &Results) -> Table {
         }
         _ => "Instances that are not ok".to_owned(),
     };
-    Table { caption, rows }
+    DocumentTable { caption, rows }
 }
 
 fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
@@ -60,7 +60,7 @@ fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
 }
 
 /// Short root attributes: program, device, times.
-fn run(results: &Results) -> Table {
+fn run(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["run", ""])];
     rows.push(row(["instances", &results.status.len().to_string()]));
     let steps = results.steps_per_period.iter();
@@ -76,16 +76,16 @@ fn run(results: &Results) -> Table {
         };
         rows.push(vec![name.replace('_', " "), text]);
     }
-    Table { caption: "Run".into(), rows }
+    DocumentTable { caption: "Run".into(), rows }
 }
 
-fn axes(results: &Results) -> Table {
+fn axes(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["swept", "name", "values", "smallest or first", "largest or last"])];
     for axis in &results.axes {
         let finite = axis.values.iter().copied().filter(|value| value.is_finite());
         let (low, high) =
             (finite.clone().fold(f64::INFINITY, f64::min), finite.fold(f64::NEG_INFINITY, f64::max));
-        let unit = Unit::fitting(&axis.units, low.abs().max(high.abs()));
+        let unit = DisplayUnit::fitting(&axis.units, low.abs().max(high.abs()));
         let label = if axis.long_name.is_empty() { &axis.name } else { &axis.long_name };
         // What has words counts them from 0: the numbers tell nothing.
         let (from, to) = match (axis.words.first(), axis.words.last()) {
@@ -95,10 +95,10 @@ fn axes(results: &Results) -> Table {
         rows.push(vec![label.clone(), axis.name.clone(), axis.values.len().to_string(), from, to]);
     }
     let caption = if results.list { "Sweep (a list of samples)" } else { "Sweep (a grid)" };
-    Table { caption: caption.into(), rows }
+    DocumentTable { caption: caption.into(), rows }
 }
 
-fn status(results: &Results) -> Table {
+fn status(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["status", "instances", "share"])];
     let mut counts = [0usize; 256];
     for code in &results.status {
@@ -109,7 +109,7 @@ fn status(results: &Results) -> Table {
         let share = 100.0 * count as f64 / results.status.len() as f64;
         rows.push(vec![meaning, count.to_string(), format!("{} %", number(share, 3))]);
     }
-    Table { caption: "What became of the instances".into(), rows }
+    DocumentTable { caption: "What became of the instances".into(), rows }
 }
 
 /// What helps where a contact law is used outside its assumptions; nothing for other words.
@@ -125,7 +125,7 @@ fn cure(word: &str) -> &'static str {
 }
 
 /// Contact laws used, warnings with what helps, and whatever else is told in words.
-fn flags(results: &Results) -> Table {
+fn flags(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["contact", "", "instances", "what helps"])];
     for flags in &results.flags {
         for (number, word) in flags.meanings.iter().enumerate() {
@@ -140,27 +140,27 @@ fn flags(results: &Results) -> Table {
             }
         }
     }
-    Table { caption: "Contact laws and warnings".into(), rows }
+    DocumentTable { caption: "Contact laws and warnings".into(), rows }
 }
 
 /// The values of a single case.
-fn single(results: &Results) -> Table {
+fn single(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["observable", "name", "value"])];
     for variable in results.variables.iter().filter(|one| one.harmonics.is_none()) {
         let value = match states(results, variable).first() {
             Some((_, State::Zero)) => NOTHING.to_owned(),
             Some((value, state)) if state.has_value() => {
-                Unit::fitting(&variable.units, value.abs()).value(*value)
+                DisplayUnit::fitting(&variable.units, value.abs()).value(*value)
             }
             _ => "–".to_owned(),
         };
         let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
         rows.push(vec![label.clone(), variable.name.clone(), value]);
     }
-    Table { caption: "Observables".into(), rows }
+    DocumentTable { caption: "Observables".into(), rows }
 }
 
-fn observables(results: &Results) -> Table {
+fn observables(results: &Results) -> DocumentTable {
     if results.status.len() == 1 {
         return single(results);
     }
@@ -187,8 +187,8 @@ fn observables(results: &Results) -> Table {
         let show = |value: f64| match value {
             value if value.is_nan() => "–".to_owned(),
             0.0 if nothing => NOTHING.to_owned(),
-            0.0 => Unit::fitting(&variable.units, largest).value(0.0),
-            value => Unit::fitting(&variable.units, value.abs()).value(value),
+            0.0 => DisplayUnit::fitting(&variable.units, largest).value(0.0),
+            value => DisplayUnit::fitting(&variable.units, value.abs()).value(value),
         };
         let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
         rows.push(vec![
@@ -201,25 +201,25 @@ fn observables(results: &Results) -> Table {
             (variable.data.len() - values.len()).to_string(),
         ]);
     }
-    Table { caption: "Observables, over the instances that have a value".into(), rows }
+    DocumentTable { caption: "Observables, over the instances that have a value".into(), rows }
 }
 
 /// Each harmonic of a single case.
-fn harmonics(results: &Results) -> Table {
+fn harmonics(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["harmonic", "value"])];
     let variables = results.variables.iter().filter(|_| results.status.len() == 1);
     for variable in variables.filter(|variable| variable.harmonics.is_some()) {
         let largest = variable.data.iter().fold(0.0f64, |most, value| most.max(value.abs()));
-        let unit = Unit::fitting(&variable.units, largest);
+        let unit = DisplayUnit::fitting(&variable.units, largest);
         for (order, value) in variable.data.iter().enumerate() {
             rows.push(vec![(order + 1).to_string(), unit.value(*value)]);
         }
     }
-    Table { caption: "Harmonics".into(), rows }
+    DocumentTable { caption: "Harmonics".into(), rows }
 }
 
 /// The plan's own entries, one level deep.
-fn plan(results: &Results) -> Table {
+fn plan(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["plan", ""])];
     let json = results.text("plan").and_then(|text| serde_json::from_str::<serde_json::Value>(text).ok());
     if let Some(serde_json::Value::Object(entries)) = json {
@@ -237,5 +237,5 @@ fn plan(results: &Results) -> Table {
             }
         }
     }
-    Table { caption: "Plan".into(), rows }
+    DocumentTable { caption: "Plan".into(), rows }
 }

@@ -1,18 +1,15 @@
 //! The pictures of one variable, over as many axes as the results have.
 
-use super::ReportError;
-use super::SAMPLES;
 use super::canvas::text_width;
-use super::curve::{Curves, Series, Style};
+use super::curve_forces::{jumps, torn};
+use super::curve_picture::{Curve, CurvePlot, Style};
 use super::frame::{SMALL, State};
-use super::from_curve::{jumps, torn};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
 use super::labels::{brief, capital, caption, label, shown};
-use super::on_branch;
-use super::picture::{Kind, Picture, case, second_states, states};
-use super::scatter;
-use super::view::{DIRECTION, View, Wish};
+use super::picture::{Picture, PictureKind, case, second_states, states};
+use super::view_request::{DIRECTION, View, ViewRequest};
+use super::{ReportError, SAMPLES, branch_states, scatter};
 use crate::store::{Coordinate, Results, Variable};
 use std::sync::Arc;
 
@@ -51,9 +48,13 @@ struct Subject<'a> {
 type Shown = (String, Hover, String);
 
 /// The pictures of a variable: none of a single number, two where a map has second states.
-pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Result<Vec<Picture>, ReportError> {
+pub(super) fn draw(
+    results: &Results,
+    variable: &Variable,
+    wish: &ViewRequest,
+) -> Result<Vec<Picture>, ReportError> {
     let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let (branches, branch) = on_branch::of_states(results);
+    let (branches, branch) = branch_states::of_states(results);
     let mut subject = Subject {
         units: &variable.units,
         heading: capital(name),
@@ -66,7 +67,7 @@ pub(super) fn draw(results: &Results, variable: &Variable, wish: &Wish) -> Resul
         branches,
         branch,
     };
-    let kind = Kind::of(variable);
+    let kind = PictureKind::of(variable);
     let picture = |subject: &Subject, end: &str, (svg, hover, note): Shown| Picture {
         kind,
         name: format!("{}{end}", file_name(&variable.name)),
@@ -127,14 +128,14 @@ impl Subject<'_> {
     }
 
     /// Of a list clouds of points, of a single case its harmonics; nothing of a single number.
-    fn unordered(&self, results: &Results, wish: &Wish) -> Result<Option<Shown>, ReportError> {
+    fn unordered(&self, results: &Results, wish: &ViewRequest) -> Result<Option<Shown>, ReportError> {
         match (results.list, results.axes.as_slice()) {
             (true, []) => {
                 let instances = numbers("instance", "instance number", 0..results.status.len());
                 self.over_list(&[instances]).map(Some)
             }
             (true, parameters) => {
-                let chosen = super::view::parameter(results, wish)?;
+                let chosen = super::view_request::parameter(results, wish)?;
                 self.over_list(chosen.map_or(parameters, std::slice::from_ref)).map(Some)
             }
             _ if self.harmonics > 1 => self.over_harmonics(vec![String::new()]).map(Some),
@@ -146,8 +147,7 @@ impl Subject<'_> {
     fn over_harmonics(&self, names: Vec<String>) -> Result<Shown, ReportError> {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let series = names.into_iter().zip(self.states.chunks(self.harmonics));
-        let series =
-            series.map(|(name, values)| Series { name, values: values.to_vec(), ..Series::default() });
+        let series = series.map(|(name, values)| Curve { name, values: values.to_vec(), ..Curve::default() });
         let panels = vec![(String::new(), series.collect())];
         self.curves((&orders, "", Style::Sticks), 1, panels, String::new())
     }
@@ -158,7 +158,7 @@ impl Subject<'_> {
             1 => String::new(),
             harmonics => format!("The first of {harmonics} harmonics."),
         };
-        let series = Series { values: self.harmonic(0), ..Series::default() };
+        let series = Curve { values: self.harmonic(0), ..Curve::default() };
         let (svg, hover) = scatter::draw(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
         Ok((svg, hover, note))
     }
@@ -205,7 +205,7 @@ impl Subject<'_> {
     }
 
     /// The curves of a panel, a second state's after each; jumps count where they are `followed` along the axis.
-    fn lines(&self, slice: Slice, names: &[String], followed: bool) -> (String, Vec<Series>) {
+    fn lines(&self, slice: Slice, names: &[String], followed: bool) -> (String, Vec<Curve>) {
         let Slice { caption, instances, values, second } = slice;
         let length = instances.len() / names.len().max(1);
         let of = |table: &[bool], rows: &[usize]| -> Vec<bool> {
@@ -224,7 +224,7 @@ impl Subject<'_> {
                 } else {
                     (Vec::new(), Vec::new())
                 };
-                series.push(Series {
+                series.push(Curve {
                     name: name.clone(),
                     values: states[range.clone()].to_vec(),
                     second: order == 1,
@@ -302,7 +302,7 @@ impl Subject<'_> {
         &self,
         (x, by, style): (&Coordinate, &str, Style),
         columns: usize,
-        panels: Vec<(String, Vec<Series>)>,
+        panels: Vec<(String, Vec<Curve>)>,
         note: String,
     ) -> Result<Shown, ReportError> {
         let (heading, units, long_name) = (self.heading.as_str(), self.units, self.axis_name.as_str());
@@ -310,7 +310,7 @@ impl Subject<'_> {
         // Ways along a curve say themselves what they are.
         let ways = by == WAYS;
         let by = if ways { String::new() } else { by.to_owned() };
-        let curves = Curves { heading, units, long_name, x, columns, by, ways, branches, style, panels };
+        let curves = CurvePlot { heading, units, long_name, x, columns, by, ways, branches, style, panels };
         let (svg, hover) = curves.draw()?;
         Ok((svg, hover, note))
     }

@@ -1,9 +1,9 @@
 //! One instance over time: travel, indentation and force in panels above each other.
 
 use super::ReportError;
-use super::axis::Axis;
+use super::axis::PlotAxis;
 use super::canvas::{Anchor, INK, LINES, PALE, picture};
-use super::frame::{Frame, KEY_ROW, Key, SMALL, key, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, SMALL, key, left_margin, title};
 use crate::store::Waveforms;
 
 /// One quantity over time.
@@ -21,7 +21,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
     let time = waveforms.time.get(row).or(waveforms.time.first()).unwrap_or(&nothing);
     let (tip, top_of_rod) = (of(&waveforms.tip_travel), of(&waveforms.actuator_top));
     let (indentation, force) = (of(&waveforms.indentation), of(&waveforms.force));
-    let t_axis = Axis::over(time.iter().copied(), "s", "time", false, 0.0);
+    let t_axis = PlotAxis::over(time.iter().copied(), "s", "time", false, 0.0);
     // A base at rest is no line.
     let moves = top_of_rod.iter().any(|value| value.is_finite() && *value != 0.0);
     let base: Option<(&str, &[f64])> = moves.then_some(("actuator's top, or the base", &top_of_rod));
@@ -35,7 +35,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
         },
         Panel { label: "force on the tip", units: "N", lines: vec![("force", &force)] },
     ];
-    let axes: Vec<Axis> = panels.iter().map(Panel::axis).collect();
+    let axes: Vec<PlotAxis> = panels.iter().map(Panel::axis).collect();
     let (width, height, gap, first) = (640.0, 150.0, 16.0, 68.0);
     let left = axes.iter().map(|axis| left_margin(axis, height)).fold(0.0, f64::max);
     let total_width = left + width + 24.0;
@@ -55,18 +55,18 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
 }
 
 impl Panel<'_> {
-    fn axis(&self) -> Axis {
+    fn axis(&self) -> PlotAxis {
         let values = self.lines.iter().flat_map(|(_, values)| values.iter().copied());
-        Axis::over(values, self.units, self.label, false, 0.08)
+        PlotAxis::over(values, self.units, self.label, false, 0.08)
     }
 
     /// What the key says of its lines, and of the shades behind all panels.
-    fn entries(&self) -> Vec<(Key, String)> {
+    fn entries(&self) -> Vec<(Legend, String)> {
         let lines = self.lines.iter().enumerate().map(|(number, (name, _))| match number {
-            0 => (Key::Line(LINES[0]), (*name).to_owned()),
-            _ => (Key::Dashes(LINES[number]), (*name).to_owned()),
+            0 => (Legend::Line(LINES[0]), (*name).to_owned()),
+            _ => (Legend::Dashes(LINES[number]), (*name).to_owned()),
         });
-        lines.chain([(Key::Swatch(PALE), "in contact".to_owned())]).collect()
+        lines.chain([(Legend::Swatch(PALE), "in contact".to_owned())]).collect()
     }
 
     /// Draws the grid, the line of zero and the panel's lines.

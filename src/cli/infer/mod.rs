@@ -1,23 +1,23 @@
 //! `afmsweep infer`: what observed values, or a measured curve, tell of the uncertain parameters.
 
-mod against;
-mod measured;
-mod place;
-mod rows;
+mod curve_comparison;
+mod curve_rows;
+mod inference_messages;
+mod nuisance;
+mod observed_curve;
 mod sheet;
-mod told;
-mod unknown;
+mod sweep_point;
 mod value;
 
 use super::stats::RowArgs;
-use super::{Voice, print, print_json};
+use super::{Verbosity, print, print_json};
 use afmsweep::report;
 use afmsweep::stats::{Observed, Study, posterior};
 use afmsweep::store;
 use anyhow::{Context, bail};
+use inference_messages::{InferenceAnswer, ObservedValues};
 use serde_json::json as object;
 use std::path::{Path, PathBuf};
-use told::{Answer, Seen};
 
 #[derive(clap::Args)]
 #[command(
@@ -32,10 +32,10 @@ pub struct InferArgs {
     #[arg(long, value_name = "NAME=VALUE|FILE", required = true)]
     observed: Vec<String>,
     /// A sweep or a curve at one value, the nearest there is: approach.gap=14nm; may be given for several axes
-    #[arg(long, value_name = "PATH=VALUE", value_parser = place::pair)]
+    #[arg(long, value_name = "PATH=VALUE", value_parser = sweep_point::pair)]
     at: Vec<(String, String)>,
     #[command(flatten)]
-    curve: measured::CurveArgs,
+    curve: observed_curve::CurveArgs,
     #[command(flatten)]
     rows: RowArgs,
     /// Folder for a page: the prediction over what was measured, all parameters against each other; of one point of a sweep
@@ -51,10 +51,10 @@ const FAR: f64 = 2.0;
 /// Likewise of a curve of many values, standard deviations of the sum of squares around what it is on average.
 const FAR_IN_ALL: f64 = 4.0;
 
-pub fn main(args: &InferArgs, voice: Voice) -> anyhow::Result<()> {
+pub fn main(args: &InferArgs, voice: Verbosity) -> anyhow::Result<()> {
     let study = Study::of(&store::read(&args.file)?)?;
     let answers = match file(&args.observed)? {
-        Some(file) => against::answers(&study, file, args, voice)?,
+        Some(file) => curve_comparison::answers(&study, file, args, voice)?,
         None => of_values(&study, args)?,
     };
     for answer in &answers {
@@ -100,28 +100,34 @@ fn file(observed: &[String]) -> anyhow::Result<Option<&Path>> {
 }
 
 /// What single values tell, at each point of the sweep that is asked for.
-fn of_values(study: &Study, args: &InferArgs) -> anyhow::Result<Vec<Answer>> {
+fn of_values(study: &Study, args: &InferArgs) -> anyhow::Result<Vec<InferenceAnswer>> {
     if let Some(option) = args.curve.given() {
         bail!("{option} goes with the file of a measured curve: --observed curve.csv");
     }
     let observed: Vec<Observed> =
         args.observed.iter().map(|text| read(text, study)).collect::<anyhow::Result<_>>()?;
-    let fixed = place::fixed(study, &args.at)?;
+    let fixed = sweep_point::fixed(study, &args.at)?;
     if let Some(number) = study.curve().filter(|number| fixed[*number].is_none()) {
         let axis = &study.beside[number];
         let middle = axis.values[axis.values.len() / 2];
         bail!(
             "this is a curve: --at {}={} picks a point, --observed curve.csv takes a measured one",
-            place::path(axis),
+            sweep_point::path(axis),
             report::shown(middle, &axis.units, 4).replace(' ', "")
         );
     }
-    let points = place::points(study, &fixed);
+    let points = sweep_point::points(study, &fixed);
     let one = |point: usize| {
         let found = posterior(study, point, &observed, &args.rows.options());
-        let at = afmsweep::stats::json::place(study, point);
-        let found = found.with_context(|| place::named(&args.file, &at))?;
-        Ok(Answer { at, point, found, free: Vec::new(), seen: Seen::Values(observed.clone()) })
+        let at = afmsweep::stats::stats_json::place(study, point);
+        let found = found.with_context(|| sweep_point::named(&args.file, &at))?;
+        Ok(InferenceAnswer {
+            at,
+            point,
+            found,
+            free: Vec::new(),
+            seen: ObservedValues::Values(observed.clone()),
+        })
     };
     points.into_iter().map(one).collect()
 }
@@ -148,15 +154,15 @@ fn read(text: &str, study: &Study) -> anyhow::Result<Observed> {
 }
 
 /// Says what is doubtful about an answer.
-fn warn(answer: &Answer, voice: Voice) {
+fn warn(answer: &InferenceAnswer, voice: Verbosity) {
     let found = &answer.found;
     if found.left_out > 0 {
         voice.say(format_args!("{} rows that are not ok were left out", found.left_out));
     }
     let squares = found.best_chi_squared;
     let far = match &answer.seen {
-        Seen::Values(_) => squares > FAR * FAR,
-        Seen::Curve(curve) => {
+        ObservedValues::Values(_) => squares > FAR * FAR,
+        ObservedValues::Curve(curve) => {
             let values = curve.values as f64;
             squares > values + FAR_IN_ALL * (2.0 * values).sqrt()
         }
@@ -165,10 +171,10 @@ fn warn(answer: &Answer, voice: Voice) {
         voice.say(format_args!(
             "warning: even the best row misses by {:.1} standard deviations{}: the observed values, their errors or the model are wrong",
             match &answer.seen {
-                Seen::Values(_) => squares.sqrt(),
-                Seen::Curve(curve) => (squares / curve.values as f64).sqrt(),
+                ObservedValues::Values(_) => squares.sqrt(),
+                ObservedValues::Curve(curve) => (squares / curve.values as f64).sqrt(),
             },
-            if matches!(answer.seen, Seen::Curve(_)) { " at each value" } else { "" }
+            if matches!(answer.seen, ObservedValues::Curve(_)) { " at each value" } else { "" }
         ));
     }
 }

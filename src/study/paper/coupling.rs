@@ -1,11 +1,11 @@
 //! The first conclusion: what the coupling of rod and lever does, and when it matters.
 
-use super::super::run::{Ran, run, scene};
+use super::super::scene_run::{SceneRun, run, scene};
 use super::super::{Numbers, StudyError};
 use super::figure4::deepest;
 use super::table1::{VOLTS, lever_mass, reduce, rod_mass, with};
 use super::{COUPLING, Picture};
-use crate::report::{Chart, Field, Heatmap, Look, Panel, Plot, State, shown};
+use crate::report::{Chart, ChartField, Heatmap, Look, Panel, Plot, State, shown};
 use crate::scene::{ActuatorModel, Params};
 use crate::store::Coordinate;
 use nalgebra::Complex;
@@ -79,7 +79,7 @@ struct Map {
 }
 
 impl Map {
-    fn of(ran: &Ran) -> Self {
+    fn of(ran: &SceneRun) -> Self {
         let (widths, frequencies) = (&ran.scene.sweep.axes[0].values, &ran.scene.sweep.axes[1].values);
         let mut instrument = ran.scene.base.instrument.clone();
         let masses = widths.iter().map(|&width| {
@@ -242,7 +242,7 @@ fn response(maps: [&Map; 3]) -> Result<String, StudyError> {
     let widths = [4.2, 1.4, 1.6];
     let chart = Chart {
         title: "Free tip's amplitude at 15 V, Q = 100".into(),
-        x: Field { label: "drive frequency".into(), units: "Hz".into(), log: true },
+        x: ChartField { label: "drive frequency".into(), units: "Hz".into(), log: true },
         series: MODELS
             .iter()
             .zip(widths)

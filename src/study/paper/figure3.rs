@@ -2,10 +2,10 @@
 
 use super::super::{Numbers, StudyError};
 use super::Picture;
-use super::choices::{DEEP, jkr_at_radius};
+use super::printed_choices::{DEEP, jkr_at_radius};
 use super::table1::contact;
-use crate::contact::Branch;
-use crate::report::{Chart, Field, Look, Mark, Plot, shown};
+use crate::contact::CurveBranch;
+use crate::report::{Chart, ChartField, Look, Mark, Plot, shown};
 use crate::scene::{LawChoice, Params};
 
 /// Half the deformation of Hertz and DMT: what the paper reads for JKR, m.
@@ -27,7 +27,7 @@ pub(super) fn find(numbers: &mut Numbers, params: &Params) -> Result<Vec<Picture
 }
 
 fn draw(params: &Params) -> Result<String, StudyError> {
-    let curve = |law: LawChoice, branch: Branch| -> Vec<(f64, f64)> {
+    let curve = |law: LawChoice, branch: CurveBranch| -> Vec<(f64, f64)> {
         let curves = contact(params, law).curves_to(DEEP).curves;
         let found = curves.iter().find(|curve| curve.branch == branch);
         found.map_or_else(Vec::new, |curve| {
@@ -44,7 +44,7 @@ fn draw(params: &Params) -> Result<String, StudyError> {
     let release_text = format!("fold: lets go at {}, {}", shown(fold, "m", 3), shown(release, "N", 3));
     let chart = Chart {
         title: "Figure 3: force against deformation".into(),
-        x: Field { label: "deformation, negative for a gap".into(), units: "m".into(), log: false },
+        x: ChartField { label: "deformation, negative for a gap".into(), units: "m".into(), log: false },
         series: vec![
             look("Hertz", 2.0, false),
             look("DMT", 2.0, false),
@@ -55,10 +55,10 @@ fn draw(params: &Params) -> Result<String, StudyError> {
             label: "force on the tip".into(),
             units: "N".into(),
             lines: vec![
-                curve(LawChoice::Hertz, Branch::Approach),
-                curve(LawChoice::Dmt, Branch::Approach),
-                curve(LawChoice::Jkr, Branch::Approach),
-                curve(LawChoice::Jkr, Branch::Retract),
+                curve(LawChoice::Hertz, CurveBranch::Approach),
+                curve(LawChoice::Dmt, CurveBranch::Approach),
+                curve(LawChoice::Jkr, CurveBranch::Approach),
+                curve(LawChoice::Jkr, CurveBranch::Retract),
             ],
             marks: vec![
                 Mark { x: 0.0, y: touch, text: jump, offset: (60.0, -26.0) },

@@ -1,15 +1,15 @@
 //! Figure 4: the run of section 4 under the three laws, as printed and with a drive that reaches the printed
 //! deformation; and the two readings of 4(c).
 
-use super::super::run::{Ran, run, scene};
+use super::super::scene_run::{SceneRun, run, scene};
 use super::super::{Numbers, StudyError};
-use super::choices::{DEEP, jkr_at_radius};
+use super::printed_choices::{DEEP, jkr_at_radius};
 use super::table1::contact;
 use super::{FIGURE_4, LAWS, Picture};
+use crate::orbit::OrbitTable;
 use crate::record;
-use crate::report::{Chart, Field, Look, Plot};
+use crate::report::{Chart, ChartField, Look, Plot};
 use crate::scene::{ActuatorModel, DriveLevel, LawChoice, Scene};
-use crate::steady::States;
 use crate::store::Waveforms;
 use std::path::Path;
 
@@ -57,7 +57,7 @@ pub(super) fn deepest(model: ActuatorModel) -> Result<f64, StudyError> {
 }
 
 /// Runs the three laws and notes what is largest in them.
-fn three(numbers: &mut Numbers, key: &str, voltage: Option<f64>) -> Result<Vec<Ran>, StudyError> {
+fn three(numbers: &mut Numbers, key: &str, voltage: Option<f64>) -> Result<Vec<SceneRun>, StudyError> {
     let mut all = Vec::new();
     for (number, (law, name)) in LAWS.into_iter().enumerate() {
         let ran = run(figure(number, voltage, ActuatorModel::Coupled)?)?;
@@ -133,9 +133,9 @@ struct Wave {
 }
 
 /// The waveforms of a run's first instance; empty for a scene that does not ask for them.
-fn waveform(ran: &Ran) -> Result<Wave, StudyError> {
+fn waveform(ran: &SceneRun) -> Result<Wave, StudyError> {
     let waves = match &ran.scene.output.waveforms {
-        Some(request) => record::waveforms(&ran.plan, &States::default(), request)?,
+        Some(request) => record::waveforms(&ran.plan, &OrbitTable::default(), request)?,
         None => Waveforms::default(),
     };
     let first = |rows: Vec<Vec<f64>>| rows.into_iter().next().unwrap_or_default();
@@ -156,12 +156,12 @@ fn panel(label: &str, units: &str, lines: Vec<Vec<(f64, f64)>>) -> Plot {
     Plot { label: label.into(), units: units.into(), lines, marks: Vec::new(), height: 150.0 }
 }
 
-fn time_axis() -> Field {
-    Field { label: "time".into(), units: "s".into(), log: false }
+fn time_axis() -> ChartField {
+    ChartField { label: "time".into(), units: "s".into(), log: false }
 }
 
 /// (a) to (d), the three laws in each.
-fn picture(runs: &[Ran], title: &str) -> Result<String, StudyError> {
+fn picture(runs: &[SceneRun], title: &str) -> Result<String, StudyError> {
     let mut lines: [Vec<Vec<(f64, f64)>>; 4] = Default::default();
     for ran in runs {
         let waves = waveform(ran)?;
@@ -192,7 +192,7 @@ fn picture(runs: &[Ran], title: &str) -> Result<String, StudyError> {
 
 /// Figure 4(c) and (d) for JKR read both ways: deformation as travel less gap; or the contact radius from
 /// a²/R = travel less gap, as under Hertz, and deformation and force from that radius.
-fn readings(numbers: &mut Numbers, runs: &[Ran]) -> Result<String, StudyError> {
+fn readings(numbers: &mut Numbers, runs: &[SceneRun]) -> Result<String, StudyError> {
     let contact = contact(&runs[2].scene.base, LawChoice::Jkr);
     let read = |travel: f64| match travel > 0.0 {
         true => jkr_at_radius(&contact, (travel * contact.radius).sqrt()),

@@ -1,16 +1,16 @@
 //! The paper, reproduced and questioned: J.-L. Ha, R.-F. Fung, Y.-C. Chen, "Dynamic Responses of an Atomic
 //! Force Microscope Interacting With Samples", J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 //!
-//! One file a question: `table1.rs` (what follows from Table 1), `choices.rs` (what hangs on the choices the
+//! One file a question: `table1.rs` (what follows from Table 1), `printed_choices.rs` (what hangs on the choices the
 //! printed text leaves), `figure3.rs`, `figure4.rs`, `coupling.rs` (their first conclusion), `ensemble.rs`
 //! (what they could not do). Each finds numbers and draws pictures; `page.rs` tells about them.
 
-mod choices;
 mod coupling;
 mod ensemble;
 mod figure3;
 mod figure4;
 mod page;
+mod printed_choices;
 mod table1;
 
 use super::{Numbers, StudyError};
@@ -62,7 +62,7 @@ pub fn write(folder: &Path, extent: Extent, say: &dyn Fn(&str)) -> Result<Number
     let params = params()?;
     say("Table 1 and the choices it leaves");
     table1::find(&mut numbers, &params)?;
-    choices::find(&mut numbers, &params)?;
+    printed_choices::find(&mut numbers, &params)?;
     say("figure 3");
     pictures.extend(figure3::find(&mut numbers, &params)?);
     say("figure 4");

@@ -3,7 +3,9 @@
 use super::super::{Numbers, StudyError};
 use crate::contact::{Contact, StaticLaw, combined_modulus};
 use crate::instrument::{DEFAULT_TOLERANCE, Instrument, InstrumentError};
-use crate::scene::{ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LawChoice, Lever, Params, TipMass};
+use crate::scene::{
+    ActuatorModel, DriveLevel, DriveOn, InstrumentParams, LawChoice, LeverSpec, Params, TipMass,
+};
 use std::f64::consts::{PI, TAU};
 
 /// The paper's drive.
@@ -54,7 +56,9 @@ pub(super) fn rod_mass(instrument: &InstrumentParams) -> f64 {
 /// Mass of the lever, kg; none of a lever that is not given by its dimensions.
 pub(super) fn lever_mass(instrument: &InstrumentParams) -> f64 {
     match instrument.cantilever.lever {
-        Lever::Dimensions { density, length, width, thickness, .. } => density * length * width * thickness,
+        LeverSpec::Dimensions { density, length, width, thickness, .. } => {
+            density * length * width * thickness
+        }
         _ => f64::NAN,
     }
 }

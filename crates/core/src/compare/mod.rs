@@ -1,9 +1,9 @@
 //! Results of one instance side by side: errors on the scales on which `[run] accuracy` counts.
 
-mod choose;
+mod ranking;
 mod scales;
 
-pub use choose::{Ranking, choose, ranked};
+pub use ranking::{Ranking, choose, ranked};
 pub use scales::Scales;
 
 use crate::observe::{Measured, Observable, Scale};

@@ -1,38 +1,38 @@
 //! A few instances redone by the reference engine.
 
-use super::asked::{Answer, Question, What};
-use super::portion::Keep;
-use super::ran::Ran;
-use super::{Controlled, truth};
+use super::chunk::ChunkJournal;
+use super::followup::{FollowupKey, FollowupKind, FollowupResult};
+use super::journaled_run::JournaledRun;
+use super::{RunResult, reference_solution};
 use crate::compare::{Ranking, Scales, error, ranked, worst};
-use crate::engine::{Columns, EngineError, Finished, Progress, Reference, TOLERANCE};
+use crate::engine::{EngineError, Finished, Progress, Reference, ResultColumns, TOLERANCE};
 use crate::observe::{Observable, Status};
 use crate::plan::Plan;
 use std::ops::ControlFlow;
 
 /// Tolerance of the reference's steps in units of the accuracy asked for.
-const FINER: f64 = 1e-5;
-/// Instances for each thread whose states are waited for together.
-const PIECE: usize = 32;
+const REFERENCE_TOL_SHARE: f64 = 1e-5;
+/// Instances for each thread whose states are integrated together.
+const SEARCHES_PER_THREAD: usize = 32;
 
 /// One audited instance.
 #[derive(Clone, Debug)]
-pub struct Audited {
+pub struct AuditedInstance {
     pub instance: u32,
     /// What the reference makes of it.
-    pub truth: Finished,
+    pub reference: Finished,
     /// The run's error in each of the plan's observables, on its scale.
     pub errors: Vec<f64>,
     /// The largest of them; none where either the run or the reference does not call the instance ok.
     pub worst: Option<f64>,
     /// What the reference itself may be off by, by the modes that it leaves out and by its steps.
-    pub blind: f64,
+    pub truncation: f64,
 }
 
-impl Audited {
+impl AuditedInstance {
     /// Whether the tip touches the sample, by the reference.
     pub fn touches(&self) -> bool {
-        truth::touches(&self.truth)
+        reference_solution::touches(&self.reference)
     }
 
     /// Whether the run's error is above `accuracy`.
@@ -59,17 +59,17 @@ impl Audited {
 /// # Errors
 /// What the reference engine says.
 pub fn audit(
-    run: &Controlled,
+    run: &RunResult,
     count: usize,
-    keep: &dyn Keep,
+    keep: &dyn ChunkJournal,
     progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
-    let chosen = ranked(&run.plan, &counted(&run.plan, &run.results), count, 1);
+) -> Result<Vec<AuditedInstance>, EngineError> {
+    let chosen = ranked(&run.plan, &auditable(&run.plan, &run.results), count, 1);
     audit_of(run, &chosen, keep, progress)
 }
 
 /// The instances that an audit may choose from.
-fn counted(plan: &Plan, results: &Columns) -> Vec<u32> {
+fn auditable(plan: &Plan, results: &ResultColumns) -> Vec<u32> {
     let counts = |i: &u32| plan.steps(*i) > 0 && results.statuses()[*i as usize] == Status::Ok;
     plan.instances().filter(counts).collect()
 }
@@ -77,13 +77,13 @@ fn counted(plan: &Plan, results: &Columns) -> Vec<u32> {
 /// The instances that [`audit`] would redo, where not all that is known of the run lies in memory.
 ///
 /// # Errors
-/// What is kept of a portion cannot be read.
-pub fn chosen(run: &Ran, count: usize) -> Result<Vec<u32>, EngineError> {
-    let (mut ranking, places) = (Ranking::default(), Places::of(run));
+/// What is kept of a chunk cannot be read.
+pub fn audit_selection(run: &JournaledRun, count: usize) -> Result<Vec<u32>, EngineError> {
+    let (mut ranking, places) = (Ranking::default(), AuditableInstances::of(run));
     if places.count > count {
         run.each(&mut |piece| {
             let plan = piece.plan();
-            for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| counts(run, **i)) {
+            for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| is_auditable(run, **i)) {
                 ranking.offer(*i, &plan, n);
             }
             ControlFlow::Continue(())
@@ -93,38 +93,38 @@ pub fn chosen(run: &Ran, count: usize) -> Result<Vec<u32>, EngineError> {
 }
 
 /// Whether an audit may choose an instance.
-fn counts(run: &Ran, i: u32) -> bool {
+fn is_auditable(run: &JournaledRun, i: u32) -> bool {
     let mark = run.marks()[i as usize];
     mark.stepped() && mark.status() == Status::Ok
 }
 
 /// Where the instances are that an audit may choose from, of very many.
-struct Places {
+struct AuditableInstances {
     /// How many there are before each stretch of instances.
     before: Vec<usize>,
     count: usize,
 }
 
 /// Instances of a stretch.
-const STRETCH: usize = 4096;
+const STRETCH_INSTANCES: usize = 4096;
 
-impl Places {
-    fn of(run: &Ran) -> Self {
+impl AuditableInstances {
+    fn of(run: &JournaledRun) -> Self {
         let (mut before, mut count) = (Vec::new(), 0);
         for i in 0..run.len() {
-            if i.is_multiple_of(STRETCH) {
+            if i.is_multiple_of(STRETCH_INSTANCES) {
                 before.push(count);
             }
-            count += usize::from(counts(run, i as u32));
+            count += usize::from(is_auditable(run, i as u32));
         }
         Self { before, count }
     }
 
     /// The one of this number among them.
-    fn at(&self, run: &Ran, place: usize) -> u32 {
+    fn at(&self, run: &JournaledRun, place: usize) -> u32 {
         let stretch = self.before.partition_point(|before| *before <= place) - 1;
-        let from = (stretch * STRETCH) as u32;
-        let mut all = (from..run.len() as u32).filter(|i| counts(run, *i));
+        let from = (stretch * STRETCH_INSTANCES) as u32;
+        let mut all = (from..run.len() as u32).filter(|i| is_auditable(run, *i));
         all.nth(place - self.before[stretch]).unwrap_or(from)
     }
 }
@@ -132,8 +132,8 @@ impl Places {
 /// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
 ///
 /// # Errors
-/// What is kept of a portion cannot be read.
-pub fn contacts(run: &Ran) -> Result<Vec<u32>, EngineError> {
+/// What is kept of a chunk cannot be read.
+pub fn contacts_by_cost(run: &JournaledRun) -> Result<Vec<u32>, EngineError> {
     let (wants, mut all) = (run.plan.wants, Vec::new());
     run.each(&mut |piece| {
         let plan = piece.plan();
@@ -141,7 +141,7 @@ pub fn contacts(run: &Ran) -> Result<Vec<u32>, EngineError> {
             wants.contact.then(|| piece.observed(Observable::ContactTime)),
             wants.extremes.then(|| piece.observed(Observable::IndentationMax)),
         ];
-        for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| counts(run, **i)) {
+        for (n, i) in plan.instances().zip(piece.instances).filter(|(_, i)| is_auditable(run, **i)) {
             let touches = match (&times, &depths) {
                 (Some(times), _) => times[n as usize] > 0.0,
                 (None, Some(depths)) => !depths[n as usize].is_nan(),
@@ -160,13 +160,13 @@ pub fn contacts(run: &Ran) -> Result<Vec<u32>, EngineError> {
 /// [`audit_of`] instances of a run of which not all lies in memory.
 ///
 /// # Errors
-/// What the reference engine says; what is kept of a portion cannot be read.
+/// What the reference engine says; what is kept of a chunk cannot be read.
 pub fn audit_of_run(
-    run: &Ran,
+    run: &JournaledRun,
     chosen: &[u32],
-    keep: &dyn Keep,
+    keep: &dyn ChunkJournal,
     progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
+) -> Result<Vec<AuditedInstance>, EngineError> {
     let few = run.some(chosen)?;
     let all: Vec<u32> = few.plan.instances().collect();
     let mut done = audit_of(&few, &all, keep, progress)?;
@@ -180,70 +180,72 @@ pub fn audit_of_run(
 /// # Errors
 /// What the reference engine says.
 pub fn audit_of(
-    run: &Controlled,
+    run: &RunResult,
     chosen: &[u32],
-    keep: &dyn Keep,
+    keep: &dyn ChunkJournal,
     progress: &Progress,
-) -> Result<Vec<Audited>, EngineError> {
-    let Controlled { plan, results, .. } = run;
+) -> Result<Vec<AuditedInstance>, EngineError> {
+    let RunResult { plan, results, .. } = run;
     if chosen.is_empty() {
         return Ok(Vec::new());
     }
     progress.stage(&["audit"]);
-    let truths = truths_of(run, chosen, keep, progress)?;
+    let truths = reference_solutions_of(run, chosen, keep, progress)?;
     let one = |(&instance, truth): (&u32, Finished)| {
         let ours = results.get(instance as usize);
         let scales = Scales::of(plan, instance as usize, &truth.measured);
         let of = |observable| error(observable, &ours.measured, &truth.measured, &scales);
         let counts = ours.status == Status::Ok && truth.status == Status::Ok;
-        Audited {
+        AuditedInstance {
             instance,
-            truth,
+            reference: truth,
             errors: plan.observables.iter().map(|observable| of(*observable)).collect(),
             worst: counts.then(|| worst(&plan.observables, &ours.measured, &truth.measured, &scales)),
-            blind: truth::blind(plan, instance as usize, &truth.measured),
+            truncation: reference_solution::truncation_error(plan, instance as usize, &truth.measured),
         }
     };
     // Stopped on the way: what was not redone says nothing.
     let done = |(_, truth): &(&u32, Finished)| truth.status != Status::NotRun;
-    let mut all: Vec<Audited> = chosen.iter().zip(truths).filter(done).map(one).collect();
+    let mut all: Vec<AuditedInstance> = chosen.iter().zip(truths).filter(done).map(one).collect();
     all.sort_unstable_by_key(|one| one.instance);
     Ok(all)
 }
 
 /// What the reference engine makes of these instances, or has made of them in an earlier run.
-fn truths_of(
-    run: &Controlled,
+fn reference_solutions_of(
+    run: &RunResult,
     chosen: &[u32],
-    keep: &dyn Keep,
+    keep: &dyn ChunkJournal,
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
-    let Controlled { plan, found, .. } = run;
+    let RunResult { plan, found, .. } = run;
     // Far below what is to be seen, and several times faster than the reference's own.
-    let tolerance = (FINER * plan.run.accuracy).max(TOLERANCE);
+    let tolerance = (REFERENCE_TOL_SHARE * plan.run.accuracy).max(TOLERANCE);
     let reference = Reference { tolerance, ..Reference::default() };
-    let known = truth::known(found);
-    let question = |i: u32| Question::new(What::Truth, plan, i, known(i).as_ref());
-    let asked: Vec<Question> = chosen.iter().map(|i| question(*i)).collect();
+    let known = reference_solution::known_sections(found);
+    let question = |i: u32| FollowupKey::new(FollowupKind::Truth, plan, i, known(i).as_ref());
+    let asked: Vec<FollowupKey> = chosen.iter().map(|i| question(*i)).collect();
     let recalled: Vec<Option<Finished>> =
         keep.recalled(&asked).into_iter().map(|one| Some(one?.finished)).collect();
     let left = chosen.iter().zip(&recalled).filter(|(_, known)| known.is_none());
     let left: Vec<u32> = left.map(|(i, _)| *i).collect();
     let told = |i: u32, finished: &Finished| {
-        let answer = Answer { finished: *finished, place: None };
+        let answer = FollowupResult { finished: *finished, orbit: None };
         if keep.answered(&[(question(i), answer)]).is_break() {
             progress.stop();
         }
     };
-    let judge = truth::Judge { reference: &reference, told: &told };
-    // Where no states were searched for, those of a piece are waited for before the first one is redone.
+    let judge = reference_solution::ReferenceSolver { reference: &reference, told: &told };
+    // Where no states were searched for, those of a piece are integrated to steady state before the first one is redone.
     let waits = keep.lasts() && found.is_empty();
-    let size = if waits { PIECE * rayon::current_num_threads() } else { left.len().max(1) };
+    let size = if waits { SEARCHES_PER_THREAD * rayon::current_num_threads() } else { left.len().max(1) };
     let mut truths = Vec::with_capacity(left.len());
     for piece in left.chunks(size) {
         match progress.stopped() {
             true => truths.extend(piece.iter().map(|_| Finished::NOT_RUN)),
-            false => truths.extend(truth::truths(plan, false, piece, &known, &judge, progress)?),
+            false => truths.extend(reference_solution::reference_solutions(
+                plan, false, piece, &known, &judge, progress,
+            )?),
         }
     }
     let mut truths = truths.into_iter();

@@ -1,9 +1,9 @@
 //! What is chosen once for all of a plan's instances, as plain data that can be written down: a run that is given it does
 //! what the run did that chose it, to the bit, and so does one of a share of the instances.
 
-use super::modes::Tried;
-use super::order::Blocks;
-use super::{modes, precision};
+use super::basis_choice::BasisTrialSet;
+use super::hierarchy::SweepBlocks;
+use super::{basis_choice, precision_trial};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::Plan;
 use crate::scene::Steady;
@@ -33,32 +33,32 @@ pub struct Choices {
     /// What the engine had to say of the trials.
     #[serde(default)]
     pub notes: Vec<String>,
-    pub(super) precision: precision::Choice,
+    pub(super) precision: precision_trial::PrecisionChoice,
     /// What bases were tried; none where the plan's own are taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) bases: Option<Tried>,
+    pub(super) bases: Option<BasisTrialSet>,
 }
 
-/// Instance-steps per instance, of the whole run as planned, from which on a portion is smaller than the engine's: a
-/// core does some 2e8 a second, and the CPU's portions are of 16,384.
-const MANY_STEPS: f64 = 1.2e5;
-/// Periods that a search steps at most, in place of those that would be waited for.
-const SEARCHED: u32 = 600;
-/// Fewest instances of a portion: enough to fill a processor's lanes.
-const FEWEST: usize = 64;
+/// Instance-steps per instance, of the whole run as planned, from which on a chunk is smaller than the engine's: a
+/// core does some 2e8 a second, and the CPU's chunks are of 16,384.
+const MANY_STEPS_PER_INSTANCE: f64 = 1.2e5;
+/// Periods that a search steps at most, in place of those that would be integrated.
+const MAX_SEARCH_PERIODS: u32 = 600;
+/// Fewest instances of a chunk: enough to fill a processor's lanes.
+const MIN_CHUNK_INSTANCES: usize = 64;
 
 /// How many instances of the plan are some ten seconds of work. It hangs on the plan and the kind of engine alone.
-pub(super) fn portion(plan: &Plan, engine: &dyn Engine) -> usize {
+pub(super) fn chunk_size(plan: &Plan, engine: &dyn Engine) -> usize {
     let most = engine.portions().0;
     let periods = match plan.run.steady {
-        Steady::Search => plan.run.periods.min(SEARCHED),
+        Steady::Search => plan.run.periods.min(MAX_SEARCH_PERIODS),
         Steady::Wait => plan.run.periods,
     };
     let of_all = plan.instance_steps() as f64 / f64::from(plan.run.periods.max(1)) * f64::from(periods);
     let stepped = plan.instances().filter(|i| plan.steps(*i) > 0).count();
     let each = of_all / stepped.max(1) as f64;
-    let size = most as f64 * (MANY_STEPS / each.max(1.0)).min(1.0);
-    (size as usize).max(FEWEST.min(most))
+    let size = most as f64 * (MANY_STEPS_PER_INSTANCE / each.max(1.0)).min(1.0);
+    (size as usize).max(MIN_CHUNK_INSTANCES.min(most))
 }
 
 impl Choices {
@@ -69,8 +69,8 @@ impl Choices {
 
     /// Where nothing is tried, for this `reason`.
     pub fn untried(planned: &Plan, course: Course, engine: &dyn Engine, reason: &str) -> Self {
-        let precision = precision::Choice::settled(planned, reason);
-        let portion = portion(planned, engine);
+        let precision = precision_trial::PrecisionChoice::settled(planned, reason);
+        let portion = chunk_size(planned, engine);
         Self { course, portion, neighbours: false, notes: Vec::new(), precision, bases: None }
     }
 }
@@ -95,18 +95,18 @@ pub fn choose(
         Course::Controlled => {}
     }
     progress.stage(&["trial"]);
-    let (bases, mut notes) = modes::tried(planned, &stepped, engine, progress)?;
-    let neighbours = !planned.cold && Blocks::of(planned).is_some();
+    let (bases, mut notes) = basis_choice::try_bases(planned, &stepped, engine, progress)?;
+    let neighbours = !planned.cold && SweepBlocks::of(planned).is_some();
     let mut precision = match neighbours && engine.double() && planned.precision_open {
-        true => precision::for_neighbours(planned),
+        true => precision_trial::for_neighbours(planned),
         false => {
-            let plan = modes::chosen(planned, &stepped, bases.as_ref()).plan;
-            precision::choose(&plan, &stepped, engine, progress)?
+            let plan = basis_choice::choose_bases(planned, &stepped, bases.as_ref()).plan;
+            precision_trial::choose(&plan, &stepped, engine, progress)?
         }
     };
     notes.append(&mut precision.notes);
     // Trials that were cut short, which no instance's result comes from.
-    let portion = portion(planned, engine);
+    let portion = chunk_size(planned, engine);
     let chosen = Choices { course, portion, neighbours, notes, precision, bases };
     Ok((!progress.stopped()).then_some(chosen))
 }

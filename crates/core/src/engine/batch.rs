@@ -1,10 +1,10 @@
 //! As many instances as are stepped side by side, on their way through a run together.
 
-use super::measure::{Sums, first_seen};
-use super::member::{Levers, Member, constants};
-use super::saved::Saved;
+use super::checkpoint::InstanceCheckpoint;
+use super::kernel_constants::{LeverTable, Member, constants};
+use super::measurement::{Sums, first_seen};
 use crate::kernel::{Decay, LENGTH, Real, RunSums, Span, Stepper, Wants, Wave};
-use crate::plan::Station;
+use crate::plan::SectionState;
 use crate::scene::{Run, Start};
 
 /// Constants, state, and what has been measured so far, in rows of a number for each instance.
@@ -25,9 +25,9 @@ impl<E: Real> Batch<E> {
     pub fn new(
         stepper: &Stepper<E>,
         members: &[Member],
-        levers: &Levers,
+        levers: &LeverTable,
         start: Start,
-        saved: impl Fn(usize) -> Saved,
+        saved: impl Fn(usize) -> InstanceCheckpoint,
         done: u32,
     ) -> Self {
         let (width, modes) = (stepper.width, stepper.modes);
@@ -53,7 +53,14 @@ impl<E: Real> Batch<E> {
         batch
     }
 
-    fn put(&mut self, lane: usize, member: Member, levers: &Levers, start: Start, saved: &Saved) {
+    fn put(
+        &mut self,
+        lane: usize,
+        member: Member,
+        levers: &LeverTable,
+        start: Start,
+        saved: &InstanceCheckpoint,
+    ) {
         let (width, modes) = (self.stepper.width, self.stepper.modes);
         put(&mut self.constants, width, lane, constants(member, levers.get(member), start));
         let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);
@@ -100,10 +107,10 @@ impl<E: Real> Batch<E> {
     }
 
     /// Where member `lane` stands.
-    pub fn station(&self, lane: usize) -> Station {
+    pub fn station(&self, lane: usize) -> SectionState {
         let modes = self.stepper.modes;
         let mut state = lane_of(&self.state, self.stepper.width, lane);
-        let mut station = Station { finite: self.finite[lane], ..Station::FREE };
+        let mut station = SectionState { finite: self.finite[lane], ..SectionState::FREE };
         let places = station.x[..modes].iter_mut().chain(&mut station.u[..modes]);
         places.zip(&mut state).for_each(|(place, value)| *place = value * LENGTH);
         station.touching = state.next().is_some_and(|touching| touching > 0.0);

@@ -1,16 +1,17 @@
 //! The CPU engine: packs of instances stepped side by side, packs in parallel, f64 or f32.
 
 use super::batch::Batch;
-use super::compiled::stepper;
-use super::measure::{finish, finish_free};
-use super::member::{Levers, Member, begin, member, step_length};
 #[cfg(feature = "gpu")]
-use super::saved::Saved;
+use super::checkpoint::InstanceCheckpoint;
+use super::kernel_constants::{LeverTable, Member, begin, member, step_length};
+use super::kernel_dispatch::stepper;
+use super::measurement::{finish, finish_free};
 use super::{
-    Arrivals, Busy, Ended, Engine, EngineError, Guesses, Outcome, Progress, ReturnMap, Searches, Seeks,
-    Slopes, broyden, newton, return_map, slopes, start, station, threads,
+    Corrections, Ended, Engine, EngineError, NewtonResults, NewtonStarts, Outcome, PeriodJacobians,
+    Predictions, ProfileSection, Progress, ReturnMap, broyden_search, newton_search, period_jacobian,
+    return_map, section_state, start, threads,
 };
-use crate::instrument::Place;
+use crate::instrument::MotionPlace;
 use crate::kernel::{Decay, LENGTH, Real, Rounding, Stepper, Wave, instructions};
 use crate::plan::{Class, Driven, Plan, Precision, StartState};
 use crate::scene::Start;
@@ -63,7 +64,7 @@ impl Engine for Cpu {
         Ok(outcome)
     }
 
-    /// What a portion does on one thread is hidden behind the others.
+    /// What a chunk does on one thread is hidden behind the others.
     fn portions(&self) -> (usize, usize) {
         (1 << 14, 4 * rayon::current_num_threads())
     }
@@ -76,10 +77,15 @@ impl Engine for Cpu {
         true
     }
 
-    fn slopes(&self, plan: &Plan, least: &[f64], progress: &Progress) -> Result<Slopes, EngineError> {
-        let mut slopes = Slopes::none(plan);
+    fn slopes(
+        &self,
+        plan: &Plan,
+        least: &[f64],
+        progress: &Progress,
+    ) -> Result<PeriodJacobians, EngineError> {
+        let mut slopes = PeriodJacobians::none(plan);
         for class in plan.classes().iter().filter(|class| class.steps > 0) {
-            let told = slopes::of_class(plan, class, least, Rounding::new(self.strict), progress)?;
+            let told = period_jacobian::of_class(plan, class, least, Rounding::new(self.strict), progress)?;
             slopes.put(&class.instances, told);
         }
         Ok(slopes)
@@ -88,26 +94,31 @@ impl Engine for Cpu {
     fn broyden(
         &self,
         plan: &Plan,
-        guesses: &mut Guesses,
+        guesses: &mut Predictions,
         progress: &Progress,
-    ) -> Result<Arrivals, EngineError> {
-        let all = broyden::all(plan, guesses, Rounding::new(self.strict), progress)?;
-        Ok(Arrivals { all, notes: Vec::new() })
+    ) -> Result<Corrections, EngineError> {
+        let all = broyden_search::all(plan, guesses, Rounding::new(self.strict), progress)?;
+        Ok(Corrections { all, notes: Vec::new() })
     }
 
-    /// As devices do it. Otherwise rounds side by side take fewer slopes, and differences where these cost less.
+    /// As devices do it. Otherwise rounds side by side take fewer Jacobians, and differences where these cost less.
     fn searches(&self) -> bool {
         self.strict
     }
 
-    fn newton(&self, plan: &Plan, seeks: &Seeks, progress: &Progress) -> Result<Searches, EngineError> {
+    fn newton(
+        &self,
+        plan: &Plan,
+        seeks: &NewtonStarts,
+        progress: &Progress,
+    ) -> Result<NewtonResults, EngineError> {
         let all: Vec<u32> = plan.instances().collect();
-        let all = newton::all(plan, &all, seeks, Rounding::new(self.strict), progress)?;
-        Ok(Searches { all, notes: Vec::new() })
+        let all = newton_search::all(plan, &all, seeks, Rounding::new(self.strict), progress)?;
+        Ok(NewtonResults { all, notes: Vec::new() })
     }
 
     fn return_map(&self, plan: &Plan, instances: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
-        let map = return_map::Map::new(plan, instances, Rounding::new(self.strict))?;
+        let map = return_map::CpuReturnMap::new(plan, instances, Rounding::new(self.strict))?;
         Ok(Some(Box::new(map)))
     }
 }
@@ -117,7 +128,7 @@ impl Engine for Cpu {
 pub(super) enum Resume<'a> {
     /// As a device left them after so many periods.
     #[cfg(feature = "gpu")]
-    Saved(&'a [Saved], u32),
+    Saved(&'a [InstanceCheckpoint], u32),
     /// Where the plan says: by instance of the plan, and which instances they are.
     Starts(&'a [StartState], &'a [u32]),
 }
@@ -165,7 +176,7 @@ fn instances<E: Real>(
 ) -> Vec<Ended> {
     let waves = start::waves::<E>(class.steps, plan.wants.harmonics);
     let members: Vec<Member> = class.instances.iter().map(|instance| member(plan, *instance)).collect();
-    let levers = Levers::of(&members, stepper.modes);
+    let levers = LeverTable::of(&members, stepper.modes);
     let done = from.map_or(0, |from| from.done());
     let batch = |first: usize, some: &[Member]| {
         let saved = |i: usize| match from {
@@ -174,11 +185,11 @@ fn instances<E: Real>(
             Some(Resume::Saved(saved, _)) => saved[first + i],
             Some(Resume::Starts(starts, instances)) => {
                 let instance = instances[first + i];
-                station::saved(plan, instance, &starts[instance as usize].station)
+                section_state::checkpoint(plan, instance, &starts[instance as usize].section)
             }
         };
         let made = || Batch::new(stepper, some, &levers, plan.run.start, saved, done);
-        progress.timed(Busy::Constants, made)
+        progress.timed(ProfileSection::Constants, made)
     };
     if plan.run.start == Start::Steady {
         return members
@@ -225,7 +236,7 @@ fn steady<E: Real>(
             return vec![Ended::NOT_RUN; members.len()];
         }
         let periods = block.min(plan.run.periods - done);
-        progress.timed(Busy::Steps, || batch.advance(&plan.run, periods, waves, None, plan.wants));
+        progress.timed(ProfileSection::Steps, || batch.advance(&plan.run, periods, waves, None, plan.wants));
         progress.add(members.len() as u64 * u64::from(periods) * steps as u64);
         done += periods;
     }
@@ -266,7 +277,9 @@ fn from_rest<E: Real>(
         let first = u64::from(done) * steps as u64;
         let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
         batches.par_iter_mut().for_each(|batch| {
-            progress.timed(Busy::Steps, || batch.advance(run, periods, waves, Some(&decay), plan.wants));
+            progress.timed(ProfileSection::Steps, || {
+                batch.advance(run, periods, waves, Some(&decay), plan.wants)
+            });
             progress.add(batch.members() as u64 * u64::from(periods) * steps as u64);
         });
         done += periods;
@@ -286,7 +299,8 @@ pub(super) fn decays<E: Real>(driven: &Driven, steps: u32, first: u64, count: us
     }
     // One sample more on either side: the acceleration is a difference of speeds.
     let begin = first as f64 - 0.5;
-    let rows = driven.free.transient_table(&driven.instrument, Place::Tip, &skip, begin, step, count + 2);
+    let rows =
+        driven.free.transient_table(&driven.instrument, MotionPlace::Tip, &skip, begin, step, count + 2);
     rows.windows(3)
         .map(|row| Decay {
             travel: E::element(row[1][0] / LENGTH),

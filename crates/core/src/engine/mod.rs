@@ -1,46 +1,46 @@
 //! What steps a plan: engines behind one small trait.
 
 mod batch;
-mod broyden;
-mod busy;
-mod columns;
-mod compiled;
+mod batch_map;
+mod broyden_search;
+mod checkpoint;
 mod cpu;
-mod estimate;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(test)]
 mod instructions_agree;
-mod measure;
-mod member;
-mod newton;
+mod kernel_constants;
+mod kernel_dispatch;
+mod measurement;
+mod newton_search;
+mod period_jacobian;
+mod profile;
 mod progress;
 mod reference;
+mod result_columns;
 mod return_map;
-mod saved;
-mod slopes;
+mod section_state;
 mod start;
-mod station;
-mod table;
 mod threads;
+mod time_estimate;
 mod trace;
 
-pub use broyden::{Arrivals, Arrived, Guessed, Guesses, TOGETHER};
-pub use busy::Busy;
-pub use columns::{Columns, Wanted};
+pub use broyden_search::{Correction, Corrections, INSTANCES_PER_BATCH, Prediction, Predictions};
 pub use cpu::{Cpu, processor};
-pub use estimate::estimate;
-pub(crate) use measure::lag;
-pub use newton::{Searches, Seek, Seeks, Sought};
-pub use progress::{Held, Phase, Progress};
+pub(crate) use measurement::lag;
+pub use newton_search::{NewtonResult, NewtonResults, NewtonStart, NewtonStarts};
+pub use period_jacobian::{PeriodJacobian, PeriodJacobians};
+pub use profile::ProfileSection;
+pub use progress::{HeldPhase, Progress, ProgressPhase};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
-pub use return_map::{ReturnMap, SlopeStart};
-pub use slopes::{Sloped, Slopes};
+pub use result_columns::{ResultColumns, WantedColumns};
+pub use return_map::{JacobianStart, ReturnMap};
 pub use threads::on_threads;
+pub use time_estimate::estimate;
 pub use trace::{Between, Trace, TraceSample, trace};
 
 use crate::observe::{Measured, Status};
-use crate::plan::{Plan, Station};
+use crate::plan::{Plan, SectionState};
 use thiserror::Error;
 
 /// Steps every instance of a plan.
@@ -63,7 +63,7 @@ pub trait Engine: Send + Sync {
         true
     }
 
-    /// Of a run of very many instances, how many are taken to their ends together, and how many such portions at once:
+    /// Of a run of very many instances, how many are taken to their ends together, and how many such chunks at once:
     /// enough to keep the device busy, and of what only the way there needs no more is held.
     fn portions(&self) -> (usize, usize) {
         (1 << 17, 1)
@@ -97,23 +97,28 @@ pub trait Engine: Send + Sync {
         Ok(None)
     }
 
-    /// Whether it tells slopes of periods, [`Engine::slopes`].
+    /// Whether it tells Jacobians of periods, [`Engine::slopes`].
     fn tells_slopes(&self) -> bool {
         false
     }
 
-    /// Steps one period of each instance of a plan, from steady free motion on from where the plan says, and tells its slope; of
-    /// that about as much may be left out as `least` says, by instance. Nothing is told by an engine that leaves slopes to
+    /// Steps one period of each instance of a plan, from steady free motion on from where the plan says, and tells its Jacobian; of
+    /// that about as much may be left out as `least` says, by instance. Nothing is told by an engine that leaves Jacobians to
     /// differences.
     ///
     /// # Errors
     /// What the engine says.
-    fn slopes(&self, plan: &Plan, _least: &[f64], _progress: &Progress) -> Result<Slopes, EngineError> {
-        Ok(Slopes::none(plan))
+    fn slopes(
+        &self,
+        plan: &Plan,
+        _least: &[f64],
+        _progress: &Progress,
+    ) -> Result<PeriodJacobians, EngineError> {
+        Ok(PeriodJacobians::none(plan))
     }
 
     /// Takes each of these guesses at periodic states of instances of the plan to its end, in f64: one measured period after
-    /// another, each from where a stride from the last one has led, [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most. It is
+    /// another, each from where a step from the last one has led, [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most. It is
     /// stepped with the plan's steps, from steady free motion. An engine without a way of its own leaves this to the CPU.
     ///
     /// # Errors
@@ -121,9 +126,9 @@ pub trait Engine: Send + Sync {
     fn broyden(
         &self,
         plan: &Plan,
-        guesses: &mut Guesses,
+        guesses: &mut Predictions,
         progress: &Progress,
-    ) -> Result<Arrivals, EngineError> {
+    ) -> Result<Corrections, EngineError> {
         Cpu::default().broyden(plan, guesses, progress)
     }
 
@@ -133,13 +138,18 @@ pub trait Engine: Send + Sync {
     }
 
     /// Takes a search of each instance of the plan to its end by Newton's steps, in the plan's precision, from where the plan says:
-    /// one period with its slope after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an
+    /// one period with its Jacobian after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an
     /// engine that leaves rounds to those who ask for them.
     ///
     /// # Errors
     /// What the engine says.
-    fn newton(&self, plan: &Plan, _seeks: &Seeks, _progress: &Progress) -> Result<Searches, EngineError> {
-        Ok(Searches::none(plan))
+    fn newton(
+        &self,
+        plan: &Plan,
+        _seeks: &NewtonStarts,
+        _progress: &Progress,
+    ) -> Result<NewtonResults, EngineError> {
+        Ok(NewtonResults::none(plan))
     }
 
     /// Runs the plan. A failed instance is data, not an error.
@@ -167,7 +177,7 @@ pub enum EngineError {
     Starts,
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
-    /// What was written down of a portion.
+    /// What was written down of a chunk.
     #[error("what was written down of the run cannot be read again: {why}")]
     Unread { why: String },
 }
@@ -177,7 +187,7 @@ pub enum EngineError {
 pub struct Outcome {
     pub results: Vec<Finished>,
     /// Where each ended, if the plan says where they start; none where nothing was stepped.
-    pub ends: Vec<Option<Box<Station>>>,
+    pub ends: Vec<Option<Box<SectionState>>>,
     /// What a user should know of how it went: one line each.
     pub notes: Vec<String>,
 }
@@ -205,7 +215,7 @@ impl Outcome {
 #[derive(Clone, Debug)]
 struct Ended {
     finished: Finished,
-    end: Option<Box<Station>>,
+    end: Option<Box<SectionState>>,
 }
 
 impl Ended {

@@ -1,13 +1,13 @@
 //! How far a run is, phase by phase, and whether it should stop: shared with whoever shows it.
 
-use super::Busy;
+use super::ProfileSection;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// What a run is doing, and how far that is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Phase {
+pub struct ProgressPhase {
     /// Counts phases: another number is another phase.
     pub number: u64,
     /// As `run: search`.
@@ -28,7 +28,7 @@ struct Counts {
     steps: AtomicU64,
     expected: AtomicU64,
     /// Nanoseconds by kind of work, of all threads together.
-    busy: [AtomicU64; Busy::ALL.len()],
+    busy: [AtomicU64; ProfileSection::ALL.len()],
     /// Pieces of the phase that are done, where it is counted in pieces.
     done: AtomicU64,
     /// Whether a phase goes on whatever the work within it says of itself.
@@ -72,7 +72,7 @@ impl Progress {
     }
 
     /// Does some work of this kind and counts its time.
-    pub fn timed<T>(&self, of: Busy, work: impl FnOnce() -> T) -> T {
+    pub fn timed<T>(&self, of: ProfileSection, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let done = work();
         let time = begun.elapsed().as_nanos() as u64;
@@ -81,7 +81,7 @@ impl Progress {
     }
 
     /// How long all threads together were at it, s.
-    pub fn seconds(&self, of: Busy) -> f64 {
+    pub fn seconds(&self, of: ProfileSection) -> f64 {
         self.counts.busy[of as usize].load(Ordering::Relaxed) as f64 * 1e-9
     }
 
@@ -125,10 +125,10 @@ impl Progress {
 
     /// Begins a phase of so many pieces that goes on until what is given back is dropped, for work whose parts run
     /// side by side: what they say of themselves is passed over.
-    pub fn hold(&self, names: &'static [&'static str], pieces: u64) -> Held<'_> {
+    pub fn hold(&self, names: &'static [&'static str], pieces: u64) -> HeldPhase<'_> {
         self.begin(pieces, |now| (now.names, now.part, now.task) = (names, 0, String::new()));
         self.counts.held.store(true, Ordering::Relaxed);
-        Held(self)
+        HeldPhase(self)
     }
 
     fn begin(&self, pieces: u64, change: impl FnOnce(&mut Now)) {
@@ -143,7 +143,7 @@ impl Progress {
     }
 
     /// What is being done.
-    pub fn phase(&self) -> Phase {
+    pub fn phase(&self) -> ProgressPhase {
         let now = self.counts.now.lock().unwrap_or_else(PoisonError::into_inner);
         let part = now.part.max(1);
         let mut name = now.names.get(part - 1).or(now.names.last()).copied().unwrap_or("run").to_owned();
@@ -159,22 +159,22 @@ impl Progress {
             pieces => (self.counts.done.load(Ordering::Relaxed), pieces),
         };
         let share = (all > 0).then(|| (done as f64 / all as f64).min(1.0));
-        Phase { number: now.number, name, share }
+        ProgressPhase { number: now.number, name, share }
     }
 }
 
 /// A phase that goes on whatever the work within it says of itself.
 #[derive(Debug)]
-pub struct Held<'a>(&'a Progress);
+pub struct HeldPhase<'a>(&'a Progress);
 
-impl Held<'_> {
+impl HeldPhase<'_> {
     /// Counts its pieces as done.
     pub fn done(&self, pieces: u64) {
         self.0.counts.done.fetch_add(pieces, Ordering::Relaxed);
     }
 }
 
-impl Drop for Held<'_> {
+impl Drop for HeldPhase<'_> {
     fn drop(&mut self) {
         self.0.counts.held.store(false, Ordering::Relaxed);
     }

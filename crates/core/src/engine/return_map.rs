@@ -1,11 +1,11 @@
 //! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
 //! place, again and again.
 
-use super::slopes::Sloped;
-use super::table::{Buffers, Place, Table};
-use super::{Busy, EngineError, Finished, Progress};
+use super::batch_map::{BatchMap, Buffers, MapStart};
+use super::period_jacobian::PeriodJacobian;
+use super::{EngineError, Finished, ProfileSection, Progress};
 use crate::kernel::{LENGTH, Room, Rounding};
-use crate::plan::{Plan, Station};
+use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
 /// The map that takes an instance's place at the start of a period of its drive to the one some periods later, with
@@ -15,17 +15,26 @@ pub trait ReturnMap: Send + Sync {
     /// `periods`; none where the run was stopped.
     ///
     /// This is done on the calling thread: callers have many lists.
-    fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>>;
+    fn after(
+        &self,
+        starts: &[(u32, SectionState)],
+        periods: u32,
+        progress: &Progress,
+    ) -> Vec<Option<SectionState>>;
 
     /// Where each of these is after one period, and how that changes with where it begins; none where the run was stopped.
     /// `room` is for the work, to be used again.
-    fn sloped(&self, starts: &[SlopeStart], room: &mut Room<f64>, progress: &Progress)
-    -> Vec<Option<Sloped>>;
+    fn sloped(
+        &self,
+        starts: &[JacobianStart],
+        room: &mut Room<f64>,
+        progress: &Progress,
+    ) -> Vec<Option<PeriodJacobian>>;
 }
 
-/// An instance on its way through one period, measured or with its slope.
+/// An instance on its way through one period, measured or with its Jacobian.
 #[derive(Debug)]
-pub(super) struct Passing<'a> {
+pub(super) struct MapPassage<'a> {
     /// A number in the list of instances that the map was made for.
     pub instance: u32,
     /// Travels of the kept modes where it begins, then where it ends, and as many rates over the modes' angular frequencies,
@@ -36,37 +45,37 @@ pub(super) struct Passing<'a> {
     pub finite: bool,
 }
 
-impl Passing<'_> {
+impl MapPassage<'_> {
     /// Where it begins.
-    fn place(&self) -> Place<'_> {
+    fn place(&self) -> MapStart<'_> {
         let (x, u) = self.state.split_at(self.state.len() / 2);
-        Place { x, u, touching: self.touching, unit: 1.0 }
+        MapStart { x, u, touching: self.touching, unit: 1.0 }
     }
 
     /// Takes in where it is, in a lane of the rows.
-    fn put(&mut self, table: &Table, lane: usize, rows: &Buffers) {
+    fn put(&mut self, table: &BatchMap, lane: usize, rows: &Buffers) {
         let (x, u) = self.state.split_at_mut(self.state.len() / 2);
         (self.touching, self.finite) = table.put(lane, (x, u), 1.0, rows);
     }
 }
 
-/// Where the slope of a period is asked for.
+/// Where the Jacobian of a period is asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct SlopeStart {
+pub struct JacobianStart {
     /// A number in the list of instances that the map was made for.
     pub instance: u32,
-    pub station: Station,
-    /// What may be left out of the slope, about.
+    pub station: SectionState,
+    /// What may be left out of the Jacobian, about.
     pub least: f64,
 }
 
-pub(super) struct Map {
-    tables: Vec<Table>,
+pub(super) struct CpuReturnMap {
+    tables: Vec<BatchMap>,
     /// By instance, its table and its row there.
     places: Vec<(u32, u32)>,
 }
 
-impl Map {
+impl CpuReturnMap {
     /// Instances that are alike are stepped side by side in the order in which they come.
     pub fn new(plan: &Plan, instances: &[u32], rounding: Rounding) -> Result<Self, EngineError> {
         let mut places = vec![(0, 0); instances.len()];
@@ -77,21 +86,21 @@ impl Map {
         let mut tables = Vec::with_capacity(alike.len());
         for (number, (shape, members)) in alike.into_iter().enumerate() {
             members.iter().enumerate().for_each(|(row, (n, _))| places[*n] = (number as u32, row as u32));
-            tables.push(Table::new(plan, shape, members.iter().map(|(_, i)| *i), rounding)?);
+            tables.push(BatchMap::new(plan, shape, members.iter().map(|(_, i)| *i), rounding)?);
         }
         Ok(Self { tables, places })
     }
 }
 
-impl Map {
+impl CpuReturnMap {
     /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. `ended` is told where
     /// each one ends, and asks of those that it wants what was measured. Whether they are steady is not judged. A run that was
     /// stopped leaves the others where they are.
     pub fn measured(
         &self,
         plan: &Plan,
-        passing: &mut [Passing],
-        mut ended: impl FnMut(&Passing, &dyn Fn() -> Finished),
+        passing: &mut [MapPassage],
+        mut ended: impl FnMut(&MapPassage, &dyn Fn() -> Finished),
         progress: &Progress,
     ) {
         let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
@@ -102,8 +111,8 @@ impl Map {
                     return;
                 }
                 table.gather(places, |n| passing[n].place(), &mut rows);
-                progress.timed(Busy::Steps, || table.measure(places, plan, &mut rows));
-                progress.timed(Busy::Algebra, || {
+                progress.timed(ProfileSection::Steps, || table.measure(places, plan, &mut rows));
+                progress.timed(ProfileSection::Algebra, || {
                     for (lane, (n, row)) in places.iter().enumerate() {
                         passing[*n].put(table, lane, &rows);
                         let one = &passing[*n];
@@ -115,14 +124,14 @@ impl Map {
         }
     }
 
-    /// Takes each of these through one period in f64 and tells its slope, of which about as much may be left out as the number
-    /// beside it says. `ended` is told where each one ends, and its slope, column by column. A run that was stopped leaves the
+    /// Takes each of these through one period in f64 and tells its Jacobian, of which about as much may be left out as the number
+    /// beside it says. `ended` is told where each one ends, and its Jacobian, column by column. A run that was stopped leaves the
     /// others where they are.
     pub fn sloping(
         &self,
-        (passing, least): (&mut [Passing], &[f64]),
+        (passing, least): (&mut [MapPassage], &[f64]),
         room: &mut Room<f64>,
-        mut ended: impl FnMut(&Passing, Box<[f64]>),
+        mut ended: impl FnMut(&MapPassage, Box<[f64]>),
         progress: &Progress,
     ) {
         let instances: Vec<u32> = passing.iter().map(|one| one.instance).collect();
@@ -134,8 +143,9 @@ impl Map {
                 }
                 table.gather(places, |n| passing[n].place(), &mut rows);
                 let least: Vec<f64> = places.iter().map(|(n, _)| least[*n]).collect();
-                let slopes = progress.timed(Busy::Steps, || table.slopes(&least, (&mut rows, room)));
-                progress.timed(Busy::Algebra, || {
+                let slopes =
+                    progress.timed(ProfileSection::Steps, || table.slopes(&least, (&mut rows, room)));
+                progress.timed(ProfileSection::Algebra, || {
                     for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
                         passing[*n].put(table, lane, &rows);
                         ended(&passing[*n], slope);
@@ -150,7 +160,7 @@ impl Map {
     fn by_table<'a>(
         &'a self,
         instances: impl Iterator<Item = u32> + Clone + 'a,
-    ) -> impl Iterator<Item = (&'a Table, Vec<(usize, u32)>)> + 'a {
+    ) -> impl Iterator<Item = (&'a BatchMap, Vec<(usize, u32)>)> + 'a {
         self.tables.iter().enumerate().filter_map(move |(number, table)| {
             let own: Vec<(usize, u32)> = (instances.clone().enumerate())
                 .filter_map(|(n, instance)| {
@@ -163,8 +173,13 @@ impl Map {
     }
 }
 
-impl ReturnMap for Map {
-    fn after(&self, starts: &[(u32, Station)], periods: u32, progress: &Progress) -> Vec<Option<Station>> {
+impl ReturnMap for CpuReturnMap {
+    fn after(
+        &self,
+        starts: &[(u32, SectionState)],
+        periods: u32,
+        progress: &Progress,
+    ) -> Vec<Option<SectionState>> {
         let mut out = vec![None; starts.len()];
         for (table, own) in self.by_table(starts.iter().map(|start| start.0)) {
             let mut rows = table.buffers(table.stepper.width);
@@ -172,8 +187,8 @@ impl ReturnMap for Map {
                 if progress.stopped() {
                     return out;
                 }
-                table.gather(places, |n| Place::of(&starts[n].1), &mut rows);
-                progress.timed(Busy::Steps, || table.after(periods, &mut rows));
+                table.gather(places, |n| MapStart::of(&starts[n].1), &mut rows);
+                progress.timed(ProfileSection::Steps, || table.after(periods, &mut rows));
                 for (lane, (n, _)) in places.iter().enumerate() {
                     out[*n] = Some(end(table, lane, &starts[*n].1, &rows));
                 }
@@ -185,10 +200,10 @@ impl ReturnMap for Map {
 
     fn sloped(
         &self,
-        starts: &[SlopeStart],
+        starts: &[JacobianStart],
         room: &mut Room<f64>,
         progress: &Progress,
-    ) -> Vec<Option<Sloped>> {
+    ) -> Vec<Option<PeriodJacobian>> {
         let mut out = vec![None; starts.len()];
         for (table, own) in self.by_table(starts.iter().map(|start| start.instance)) {
             let mut rows = table.buffers(table.tangent.width);
@@ -196,11 +211,13 @@ impl ReturnMap for Map {
                 if progress.stopped() {
                     return out;
                 }
-                table.gather(places, |n| Place::of(&starts[n].station), &mut rows);
+                table.gather(places, |n| MapStart::of(&starts[n].station), &mut rows);
                 let least: Vec<f64> = places.iter().map(|(n, _)| starts[*n].least).collect();
-                let slopes = progress.timed(Busy::Steps, || table.slopes(&least, (&mut rows, room)));
+                let slopes =
+                    progress.timed(ProfileSection::Steps, || table.slopes(&least, (&mut rows, room)));
                 for ((lane, (n, _)), slope) in places.iter().enumerate().zip(slopes) {
-                    out[*n] = Some(Sloped { end: end(table, lane, &starts[*n].station, &rows), slope });
+                    out[*n] =
+                        Some(PeriodJacobian { end: end(table, lane, &starts[*n].station, &rows), slope });
                 }
                 progress.add(places.len() as u64 * table.steps());
             }
@@ -210,7 +227,7 @@ impl ReturnMap for Map {
 }
 
 /// Where the instance in a lane is, that began at `start`.
-fn end(table: &Table, lane: usize, start: &Station, rows: &Buffers) -> Station {
+fn end(table: &BatchMap, lane: usize, start: &SectionState, rows: &Buffers) -> SectionState {
     let mut end = *start;
     let (touching, finite) = table.put(lane, (&mut end.x, &mut end.u), LENGTH, rows);
     (end.touching, end.finite) = (touching, start.finite && finite);

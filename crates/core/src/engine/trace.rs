@@ -2,11 +2,11 @@
 
 use super::EngineError;
 use super::cpu::decays;
-use super::member::{begin, constants, force_scale, lever, step_length};
+use super::kernel_constants::{begin, constants, force_scale, lever, step_length};
+use super::section_state;
 use super::start;
-use super::station;
 use crate::kernel::{LENGTH, MODES_MAX, Rounding, tracer};
-use crate::plan::{Plan, Station};
+use crate::plan::{Plan, SectionState};
 use crate::scene::Start;
 
 /// The steps of an instance from `first` on, at the middle of each step. SI units, f64.
@@ -48,7 +48,7 @@ pub struct TraceSample {
 pub fn trace(
     plan: &Plan,
     instance: usize,
-    from: Option<&Station>,
+    from: Option<&SectionState>,
     periods: u32,
     keep: u32,
 ) -> Result<Trace, EngineError> {
@@ -64,8 +64,10 @@ pub fn trace(
     }
     let (member, start) = ((case, driven), plan.run.start);
     let modes = driven.kept.modes.len();
-    let saved =
-        from.map_or_else(|| begin(member, start), |place| station::saved(plan, instance as u32, place));
+    let saved = from.map_or_else(
+        || begin(member, start),
+        |place| section_state::checkpoint(plan, instance as u32, place),
+    );
     let constants: Vec<f64> = constants(member, &lever(member, modes), start).collect();
     let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);
     let mut state: Vec<f64> = state.copied().collect();

@@ -1,4 +1,4 @@
-//! Sizes of states and slopes, and where their memory comes from.
+//! Sizes of states and Jacobians, and where their memory comes from.
 
 use nalgebra::DimMin;
 use nalgebra::allocator::Allocator;
@@ -7,6 +7,6 @@ use nalgebra::allocator::Allocator;
 pub trait Size: DimMin<Self, Output = Self> {}
 impl<D: DimMin<D, Output = D>> Size for D {}
 
-/// Where memory for states and slopes comes from.
+/// Where memory for states and Jacobians comes from.
 pub trait Memory<D: Size>: Allocator<D> + Allocator<D, D> {}
 impl<D: Size, A: Allocator<D> + Allocator<D, D>> Memory<D> for A {}

@@ -1,15 +1,15 @@
 //! The instances of a scene: what they are, not how they run.
 
-use super::coded::{Coded, Codes};
+use super::interning::{Codes, Interned};
 use crate::contact::{Compact, Contact, Law};
 use crate::instrument::{FreeMotion, Instrument, Mode};
-use crate::scene::{Branch, Cases, Held};
+use crate::scene::{Cases, ForceBranch, Held};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Amplitude of a tip that touches where its free oscillation does not, in gaps.
-const MORE: f64 = 1.05;
+const FREE_AMPLITUDE_MARGIN: f64 = 1.05;
 
 /// Number of an instance in its ensemble: its place in the scene's order, and in the results file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -29,7 +29,7 @@ pub struct Ensemble {
     /// Of each instance what it is held at by moving its sample; empty where gaps are given.
     pub setpoints: Vec<SetPoint>,
     /// Where the instances are points of curves, how these lie in their order.
-    pub curves: Option<Curves>,
+    pub curves: Option<CurveLayout>,
     /// Where the instances are every combination of the values of some axes, how these lie in their order.
     pub grid: Option<Grid>,
 }
@@ -99,14 +99,14 @@ impl<'a> Ranks<'a> {
 /// Curves of equal length, one after the other; where they are followed both ways, the points of the way back come after
 /// those of the way there, in the same order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Curves {
+pub struct CurveLayout {
     /// On one way.
     pub points: u32,
     /// 1 or 2.
     pub ways: u32,
 }
 
-impl Curves {
+impl CurveLayout {
     /// Number of the instance's curve, and its place along it in the order in which it is followed.
     pub fn place(&self, id: InstanceId) -> (u32, u32) {
         let long = self.points * self.ways;
@@ -137,7 +137,7 @@ pub(super) enum Contacts {
 #[derive(Clone, Debug)]
 pub(super) enum Gaps {
     /// By their bits: few differ.
-    Coded(Coded<u64>),
+    Coded(Interned<u64>),
     /// A column of the scene.
     Given(Arc<Vec<f64>>),
     Each(Vec<f64>),
@@ -148,7 +148,7 @@ pub(super) enum Gaps {
 pub struct SetPoint {
     pub held: Held,
     /// The branch that is asked for where both hold it.
-    pub branch: Option<Branch>,
+    pub branch: Option<ForceBranch>,
     /// How far below the surface it is looked for, m, where that is told.
     pub deepest: Option<f64>,
 }
@@ -175,7 +175,7 @@ impl Drive {
             (moves * mode.tip).norm() * gain.max(1.0)
         };
         let most: f64 = self.instrument.modes.iter().zip(&self.free.modes).map(at_resonance).sum();
-        if most > gap { MORE * gap } else { self.free_amplitude() }
+        if most > gap { FREE_AMPLITUDE_MARGIN * gap } else { self.free_amplitude() }
     }
 }
 

@@ -1,57 +1,53 @@
 //! What a scene needs, as plain data that can be printed: the ensemble of its instances, which never changes, and plans,
 //! which say what of it runs and how finely.
 
-mod assign;
-mod between;
-mod build;
+mod assignment;
+mod basis;
 mod classes;
-mod coded;
 mod compliance;
-mod contacts;
+mod construction;
+mod contact_rate;
+mod curve_points;
+mod derivation;
 mod ensemble;
-mod met;
-mod modes;
+mod interning;
 mod oscillator;
-mod own;
+mod plan_error;
+mod plan_summary;
 mod policy;
 mod precision;
-mod rate;
 mod rebasing;
-mod refusal;
 mod resolution;
+mod resonant_modes;
 mod ringing;
+mod shared_contacts;
 mod steps;
-mod summary;
-mod variants;
+mod unshared_drives;
 
-pub use build::PlanError;
+pub(crate) use basis::RICHEST_ACCURACY_SHARE;
+pub use basis::{BasisRule, ReducedBasis};
 pub use classes::{Class, Shape};
 pub use compliance::{compliance, reduced};
-pub use ensemble::{Curves, Drive, Ensemble, Grid, GridAxis, InstanceId, Ranks, SetPoint};
-pub(crate) use modes::RICHEST;
-pub use modes::{BasisRule, ReducedBasis};
+pub use construction::PlanError;
+pub use derivation::Resolution;
+pub use ensemble::{CurveLayout, Drive, Ensemble, Grid, GridAxis, InstanceId, Ranks, SetPoint};
 pub use oscillator::KeptMode;
+pub use plan_summary::PlanSummary;
 pub use policy::Policy;
 pub use precision::Precision;
 pub use rebasing::Rebasing;
 pub use steps::{STEPS_MAX, STEPS_MIN};
-pub use summary::Summary;
-pub use variants::Fineness;
 
 use crate::contact::{Compact, Contact, Law};
 use crate::kernel::MODES_MAX;
 use crate::observe::{Observable, Wants};
 use crate::scene::{Run, WaveformRequest};
-use rayon::prelude::*;
-use resolution::{Ids, Resolution, Resolutions};
+use resolution::{Ids, InstanceResolution, InstanceResolutions};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Instances whose contacts one thread makes together.
-const TOGETHER: usize = 1 << 10;
-
 /// Some instances of an ensemble and how they are to run: what an engine is given. A scene's first plan has all
-/// instances; refinements, samples, portions and audits are plans of some of them, with steps, bases and starts of their
+/// instances; refinements, samples, chunks and audits are plans of some of them, with steps, bases and starts of their
 /// own. Everything that is told by instance is in the order of the plan's: its instance `i` is the ensemble's
 /// `plan.id(i)`.
 #[derive(Clone, Debug)]
@@ -60,7 +56,7 @@ pub struct Plan {
     /// Which instances run.
     ids: Ids,
     /// How finely each of them does.
-    resolution: Resolutions,
+    resolution: InstanceResolutions,
     /// Their contacts, where the ensemble does not hold them.
     contacts: Option<Arc<Vec<Compact>>>,
     /// Drives with the bases that they are stepped by.
@@ -84,21 +80,21 @@ pub struct Plan {
 /// Where an instance of a plan starts.
 #[derive(Clone, Copy, Debug)]
 pub struct StartState {
-    pub station: Station,
+    pub section: SectionState,
     /// A change from one period to the next is at least so large a share of the distance to the periodic
     /// state; where nothing is known of it, the slowest mode's damping stands for it.
     pub least_change: Option<f64>,
 }
 
-impl From<Station> for StartState {
-    fn from(station: Station) -> Self {
-        Self { station, least_change: None }
+impl From<SectionState> for StartState {
+    fn from(station: SectionState) -> Self {
+        Self { section: station, least_change: None }
     }
 }
 
 /// Where an instance stands at the start of a period of its drive: half a step into it, before the kick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Station {
+pub struct SectionState {
     /// Tip travel by each kept mode beyond the steady free motion, m.
     pub x: [f64; MODES_MAX],
     /// Its rate over the mode's angular frequency, m.
@@ -108,7 +104,7 @@ pub struct Station {
     pub finite: bool,
 }
 
-impl Station {
+impl SectionState {
     /// No deviation from the free motion, no contact.
     pub const FREE: Self = Self { x: [0.0; MODES_MAX], u: [0.0; MODES_MAX], touching: false, finite: true };
 
@@ -174,7 +170,7 @@ impl Plan {
     /// Everything about one instance.
     pub fn case(&self, instance: u32) -> Case {
         let contact = self.contact(instance);
-        let Resolution { gap, drive, steps } = self.resolution(instance);
+        let InstanceResolution { gap, drive, steps } = self.resolution(instance);
         let least_change = self.starts.as_ref().and_then(|starts| starts[instance as usize].least_change);
         Case { drive, contact, gap, steps, least_change }
     }
@@ -193,13 +189,14 @@ impl Plan {
     }
 
     /// The contacts of these instances, which takes less time than to ask for each.
+    ///
+    /// One thread makes them: threads of a pool call this while they hold a lock that others of the pool wait for. A
+    /// thread that divides its work meanwhile takes up work of theirs, and waits for itself.
     pub fn contacts_of(&self, instances: &[u32]) -> Vec<Compact> {
-        let some = |some: &[u32]| match &self.contacts {
-            Some(contacts) => some.iter().map(|i| contacts[*i as usize]).collect(),
-            None => self.ensemble.contacts_of(some.iter().map(|i| self.id(*i))),
-        };
-        let all: Vec<Vec<Compact>> = instances.par_chunks(TOGETHER).map(some).collect();
-        all.concat()
+        match &self.contacts {
+            Some(contacts) => instances.iter().map(|i| contacts[*i as usize]).collect(),
+            None => self.ensemble.contacts_of(instances.iter().map(|i| self.id(*i))),
+        }
     }
 
     /// Whether its contacts are held, and need not be made when they are asked for.
@@ -207,7 +204,7 @@ impl Plan {
         self.contacts.is_some() || self.ensemble.holds_contacts()
     }
 
-    fn resolution(&self, instance: u32) -> Resolution {
+    fn resolution(&self, instance: u32) -> InstanceResolution {
         self.resolution.get(instance as usize, || self.ensemble.gap(self.id(instance)))
     }
 

@@ -72,7 +72,7 @@ policy! {
     basis_share: f64 = 0.2,
     /// The same for the poorer bases, which leave out more.
     poorer_basis_share: f64 = 0.1,
-    /// The same for the basis of the first run, the next poorer one. Its difference to the second run is each instance's
+    /// The same for the basis of the first run, the next smaller one. Its difference to the second run is each instance's
     /// own estimate, and little of it is left in the second.
     first_basis_share: f64 = 1.5,
     /// Members of the sample on either side of an instance whose largest difference stands for its own.

@@ -1,6 +1,6 @@
 //! A plan's instances with other bases.
 
-use super::assign::shares;
+use super::assignment::shares;
 use super::{BasisRule, Case, Driven, Plan, ReducedBasis, steps};
 use crate::scene::Run;
 use std::collections::HashMap;
@@ -103,8 +103,8 @@ impl Bases {
 }
 
 /// Richer bases are looked for at so many times finer accuracies, one after the other.
-const FINER: f64 = 0.25;
-const NOTCHES: usize = 8;
+const NOTCH_ACCURACY_RATIO: f64 = 0.25;
+const MAX_NOTCHES: usize = 8;
 
 /// The least of the bases that are richer than this one, for contacts of this rung; none where it is the richest that
 /// can be stepped, or is prescribed.
@@ -118,7 +118,7 @@ pub(super) fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<Reduced
             (richer.modes != driven.kept.modes).then_some(richer)
         }
         BasisRule::Shares { accuracy } => {
-            let accuracies = (1..=NOTCHES as i32).map(|n| accuracy * FINER.powi(n));
+            let accuracies = (1..=MAX_NOTCHES as i32).map(|n| accuracy * NOTCH_ACCURACY_RATIO.powi(n));
             let mut bases =
                 accuracies.map(|accuracy| reduced_by(driven, BasisRule::Shares { accuracy }, run));
             let found = bases.find(|basis| basis.modes != driven.kept.modes);

@@ -1,7 +1,7 @@
 //! Which instances a plan has, and how finely each of them runs.
 
 use super::InstanceId;
-use super::coded::Coded;
+use super::interning::Interned;
 
 /// Instances of an ensemble.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ impl Ids {
 
 /// How finely an instance runs, and how far from its sample.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Resolution {
+pub(super) struct InstanceResolution {
     /// m: the instance's own, or what a set-point has led to; NaN where no gap holds it.
     pub gap: f64,
     /// Index into [`Plan::drives`](super::Plan::drives).
@@ -40,28 +40,28 @@ pub(super) struct Resolution {
 
 /// Those of a plan's instances.
 #[derive(Clone, Debug)]
-pub(super) struct Resolutions {
+pub(super) struct InstanceResolutions {
     /// Drives and steps of very many, whose gaps are the ensemble's.
-    coded: Option<Coded<(u32, u32)>>,
-    each: Vec<Resolution>,
+    coded: Option<Interned<(u32, u32)>>,
+    each: Vec<InstanceResolution>,
 }
 
-impl Resolutions {
+impl InstanceResolutions {
     /// Of all instances of an ensemble.
-    pub fn coded(all: Coded<(u32, u32)>) -> Self {
+    pub fn coded(all: Interned<(u32, u32)>) -> Self {
         Self { coded: Some(all), each: Vec::new() }
     }
 
-    pub fn of(each: Vec<Resolution>) -> Self {
+    pub fn of(each: Vec<InstanceResolution>) -> Self {
         Self { coded: None, each }
     }
 
     #[inline]
-    pub fn get(&self, at: usize, gap: impl FnOnce() -> f64) -> Resolution {
+    pub fn get(&self, at: usize, gap: impl FnOnce() -> f64) -> InstanceResolution {
         match &self.coded {
             Some(all) => {
                 let (drive, steps) = all.get(at);
-                Resolution { gap: gap(), drive, steps }
+                InstanceResolution { gap: gap(), drive, steps }
             }
             None => self.each[at],
         }
@@ -86,11 +86,11 @@ impl Resolutions {
     }
 
     /// All of them, to be changed; `gap` tells those of the ensemble.
-    pub fn each(&mut self, gap: impl Fn(usize) -> f64) -> &mut Vec<Resolution> {
+    pub fn each(&mut self, gap: impl Fn(usize) -> f64) -> &mut Vec<InstanceResolution> {
         if let Some(coded) = self.coded.take() {
             let one = |at: usize| {
                 let (drive, steps) = coded.get(at);
-                Resolution { gap: gap(at), drive, steps }
+                InstanceResolution { gap: gap(at), drive, steps }
             };
             self.each = (0..coded.len()).map(one).collect();
         }

@@ -4,14 +4,14 @@ use crate::instrument::{Instrument, Mode};
 use std::f64::consts::PI;
 
 /// A mode is kept as it is where of its motion this share or more is left after a period of the drive.
-const RINGS: f64 = 1e-3;
+const RING_SHARE: f64 = 1e-3;
 /// The same for modes of the lever that are faster than the contact, up to so many times, and how many oscillators stand
 /// for all others at least.
-pub(super) const RINGS_LONG: f64 = 0.05;
-pub(super) const FASTER: f64 = 6.0;
-pub(super) const REDUCED: usize = 4;
+pub(super) const LONG_RING_SHARE: f64 = 0.05;
+pub(super) const MAX_LEVER_MODE_RATIO: f64 = 6.0;
+pub(super) const MIN_REDUCED_OSCILLATORS: usize = 4;
 /// A mode is the lever's if it moves the tip by more than this share of what its slowest does.
-const LEVERS: f64 = 0.05;
+const LEVER_MODE_SHARE: f64 = 0.05;
 
 /// What is left of a mode's motion after a period of the drive at `omega` (rad/s).
 pub(super) fn left(mode: &Mode, omega: f64) -> f64 {
@@ -19,20 +19,20 @@ pub(super) fn left(mode: &Mode, omega: f64) -> f64 {
 }
 
 /// Which modes are the lever's, told from a rod's, which hardly move the tip.
-pub(super) struct Levers {
+pub(super) struct LeverModes {
     /// Least inverse mass of one, 1/kg.
     least: f64,
     /// Angular frequency of the drive, rad/s.
     omega: f64,
 }
 
-impl Levers {
+impl LeverModes {
     /// By the slowest of the modes that move the tip as a lever's do; `omega` is of the drive.
     pub fn of(instrument: &Instrument, omega: f64) -> Self {
         let weights = || instrument.modes.iter().map(|mode| mode.inverse_mass().abs());
         let largest = weights().fold(0.0, f64::max);
-        let slowest = weights().find(|one| *one > LEVERS * largest).unwrap_or(0.0);
-        Self { least: LEVERS * slowest, omega }
+        let slowest = weights().find(|one| *one > LEVER_MODE_SHARE * largest).unwrap_or(0.0);
+        Self { least: LEVER_MODE_SHARE * slowest, omega }
     }
 
     pub fn own(&self, mode: &Mode) -> bool {
@@ -59,15 +59,16 @@ pub(super) fn ringing(
 ) -> Vec<usize> {
     let mode = |k: usize| &instrument.modes[k];
     let most = count.min(moved.len()).saturating_sub(2).max(1);
-    let levers = Levers::of(instrument, omega);
+    let levers = LeverModes::of(instrument, omega);
     let levers = || moved.iter().copied().filter(|k| levers.gathers(mode(*k)));
-    let slower = |k: &usize| mode(*k).omega <= rate && left(mode(*k), omega) >= RINGS;
+    let slower = |k: &usize| mode(*k).omega <= rate && left(mode(*k), omega) >= RING_SHARE;
     let mut kept: Vec<usize> = levers().filter(slower).take(most.min(count.div_ceil(2))).collect();
     if kept.is_empty() {
         kept.extend(moved.first());
     }
-    let room = most.min(count.saturating_sub(REDUCED)).saturating_sub(kept.len());
-    let long = |k: &usize| mode(*k).omega <= FASTER * rate && left(mode(*k), omega) >= RINGS_LONG;
+    let room = most.min(count.saturating_sub(MIN_REDUCED_OSCILLATORS)).saturating_sub(kept.len());
+    let long =
+        |k: &usize| mode(*k).omega <= MAX_LEVER_MODE_RATIO * rate && left(mode(*k), omega) >= LONG_RING_SHARE;
     let more: Vec<usize> = levers().filter(|k| long(k) && !kept.contains(k)).take(room).collect();
     kept.extend(more);
     kept

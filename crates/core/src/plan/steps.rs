@@ -1,6 +1,6 @@
 //! Steps per drive period.
 
-use super::modes::ANGLE_MAX;
+use super::basis::ANGLE_MAX;
 use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::Contact;
 use std::f64::consts::TAU;
@@ -11,8 +11,8 @@ pub const STEPS_MIN: u32 = 64;
 pub const STEPS_MAX: u32 = 65_536;
 
 /// Steps per period for smooth scenes at accuracy 1e-3, and how fast it grows with accuracy.
-const BASE: f64 = 128.0;
-const ORDER: f64 = 3.0;
+const BASE_STEPS: f64 = 128.0;
+const STEPPER_ORDER: f64 = 3.0;
 /// Contact stiffness that one step may meet, in units of h^2 times the tip's inverse mass; what it
 /// bounds is the largest force, every other observable is ten times better.
 ///
@@ -21,9 +21,9 @@ const ORDER: f64 = 3.0;
 /// above the ask with 0.2, the worst by 9 times; with 0.125, for 7 % more steps, 2 are: one by 4 %,
 /// and by 5 times the force of a contact as shallow as lengths are accurate. At 1e-2 one of 615
 /// (a snap-in that either happens or not), at 1e-4 two of 612, by 2.3 times at most.
-const STIFFNESS: f64 = 0.125;
+const STIFFNESS_FACTOR: f64 = 0.125;
 /// The same for the slope of an attraction just outside contact.
-const ATTRACTION: f64 = 1.0;
+const ATTRACTION_FACTOR: f64 = 1.0;
 
 /// The rule: enough for the accuracy asked for, for the fastest oscillator, and for the contact
 /// at the deepest indentation to expect.
@@ -35,14 +35,14 @@ pub fn steps(
     gap: f64,
     accuracy: f64,
 ) -> u32 {
-    let base = BASE * (1e-3 / accuracy).powf(1.0 / ORDER);
+    let base = BASE_STEPS * (1e-3 / accuracy).powf(1.0 / STEPPER_ORDER);
     let fast = fast(kept, omega);
     let period = TAU / omega;
     let inverse_mass = kept.inverse_mass();
     let depth = deepest(contact, inverse_mass, omega, amplitude, gap);
-    let limit = STIFFNESS * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
+    let limit = STIFFNESS_FACTOR * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
     let stiff = period * (inverse_mass * contact.stiffness(depth, true).max(0.0) / limit).sqrt();
-    let pull = period * (inverse_mass * contact.law().attraction_slope() / ATTRACTION).sqrt();
+    let pull = period * (inverse_mass * contact.law().attraction_slope() / ATTRACTION_FACTOR).sqrt();
     rung(base.max(fast).max(stiff).max(pull))
 }
 

@@ -1,33 +1,33 @@
 //! From a finished run to the plain data of its results file.
 
-mod audit;
-mod column;
-mod frame;
-mod numbers;
-mod rows;
-mod search;
+mod audit_variables;
+mod file_frame;
+mod instance_rows;
+mod instance_variables;
+mod orbit_variables;
+mod record_variables;
 mod spectra;
 mod warnings;
 mod waveforms;
 
 use crate::contact::Contact;
-use crate::control::{Arithmetic, Ran};
-use crate::design::Described;
-use crate::engine::{Columns, EngineError, Finished};
+use crate::control::{Arithmetic, JournaledRun};
+use crate::design::DesignDescription;
+use crate::engine::{EngineError, Finished, ResultColumns};
 use crate::observe::Observable;
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::store::{Attribute, Coordinate, ForceCurve, Results, Variable};
-use column::Number;
-use rows::Rows;
+use instance_rows::InstanceRows;
+use instance_variables::InstanceVariable;
 use std::sync::Arc;
 
-pub use audit::audit;
-pub use column::{BRANCHES, JUMPS};
-pub use frame::Frame;
-pub use numbers::Numbers;
+pub use audit_variables::audit;
+pub use file_frame::FileFrame;
+pub use instance_variables::{BRANCHES, JUMPS};
+pub use record_variables::RecordVariables;
 pub use spectra::{spectra, spectra_of_run};
-pub use warnings::{WARNINGS, Warned};
+pub use warnings::{LawWarnings, WARNINGS};
 pub use waveforms::{waveforms, waveforms_kept};
 
 /// The revision of the sources that the program was built from: `git describe`, or `unknown` outside a repository.
@@ -55,14 +55,14 @@ pub struct Facts {
 /// What one look at all instances of a run tells.
 ///
 /// # Errors
-/// What is kept of a portion cannot be read.
-pub fn warned(scene: &Scene, run: &Ran) -> Result<Warned, EngineError> {
-    Warned::of(scene, &Rows::Run(run))
+/// What is kept of a chunk cannot be read.
+pub fn warned(scene: &Scene, run: &JournaledRun) -> Result<LawWarnings, EngineError> {
+    LawWarnings::of(scene, &InstanceRows::Run(run))
 }
 
 /// The results file of a run of the plan but for the numbers over all instances.
-pub fn frame(scene: &Scene, (plan, warned): (&Plan, &Warned), facts: &Facts) -> Frame {
-    Frame::new(scene, (plan, warned.instance_steps), facts)
+pub fn frame(scene: &Scene, (plan, warned): (&Plan, &LawWarnings), facts: &Facts) -> FileFrame {
+    FileFrame::new(scene, (plan, warned.instance_steps), facts)
 }
 
 /// Everything the results file holds of a plan that was run once as it is, waveforms and spectra apart.
@@ -72,13 +72,13 @@ pub fn frame(scene: &Scene, (plan, warned): (&Plan, &Warned), facts: &Facts) -> 
 pub fn results(
     scene: &Scene,
     plan: &Plan,
-    finished: &Columns,
+    finished: &ResultColumns,
     facts: &Facts,
 ) -> Result<Results, EngineError> {
-    let rows = Rows::Plain { plan, finished, arithmetic: &facts.arithmetic };
-    let warned = Warned::of(scene, &rows)?;
-    let frame = Frame::new(scene, (plan, warned.instance_steps), facts);
-    let numbers = Numbers::new(&frame, (rows, &warned), None);
+    let rows = InstanceRows::Plain { plan, finished, arithmetic: &facts.arithmetic };
+    let warned = LawWarnings::of(scene, &rows)?;
+    let frame = FileFrame::new(scene, (plan, warned.instance_steps), facts);
+    let numbers = RecordVariables::new(&frame, (rows, &warned), None);
     frame.results.clone().with_numbers(&numbers).map_err(|unread| EngineError::Unread { why: unread.0 })
 }
 
@@ -101,7 +101,7 @@ fn design(scene: &Scene) -> Option<String> {
         .iter()
         .map(|one| column(&one.path).map_or((f64::NAN, f64::NAN), |axis| ends(&axis.values)))
         .collect();
-    serde_json::to_string(&Described::new(design, &ends)).ok()
+    serde_json::to_string(&DesignDescription::new(design, &ends)).ok()
 }
 
 fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
@@ -125,7 +125,7 @@ fn observables(plan: &Plan, results: impl Iterator<Item = Finished> + Clone) -> 
         for (row, one) in data.chunks_exact_mut(width).zip(results.clone()) {
             observable.write(&one.measured, row);
         }
-        Variable { data, ..Number::Observable(*observable).variable() }
+        Variable { data, ..InstanceVariable::Observable(*observable).variable() }
     };
     plan.observables.iter().map(one).collect()
 }

@@ -5,25 +5,25 @@
 //! too that the steps leave out because the force hardly feels them.
 
 use super::waveforms::gathered;
-use crate::control::Ran;
+use crate::control::JournaledRun;
 use crate::engine::{EngineError, lag, trace};
-use crate::instrument::Place;
-use crate::plan::{Driven, Plan, STEPS_MIN, Station};
-use crate::steady::States;
+use crate::instrument::MotionPlace;
+use crate::orbit::OrbitTable;
+use crate::plan::{Driven, Plan, STEPS_MIN, SectionState};
 use crate::store::Spectra;
 use nalgebra::Complex;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Most harmonics of an instance.
-const MOST: u32 = 1024;
+const MAX_HARMONIC: u32 = 1024;
 
 /// Computes the spectra of these instances of a plan that was run. `found` holds the periodic states that were found, by
 /// instance, or nothing: the spectrum is then that of the run's last period.
 ///
 /// # Errors
 /// What the engine says.
-pub fn spectra(plan: &Plan, found: &States, instances: &[usize]) -> Result<Spectra, EngineError> {
+pub fn spectra(plan: &Plan, found: &OrbitTable, instances: &[usize]) -> Result<Spectra, EngineError> {
     let places: Vec<u32> = instances.iter().map(|&instance| instance as u32).collect();
     spectra_of((plan, found), &places, instances)
 }
@@ -32,13 +32,13 @@ pub fn spectra(plan: &Plan, found: &States, instances: &[usize]) -> Result<Spect
 ///
 /// # Errors
 /// What the engine says.
-pub fn spectra_of_run(run: &Ran, instances: &[usize]) -> Result<Spectra, EngineError> {
+pub fn spectra_of_run(run: &JournaledRun, instances: &[usize]) -> Result<Spectra, EngineError> {
     let (some, places) = gathered(run, instances)?;
     spectra_of((&some.plan, &some.found), &places, instances)
 }
 
 fn spectra_of(
-    (plan, found): (&Plan, &States),
+    (plan, found): (&Plan, &OrbitTable),
     places: &[u32],
     instances: &[usize],
 ) -> Result<Spectra, EngineError> {
@@ -46,7 +46,7 @@ fn spectra_of(
         .par_iter()
         .map(|&i| {
             let place = found.get(i as usize);
-            harmonics(plan, i, place.as_ref().map(|place| &place.station))
+            harmonics(plan, i, place.as_ref().map(|place| &place.section))
         })
         .collect::<Result<_, EngineError>>()?;
     let most = all.iter().map(Vec::len).max().unwrap_or(0);
@@ -87,10 +87,10 @@ fn phase(phasor: Complex<f64>) -> f64 {
 }
 
 /// Of an instance, up to a quarter of its steps.
-fn harmonics(plan: &Plan, instance: u32, from: Option<&Station>) -> Result<Vec<Harmonic>, EngineError> {
+fn harmonics(plan: &Plan, instance: u32, from: Option<&SectionState>) -> Result<Vec<Harmonic>, EngineError> {
     let driven = plan.driven(instance);
     let steps = plan.steps(instance);
-    let orders = 1..=(steps.max(STEPS_MIN) / 4).min(MOST);
+    let orders = 1..=(steps.max(STEPS_MIN) / 4).min(MAX_HARMONIC);
     if steps == 0 {
         let none = Complex::new(0.0, 0.0);
         return Ok(orders
@@ -125,6 +125,6 @@ fn harmonic(driven: &Driven, n: u32, travel: Complex<f64>, force: Complex<f64>) 
         return Harmonic { tip: travel, deflection: driven.free.deflection(travel), force };
     }
     let follows = |place| driven.instrument.follows(place, f64::from(n) * driven.free.omega);
-    let (tip, top) = (follows(Place::Tip), follows(Place::Top));
+    let (tip, top) = (follows(MotionPlace::Tip), follows(MotionPlace::Top));
     Harmonic { tip: tip * force, deflection: (tip - top) * force, force }
 }

@@ -1,8 +1,8 @@
 //! Where contact laws are used outside their assumptions.
 
-use super::rows::{Rows, Shown};
+use super::instance_rows::{InstanceRows, RowView};
 use crate::contact::Warning;
-use crate::control::Ran;
+use crate::control::JournaledRun;
 use crate::engine::EngineError;
 use crate::observe::Observable;
 use crate::plan::Plan;
@@ -25,16 +25,16 @@ fn bit(warning: &Warning) -> u8 {
 
 /// What one look at all instances tells, and no journal: the warnings of each, and what its steps come to.
 #[derive(Clone, Debug)]
-pub struct Warned {
+pub struct LawWarnings {
     /// Of each instance its warnings as bits, at the largest indentation measured or else expected; empty where none has any.
     pub bits: Vec<u8>,
     /// Steps of all instances in all periods.
     pub instance_steps: u64,
 }
 
-impl Warned {
+impl LawWarnings {
     /// Of all instances.
-    pub(super) fn of(scene: &Scene, rows: &Rows) -> Result<Self, EngineError> {
+    pub(super) fn of(scene: &Scene, rows: &InstanceRows) -> Result<Self, EngineError> {
         let (mut bits, mut steps) = (vec![0; rows.count()], 0);
         let cases = Cases::of(scene);
         rows.each(true, &mut |instances, some| {
@@ -57,7 +57,7 @@ impl Warned {
     }
 
     /// How many instances have each warning of [`WARNINGS`], and the first one's own words.
-    pub(crate) fn lines(&self, scene: &Scene, run: &Ran) -> Result<Vec<String>, EngineError> {
+    pub(crate) fn lines(&self, scene: &Scene, run: &JournaledRun) -> Result<Vec<String>, EngineError> {
         let mut lines = Vec::new();
         for (number, word) in WARNINGS.iter().enumerate() {
             let mask = 1u8 << number;
@@ -81,7 +81,7 @@ impl Warned {
 
 /// Largest indentation of an instance, m: measured; none where it was measured and there was no contact;
 /// else what the plan expects.
-fn depth(some: &Shown, n: usize, measured: f64) -> Option<f64> {
+fn depth(some: &RowView, n: usize, measured: f64) -> Option<f64> {
     match measured.is_nan() {
         false => Some(measured),
         true => of_plan(some.plan(), n as u32, measured),

@@ -1,11 +1,11 @@
 //! Waveforms of chosen instances, sampled evenly in the drive's phase.
 
-use crate::control::{Controlled, InMemory, Keep, Question, Ran, What};
+use crate::control::{ChunkJournal, FollowupKey, FollowupKind, JournaledRun, MemoryJournal, RunResult};
 use crate::engine::{EngineError, trace};
-use crate::instrument::Place;
-use crate::plan::{Plan, Station};
+use crate::instrument::MotionPlace;
+use crate::orbit::OrbitTable;
+use crate::plan::{Plan, SectionState};
 use crate::scene::{Start, WaveformRequest};
-use crate::steady::States;
 use crate::store::Waveforms;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -17,9 +17,13 @@ use std::f64::consts::TAU;
 ///
 /// # Errors
 /// What the engine says.
-pub fn waveforms(plan: &Plan, found: &States, request: &WaveformRequest) -> Result<Waveforms, EngineError> {
+pub fn waveforms(
+    plan: &Plan,
+    found: &OrbitTable,
+    request: &WaveformRequest,
+) -> Result<Waveforms, EngineError> {
     let places: Vec<u32> = request.instances.iter().map(|&instance| instance as u32).collect();
-    waveforms_of((plan, found), &places, request, &InMemory::default())
+    waveforms_of((plan, found), &places, request, &MemoryJournal::default())
 }
 
 /// [`waveforms`] of a run; what `keep` knows is not computed again, and it is told of each instance's.
@@ -27,16 +31,16 @@ pub fn waveforms(plan: &Plan, found: &States, request: &WaveformRequest) -> Resu
 /// # Errors
 /// What the engine says.
 pub fn waveforms_kept(
-    run: &Ran,
+    run: &JournaledRun,
     request: &WaveformRequest,
-    keep: &dyn Keep,
+    keep: &dyn ChunkJournal,
 ) -> Result<Waveforms, EngineError> {
     let (some, places) = gathered(run, &request.instances)?;
     waveforms_of((&some.plan, &some.found), &places, request, keep)
 }
 
 /// Some instances of a run, and where each of them is among these.
-pub(super) fn gathered(run: &Ran, wanted: &[usize]) -> Result<(Controlled, Vec<u32>), EngineError> {
+pub(super) fn gathered(run: &JournaledRun, wanted: &[usize]) -> Result<(RunResult, Vec<u32>), EngineError> {
     let all: Vec<u32> = wanted.iter().map(|&instance| instance as u32).collect();
     let mut instances = all.clone();
     instances.sort_unstable();
@@ -48,20 +52,22 @@ pub(super) fn gathered(run: &Ran, wanted: &[usize]) -> Result<(Controlled, Vec<u
 
 /// Those of the instances at these places of a plan, which are the ones asked for.
 fn waveforms_of(
-    (plan, found): (&Plan, &States),
+    (plan, found): (&Plan, &OrbitTable),
     places: &[u32],
     request: &WaveformRequest,
-    keep: &dyn Keep,
+    keep: &dyn ChunkJournal,
 ) -> Result<Waveforms, EngineError> {
     let mut all = Waveforms::default();
     let mut times: Vec<Vec<f64>> = Vec::new();
-    let rows: Vec<Rows> = places
+    let rows: Vec<WaveformRows> = places
         .par_iter()
         .map(|&i| {
             let place = found.get(i as usize);
-            let from = place.as_ref().map(|place| &place.station);
-            let question = Question::new(What::Waveforms, plan, i, from);
-            if let Some(known) = keep.numbers(&question).and_then(|numbers| Rows::of(&numbers, request)) {
+            let from = place.as_ref().map(|place| &place.section);
+            let question = FollowupKey::new(FollowupKind::Waveforms, plan, i, from);
+            if let Some(known) =
+                keep.numbers(&question).and_then(|numbers| WaveformRows::of(&numbers, request))
+            {
                 return Ok(known);
             }
             let rows = instance_rows(plan, i as usize, from, request)?;
@@ -87,7 +93,7 @@ fn waveforms_of(
     Ok(all)
 }
 
-struct Rows {
+struct WaveformRows {
     time: Vec<f64>,
     tip_travel: Vec<f64>,
     actuator_top: Vec<f64>,
@@ -100,7 +106,7 @@ fn samples(request: &WaveformRequest) -> usize {
     request.samples_per_period as usize * request.periods as usize
 }
 
-impl Rows {
+impl WaveformRows {
     /// All of them, one after the other.
     fn numbers(&self) -> Vec<f64> {
         [&self.time, &self.tip_travel, &self.actuator_top, &self.indentation, &self.force]
@@ -128,9 +134,9 @@ impl Rows {
 fn instance_rows(
     plan: &Plan,
     instance: usize,
-    from: Option<&Station>,
+    from: Option<&SectionState>,
     request: &WaveformRequest,
-) -> Result<Rows, EngineError> {
+) -> Result<WaveformRows, EngineError> {
     let case = plan.case(instance as u32);
     let driven = plan.driven(instance as u32);
     let free = &driven.free;
@@ -141,7 +147,7 @@ fn instance_rows(
     let run_start = f64::from(plan.run.periods - request.periods);
     let zero = (-trace.phase / TAU).rem_euclid(1.0);
     let count = samples(request);
-    let mut rows = Rows {
+    let mut rows = WaveformRows {
         time: Vec::with_capacity(count),
         tip_travel: Vec::with_capacity(count),
         actuator_top: Vec::with_capacity(count),
@@ -166,7 +172,7 @@ fn instance_rows(
             if time < trace.begin() {
                 (travel, rate) = free.tip_from_rest(&driven.instrument, time, &none);
             }
-            top += free.transient_at(&driven.instrument, Place::Top, time, &skip).0;
+            top += free.transient_at(&driven.instrument, MotionPlace::Top, time, &skip).0;
         }
         let indentation = -(case.gap + travel);
         let contact = &case.contact;

@@ -1,22 +1,22 @@
 //! How long a run will take here, from some of its instances that are run.
 
-use super::{Error, Prepared, Silent, Sweep};
-use crate::control::{self, InMemory};
+use super::{Error, Recipe, Silent, Sweep};
+use crate::control::{self, MemoryJournal};
 use crate::engine::Progress;
 use crate::scene::{Axis, Layout, Scene, Steady};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// Instances that are run each by itself, spread over all.
-const SPREAD: usize = 48;
+const SAMPLE_INSTANCES: usize = 48;
 /// Instances of a sweep whose instances begin at one another's states: a part of it as dense as the whole.
-const DENSE: usize = 2048;
+const DENSE_INSTANCES: usize = 2048;
 /// Fewer instances of a design make no such part.
-const LEAST: usize = 4096;
+const MIN_INSTANCES: usize = 4096;
 /// Time after which trials are stopped.
-const LONGEST: Duration = Duration::from_secs(10);
+const MAX_FORECAST_TIME: Duration = Duration::from_secs(10);
 /// What comes on top of stepping: the audit's tenth.
-const AUDIT: f64 = 1.1;
+const AUDIT_FACTOR: f64 = 1.1;
 
 /// What some instances tell of the time of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Forecast {
 
 /// Seconds of the choices, which do not grow with a sweep, and of each instance.
 #[derive(Clone, Copy)]
-struct Price {
+struct CostSample {
     choices: f64,
     each: f64,
 }
@@ -50,11 +50,14 @@ impl Sweep {
                 let (end, ended) = mpsc::channel::<()>();
                 let progress = &progress;
                 scope.spawn(move || {
-                    if ended.recv_timeout(LONGEST).is_err_and(|why| why == mpsc::RecvTimeoutError::Timeout) {
+                    if ended
+                        .recv_timeout(MAX_FORECAST_TIME)
+                        .is_err_and(|why| why == mpsc::RecvTimeoutError::Timeout)
+                    {
                         progress.stop();
                     }
                 });
-                let tried = self.tried(progress);
+                let tried = self.time_sample(progress);
                 drop(end);
                 tried
             })
@@ -65,28 +68,28 @@ impl Sweep {
     }
 
     /// How many instances were run, and the expected time.
-    fn tried(&self, progress: &Progress) -> Result<(usize, Option<f64>), Error> {
-        let whole = |price: Price| AUDIT * (price.choices + price.each * self.scene.len() as f64);
+    fn time_sample(&self, progress: &Progress) -> Result<(usize, Option<f64>), Error> {
+        let whole = |price: CostSample| AUDIT_FACTOR * (price.choices + price.each * self.scene.len() as f64);
         let cold = self.clone().cold(true);
-        let (spread, count) = cold.price(thinned(&self.scene, SPREAD), progress)?;
+        let (spread, count) = cold.time_scene(thin(&self.scene, SAMPLE_INSTANCES), progress)?;
         let dense = match self.options.cold {
             true => None,
-            false => part(&self.scene, DENSE),
+            false => part(&self.scene, DENSE_INSTANCES),
         };
         let Some(part) = dense.filter(|_| !progress.stopped()) else {
             return Ok((count, Some(whole(spread))));
         };
-        let (dense, of_part) = self.price(part.clone(), progress)?;
-        let (alone, of_few) = cold.price(thinned(&part, SPREAD), progress)?;
+        let (dense, of_part) = self.time_scene(part.clone(), progress)?;
+        let (alone, of_few) = cold.time_scene(thin(&part, SAMPLE_INSTANCES), progress)?;
         let dearer = (spread.each / alone.each).max(0.1);
-        let price = Price { each: dense.each * if dearer.is_finite() { dearer } else { 1.0 }, ..dense };
+        let price = CostSample { each: dense.each * if dearer.is_finite() { dearer } else { 1.0 }, ..dense };
         Ok((count + of_part + of_few, Some(whole(price))))
     }
 
     /// What a scene's instances cost, run as this sweep's are, and how many there are.
-    fn price(&self, scene: Scene, progress: &Progress) -> Result<(Price, usize), Error> {
+    fn time_scene(&self, scene: Scene, progress: &Progress) -> Result<(CostSample, usize), Error> {
         let count = scene.len();
-        let course = Prepared::course(&self.options, &scene);
+        let course = Recipe::course(&self.options, &scene);
         let small = Self { scene, ..self.clone() };
         let (plan, engine) = small.plan(&Silent)?;
         let start = Instant::now();
@@ -94,14 +97,14 @@ impl Sweep {
         let choices = start.elapsed().as_secs_f64();
         let start = Instant::now();
         if let Some(chosen) = chosen {
-            control::carry_out(plan, &chosen, &InMemory::default(), engine.as_ref(), progress)?;
+            control::run_chunks(plan, &chosen, &MemoryJournal::default(), engine.as_ref(), progress)?;
         }
-        Ok((Price { choices, each: start.elapsed().as_secs_f64() / count.max(1) as f64 }, count))
+        Ok((CostSample { choices, each: start.elapsed().as_secs_f64() / count.max(1) as f64 }, count))
     }
 }
 
 /// The scene with every so many of its values, until there are no more instances than these; curves stay whole.
-fn thinned(scene: &Scene, most: usize) -> Scene {
+fn thin(scene: &Scene, most: usize) -> Scene {
     let mut small = scene.clone();
     let curve = match small.sweep.curve {
         Some(curve) => 1 + usize::from(curve.both),
@@ -131,7 +134,7 @@ fn thinned(scene: &Scene, most: usize) -> Scene {
 fn part(scene: &Scene, most: usize) -> Option<Scene> {
     let alone =
         scene.run.steady == Steady::Wait || scene.sweep.curve.is_some() || scene.base.approach.held.is_some();
-    if alone || scene.len() < LEAST {
+    if alone || scene.len() < MIN_INSTANCES {
         return None;
     }
     let mut small = scene.clone();
@@ -181,21 +184,21 @@ mod tests {
         let axes = "[sweep]\n\"sample.youngs_modulus\" = { from = \"1 GPa\", to = \"5 GPa\", points = 500 }\n\
                     \"approach.gap\" = { from = \"10 nm\", to = \"18 nm\", points = 400 }";
         let grid = scene(axes);
-        let dense = part(&grid, DENSE).expect("its instances begin at one another's states");
+        let dense = part(&grid, DENSE_INSTANCES).expect("its instances begin at one another's states");
         let step = |scene: &Scene| scene.sweep.axes[1].values[1] - scene.sweep.axes[1].values[0];
-        assert!((DENSE / 2..=DENSE).contains(&dense.len()), "{}", dense.len());
+        assert!((DENSE_INSTANCES / 2..=DENSE_INSTANCES).contains(&dense.len()), "{}", dense.len());
         assert!((step(&dense) - step(&grid)).abs() < 1e-12 * step(&grid));
-        let few = thinned(&grid, SPREAD);
+        let few = thin(&grid, SAMPLE_INSTANCES);
         let ends = |scene: &Scene| {
             (scene.sweep.axes[1].values[0], *scene.sweep.axes[1].values.last().expect("it has values"))
         };
-        assert!((SPREAD / 4..=SPREAD).contains(&few.len()), "{}", few.len());
+        assert!((SAMPLE_INSTANCES / 4..=SAMPLE_INSTANCES).contains(&few.len()), "{}", few.len());
         assert!(ends(&few).0 < 12e-9 && ends(&few).1 > 16e-9, "{:?}", ends(&few));
         let curves = scene(
             "[sweep]\n\"sample.youngs_modulus\" = { from = \"1 GPa\", to = \"5 GPa\", points = 100 }\n[curve]\nquantity = \
              \"approach.gap\"\nfrom = \"25 nm\"\nto = \"10 nm\"\npoints = 30\ndirection = \"both\"",
         );
-        let few = thinned(&curves, SPREAD);
-        assert!(few.len() == 60 && part(&curves, DENSE).is_none());
+        let few = thin(&curves, SAMPLE_INSTANCES);
+        assert!(few.len() == 60 && part(&curves, DENSE_INSTANCES).is_none());
     }
 }

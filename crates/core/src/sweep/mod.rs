@@ -30,38 +30,38 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod audit;
-mod begun;
-mod carried;
-mod choice;
-mod choose;
-mod error;
+mod audit_budget;
+mod engine_choice;
+mod engine_selection;
+mod execution;
+#[cfg(feature = "hdf5")]
+mod followup_index;
 mod forecast;
-#[cfg(feature = "hdf5")]
-mod keeper;
 mod observer;
-mod phase;
-mod prepared;
+mod planned_sweep;
+mod recipe;
 #[cfg(feature = "hdf5")]
-mod recalled;
-mod swept;
+mod run_journal;
+mod sweep_error;
+mod sweep_outcome;
+mod sweep_phase;
 
-pub use audit::{CONTACT as AUDIT_CONTACT, SECONDS as AUDIT_SECONDS, SHARE as AUDIT_SHARE};
-pub use choice::Choice;
-pub use error::Error;
+pub use audit_budget::{AUDIT_SECONDS, AUDIT_SHARE, CONTACT_SEARCH_SECONDS as AUDIT_CONTACT};
+pub use engine_choice::EngineChoice;
 pub use forecast::Forecast;
-#[cfg(feature = "hdf5")]
-pub use keeper::{Keeper, Share, command_of, is_of_merge, read_header};
 pub use observer::{Observer, Silent};
-pub use phase::Phase;
-pub use prepared::Prepared;
-pub use swept::{Kept, Swept};
+pub use recipe::Recipe;
+#[cfg(feature = "hdf5")]
+pub use run_journal::{RunJournal, Share, command_of, is_of_merge, read_header};
+pub use sweep_error::Error;
+pub use sweep_outcome::{JournaledOutcome, SweepOutcome};
+pub use sweep_phase::SweepPhase;
 
-use crate::control::{Course, InMemory};
+use crate::control::{Course, MemoryJournal};
 use crate::engine::{Engine, Progress, on_threads};
 use crate::plan::{Plan, Policy, Precision};
 use crate::scene::Scene;
-use begun::Begun;
+use planned_sweep::PlannedSweep;
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -95,7 +95,7 @@ pub enum Audit {
 pub struct Sweep {
     scene: Scene,
     options: Options,
-    prepared: Option<Prepared>,
+    prepared: Option<Recipe>,
     progress: Arc<Progress>,
 }
 
@@ -208,14 +208,14 @@ impl Sweep {
 
     /// By choices that were made before, in place of its own.
     #[must_use]
-    pub fn prepared(mut self, prepared: Option<Prepared>) -> Self {
+    pub fn prepared(mut self, prepared: Option<Recipe>) -> Self {
         self.prepared = prepared.or(self.prepared);
         self
     }
 
     /// As the run that chose was told: its kind of engine, its precision, its steps, whether errors are estimated.
     #[must_use]
-    pub fn told_as(mut self, prepared: &Prepared) -> Self {
+    pub fn told_as(mut self, prepared: &Recipe) -> Self {
         prepared.put_into(&mut self.options, &mut self.scene);
         self.prepared(Some(prepared.clone()))
     }
@@ -254,16 +254,16 @@ impl Sweep {
         plan.precision_open = self.options.precision.is_none();
         plan.policy = self.options.policy;
         plan.cold = self.options.cold;
-        let engine = choose::engine(&self.options, &mut plan, observer)?;
+        let engine = engine_selection::engine(&self.options, &mut plan, observer)?;
         Ok((plan, engine))
     }
 
     /// Runs it.
     ///
     /// # Errors
-    /// See [`Error`]. A run that is stopped once some instances are done gives these: [`Swept::missing`] says what
+    /// See [`Error`]. A run that is stopped once some instances are done gives these: [`SweepOutcome::missing`] says what
     /// they lack.
-    pub fn run(&self) -> Result<Swept, Error> {
+    pub fn run(&self) -> Result<SweepOutcome, Error> {
         self.run_with(&Silent)
     }
 
@@ -271,18 +271,18 @@ impl Sweep {
     ///
     /// # Errors
     /// As [`Sweep::run`].
-    pub fn run_with(&self, observer: &dyn Observer) -> Result<Swept, Error> {
-        let memory = InMemory::default();
-        let of_all = |run: &mut Begun| run.of_all(&memory);
-        self.watched(observer, || self.carried_out(observer, &memory, &of_all)?.gathered())
+    pub fn run_with(&self, observer: &dyn Observer) -> Result<SweepOutcome, Error> {
+        let memory = MemoryJournal::default();
+        let of_all = |run: &mut PlannedSweep| run.run_all(&memory);
+        self.watched(observer, || self.execute(observer, &memory, &of_all)?.gathered())
     }
 
-    /// Chooses what a run of the scene needs: bases, first steps, precision, size of portions.
+    /// Chooses what a run of the scene needs: bases, first steps, precision, size of chunks.
     ///
     /// # Errors
     /// As [`Sweep::run`].
-    pub fn prepare(&self, observer: &dyn Observer) -> Result<Prepared, Error> {
-        self.watched(observer, || self.begun(observer)?.chosen())
+    pub fn prepare(&self, observer: &dyn Observer) -> Result<Recipe, Error> {
+        self.watched(observer, || self.begun(observer)?.recipe())
     }
 
     /// Runs it by way of a journal: what that knows is not run again, and what ends is written there. All of it is in memory
@@ -291,7 +291,7 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run`]; choices of another run; what the journal's disk says.
     #[cfg(feature = "hdf5")]
-    pub fn run_kept(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<Swept, Error> {
+    pub fn run_kept(&self, keeper: &RunJournal, observer: &dyn Observer) -> Result<SweepOutcome, Error> {
         self.run_into(keeper, observer)?.gathered()
     }
 
@@ -300,9 +300,13 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
-    pub fn run_into<'k>(&self, keeper: &'k Keeper, observer: &dyn Observer) -> Result<Kept<'k>, Error> {
-        let kept = |run: &mut Begun| run.kept(keeper);
-        let done = self.watched(observer, || self.carried_out(observer, keeper, &kept));
+    pub fn run_into<'k>(
+        &self,
+        keeper: &'k RunJournal,
+        observer: &dyn Observer,
+    ) -> Result<JournaledOutcome<'k>, Error> {
+        let kept = |run: &mut PlannedSweep| run.run_journaled(keeper);
+        let done = self.watched(observer, || self.execute(observer, keeper, &kept));
         keeper.failure().map_or(done, Err)
     }
 
@@ -311,9 +315,9 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
-    pub fn run_share(&self, keeper: &Keeper, observer: &dyn Observer) -> Result<bool, Error> {
+    pub fn run_share(&self, keeper: &RunJournal, observer: &dyn Observer) -> Result<bool, Error> {
         self.watched(observer, || {
-            let run = self.begun(observer)?.kept(keeper)?;
+            let run = self.begun(observer)?.run_journaled(keeper)?;
             Ok(!self.progress.stopped() && run.is_run(|number| keeper.share().has(number)))
         })
     }
@@ -323,7 +327,7 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
-    pub fn looked_into(&self, keeper: &Keeper) -> Result<Swept, Error> {
+    pub fn looked_into(&self, keeper: &RunJournal) -> Result<SweepOutcome, Error> {
         self.look_into(keeper)?.gathered()
     }
 
@@ -332,11 +336,11 @@ impl Sweep {
     /// # Errors
     /// As [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
-    pub fn look_into<'k>(&self, keeper: &'k Keeper) -> Result<Kept<'k>, Error> {
-        self.carried_out(&Silent, keeper, &|run| {
-            let prepared = run.given(keeper)?;
+    pub fn look_into<'k>(&self, keeper: &'k RunJournal) -> Result<JournaledOutcome<'k>, Error> {
+        self.execute(&Silent, keeper, &|run| {
+            let prepared = run.journal_recipe(keeper)?;
             self.progress.stop();
-            run.by(prepared, keeper)
+            run.run_by(prepared, keeper)
         })
     }
 
@@ -364,14 +368,14 @@ impl Sweep {
     }
 
     /// Planned, on an engine.
-    fn begun(&self, observer: &dyn Observer) -> Result<Begun<'_>, Error> {
-        let course = Prepared::course(&self.options, &self.scene);
+    fn begun(&self, observer: &dyn Observer) -> Result<PlannedSweep<'_>, Error> {
+        let course = Recipe::course(&self.options, &self.scene);
         let (mut plan, engine) = self.plan(observer)?;
         plan.precision_open &= course == Course::Controlled;
         observer.planned(&plan, engine.as_ref());
         if self.progress.stopped() {
-            return Err(Error::Stopped(Phase::Planning));
+            return Err(Error::Stopped(SweepPhase::Planning));
         }
-        Ok(Begun { sweep: self, course, plan, engine })
+        Ok(PlannedSweep { sweep: self, course, plan, engine })
     }
 }

@@ -1,14 +1,14 @@
 //! What a sweep tells while it runs.
 
-use super::Choice;
-use crate::engine::{Engine, Phase as Stage};
+use super::EngineChoice;
+use crate::engine::{Engine, ProgressPhase as Stage};
 use crate::plan::Plan;
 use std::ops::ControlFlow;
 
 /// Told what a sweep does. Every method does nothing unless it is written.
 pub trait Observer: Sync {
     /// An engine was taken that was not named, and why.
-    fn chosen(&self, _choice: &Choice) {}
+    fn chosen(&self, _choice: &EngineChoice) {}
 
     /// The plan is made; stepping begins.
     fn planned(&self, _plan: &Plan, _engine: &dyn Engine) {}

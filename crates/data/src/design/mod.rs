@@ -4,15 +4,15 @@
 //! that parts of a design agree with the whole, and one that is doubled keeps its points.
 
 mod copula;
-mod describe;
+mod description;
 mod distribution;
-mod latin;
+mod latin_hypercube;
 mod mix;
 mod morris;
 mod sobol;
 
 pub use copula::Copula;
-pub use describe::{Described, Problem, Told};
+pub use description::{DesignDescription, DesignRecord, Problem};
 pub use distribution::{Distribution, normal_below, normal_quantile};
 
 use self::sobol::Sequence;
@@ -31,7 +31,7 @@ const MORRIS_ENDS: (f64, f64) = (0.005, 0.995);
 /// How points are laid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum DesignKind {
     /// Each by itself, at random.
     MonteCarlo,
     /// One in each stratum of every parameter.
@@ -46,7 +46,7 @@ pub enum Kind {
     Table,
 }
 
-impl Kind {
+impl DesignKind {
     /// Words of `design.kind`.
     pub const WORDS: [(&'static str, Self); 6] = [
         ("monte-carlo", Self::MonteCarlo),
@@ -78,7 +78,7 @@ pub struct Parameter {
 /// What decides the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    pub kind: Kind,
+    pub kind: DesignKind,
     /// Base samples of all replicates together; trajectories; rows of a table.
     pub samples: usize,
     /// Independent scrambles, each of the same number of base samples; 1 where there are none.
@@ -119,8 +119,8 @@ impl Design {
             pairs => Some(Copula::new(parameters.len(), pairs)?),
         };
         let sequence = match settings.kind {
-            Kind::Sobol => Some(Sequence::new(parameters.len())),
-            Kind::Saltelli => Some(Sequence::new(2 * parameters.len())),
+            DesignKind::Sobol => Some(Sequence::new(parameters.len())),
+            DesignKind::Saltelli => Some(Sequence::new(2 * parameters.len())),
             _ => None,
         };
         let mut group_of = vec![0; parameters.len()];
@@ -134,9 +134,9 @@ impl Design {
     pub fn rows_per_sample(&self) -> usize {
         let groups = self.settings.groups.len();
         match self.settings.kind {
-            Kind::Saltelli if self.settings.second_order => 2 * groups + 2,
-            Kind::Saltelli => groups + 2,
-            Kind::Morris => groups + 1,
+            DesignKind::Saltelli if self.settings.second_order => 2 * groups + 2,
+            DesignKind::Saltelli => groups + 2,
+            DesignKind::Morris => groups + 1,
             _ => 1,
         }
     }
@@ -155,19 +155,19 @@ impl Design {
         let per = self.rows_per_sample();
         let (sample, within) = (row / per, row % per);
         let mut shares: Vec<f64> = match self.settings.kind {
-            Kind::MonteCarlo => {
+            DesignKind::MonteCarlo => {
                 let mix = Mix::new(self.settings.seed).of(row as u64);
                 (0..self.parameters.len()).map(|n| mix.of(n as u64).share()).collect()
             }
-            Kind::LatinHypercube => {
+            DesignKind::LatinHypercube => {
                 let (mix, count) = (Mix::new(self.settings.seed), self.settings.samples as u64);
                 let dimensions = 0..self.parameters.len() as u64;
-                dimensions.map(|n| latin::coordinate(row as u64, count, mix.of(n))).collect()
+                dimensions.map(|n| latin_hypercube::coordinate(row as u64, count, mix.of(n))).collect()
             }
-            Kind::Sobol => (0..self.parameters.len()).map(|n| self.coordinate(sample, n)).collect(),
-            Kind::Saltelli => self.between(sample, within),
-            Kind::Morris => self.on_trajectory(sample as u64, within),
-            Kind::Table => Vec::new(),
+            DesignKind::Sobol => (0..self.parameters.len()).map(|n| self.coordinate(sample, n)).collect(),
+            DesignKind::Saltelli => self.between(sample, within),
+            DesignKind::Morris => self.on_trajectory(sample as u64, within),
+            DesignKind::Table => Vec::new(),
         };
         if let Some(copula) = &self.copula {
             copula.correlate(&mut shares);

@@ -18,7 +18,7 @@ fn parameter(n: usize, distribution: Distribution) -> Parameter {
 
 const UNIT: Distribution = Distribution::Uniform { from: 0.0, to: 1.0 };
 
-fn settings(kind: Kind, samples: usize, parameters: usize) -> Settings {
+fn settings(kind: DesignKind, samples: usize, parameters: usize) -> Settings {
     Settings {
         kind,
         samples,
@@ -40,7 +40,7 @@ fn design(settings: Settings, parameters: usize) -> Design {
 /// SciPy 1.17, `qmc.Sobol(7, scramble=False)`: points 1, 5 and 1000 of `random(1024)`.
 #[test]
 fn unscrambled_points_are_those_of_scipy() {
-    let plain = design(Settings { scramble: false, ..settings(Kind::Sobol, 1024, 7) }, 7);
+    let plain = design(Settings { scramble: false, ..settings(DesignKind::Sobol, 1024, 7) }, 7);
     assert_eq!(plain.shares(0), [0.0; 7]);
     assert_eq!(plain.shares(1), [0.5; 7]);
     assert_eq!(plain.shares(5), SCIPY_5);
@@ -51,7 +51,7 @@ fn unscrambled_points_are_those_of_scipy() {
 /// their quality parameter is 0: dimensions 1 and 2 of the sequence.
 #[test]
 fn scrambled_points_keep_their_balance() {
-    let scrambled = design(settings(Kind::Sobol, 1024, 4), 4);
+    let scrambled = design(settings(DesignKind::Sobol, 1024, 4), 4);
     let points: Vec<Vec<f64>> = (0..1024).map(|row| scrambled.shares(row)).collect();
     for split in 0..=10 {
         let mut seen = vec![false; 1024];
@@ -90,11 +90,12 @@ fn discrepancy(points: &[Vec<f64>]) -> f64 {
 #[test]
 fn scrambled_points_have_a_low_discrepancy() {
     for seed in 1..=10 {
-        let points = |kind: Kind| {
+        let points = |kind: DesignKind| {
             let drawn = design(Settings { seed, ..settings(kind, 512, 6) }, 6);
             (0..512).map(|row| drawn.shares(row)).collect::<Vec<_>>()
         };
-        let (sobol, random) = (discrepancy(&points(Kind::Sobol)), discrepancy(&points(Kind::MonteCarlo)));
+        let (sobol, random) =
+            (discrepancy(&points(DesignKind::Sobol)), discrepancy(&points(DesignKind::MonteCarlo)));
         assert!(sobol < SOBOL_DISCREPANCY, "seed {seed}: {sobol:e}");
         assert!(random > 10.0 * sobol, "seed {seed}: {random:e}");
     }
@@ -102,8 +103,14 @@ fn scrambled_points_have_a_low_discrepancy() {
 
 #[test]
 fn a_design_that_is_doubled_keeps_its_points() {
-    for kind in [Kind::MonteCarlo, Kind::LatinHypercube, Kind::Sobol, Kind::Saltelli, Kind::Morris] {
-        let replicates = if matches!(kind, Kind::Sobol | Kind::Saltelli) { 4 } else { 1 };
+    for kind in [
+        DesignKind::MonteCarlo,
+        DesignKind::LatinHypercube,
+        DesignKind::Sobol,
+        DesignKind::Saltelli,
+        DesignKind::Morris,
+    ] {
+        let replicates = if matches!(kind, DesignKind::Sobol | DesignKind::Saltelli) { 4 } else { 1 };
         let once = design(Settings { replicates, ..settings(kind, 96, 3) }, 3);
         let twice = design(Settings { replicates, ..settings(kind, 192, 3) }, 3);
         for row in 0..once.len() {
@@ -116,7 +123,7 @@ fn a_design_that_is_doubled_keeps_its_points() {
 
 #[test]
 fn a_latin_hypercube_has_a_point_in_every_stratum() {
-    let cube = design(settings(Kind::LatinHypercube, 1000, 5), 5);
+    let cube = design(settings(DesignKind::LatinHypercube, 1000, 5), 5);
     for parameter in 0..5 {
         let mut strata: Vec<usize> =
             (0..1000).map(|row| (cube.shares(row)[parameter] * 1000.0) as usize).collect();
@@ -128,13 +135,13 @@ fn a_latin_hypercube_has_a_point_in_every_stratum() {
 /// As many dimensions as any scene may ask for.
 #[test]
 fn the_largest_design_has_its_points() {
-    let drawn = design(settings(Kind::Saltelli, 2, MOST_PARAMETERS), MOST_PARAMETERS);
+    let drawn = design(settings(DesignKind::Saltelli, 2, MOST_PARAMETERS), MOST_PARAMETERS);
     assert!(drawn.shares(drawn.len() - 1).iter().all(|share| *share > 0.0 && *share < 1.0));
 }
 
 #[test]
 fn rows_between_two_points_are_in_order() {
-    let second = Settings { second_order: true, ..settings(Kind::Saltelli, 8, 3) };
+    let second = Settings { second_order: true, ..settings(DesignKind::Saltelli, 8, 3) };
     let grouped = Settings { groups: vec![vec![0, 2], vec![1]], ..second };
     let drawn = design(grouped, 3);
     assert_eq!((drawn.rows_per_sample(), drawn.len()), (6, 48));
@@ -152,7 +159,7 @@ fn rows_between_two_points_are_in_order() {
 #[test]
 fn rank_correlation_is_recovered() {
     const COUNT: usize = 20_000;
-    for kind in [Kind::MonteCarlo, Kind::LatinHypercube, Kind::Sobol] {
+    for kind in [DesignKind::MonteCarlo, DesignKind::LatinHypercube, DesignKind::Sobol] {
         for wanted in [-0.9, -0.3, 0.5, 0.95] {
             let correlation = vec![(2, 0, wanted)];
             let drawn = design(Settings { correlation, ..settings(kind, COUNT, 3) }, 3);
@@ -182,7 +189,7 @@ fn spearman(rows: &[Vec<f64>], a: usize, b: usize) -> f64 {
 fn trajectories_stand_on_the_ends_of_what_has_ends() {
     let normal = Distribution::Normal { mean: 0.0, sd: 1.0, from: None, to: None };
     let parameters = vec![parameter(0, UNIT), parameter(1, normal)];
-    let drawn = Design::new(settings(Kind::Morris, 50, 2), parameters).expect("no correlation");
+    let drawn = Design::new(settings(DesignKind::Morris, 50, 2), parameters).expect("no correlation");
     let values: Vec<Vec<f64>> = (0..drawn.len()).map(|row| drawn.values(row)).collect();
     let least = |n: usize| values.iter().map(|row| row[n]).fold(f64::INFINITY, f64::min);
     assert_eq!(least(0), 0.0);
@@ -194,10 +201,10 @@ fn trajectories_stand_on_the_ends_of_what_has_ends() {
 fn a_design_survives_its_description() {
     let cut = Distribution::Normal { mean: 40.0, sd: 4.0, from: Some(1.0), to: None };
     let parameters = vec![parameter(0, UNIT), parameter(1, cut)];
-    let told = Settings { correlation: vec![(0, 1, 0.5)], ..settings(Kind::Sobol, 64, 2) };
+    let told = Settings { correlation: vec![(0, 1, 0.5)], ..settings(DesignKind::Sobol, 64, 2) };
     let drawn = Design::new(told, parameters).expect("a correlation of one pair");
-    let described = Described::new(&drawn, &[(0.0, 1.0), (30.0, 50.0)]);
+    let described = DesignDescription::new(&drawn, &[(0.0, 1.0), (30.0, 50.0)]);
     let text = serde_json::to_string(&described).expect("plain data");
-    assert_eq!(serde_json::from_str::<Described>(&text).expect("as written"), described);
+    assert_eq!(serde_json::from_str::<DesignDescription>(&text).expect("as written"), described);
     assert!(text.contains(r#""distribution":"normal","mean":40.0,"sd":4.0,"from":1.0"#), "{text}");
 }

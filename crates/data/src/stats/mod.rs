@@ -4,25 +4,29 @@
 //! whole base sample goes.
 
 mod bins;
+mod curve_pieces;
+mod elementary_effects;
 mod estimate;
-mod infer;
-pub mod json;
+mod likelihood;
 mod marginal;
-mod measured;
-mod morris;
-mod pieces;
+mod measured_curve;
+mod observable_summary;
 mod saltelli;
-mod study;
-mod summary;
+pub mod stats_json;
+mod study_samples;
 
 pub use bins::first_order;
+pub use elementary_effects::{Effects, Steps, effects};
 pub use estimate::{Estimate, NORMAL_95, Spread, mean, quantile, quantiles_by_order, sd};
-pub use infer::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
-pub use measured::{Column, Curve, Fit, Free, Measured, curve_posterior, quantity};
-pub use morris::{Effects, Steps, effects};
-pub use saltelli::{Indices as SobolIndices, indices};
-pub use study::{Output, Study, outputs, status_word};
-pub use summary::{Convergence, Distributed, Indices, Options, SHARES, Summary, sorted_out, summary};
+pub use likelihood::{FEWEST_EFFECTIVE, Observed, Posterior, posterior};
+pub use measured_curve::{
+    CurveColumn, CurveMeasurement, Fit, FreeParameter, SampleCurve, curve_posterior, quantity,
+};
+pub use observable_summary::{
+    Convergence, Distributed, SHARES, SensitivityIndices, Summary, SummaryOptions, sorted_out, summary,
+};
+pub use saltelli::{SobolIndices, indices};
+pub use study_samples::{Study, StudyOutput, outputs, status_word};
 
 use thiserror::Error;
 

@@ -4,7 +4,7 @@ use super::estimate::{Estimate, Spread};
 
 /// Indices in the order of the groups.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Indices {
+pub struct SobolIndices {
     pub first: Vec<Estimate>,
     pub total: Vec<Estimate>,
     /// Of pairs (0, 1), (0, 2), ..., (1, 2), ...; empty without second order.
@@ -28,7 +28,7 @@ pub fn indices(
     units: &[u32],
     (groups, second_order): (usize, bool),
     spread: Spread,
-) -> Indices {
+) -> SobolIndices {
     let per = if second_order { 2 * groups + 2 } else { groups + 2 };
     let own = |unit: &u32| rows[*unit as usize * per..(*unit as usize + 1) * per].iter();
     let count = (units.len() * per) as f64;
@@ -37,7 +37,7 @@ pub fn indices(
     let values = rows.iter().map(|y| if scale > 0.0 { (y - mean) / scale } else { 0.0 }).collect();
     let outputs = Outputs { values, per, groups, second_order };
     let mut all = spread.estimate(units, |units| outputs.statistic(units)).into_iter();
-    Indices {
+    SobolIndices {
         first: all.by_ref().take(groups).collect(),
         total: all.by_ref().take(groups).collect(),
         second: all.collect(),

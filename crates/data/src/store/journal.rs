@@ -23,7 +23,7 @@ pub(super) const TAIL: usize = 4;
 /// What a record holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum RecordKind {
     /// Of which run the journal is: text.
     Header = 0,
     /// A portion that has ended.
@@ -38,10 +38,16 @@ pub enum Kind {
     Allowance = 5,
 }
 
-impl Kind {
+impl RecordKind {
     fn of(code: u8) -> Option<Self> {
-        const ALL: [Kind; 6] =
-            [Kind::Header, Kind::Portion, Kind::Unfinished, Kind::Answers, Kind::Numbers, Kind::Allowance];
+        const ALL: [RecordKind; 6] = [
+            RecordKind::Header,
+            RecordKind::Portion,
+            RecordKind::Unfinished,
+            RecordKind::Answers,
+            RecordKind::Numbers,
+            RecordKind::Allowance,
+        ];
         ALL.into_iter().find(|kind| *kind as u8 == code)
     }
 }
@@ -52,7 +58,7 @@ pub struct Journal {
     bytes: Bytes,
     header: String,
     /// Of each record its kind and where its bytes are.
-    records: Vec<(Kind, Range<u64>)>,
+    records: Vec<(RecordKind, Range<u64>)>,
     /// Bytes up to the end of its last record, and all of them.
     sound: u64,
     length: u64,
@@ -85,8 +91,10 @@ impl Journal {
         while let Some(Record { kind, range, own, good }) = record(&bytes, sound).map_err(unread)? {
             sound = range.end + TAIL as u64;
             match (kind, good) {
-                (Kind::Header, true) if range.start == (MAGIC.len() + HEAD) as u64 => header = Some(own),
-                (Kind::Header, true) => {}
+                (RecordKind::Header, true) if range.start == (MAGIC.len() + HEAD) as u64 => {
+                    header = Some(own)
+                }
+                (RecordKind::Header, true) => {}
                 (_, true) => records.push((kind, range)),
                 (_, false) => spoilt += 1,
             }
@@ -102,12 +110,12 @@ impl Journal {
     }
 
     /// The kinds of all other records in their order.
-    pub fn kinds(&self) -> impl Iterator<Item = Kind> {
+    pub fn kinds(&self) -> impl Iterator<Item = RecordKind> {
         self.records.iter().map(|(kind, _)| *kind)
     }
 
     /// All other records in their order, as far as they can still be read.
-    pub fn records(&self) -> impl Iterator<Item = (Kind, Vec<u8>)> {
+    pub fn records(&self) -> impl Iterator<Item = (RecordKind, Vec<u8>)> {
         (0..self.records.len()).map_while(|number| self.record(number).ok())
     }
 
@@ -115,7 +123,7 @@ impl Journal {
     ///
     /// # Errors
     /// There is none, or it cannot be read any more, or is not what it was: in words that follow the journal's name.
-    pub fn record(&self, number: usize) -> Result<(Kind, Vec<u8>), String> {
+    pub fn record(&self, number: usize) -> Result<(RecordKind, Vec<u8>), String> {
         let (kind, range) = self.records.get(number).ok_or("has no such record")?;
         Ok((*kind, read_again(&self.bytes, range)?))
     }
@@ -124,7 +132,7 @@ impl Journal {
     ///
     /// # Errors
     /// As [`Journal::record`].
-    pub fn beginning(&self, number: usize, most: u64) -> Result<(Kind, Vec<u8>), String> {
+    pub fn beginning(&self, number: usize, most: u64) -> Result<(RecordKind, Vec<u8>), String> {
         let (kind, range) = self.records.get(number).ok_or("has no such record")?;
         let bytes = self.bytes.read(range.start..range.end.min(range.start + most));
         Ok((*kind, bytes.map_err(|error| error.to_string())?))
@@ -197,7 +205,7 @@ pub(super) fn open(path: &Path) -> Result<Journal, StoreError> {
 
 /// A record, where its bytes are, and whether they are as they were written.
 struct Record {
-    kind: Kind,
+    kind: RecordKind,
     range: Range<u64>,
     own: Vec<u8>,
     good: bool,
@@ -218,9 +226,9 @@ fn record(bytes: &Bytes, at: u64) -> std::io::Result<Option<Record>> {
     let start = at + HEAD as u64;
     let Some(mut own) = read(start, length + TAIL as u64)? else { return Ok(None) };
     let sum = own.split_off(length as usize);
-    let kind = Kind::of(told[4]);
+    let kind = RecordKind::of(told[4]);
     let good = kind.is_some() && sum_of(told, &own) == *sum;
-    Ok(Some(Record { kind: kind.unwrap_or(Kind::Portion), range: start..start + length, own, good }))
+    Ok(Some(Record { kind: kind.unwrap_or(RecordKind::Portion), range: start..start + length, own, good }))
 }
 
 /// Where so many bytes of a record are that begins there.
@@ -230,7 +238,7 @@ pub(super) fn own(at: u64, count: usize) -> Range<u64> {
 }
 
 /// What is written before and after the bytes of a record; none where they are too many for one.
-pub(super) fn around(kind: Kind, own: &[u8]) -> Option<([u8; HEAD], [u8; TAIL])> {
+pub(super) fn around(kind: RecordKind, own: &[u8]) -> Option<([u8; HEAD], [u8; TAIL])> {
     let mut head = [0; HEAD];
     let (told, sum) = head.split_at_mut(HEAD - 4);
     told[..4].copy_from_slice(&u32::try_from(own.len()).ok()?.to_le_bytes());
@@ -254,12 +262,12 @@ mod tests {
 
     fn journal() -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        let records: [(Kind, &[u8]); 5] = [
-            (Kind::Header, b"scene"),
-            (Kind::Portion, b"first"),
-            (Kind::Unfinished, b""),
-            (Kind::Portion, b"second"),
-            (Kind::Answers, b"third"),
+        let records: [(RecordKind, &[u8]); 5] = [
+            (RecordKind::Header, b"scene"),
+            (RecordKind::Portion, b"first"),
+            (RecordKind::Unfinished, b""),
+            (RecordKind::Portion, b"second"),
+            (RecordKind::Answers, b"third"),
         ];
         for (kind, own) in records {
             let (head, tail) = around(kind, own).expect("it is short");
@@ -268,7 +276,7 @@ mod tests {
         bytes
     }
 
-    fn records(journal: &Journal) -> Vec<(Kind, Vec<u8>)> {
+    fn records(journal: &Journal) -> Vec<(RecordKind, Vec<u8>)> {
         journal.records().collect()
     }
 
@@ -277,9 +285,13 @@ mod tests {
         let read = Journal::read(journal()).expect("it is whole");
         assert_eq!((read.header(), read.torn(), read.spoilt), ("scene", 0, 0));
         let own = |kind, text: &str| (kind, text.as_bytes().to_vec());
-        let all = [own(Kind::Portion, "first"), own(Kind::Unfinished, ""), own(Kind::Portion, "second")];
+        let all = [
+            own(RecordKind::Portion, "first"),
+            own(RecordKind::Unfinished, ""),
+            own(RecordKind::Portion, "second"),
+        ];
         assert_eq!(records(&read)[..3], all);
-        assert_eq!(records(&read)[3..], [own(Kind::Answers, "third")]);
+        assert_eq!(records(&read)[3..], [own(RecordKind::Answers, "third")]);
     }
 
     /// Wherever it is cut off, the records before stay, and the rest is told.

@@ -7,64 +7,64 @@
 #[cfg(feature = "hdf5")]
 mod bytes;
 #[cfg(feature = "hdf5")]
-mod check;
+mod checksums;
 #[cfg(feature = "hdf5")]
-mod error;
+mod consistency;
 #[cfg(feature = "hdf5")]
-mod heap;
+mod dimension_scales;
+#[cfg(feature = "hdf5")]
+mod existing_file;
+#[cfg(feature = "hdf5")]
+mod hdf5_image;
+#[cfg(feature = "hdf5")]
+mod heap_check;
 #[cfg(feature = "hdf5")]
 mod history;
 #[cfg(feature = "hdf5")]
-mod image;
-#[cfg(feature = "hdf5")]
 mod journal;
 #[cfg(feature = "hdf5")]
-mod labels;
-#[cfg(feature = "hdf5")]
 mod lock;
-mod numbers;
 #[cfg(feature = "hdf5")]
-mod occupant;
+mod output_place;
 #[cfg(feature = "hdf5")]
-mod partial;
+mod partial_file;
 #[cfg(feature = "hdf5")]
-mod place;
-#[cfg(feature = "hdf5")]
-mod read;
+mod results_reader;
 #[cfg(feature = "hdf5")]
 mod run_file;
 #[cfg(feature = "hdf5")]
 mod share;
 #[cfg(feature = "hdf5")]
 mod source;
-mod spectra;
+mod spectrum_table;
 #[cfg(feature = "hdf5")]
-mod sums;
+mod store_error;
+mod variable_source;
 #[cfg(feature = "hdf5")]
 mod write;
 
 #[cfg(feature = "hdf5")]
-pub use error::StoreError;
+pub use existing_file::{ExistingFile, same_file};
+#[cfg(feature = "hdf5")]
+pub use hdf5_image::Hdf5Image;
 #[cfg(feature = "hdf5")]
 pub use history::now;
 #[cfg(feature = "hdf5")]
-pub use image::Image;
+pub use journal::{Journal, RecordKind};
 #[cfg(feature = "hdf5")]
-pub use journal::{Journal, Kind};
-pub use numbers::{Numbers, States, Unread};
+pub use output_place::Writer;
 #[cfg(feature = "hdf5")]
-pub use occupant::{Earlier, same_file};
+pub use partial_file::partial_path;
 #[cfg(feature = "hdf5")]
-pub use partial::partial_path;
-#[cfg(feature = "hdf5")]
-pub use place::Writer;
-#[cfg(feature = "hdf5")]
-pub use read::{read, scene_of};
+pub use results_reader::{read, scene_of};
 #[cfg(feature = "hdf5")]
 pub use run_file::RunFile;
 #[cfg(feature = "hdf5")]
 pub use share::open as open_journal;
-pub use spectra::{Spectra, SpectrumColumn};
+pub use spectrum_table::{Spectra, SpectrumColumn};
+#[cfg(feature = "hdf5")]
+pub use store_error::StoreError;
+pub use variable_source::{StateSet, Unread, VariableSource};
 #[cfg(feature = "hdf5")]
 pub use write::laid_out;
 
@@ -127,7 +127,7 @@ pub struct Results {
     /// Instances redone by the reference integrator.
     pub audit: Option<AuditTable>,
     /// Second periodic states beside the first, where they were looked for.
-    pub other_branch: Option<Branch>,
+    pub other_branch: Option<BranchTable>,
     /// Names of variables over the instances, each with a sentence about it (attribute `comment`).
     pub comments: Vec<(String, String)>,
     /// Program, device, times: root attributes in this order, all of them short.
@@ -237,12 +237,12 @@ pub struct ForceCurve {
     pub contact_radius: Vec<f64>,
 }
 
-/// Code of [`Branch::status`] where there is no second state.
+/// Code of [`BranchTable::status`] where there is no second state.
 pub const NO_STATE: u8 = u8::MAX;
 
 /// Group `other_branch`: a second state of each instance, over all instances and with the dimensions of the first ones.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Branch {
+pub struct BranchTable {
     /// NaN where there is no second state.
     pub variables: Vec<Variable>,
     /// One code per instance, see [`crate::observe::Status`], and [`NO_STATE`].

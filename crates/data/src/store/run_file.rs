@@ -1,9 +1,9 @@
 //! The results file of a run that writes down each portion when it has ended.
 
 use super::bytes::Bytes;
-use super::image::Image;
-use super::journal::{self, Journal, Kind, MAGIC};
-use super::{Earlier, Results, StoreError, Writer, share, write};
+use super::hdf5_image::Hdf5Image;
+use super::journal::{self, Journal, MAGIC, RecordKind};
+use super::{ExistingFile, Results, StoreError, Writer, share, write};
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
@@ -26,11 +26,11 @@ impl RunFile {
     pub fn create(
         path: &Path,
         scene_text: &str,
-        earlier: Earlier,
+        earlier: ExistingFile,
     ) -> Result<(Self, Option<Journal>), StoreError> {
         let mut writer = Writer::reserve(path, scene_text, earlier)?;
         let mut known = None;
-        if earlier == Earlier::GoneOnWith && journal::is_at(writer.partial()) {
+        if earlier == ExistingFile::GoneOnWith && journal::is_at(writer.partial()) {
             let read = journal::open(writer.partial())?;
             writer.cut(read.sound())?;
             known = Some(read);
@@ -47,7 +47,7 @@ impl RunFile {
     /// What the disk says.
     pub fn begin(&mut self, header: &str) -> Result<(), StoreError> {
         self.writer.cut(0)?;
-        let (head, tail) = around(Kind::Header, header.as_bytes())?;
+        let (head, tail) = around(RecordKind::Header, header.as_bytes())?;
         self.writer.append(&[&MAGIC, &head, header.as_bytes(), &tail], false).map(|_| ())
     }
 
@@ -55,7 +55,7 @@ impl RunFile {
     ///
     /// # Errors
     /// What the disk says; then nothing of it was kept.
-    pub fn append(&mut self, kind: Kind, own: &[u8]) -> Result<Range<u64>, StoreError> {
+    pub fn append(&mut self, kind: RecordKind, own: &[u8]) -> Result<Range<u64>, StoreError> {
         let (head, tail) = around(kind, own)?;
         let at = self.writer.append(&[&head, own, &tail], true)?;
         Ok(journal::own(at, own.len()))
@@ -83,7 +83,7 @@ impl RunFile {
     ///
     /// # Errors
     /// See [`StoreError`]; then the journal stays.
-    pub fn finish_image(self, image: &Image) -> Result<(), StoreError> {
+    pub fn finish_image(self, image: &Hdf5Image) -> Result<(), StoreError> {
         self.writer.finish_beside(&[image.bytes()])
     }
 
@@ -110,6 +110,6 @@ impl RunFile {
 }
 
 /// See [`journal::around`].
-fn around(kind: Kind, own: &[u8]) -> Result<([u8; journal::HEAD], [u8; journal::TAIL]), StoreError> {
+fn around(kind: RecordKind, own: &[u8]) -> Result<([u8; journal::HEAD], [u8; journal::TAIL]), StoreError> {
     journal::around(kind, own).ok_or_else(|| StoreError::inconsistent("a portion is too long for a record"))
 }

@@ -1,8 +1,8 @@
 //! The file of a share of a run: an HDF5 file around the journal of its portions, which `afmsweep merge` takes.
 
 use super::bytes::Bytes;
-use super::image::{Image, in_memory};
-use super::labels::{self, read_text};
+use super::dimension_scales::{self, read_text};
+use super::hdf5_image::{Hdf5Image, in_memory};
 use super::write::scene_group;
 use super::{Journal, StoreError, journal};
 use hdf5::File;
@@ -38,16 +38,25 @@ fn is_as_written(path: &Path) -> std::io::Result<Option<bool>> {
 pub(super) const JOURNAL: &str = "journal";
 
 /// Such a file in memory.
-pub(super) fn image(journal: &[u8], title: &str, scene_text: &str, path: &Path) -> Result<Image, StoreError> {
-    let build = || -> hdf5::Result<Image> {
+pub(super) fn image(
+    journal: &[u8],
+    title: &str,
+    scene_text: &str,
+    path: &Path,
+) -> Result<Hdf5Image, StoreError> {
+    let build = || -> hdf5::Result<Hdf5Image> {
         let file = in_memory()?;
-        labels::text(&file, "title", title)?;
-        labels::text(&file, "comment", "a share of a run: afmsweep merge makes results of all shares")?;
+        dimension_scales::text(&file, "title", title)?;
+        dimension_scales::text(
+            &file,
+            "comment",
+            "a share of a run: afmsweep merge makes results of all shares",
+        )?;
         scene_group(&file, scene_text)?;
         let builder = file.new_dataset::<u8>().shape([journal.len()]).obj_track_times(false);
         let builder = builder.chunk([journal.len().clamp(1, 1 << 20)]).fletcher32();
         builder.create(JOURNAL)?.write_raw(journal)?;
-        Image::of(file)
+        Hdf5Image::of(file)
     };
     build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
 }

@@ -1,9 +1,10 @@
 //! A results file that is open for reading: what it claims is not believed before it is looked at.
 
-use super::labels::read_text;
-use super::partial::TORN;
+use super::dimension_scales::read_text;
+use super::partial_file::TORN;
 use super::{
-    COLUMNS, Coordinate, PROVENANCE, Results, StoreError, heap, journal, lock, partial_path, share, sums,
+    COLUMNS, Coordinate, PROVENANCE, Results, StoreError, checksums, heap_check, journal, lock, partial_path,
+    share,
 };
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, Group, H5Type, IndexType, IterationOrder, Location, LocationType};
@@ -66,7 +67,7 @@ impl Source {
                 _ => StoreError::Foreign { path: own(), why: "it is no HDF5 file".into() },
             });
         }
-        if !heap::is_sound(&mut stream).map_err(failed)? {
+        if !heap_check::is_sound(&mut stream).map_err(failed)? {
             return Err(match broken_off {
                 true => StoreError::Partial { path: own() },
                 false => StoreError::Damaged { path: own(), why: "its texts are spoilt".into() },
@@ -101,10 +102,10 @@ impl Source {
     pub fn verify(&self, results: &Results) -> Result<(), StoreError> {
         let names = self.attribute_names(&self.file)?;
         // Files of earlier versions have none.
-        if names.iter().any(|name| name == sums::ATTRIBUTE) {
+        if names.iter().any(|name| name == checksums::ATTRIBUTE) {
             let written =
-                read_text(&self.file, sums::ATTRIBUTE).ok_or_else(|| self.damaged("its checksums"))?;
-            if let Some(what) = sums::misfit(&written, results) {
+                read_text(&self.file, checksums::ATTRIBUTE).ok_or_else(|| self.damaged("its checksums"))?;
+            if let Some(what) = checksums::misfit(&written, results) {
                 return Err(StoreError::Changed { path: self.path.clone(), what });
             }
         }

@@ -3,22 +3,25 @@
 //! The file is made in memory and handed over as bytes: its size is below that of the results it is made
 //! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
 
-mod branches;
-mod chunk;
-mod curves;
-mod filled;
-mod groups;
-mod packed;
-mod root;
-mod spectra;
-mod waveforms;
+mod branch_group;
+mod chunk_shape;
+mod compression;
+mod file_contents;
+mod file_groups;
+mod force_curve_group;
+mod root_group;
+mod spectrum_group;
+mod waveform_group;
 
-use super::check::{check, check_all};
-use super::image::{Image, in_memory};
-use super::labels::{self, Scale, attach};
-use super::{COLUMNS, Coordinate, Flags, Numbers, PROVENANCE, Results, States, StoreError, Variable, sums};
-use chunk::chunk;
-use filled::Filled;
+use super::consistency::{check, check_all};
+use super::dimension_scales::{self, DimensionScale, attach};
+use super::hdf5_image::{Hdf5Image, in_memory};
+use super::{
+    COLUMNS, Coordinate, Flags, PROVENANCE, Results, StateSet, StoreError, Variable, VariableSource,
+    checksums,
+};
+use chunk_shape::chunk;
+use file_contents::FileContents;
 use hdf5::dataset::Layout as Storage;
 use hdf5::file::{AttrCreationOrder as AttrOrder, LinkCreationOrder as LinkOrder};
 use hdf5::types::VarLenUnicode;
@@ -34,7 +37,7 @@ const TINY: usize = 4096;
 const DIRECTION: &str = "curve.direction";
 
 /// The results file in memory. `path` only serves messages.
-pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Image, StoreError> {
+pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<Hdf5Image, StoreError> {
     check_all(results)?;
     laid_out(results, results, scene_text, path)
 }
@@ -46,25 +49,25 @@ pub(super) fn image(results: &Results, scene_text: &str, path: &Path) -> Result<
 /// Parts that do not fit together; numbers that cannot be had.
 pub fn laid_out(
     frame: &Results,
-    numbers: &dyn Numbers,
+    numbers: &dyn VariableSource,
     scene_text: &str,
     path: &Path,
-) -> Result<Image, StoreError> {
+) -> Result<Hdf5Image, StoreError> {
     check(frame, numbers.count())?;
-    let build = || -> hdf5::Result<Image> {
-        let (file, filled) = (in_memory()?, Filled::new(frame, numbers));
-        root::write(&file, &filled)?;
-        groups::write(&file, &filled, scene_text)?;
+    let build = || -> hdf5::Result<Hdf5Image> {
+        let (file, filled) = (in_memory()?, FileContents::new(frame, numbers));
+        root_group::write(&file, &filled)?;
+        file_groups::write(&file, &filled, scene_text)?;
         // Last, as the numbers are known now.
-        labels::text(&file, sums::ATTRIBUTE, &filled.sums())?;
-        Image::of(file)
+        dimension_scales::text(&file, checksums::ATTRIBUTE, &filled.sums())?;
+        Hdf5Image::of(file)
     };
     build().map_err(|source| StoreError::Hdf5 { path: path.to_path_buf(), doing: "lay out".into(), source })
 }
 
 /// The group of long texts with the scene's alone.
 pub(super) fn scene_group(file: &File, scene_text: &str) -> hdf5::Result<()> {
-    labels::text(&Layout::group(file, PROVENANCE)?.group, "scene", scene_text)
+    dimension_scales::text(&Layout::group(file, PROVENANCE)?.group, "scene", scene_text)
 }
 
 const INSTANCE: &str = "instance number, counted from 0";
@@ -81,7 +84,7 @@ struct Beside<'a> {
 impl Beside<'_> {
     /// Tells a variable's readers where its values lie.
     fn locate(self, dataset: &Dataset) -> hdf5::Result<()> {
-        self.coordinates.map_or(Ok(()), |names| labels::text(dataset, "coordinates", names))
+        self.coordinates.map_or(Ok(()), |names| dimension_scales::text(dataset, "coordinates", names))
     }
 }
 
@@ -97,7 +100,7 @@ fn quality(variables: &[Variable]) -> &'static str {
 fn from_scene(dataset: &Dataset, axis: &Coordinate) -> hdf5::Result<()> {
     match axis.scene_path.as_str() {
         "" => Ok(()),
-        path => labels::text(dataset, "scene_path", path),
+        path => dimension_scales::text(dataset, "scene_path", path),
     }
 }
 
@@ -105,7 +108,7 @@ fn from_scene(dataset: &Dataset, axis: &Coordinate) -> hdf5::Result<()> {
 struct Layout {
     file: File,
     group: Group,
-    scales: Vec<Scale>,
+    scales: Vec<DimensionScale>,
 }
 
 impl Layout {
@@ -136,8 +139,8 @@ impl Layout {
             builder = builder.deflate(1);
         }
         let dataset = builder.fletcher32().create(name)?;
-        match deflates && packed::is_number::<T>() {
-            true => packed::write(&dataset, (shape, &chunk), data)?,
+        match deflates && compression::is_number::<T>() {
+            true => compression::write(&dataset, (shape, &chunk), data)?,
             false => dataset.write_raw(data)?,
         }
         Ok(dataset)
@@ -146,9 +149,9 @@ impl Layout {
     /// Counts and numbers of instances have no units.
     fn describe(dataset: &Dataset, units: &str, long_name: &str) -> hdf5::Result<()> {
         if !units.is_empty() {
-            labels::text(dataset, "units", units)?;
+            dimension_scales::text(dataset, "units", units)?;
         }
-        labels::text(dataset, "long_name", long_name)
+        dimension_scales::text(dataset, "long_name", long_name)
     }
 
     /// A dimension with values; gives its number.
@@ -161,7 +164,7 @@ impl Layout {
     ) -> hdf5::Result<usize> {
         let dataset = self.data(name, &[values.len()], values)?;
         Self::describe(&dataset, units, long_name)?;
-        self.scales.push(Scale::coordinate(dataset, name)?);
+        self.scales.push(DimensionScale::coordinate(dataset, name)?);
         Ok(self.scales.len() - 1)
     }
 
@@ -170,16 +173,16 @@ impl Layout {
         let codes: Vec<u8> = (0..axis.words.len() as u8).collect();
         let dim = self.coordinate(&axis.name, &axis.units, &axis.long_name, &codes)?;
         let dataset = self.group.dataset(&axis.name)?;
-        labels::list(&dataset, "flag_values", &codes)?;
-        labels::text(&dataset, "flag_meanings", &axis.words.join(" "))?;
+        dimension_scales::list(&dataset, "flag_values", &codes)?;
+        dimension_scales::text(&dataset, "flag_meanings", &axis.words.join(" "))?;
         Ok(dim)
     }
 
     /// A dimension whose places have labels; gives its number.
     fn labels(&mut self, name: &str, long_name: &str, words: &[String]) -> hdf5::Result<usize> {
         let dataset = self.data(name, &[words.len()], &texts(words)?)?;
-        labels::text(&dataset, "long_name", long_name)?;
-        self.scales.push(Scale::coordinate(dataset, name)?);
+        dimension_scales::text(&dataset, "long_name", long_name)?;
+        self.scales.push(DimensionScale::coordinate(dataset, name)?);
         Ok(self.scales.len() - 1)
     }
 
@@ -194,7 +197,7 @@ impl Layout {
                 false => {
                     let words = texts(&column.words)?;
                     let dataset = self.variable(&column.name, &[dim], &words)?;
-                    labels::text(&dataset, "long_name", &column.long_name)?;
+                    dimension_scales::text(&dataset, "long_name", &column.long_name)?;
                     dataset
                 }
             };
@@ -202,7 +205,7 @@ impl Layout {
         }
         if !axis.columns.is_empty() {
             let dataset = self.group.dataset(&axis.name)?;
-            labels::text(&dataset, COLUMNS, &names(&axis.columns))?;
+            dimension_scales::text(&dataset, COLUMNS, &names(&axis.columns))?;
         }
         Ok(())
     }
@@ -223,13 +226,13 @@ impl Layout {
 
     fn numbered(&mut self, dims: &[usize], numbers: &[i64]) -> hdf5::Result<()> {
         let dataset = self.variable("instance", dims, numbers)?;
-        labels::text(&dataset, "long_name", INSTANCE)
+        dimension_scales::text(&dataset, "long_name", INSTANCE)
     }
 
     /// A dimension without values.
     fn dimension(&mut self, name: &str, length: usize) -> hdf5::Result<usize> {
         let dataset = self.data(name, &[length], &vec![0u8; length])?;
-        self.scales.push(Scale::bare(dataset)?);
+        self.scales.push(DimensionScale::bare(dataset)?);
         Ok(self.scales.len() - 1)
     }
 
@@ -265,26 +268,26 @@ impl Layout {
         meanings: &[(u8, String)],
     ) -> hdf5::Result<Dataset> {
         let dataset = self.variable(name, dims, codes)?;
-        labels::text(&dataset, "long_name", long_name)?;
+        dimension_scales::text(&dataset, "long_name", long_name)?;
         let values: Vec<u8> = meanings.iter().map(|(code, _)| *code).collect();
         let words: Vec<&str> = meanings.iter().map(|(_, word)| word.as_str()).collect();
-        labels::list(&dataset, "flag_values", &values)?;
-        labels::text(&dataset, "flag_meanings", &words.join(" "))?;
+        dimension_scales::list(&dataset, "flag_values", &values)?;
+        dimension_scales::text(&dataset, "flag_meanings", &words.join(" "))?;
         Ok(dataset)
     }
 
     /// Codes from 0 on, or bits.
     fn words(&mut self, flags: &Flags, dims: &[usize], codes: &[u8]) -> hdf5::Result<Dataset> {
         let dataset = self.variable(&flags.name, dims, codes)?;
-        labels::text(&dataset, "long_name", &flags.long_name)?;
+        dimension_scales::text(&dataset, "long_name", &flags.long_name)?;
         let count = flags.meanings.len() as u8;
         if flags.bits {
             let masks: Vec<u8> = (0..count).map(|bit| 1 << bit).collect();
-            labels::list(&dataset, "flag_masks", &masks)?;
+            dimension_scales::list(&dataset, "flag_masks", &masks)?;
         } else {
-            labels::list(&dataset, "flag_values", &(0..count).collect::<Vec<u8>>())?;
+            dimension_scales::list(&dataset, "flag_values", &(0..count).collect::<Vec<u8>>())?;
         }
-        labels::text(&dataset, "flag_meanings", &flags.meanings.join(" "))?;
+        dimension_scales::text(&dataset, "flag_meanings", &flags.meanings.join(" "))?;
         Ok(dataset)
     }
 
@@ -295,7 +298,7 @@ impl Layout {
         variables: &[Variable],
         dims: &[usize],
         beside: Beside,
-        elsewhere: Option<(&Filled, States)>,
+        elsewhere: Option<(&FileContents, StateSet)>,
     ) -> hdf5::Result<()> {
         let mut harmonic = None;
         for (number, variable) in variables.iter().enumerate() {
@@ -318,8 +321,8 @@ impl Layout {
             };
             let dataset = self.quantity(name, units, long_name, &dims, &data)?;
             if !error_scale.is_empty() {
-                labels::text(&dataset, "error_scale", error_scale)?;
-                labels::text(&dataset, "ancillary_variables", beside.ancillary)?;
+                dimension_scales::text(&dataset, "error_scale", error_scale)?;
+                dimension_scales::text(&dataset, "ancillary_variables", beside.ancillary)?;
             }
             beside.locate(&dataset)?;
         }
@@ -327,7 +330,7 @@ impl Layout {
     }
 
     /// The dimensions that all instances stand over, and the names of variables that tell of a list what varies.
-    fn axes(&mut self, filled: &Filled) -> hdf5::Result<(Vec<usize>, Option<String>)> {
+    fn axes(&mut self, filled: &FileContents) -> hdf5::Result<(Vec<usize>, Option<String>)> {
         let (results, mut dims) = (filled.frame, Vec::new());
         if !results.list {
             for axis in &results.axes {
@@ -355,13 +358,13 @@ impl Layout {
     }
 
     fn close(self) -> hdf5::Result<()> {
-        self.scales.into_iter().try_for_each(Scale::close)
+        self.scales.into_iter().try_for_each(DimensionScale::close)
     }
 }
 
 /// Words as a dataset has them.
 fn texts(words: &[String]) -> hdf5::Result<Vec<VarLenUnicode>> {
-    words.iter().map(|word| labels::unicode(word)).collect()
+    words.iter().map(|word| dimension_scales::unicode(word)).collect()
 }
 
 /// The names of these, as attributes have them.

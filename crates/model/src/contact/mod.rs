@@ -16,28 +16,28 @@
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
-mod curve;
 mod dmt;
 mod hertz;
 mod jkr;
-mod nothing;
+mod no_sample;
 mod ramp;
+mod static_curve;
 mod static_law;
 mod tabor;
 mod warning;
 
 pub use crate::kernel::{Attraction, Law};
-pub use curve::{Branch, Curve, Curves};
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 pub use ramp::{Jump, Ramp, RampCurve};
+pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
 use crate::scene::{Adhesion, LawChoice, Params};
-use nothing::Nothing;
+use no_sample::Nothing;
 use std::f64::consts::PI;
 
 /// What a law's constants are made of. SI units. The reference engine reads its own from [`Contact`].

@@ -4,14 +4,14 @@
 //! d being how far the tip is pushed back, so `Z = -delta - f(delta)/k`. That is stable while `k + df/d delta > 0`; where it
 //! ends the tip jumps at this Z to the other branch (B. Cappella, G. Dietler, Surf. Sci. Rep. 34 (1999) 1).
 
-use super::curve::Branch;
+use super::static_curve::CurveBranch;
 use super::{Contact, Law};
 use serde::Serialize;
 
 /// One way of the base; the lists have one length.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RampCurve {
-    pub branch: Branch,
+    pub branch: CurveBranch,
     /// Distance of the tip from the surface if the lever were not bent, m.
     pub base_position_m: Vec<f64>,
     /// m
@@ -175,10 +175,10 @@ impl Bent<'_> {
         let mut rest: Vec<(f64, bool)> = apart(leaves.unwrap_or(0.0)).map(out).collect();
         rest.reverse();
         back.extend(leaves.map(out).into_iter().chain(rest));
-        [self.way(Branch::Approach, &there), self.way(Branch::Retract, &back)]
+        [self.way(CurveBranch::Approach, &there), self.way(CurveBranch::Retract, &back)]
     }
 
-    fn way(&self, branch: Branch, states: &[(f64, bool)]) -> RampCurve {
+    fn way(&self, branch: CurveBranch, states: &[(f64, bool)]) -> RampCurve {
         RampCurve {
             branch,
             base_position_m: states

@@ -7,9 +7,9 @@
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 use super::legendre::{gauss, legendre};
-use super::unit_modes::{Known, UnitModes};
+use super::unit_modes::{MeshCache, UnitModes};
 
 /// The clamped beam without a tip as its own modes of unit stiffness, dimensionless.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl UnitBeam {
     /// # Errors
     /// A stiffness that cannot be factored.
     pub fn on(elements: usize, order: usize) -> Result<Arc<Self>, InstrumentError> {
-        static KNOWN: Known<UnitBeam> = Known::new();
+        static KNOWN: MeshCache<UnitBeam> = MeshCache::new();
         KNOWN.on(elements, order, || {
             let (k, m, base) = unit_cantilever(elements, order);
             let row = |at: usize, value: f64| {

@@ -1,6 +1,6 @@
 //! Eigenpairs of a mass matrix in coordinates of unit stiffness.
 
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Eigenpairs of a mass matrix of unit stiffness, slowest first.

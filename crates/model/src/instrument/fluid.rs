@@ -9,9 +9,9 @@ use complex_bessel::besselk_scaled;
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 use super::{DEFAULT_TOLERANCE, Instrument, Mode, check_positive};
-use crate::scene::{ActuatorModel, DriveOn, InstrumentParams, Lever, QualityFactor};
+use crate::scene::{ActuatorModel, DriveOn, InstrumentParams, LeverSpec, QualityFactor};
 
 /// Reynolds numbers over which Sader fitted his correction for a rectangular blade.
 pub const REYNOLDS: [f64; 2] = [1e-6, 1e4];
@@ -143,7 +143,7 @@ struct Blade {
 
 impl Blade {
     fn of(params: &InstrumentParams) -> Result<Self, InstrumentError> {
-        let &Lever::Dimensions { density, width, thickness, .. } = &params.cantilever.lever else {
+        let &LeverSpec::Dimensions { density, width, thickness, .. } = &params.cantilever.lever else {
             return Err(InstrumentError::NoDimensions);
         };
         let mut params = params.clone();
@@ -156,7 +156,7 @@ impl Blade {
     /// Its modes with the beam so many times as heavy, the tip as it is.
     fn reduce(&self, heavier: f64) -> Result<Instrument, InstrumentError> {
         let mut params = self.params.clone();
-        if let Lever::Dimensions { density, .. } = &mut params.cantilever.lever {
+        if let LeverSpec::Dimensions { density, .. } = &mut params.cantilever.lever {
             *density *= heavier;
         }
         Instrument::reduce(&params, DriveOn::Actuator, DEFAULT_TOLERANCE)
@@ -210,7 +210,7 @@ impl Blade {
 
     /// Of a bending wave at that frequency: (omega^2 rho_c b h/(E I))^(1/4), 1/m.
     fn wave_number(&self, omega: f64) -> f64 {
-        let Lever::Dimensions { youngs_modulus, density, thickness, .. } = self.params.cantilever.lever
+        let LeverSpec::Dimensions { youngs_modulus, density, thickness, .. } = self.params.cantilever.lever
         else {
             return f64::NAN;
         };

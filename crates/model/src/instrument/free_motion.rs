@@ -10,7 +10,7 @@
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 use super::{FreeMotion, Instrument, Mode, check_positive};
 use crate::scene::{DriveLevel, DriveOn};
 
@@ -21,16 +21,16 @@ const OVER: f64 = 60.0;
 
 /// Whose travel is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum MotionPlace {
     Tip,
     Top,
 }
 
-impl Place {
+impl MotionPlace {
     fn share(self, mode: &Mode) -> f64 {
         match self {
-            Place::Tip => mode.tip,
-            Place::Top => mode.top,
+            MotionPlace::Tip => mode.tip,
+            MotionPlace::Top => mode.top,
         }
     }
 }
@@ -47,12 +47,12 @@ impl Instrument {
         check_positive("the drive's frequency", frequency_hz)?;
         let omega = TAU * frequency_hz;
         let unit = self.modal_response(omega)?;
-        let sum = |place: Place, base: f64| {
+        let sum = |place: MotionPlace, base: f64| {
             let moves = |(m, z): (&Mode, &Complex<f64>)| z * place.share(m);
             self.modes.iter().zip(&unit).map(moves).sum::<Complex<f64>>() + base
         };
         let base = if self.moving_base { 1.0 } else { 0.0 };
-        let (tip, top) = (sum(Place::Tip, base), sum(Place::Top, base));
+        let (tip, top) = (sum(MotionPlace::Tip, base), sum(MotionPlace::Top, base));
         let level = self.level(level, tip.norm(), frequency_hz)?;
         let reach = tip.norm().max(top.norm()) * level.abs();
         if !reach.is_finite() {
@@ -65,8 +65,8 @@ impl Instrument {
         };
         let transient = self.modes.iter().zip(&modes).map(start).collect();
         let (tip, top, bending) = (tip * level, top * level, self.bending());
-        let compliance = self.follows(Place::Tip, omega);
-        let pushed = self.follows(Place::Top, omega);
+        let compliance = self.follows(MotionPlace::Tip, omega);
+        let pushed = self.follows(MotionPlace::Top, omega);
         // Nothing divided by nothing would be no number.
         let top_per_tip = if pushed.norm() == 0.0 { pushed } else { pushed / compliance };
         let first_mode = self.first_mode();
@@ -87,7 +87,7 @@ impl Instrument {
     }
 
     /// How far a place moves under a force on the tip at `omega` (rad/s), all modes, m/N.
-    pub fn follows(&self, place: Place, omega: f64) -> Complex<f64> {
+    pub fn follows(&self, place: MotionPlace, omega: f64) -> Complex<f64> {
         let moves = |mode: &Mode| mode.receptance(omega).0 * (place.share(mode) * mode.force);
         self.modes.iter().map(moves).sum()
     }
@@ -178,16 +178,22 @@ impl FreeMotion {
     ///
     /// `instrument` is the one this motion came from.
     pub fn tip_from_rest(&self, instrument: &Instrument, t: f64, skip: &[bool]) -> (f64, f64) {
-        add(self.tip_at(t), self.transient_at(instrument, Place::Tip, t, skip))
+        add(self.tip_at(t), self.transient_at(instrument, MotionPlace::Tip, t, skip))
     }
 
     /// Like [`FreeMotion::tip_from_rest`] for the rod's top.
     pub fn top_from_rest(&self, instrument: &Instrument, t: f64, skip: &[bool]) -> (f64, f64) {
-        add(self.top_at(t), self.transient_at(instrument, Place::Top, t, skip))
+        add(self.top_at(t), self.transient_at(instrument, MotionPlace::Top, t, skip))
     }
 
     /// Travel and speed at `t` of the decaying part of a start from rest alone, without `skip`'s modes.
-    pub fn transient_at(&self, instrument: &Instrument, place: Place, t: f64, skip: &[bool]) -> (f64, f64) {
+    pub fn transient_at(
+        &self,
+        instrument: &Instrument,
+        place: MotionPlace,
+        t: f64,
+        skip: &[bool],
+    ) -> (f64, f64) {
         self.parts(instrument, place, skip).fold((0.0, 0.0), |sum, (mode, share, start)| {
             let [q, rate] = turn(&mode.propagator(t), start);
             add(sum, (share * q, share * rate))
@@ -202,7 +208,7 @@ impl FreeMotion {
     pub fn transient_table(
         &self,
         instrument: &Instrument,
-        place: Place,
+        place: MotionPlace,
         skip: &[bool],
         first: f64,
         step: f64,
@@ -243,7 +249,7 @@ impl FreeMotion {
     fn parts<'a>(
         &'a self,
         instrument: &'a Instrument,
-        place: Place,
+        place: MotionPlace,
         skip: &'a [bool],
     ) -> impl Iterator<Item = (&'a Mode, f64, [f64; 2])> {
         instrument.modes.iter().zip(&self.transient).enumerate().filter_map(move |(k, (mode, start))| {

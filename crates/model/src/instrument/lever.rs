@@ -6,11 +6,11 @@
 use nalgebra::DMatrix;
 
 use super::beam::UnitBeam;
-use super::error::InstrumentError;
-use super::secular::{Line, Pair, dot, orthonormality, pairs};
+use super::instrument_error::InstrumentError;
+use super::secular::{Line, SecularPair, dot, orthonormality, pairs};
 use super::unit_modes::{Quality, change, in_rows};
 use super::{check_not_negative, check_positive, check_quality};
-use crate::scene::{InstrumentParams, Lever, LeverMode, QualityFactor, TipMass, TipParams};
+use crate::scene::{InstrumentParams, LeverMode, LeverSpec, QualityFactor, TipMass, TipParams};
 
 /// First root of 1 + cos(x) cosh(x), the clamped-free beam.
 const LAMBDA_1: f64 = 1.875_104_068_711_961;
@@ -51,7 +51,7 @@ impl LeverPart {
     /// Impossible values, empty lists, and numbers beyond the range of f64.
     pub fn new(p: &InstrumentParams, elements: usize, order: usize) -> Result<Self, InstrumentError> {
         match &p.cantilever.lever {
-            Lever::Dimensions { youngs_modulus, density, length, width, thickness } => {
+            LeverSpec::Dimensions { youngs_modulus, density, length, width, thickness } => {
                 for (what, value) in [
                     ("the lever's youngs_modulus", *youngs_modulus),
                     ("the lever's density", *density),
@@ -69,7 +69,7 @@ impl LeverPart {
                 let beam = Beam { stiffness, mass, tip_mass, arm: arm / length, elements, order };
                 beam.part(inverse_q(&p.cantilever.quality_factor)?)
             }
-            Lever::Calibrated { stiffness, frequency } => {
+            LeverSpec::Calibrated { stiffness, frequency } => {
                 check_positive("the lever's stiffness", *stiffness)?;
                 check_positive("the lever's frequency", *frequency)?;
                 let tip_mass = match p.tip.mass {
@@ -80,7 +80,7 @@ impl LeverPart {
                 let beam = calibrated(*stiffness, *frequency, tip_mass, (elements, order))?;
                 beam.part(inverse_q(&p.cantilever.quality_factor)?)
             }
-            Lever::Modes(modes) => Self::from_modes(modes),
+            LeverSpec::Modes(modes) => Self::from_modes(modes),
         }
     }
 
@@ -280,7 +280,7 @@ impl Loaded {
     /// The tip's mass is one more square of the tip's speed in the kinetic energy.
     fn carry(&mut self, heaviness: f64) {
         let with = pairs(Line::rank_one(heaviness), &self.mu, &self.tip);
-        let along = |row: &[f64], pair: &Pair| dot(row, &pair.rest);
+        let along = |row: &[f64], pair: &SecularPair| dot(row, &pair.rest);
         let shapes = DMatrix::from_fn(self.mu.len(), with.len(), |k, one| with[one].rest[k]);
         let tip: Vec<f64> = with.iter().map(|pair| along(&self.tip, pair)).collect();
         self.base =

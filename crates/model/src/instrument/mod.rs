@@ -10,7 +10,7 @@
 //! The equations are those of Ha, Fung & Chen 2005 (J. Dyn. Syst. Meas. Control 127(4), 705-709)
 //! with time derivatives where their (4) prints subscripts z and x; each other choice stands
 //! where it is made: the rod's field in `rod.rs`, the kinematics and the tip's force in
-//! `assemble.rs`.
+//! `assembly.rs`.
 //!
 //! ```
 //! use afmsweep_model::instrument::{DEFAULT_TOLERANCE, Instrument};
@@ -23,36 +23,36 @@
 //! ```
 //!
 //! Flow: `rod.rs`, `beam.rs` (elements, whose modes `unit_modes.rs` keeps) and `lever.rs` (three descriptions of a lever) ->
-//! `assemble.rs` -> `secular.rs` (eigenpairs of what is coupled by one row) -> `modes.rs` -> `reduce.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
-//! `summary.rs`; `fluid.rs` has the lever in a fluid.
+//! `assembly.rs` -> `secular.rs` (eigenpairs of what is coupled by one row) -> `natural_modes.rs` -> `mesh_refinement.rs` (which mesh) -> `response.rs`, `free_motion.rs`,
+//! `mode_summary.rs`; `fluid.rs` has the lever in a fluid.
 
-mod assemble;
+mod assembly;
 mod beam;
 mod eigen;
-mod error;
 mod fluid;
 mod free_motion;
+mod instrument_error;
 mod legendre;
 mod lever;
-mod modes;
-mod reduce;
+mod lever_scaling;
+mod mesh_refinement;
+pub mod mode_summary;
+mod natural_modes;
 mod response;
 mod rod;
-mod scaled;
 mod secular;
-pub mod summary;
 mod unit_modes;
 
 use nalgebra::Complex;
 
 use crate::scene::DriveOn;
 
-pub use assemble::Mesh;
-pub use error::InstrumentError;
+pub use assembly::Mesh;
 pub use fluid::{Fluid, FluidMode, hydrodynamic_function, modes_in};
-pub use free_motion::Place;
-pub use reduce::DEFAULT_TOLERANCE;
-pub use scaled::Pattern;
+pub use free_motion::MotionPlace;
+pub use instrument_error::InstrumentError;
+pub use lever_scaling::Pattern;
+pub use mesh_refinement::DEFAULT_TOLERANCE;
 
 /// One mode: `q'' + (omega/Q) q' + omega^2 q = force * f + drive * (drive level)`, and
 /// the tip moves by `tip * q`, the rod's top by `top * q`.

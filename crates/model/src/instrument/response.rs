@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use std::cell::OnceCell;
 
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 use super::{Instrument, Mode};
 
 /// Undamped and closer than this to a natural frequency, relative, the response is rounding.

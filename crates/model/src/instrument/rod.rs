@@ -14,10 +14,10 @@
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 use super::legendre::{gauss, legendre};
-use super::secular::{Line, Pair, pairs};
-use super::unit_modes::{Known, UnitModes, in_rows};
+use super::secular::{Line, SecularPair, pairs};
+use super::unit_modes::{MeshCache, UnitModes, in_rows};
 use crate::scene::ActuatorParams;
 
 /// How far above the instability the modulus must lie, relative: closer, the difference is rounding.
@@ -71,7 +71,7 @@ impl Rod {
     }
 
     /// The modes of the rod alone, in coordinates of unit stiffness: the corner is the top.
-    pub fn alone(&self) -> Vec<Pair> {
+    pub fn alone(&self) -> Vec<SecularPair> {
         let k = self.stiffness.sqrt();
         let coupling: Vec<f64> = self.coupling.iter().map(|c| c / k).collect();
         pairs(Line::arrowhead(self.mass / self.stiffness), &self.mu, &coupling)
@@ -134,7 +134,7 @@ struct UnitBar {
 impl UnitBar {
     /// Of `elements` equal elements of degree `order`; each is solved for once.
     fn on(elements: usize, order: usize) -> Result<Arc<Self>, InstrumentError> {
-        static KNOWN: Known<UnitBar> = Known::new();
+        static KNOWN: MeshCache<UnitBar> = MeshCache::new();
         KNOWN.on(elements, order, || {
             let (k, m) = unit_bar(elements, order);
             let top = elements - 1;

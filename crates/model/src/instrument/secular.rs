@@ -29,7 +29,7 @@ impl Line {
 
 /// An eigenvalue and its vector of unit length.
 #[derive(Clone, Debug)]
-pub(super) struct Pair {
+pub(super) struct SecularPair {
     pub value: f64,
     /// The component beside the corner; 0 where there is none.
     pub corner: f64,
@@ -50,7 +50,7 @@ const ROUNDS: usize = 200;
 const LAST: f64 = 1e-9;
 
 /// All eigenpairs, largest eigenvalue first.
-pub(super) fn pairs(line: Line, d: &[f64], a: &[f64]) -> Vec<Pair> {
+pub(super) fn pairs(line: Line, d: &[f64], a: &[f64]) -> Vec<SecularPair> {
     let mut order: Vec<usize> = (0..d.len()).collect();
     order.sort_by(|&i, &j| d[i].total_cmp(&d[j]));
     let mut found = Vec::with_capacity(d.len() + 1);
@@ -82,13 +82,13 @@ pub(super) fn pairs(line: Line, d: &[f64], a: &[f64]) -> Vec<Pair> {
 ///
 /// Of vectors whose components are `a_k c/(x - d_k)` the product is `c_i c_j (F(x_i) - F(x_j))/(x_i - x_j)`, F being the
 /// function whose roots are sought: so it follows from what the roots miss, and of vectors of unit length nothing else does.
-pub(super) fn orthonormality(pairs: &[Pair]) -> Vec<f64> {
-    let with = |one: &Pair, other: &Pair| {
+pub(super) fn orthonormality(pairs: &[SecularPair]) -> Vec<f64> {
+    let with = |one: &SecularPair, other: &SecularPair| {
         // Those that nothing couples are at right angles to all others.
         let apart = if one.scale * other.scale == 0.0 { f64::INFINITY } else { one.value - other.value };
         (one.missed * other.scale - other.missed * one.scale) / apart
     };
-    let of = |(k, one): (usize, &Pair)| {
+    let of = |(k, one): (usize, &SecularPair)| {
         let against =
             pairs[..k].iter().map(|other| ((other.value / one.value).sqrt() * with(one, other)).abs());
         against.fold(pairs.len() as f64 * f64::EPSILON, f64::max)
@@ -101,7 +101,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The vectors of a group of equal `d_k` that are at right angles to its `a_k`: nothing couples them.
-fn uncoupled(group: &[usize], pole: f64, a: &[f64], found: &mut Vec<Pair>) {
+fn uncoupled(group: &[usize], pole: f64, a: &[f64], found: &mut Vec<SecularPair>) {
     let mut before = 0.0;
     for (n, &k) in group.iter().enumerate() {
         let own = a[k] * a[k];
@@ -114,7 +114,14 @@ fn uncoupled(group: &[usize], pole: f64, a: &[f64], found: &mut Vec<Pair>) {
             rest[k] = -before / norm;
         }
         if own == 0.0 || before > 0.0 {
-            found.push(Pair { value: pole, corner: 0.0, rest, residual: 0.0, scale: 0.0, missed: 0.0 });
+            found.push(SecularPair {
+                value: pole,
+                corner: 0.0,
+                rest,
+                residual: 0.0,
+                scale: 0.0,
+                missed: 0.0,
+            });
         }
         before += own;
     }
@@ -248,7 +255,7 @@ impl Sum {
     }
 
     /// The eigenpair of a root.
-    fn pair(&self, root: Root, d: &[f64], a: &[f64]) -> Pair {
+    fn pair(&self, root: Root, d: &[f64], a: &[f64]) -> SecularPair {
         let quotient =
             |(a, d): (&f64, &f64)| if a * a == 0.0 { 0.0 } else { a / ((root.pole - d) + root.off) };
         let mut rest: Vec<f64> = a.iter().zip(d).map(quotient).collect();
@@ -260,7 +267,14 @@ impl Sum {
         let missed = ((slope * root.pole - constant) + slope * root.off) * scale - dot(&rest, a);
         // Of a sum of rank one every row misses by the factor times its `a_k`.
         let rows = if slope > 0.0 { 1.0 } else { self.weights.iter().sum::<f64>().sqrt() / -constant };
-        Pair { value, corner: slope * scale, rest, residual: (missed * rows / value).abs(), scale, missed }
+        SecularPair {
+            value,
+            corner: slope * scale,
+            rest,
+            residual: (missed * rows / value).abs(),
+            scale,
+            missed,
+        }
     }
 }
 
@@ -290,7 +304,7 @@ mod tests {
     }
 
     /// The dense matrix with these eigenpairs: values as nalgebra finds them, vectors of unit length that meet it.
-    fn agrees(number: usize, dense: &DMatrix<f64>, found: &[Pair], corner: bool) {
+    fn agrees(number: usize, dense: &DMatrix<f64>, found: &[SecularPair], corner: bool) {
         let mut exact = SymmetricEigen::new(dense.clone()).eigenvalues.as_slice().to_vec();
         exact.sort_by(|a, b| b.total_cmp(a));
         assert_eq!(found.len(), exact.len());

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, PoisonError, RwLock};
 
 use super::eigen::Eigen;
-use super::error::InstrumentError;
+use super::instrument_error::InstrumentError;
 
 /// Modes in coordinates of unit stiffness, slowest first.
 #[derive(Clone, Debug)]
@@ -140,9 +140,9 @@ fn unit_stiffness(
 type OnMesh = (usize, usize);
 
 /// Parts by their mesh, each made once.
-pub(crate) struct Known<T>(LazyLock<RwLock<HashMap<OnMesh, Arc<T>>>>);
+pub(crate) struct MeshCache<T>(LazyLock<RwLock<HashMap<OnMesh, Arc<T>>>>);
 
-impl<T> Known<T> {
+impl<T> MeshCache<T> {
     pub const fn new() -> Self {
         Self(LazyLock::new(RwLock::default))
     }

@@ -3,11 +3,11 @@
 use super::Axis;
 use super::address::Address;
 use super::draft::keys_of;
-use super::error::{Checked, Fault};
 use super::paths;
 use super::quantities::QUANTITIES;
+use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
-use crate::suggest::nearest;
+use crate::suggestion::nearest;
 use crate::units::shortened;
 use std::sync::Arc;
 use toml::de::DeTable;

@@ -2,8 +2,8 @@
 //! the scene.
 
 use super::address::Address;
+use super::axis_zip::law_of;
 use super::params::{LawChoice, Params};
-use super::zipped::law_of;
 use super::{Axis, LAW, Layout, Scene};
 use std::sync::Arc;
 

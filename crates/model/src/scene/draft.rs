@@ -1,10 +1,10 @@
 //! What is read of a scene so far, and where it stands.
 
 use super::Drawn;
-use super::error::Faults;
 use super::levers::MakersLever;
 use super::params::Params;
 use super::quantities::QUANTITIES;
+use super::scene_error::Faults;
 use std::ops::Range;
 use std::path::PathBuf;
 

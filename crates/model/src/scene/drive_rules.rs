@@ -1,9 +1,9 @@
 //! The drive's strength must be said in a way that drives what the scene has: the rod, a rigid base or the tip.
 
 use super::draft::{Draft, Said};
-use super::error::{Checked, Fault};
 use super::params::{ActuatorModel, DriveOn};
 use super::paths::{CALIBRATION, LEVELS, MODES, NAME_ROD};
+use super::scene_error::{Checked, Fault};
 
 const TIP_LEVELS: &str = "force or free_amplitude, as for any drive on the tip";
 const BASE_LEVELS: &str = "base_amplitude or free_amplitude, as for a rigid base";

@@ -1,9 +1,9 @@
 //! The bytes of a scene file: that there is one, that it is text, and whose it may be.
 
 use super::Scene;
-use super::error::{Checked, Fault, SceneError, line_column};
-use super::read::parse;
-use crate::suggest::nearest;
+use super::scene_error::{Checked, Fault, SceneError, line_column};
+use super::scene_reader::parse;
+use crate::suggestion::nearest;
 use std::io::Read;
 use std::path::Path;
 

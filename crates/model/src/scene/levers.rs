@@ -4,7 +4,7 @@
 //! by what a calibration gave. No data sheet has a quality factor: it is the surroundings' as much as the lever's.
 
 use super::params::PRESET;
-use super::params::{InstrumentParams, Lever};
+use super::params::{InstrumentParams, LeverSpec};
 
 /// A lever that can be bought. Stiffness and frequency are nominal ones in air, lengths nominal ones of the plan view.
 #[derive(Debug, PartialEq)]
@@ -69,7 +69,8 @@ pub(super) fn presets() -> Vec<(&'static str, Option<&'static MakersLever>)> {
 impl MakersLever {
     /// As a calibrated lever, its tip's radius included.
     pub(super) fn put(&self, params: &mut InstrumentParams) {
-        params.cantilever.lever = Lever::Calibrated { stiffness: self.stiffness, frequency: self.frequency };
+        params.cantilever.lever =
+            LeverSpec::Calibrated { stiffness: self.stiffness, frequency: self.frequency };
         params.tip.radius = self.tip_radius;
     }
 }

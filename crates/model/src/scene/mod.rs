@@ -2,51 +2,51 @@
 
 mod address;
 mod axes;
+mod axis_zip;
 mod cases;
-mod curve;
-mod design;
+mod curve_section;
+mod design_points;
+mod design_section;
 mod draft;
-mod drawn;
 mod drive_rules;
-mod error;
 mod file;
-mod given;
 mod levers;
 mod output;
 mod params;
 mod paths;
-mod plausible;
-mod points;
+mod plausibility;
+mod provenance;
 mod quantities;
 mod quantity;
-mod quoted;
-mod read;
-mod resolved;
 mod rules;
-mod schema;
+mod sample_source;
+mod sample_table;
+mod scene_echo;
+mod scene_error;
+mod scene_reader;
+mod scene_schema;
 mod schema_design;
 mod schema_parts;
-mod setpoint;
-mod sweep;
+mod setpoint_rules;
+mod sweep_section;
 mod synonyms;
-mod table;
 mod table_file;
-mod uncertain;
+mod toml_text;
+mod uncertain_section;
 mod values;
-mod zipped;
 
-pub use crate::suggest::nearest;
+pub use crate::suggestion::nearest;
 pub use address::Address;
+use axis_zip::law_of;
 pub use cases::Cases;
-pub use error::SceneError;
 pub use levers::{LEVERS, MakersLever};
 pub use params::*;
 use paths::LAW;
 pub use quantities::QUANTITIES;
 pub use quantity::{Domain, Quantity};
-pub use schema::schema;
+pub use scene_error::SceneError;
+pub use scene_schema::schema;
 pub use synonyms::{Meant, meant};
-use zipped::law_of;
 
 use crate::design::Design;
 use crate::observe::Observable;
@@ -112,7 +112,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`], reading apart.
     pub fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
-        read::parse(path, text)
+        scene_reader::parse(path, text)
     }
 
     /// Number of instances; 1 without a sweep.
@@ -152,12 +152,12 @@ pub struct SweptAxes {
     pub axes: Vec<Axis>,
     pub layout: Layout,
     /// Where the last axis is a curve's, along which the state is carried.
-    pub curve: Option<Curve>,
+    pub curve: Option<CurveSpec>,
 }
 
 /// `[curve]`: the last axis of the sweep is followed from its first point to its last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Curve {
+pub struct CurveSpec {
     /// And back: the axis before it, of length 2, tells the way.
     pub both: bool,
 }

@@ -3,13 +3,13 @@
 use super::STEPPED_MODES;
 use super::axes;
 use super::draft::Draft;
-use super::error::{Checked, Fault, Faults};
-use super::params::Lever;
+use super::params::LeverSpec;
+use super::scene_error::{Checked, Fault, Faults};
 use super::synonyms;
 use super::values::{self, Value};
 use super::{Output, Run, Start, Steady, WaveformRequest};
 use crate::observe::Observable;
-use crate::suggest::nearest;
+use crate::suggestion::nearest;
 use toml::de::DeTable;
 
 /// Keywords of `run.start`.
@@ -92,7 +92,7 @@ pub(super) fn run(section: Option<&Value>, usual: Steady, draft: &mut Draft) -> 
     }
     if let Some(value) = table.get("modes") {
         let most = match &draft.params.instrument.cantilever.lever {
-            Lever::Modes(modes) => modes.len().min(STEPPED_MODES),
+            LeverSpec::Modes(modes) => modes.len().min(STEPPED_MODES),
             _ => STEPPED_MODES,
         };
         let modes = faults.take(values::count(value, "run.modes", 1..=most as u64));

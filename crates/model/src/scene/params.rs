@@ -59,13 +59,13 @@ pub struct ActuatorParams {
 /// The lever: by its dimensions, by its thermal calibration, or mode by mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CantileverParams {
-    pub lever: Lever,
+    pub lever: LeverSpec,
     pub quality_factor: QualityFactor,
 }
 
 /// Three ways to say what the lever is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Lever {
+pub enum LeverSpec {
     /// A uniform rectangular beam (Table 1, second column).
     Dimensions { youngs_modulus: f64, density: f64, length: f64, width: f64, thickness: f64 },
     /// The first mode's stiffness (N/m) and frequency (Hz) as measured, tip included;
@@ -226,7 +226,7 @@ pub struct ApproachParams {
     /// What a set-point that is no force is of.
     pub of: SetPointOf,
     /// On which branch, where both hold it; none is the one that an approach meets first.
-    pub branch: Option<Branch>,
+    pub branch: Option<ForceBranch>,
     /// How far below the surface a set-point is looked for, m; none where the scene does not say.
     pub deepest: Option<f64>,
 }
@@ -269,7 +269,7 @@ pub enum Held {
 
 /// A branch of tapping, by the sign of its mean force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Branch {
+pub enum ForceBranch {
     Attractive,
     Repulsive,
 }
@@ -293,7 +293,7 @@ impl Default for ActuatorParams {
 impl Default for CantileverParams {
     fn default() -> Self {
         Self {
-            lever: Lever::Dimensions {
+            lever: LeverSpec::Dimensions {
                 youngs_modulus: 7.03e10,
                 density: 2500.0,
                 length: 174e-6,

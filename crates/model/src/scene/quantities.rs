@@ -1,7 +1,7 @@
 //! The closed table of a scene's quantities: path, dimension, domain, and their place in [`Params`].
 //!
 //! Reading, sweeping and the resolved echo all go through this table, so a quantity added here can be
-//! written, swept and echoed at once. Its usual and possible sizes stand in `plausible.rs`, when it matters in `given.rs`.
+//! written, swept and echoed at once. Its usual and possible sizes stand in `plausibility.rs`, when it matters in `provenance.rs`.
 
 use super::params::*;
 use super::quantity::{Domain, Quantity};
@@ -65,11 +65,11 @@ macro_rules! mode {
             dimension: Dimension::$dimension,
             domain: Domain::$domain,
             get: |params, index| match &params.instrument.cantilever.lever {
-                Lever::Modes(modes) => modes.get(index).map(|mode| mode.$member),
+                LeverSpec::Modes(modes) => modes.get(index).map(|mode| mode.$member),
                 _ => None,
             },
             set: |params, index, value| {
-                if let Lever::Modes(modes) = &mut params.instrument.cantilever.lever
+                if let LeverSpec::Modes(modes) = &mut params.instrument.cantilever.lever
                     && let Some(mode) = modes.get_mut(index)
                 {
                     mode.$member = value;
@@ -96,7 +96,7 @@ macro_rules! held {
     };
 }
 
-fn table_lever() -> Lever {
+fn table_lever() -> LeverSpec {
     CantileverParams::default().lever
 }
 
@@ -105,8 +105,8 @@ fn table_tip() -> TipMass {
 }
 
 /// Both values must be given, so neither has a default that could pass for one.
-fn unknown_calibration() -> Lever {
-    Lever::Calibrated { stiffness: f64::NAN, frequency: f64::NAN }
+fn unknown_calibration() -> LeverSpec {
+    LeverSpec::Calibrated { stiffness: f64::NAN, frequency: f64::NAN }
 }
 
 /// Every quantity of a scene, in the order the resolved scene writes them.
@@ -149,7 +149,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Pressure,
         Positive,
         instrument.cantilever.lever,
-        Lever::Dimensions,
+        LeverSpec::Dimensions,
         youngs_modulus,
         table_lever
     ),
@@ -159,7 +159,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Density,
         Positive,
         instrument.cantilever.lever,
-        Lever::Dimensions,
+        LeverSpec::Dimensions,
         density,
         table_lever
     ),
@@ -169,7 +169,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Length,
         Positive,
         instrument.cantilever.lever,
-        Lever::Dimensions,
+        LeverSpec::Dimensions,
         length,
         table_lever
     ),
@@ -179,7 +179,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Length,
         Positive,
         instrument.cantilever.lever,
-        Lever::Dimensions,
+        LeverSpec::Dimensions,
         width,
         table_lever
     ),
@@ -189,7 +189,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Length,
         Positive,
         instrument.cantilever.lever,
-        Lever::Dimensions,
+        LeverSpec::Dimensions,
         thickness,
         table_lever
     ),
@@ -199,7 +199,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Stiffness,
         Positive,
         instrument.cantilever.lever,
-        Lever::Calibrated,
+        LeverSpec::Calibrated,
         stiffness,
         unknown_calibration
     ),
@@ -209,7 +209,7 @@ pub static QUANTITIES: &[Quantity] = &[
         Frequency,
         Positive,
         instrument.cantilever.lever,
-        Lever::Calibrated,
+        LeverSpec::Calibrated,
         frequency,
         unknown_calibration
     ),

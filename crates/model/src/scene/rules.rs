@@ -4,13 +4,13 @@
 //! A swept quantity counts as if the file had written it in its section.
 
 use super::address::Address;
+use super::axis_zip::law_of;
 use super::draft::{Draft, Said};
 use super::drive_rules;
-use super::error::{Checked, Fault};
 use super::params::*;
 use super::paths::LAW;
 use super::paths::{CALIBRATION, LEVELS, MODES};
-use super::zipped::law_of;
+use super::scene_error::{Checked, Fault};
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
 use std::ops::Range;
@@ -273,8 +273,8 @@ fn lever_is_complete(draft: &Draft) -> Checked<()> {
             .help("add a line such as quality_factor = 400; in air stiff levers have some 300 to 600, soft ones 30 to 200"));
     }
     match &draft.params.instrument.cantilever.lever {
-        Lever::Dimensions { .. } => Ok(()),
-        Lever::Calibrated { stiffness, frequency } => {
+        LeverSpec::Dimensions { .. } => Ok(()),
+        LeverSpec::Calibrated { stiffness, frequency } => {
             let (missing, example) = match (stiffness.is_nan(), frequency.is_nan()) {
                 (true, _) => ("stiffness", "stiffness = \"42 N/m\""),
                 (_, true) => ("frequency", "frequency = \"300 kHz\""),
@@ -286,7 +286,7 @@ fn lever_is_complete(draft: &Draft) -> Checked<()> {
                 .expected("both stiffness and frequency of the first mode")
                 .help(format!("add a line such as {example}")))
         }
-        Lever::Modes(modes) => {
+        LeverSpec::Modes(modes) => {
             for (mode, place) in modes.iter().zip(&draft.modes) {
                 let missing = match (mode.stiffness.is_nan(), mode.frequency.is_nan()) {
                     (true, _) => "stiffness",

@@ -1,10 +1,10 @@
 //! The schema's parts for uncertain quantities and designs.
 
 use super::axes::MOST_INSTANCES;
-use super::design::{KEYS, LEVELS, MOST_LEVELS};
+use super::design_section::{KEYS, LEVELS, MOST_LEVELS};
 use super::schema_parts::{object, told};
-use super::uncertain::{KEYS as DISTRIBUTIONS, SIGMAS};
-use crate::design::Kind;
+use super::uncertain_section::{KEYS as DISTRIBUTIONS, SIGMAS};
+use crate::design::DesignKind;
 use serde_json::{Map, Value, json};
 
 /// The name of the definition of distributions.
@@ -37,7 +37,7 @@ pub(super) fn design(describe: &dyn Fn(&str) -> String) -> Value {
     let mut properties = Map::new();
     for (key, _) in KEYS {
         let value = match key {
-            "kind" => json!({ "type": "string", "enum": Kind::WORDS.map(|(word, _)| word) }),
+            "kind" => json!({ "type": "string", "enum": DesignKind::WORDS.map(|(word, _)| word) }),
             "samples" => whole(1, MOST_INSTANCES as u64),
             "replicates" => whole(1, 1024),
             "seed" => json!({ "type": "integer", "minimum": 0, "default": 0 }),

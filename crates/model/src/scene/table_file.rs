@@ -3,10 +3,10 @@
 use super::address::Address;
 use super::axes::{axis, in_all, swept_quantity};
 use super::draft::{Draft, Said};
-use super::error::{Checked, Fault};
-use super::table::{self, Table};
+use super::sample_table::{self, SampleTable};
+use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
-use super::{Axis, Layout, SweptAxes, TableFile, zipped};
+use super::{Axis, Layout, SweptAxes, TableFile, axis_zip};
 use std::ops::Range;
 use std::path::Path;
 use toml::de::DeTable;
@@ -31,7 +31,7 @@ pub(super) fn read(key: &Key, table: &DeTable, file: &Value, draft: &mut Draft) 
     let axes = axes(table.columns, key.span(), draft)?;
     let sweep = SweptAxes { axes, layout: Layout::List, ..SweptAxes::default() };
     in_all(sweep.len(), key)?;
-    zipped::check(&sweep, key, draft)?;
+    axis_zip::check(&sweep, key, draft)?;
     Ok(sweep)
 }
 
@@ -41,7 +41,7 @@ pub(super) fn file_of(
     names: Option<&Value>,
     section: &str,
     draft: &Draft,
-) -> Checked<(Table, TableFile)> {
+) -> Checked<(SampleTable, TableFile)> {
     let name = values::text(value, &format!("{section}.file"))?;
     let addresses = match names {
         None => None,
@@ -61,7 +61,7 @@ pub(super) fn file_of(
     // A results file may lie elsewhere than its scene did: whoever reads that again stands where it was run.
     let beside = draft.folder.join(name).exists() || !Path::new(name).exists();
     let folder = if beside { draft.folder.as_path() } else { Path::new("") };
-    let table = table::read(folder, name, addresses.as_deref(), value.span())?;
+    let table = sample_table::read(folder, name, addresses.as_deref(), value.span())?;
     let names = addresses.map(|all| all.iter().map(|address| address.path()).collect());
     Ok((table, TableFile { file: name.to_owned(), names }))
 }
@@ -76,7 +76,7 @@ pub(super) fn axes(
     for (address, values) in columns {
         let path = address.path();
         if draft.said.iter().any(|said| said.swept && said.path == path) {
-            return Err(zipped::varies_twice(&path, place, draft));
+            return Err(axis_zip::varies_twice(&path, place, draft));
         }
         draft.said.push(Said { path, key: place.clone(), swept: true });
         axes.push(axis(address, values, false));

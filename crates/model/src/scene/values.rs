@@ -1,11 +1,11 @@
 //! Single values of a scene file: quantities, counts, keywords, and the keys around them.
 
 use super::address::Address;
-use super::error::{Checked, Fault};
-use super::plausible;
+use super::plausibility;
 use super::quantities::QUANTITIES;
+use super::scene_error::{Checked, Fault};
 use super::synonyms::{self, Meant};
-use crate::suggest::nearest;
+use crate::suggestion::nearest;
 use crate::units::{self, Dimension, UnitErrorKind, shortened};
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
@@ -33,7 +33,7 @@ pub(super) fn in_domain(
 ) -> Checked<()> {
     let domain = address.quantity.domain;
     if domain.holds(number) {
-        return plausible::possible(number, place, found, address);
+        return plausibility::possible(number, place, found, address);
     }
     Err(Fault::at(place, format!("`{path}` has an impossible value"))
         .label(format!("found {}", found()))

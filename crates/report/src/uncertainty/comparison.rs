@@ -1,10 +1,10 @@
 //! A measured curve over what is predicted: points with their standard deviations, the median, the band of 95 %.
 
 use super::super::ReportError;
-use super::super::axis::Axis;
+use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{Frame, KEY_ROW, Key, key, key_rows, left_margin, title};
-use crate::stats::Output;
+use super::super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
+use crate::stats::StudyOutput;
 
 /// A measured curve beside what the weighted samples say.
 #[derive(Clone, Debug)]
@@ -26,12 +26,12 @@ pub struct Comparison {
 #[derive(Clone, Debug)]
 pub struct Compared {
     pub output: usize,
-    pub ways: Vec<Way>,
+    pub ways: Vec<PredictionPath>,
 }
 
 /// One way along a curve.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct PredictionPath {
     /// Empty where there is but one.
     pub name: String,
     /// Place, value and standard deviation of what was measured.
@@ -48,19 +48,19 @@ const SIZE: (f64, f64) = (560.0, 280.0);
 /// One panel for each way.
 pub(super) fn draw(
     heading: &str,
-    output: &Output,
+    output: &StudyOutput,
     (along, units): (&str, &str),
-    ways: &[Way],
+    ways: &[PredictionPath],
 ) -> Result<String, ReportError> {
     let places = ways.iter().flat_map(|way| way.band.iter().map(|(place, _)| *place));
-    let x = Axis::over(places, units, along, false, 0.02);
-    let values = |way: &'_ Way| {
+    let x = PlotAxis::over(places, units, along, false, 0.02);
+    let values = |way: &'_ PredictionPath| {
         let band = way.band.iter().flat_map(|(_, band)| *band);
         let points = way.points.iter().flat_map(|(_, value, sd)| [value - sd, value + sd]);
         band.chain(points).collect::<Vec<f64>>()
     };
     let label = super::called(output);
-    let y = Axis::over(
+    let y = PlotAxis::over(
         ways.iter().flat_map(values).collect::<Vec<_>>().into_iter(),
         &output.units,
         &label,
@@ -69,10 +69,12 @@ pub(super) fn draw(
     );
     let (width, height) = SIZE;
     let left = left_margin(&y, height);
-    let mut entries =
-        vec![(Key::Swatch(LINES[5]), "predicted, 95 %".to_owned()), (Key::Line(INK), "median".to_owned())];
+    let mut entries = vec![
+        (Legend::Swatch(LINES[5]), "predicted, 95 %".to_owned()),
+        (Legend::Line(INK), "median".to_owned()),
+    ];
     if ways.iter().any(|way| !way.points.is_empty()) {
-        entries.insert(0, (Key::Dot(LINES[1]), "measured, one standard deviation".to_owned()));
+        entries.insert(0, (Legend::Dot(LINES[1]), "measured, one standard deviation".to_owned()));
     }
     let top = 40.0 + key_rows(width, &entries) * KEY_ROW;
     let step = height + 30.0;
@@ -94,7 +96,7 @@ pub(super) fn draw(
     })
 }
 
-fn panel(frame: &Frame, way: &Way) -> Result<(), ReportError> {
+fn panel(frame: &Frame, way: &PredictionPath) -> Result<(), ReportError> {
     let canvas = frame.canvas;
     let at = |n: usize, share: usize| frame.at(way.band[n].0, way.band[n].1[share]);
     for n in 1..way.band.len() {

@@ -2,12 +2,12 @@
 //! and their correlation above.
 
 use super::super::ReportError;
-use super::super::axis::Axis;
+use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, GREY, INK, picture, text_width};
 use super::super::frame::{Frame, left_margin, title};
 use super::density;
 use super::histogram::Bars;
-use super::known::Known;
+use super::prior_posterior::PriorPosterior;
 use crate::stats::Posterior;
 
 /// Side of a panel, and what lies between two.
@@ -17,7 +17,11 @@ const GAP: f64 = 14.0;
 const FINE: f64 = 4.0;
 
 /// A corner of panels.
-pub(super) fn draw(heading: &str, known: &[Known], posterior: &Posterior) -> Result<String, ReportError> {
+pub(super) fn draw(
+    heading: &str,
+    known: &[PriorPosterior],
+    posterior: &Posterior,
+) -> Result<String, ReportError> {
     let left = known.iter().map(|one| left_margin(&one.axis, PANEL)).fold(0.0, f64::max);
     let size = known.len() as f64 * (PANEL + GAP);
     let top = 40.0;
@@ -54,13 +58,13 @@ pub(super) fn draw(heading: &str, known: &[Known], posterior: &Posterior) -> Res
 }
 
 /// A quantity by itself: bars after, a line before. `frame` has its own axis upwards, and lends its place.
-fn alone(frame: &Frame, known: &Known, posterior: &Posterior) -> Result<(), ReportError> {
+fn alone(frame: &Frame, known: &PriorPosterior, posterior: &Posterior) -> Result<(), ReportError> {
     let bars = |values: &[f64], weights: &[f64]| {
         Bars::over(known.axis.clone(), values, weights, FINE * posterior.effective)
     };
     let (after, before) = (bars(&known.values, &posterior.weights), bars(&known.prior, &[]));
     let most = after.shares.iter().chain(&before.shares).copied();
-    let y = Axis::over([0.0].into_iter().chain(most), "1", "", false, 0.02);
+    let y = PlotAxis::over([0.0].into_iter().chain(most), "1", "", false, 0.02);
     let frame = Frame { y: &y, ..*frame };
     after.draw(&frame)?;
     let wide = frame.width / before.shares.len() as f64;
@@ -73,8 +77,13 @@ fn alone(frame: &Frame, known: &Known, posterior: &Posterior) -> Result<(), Repo
 }
 
 /// A pair of quantities, where both are in their panels.
-fn pair(frame: &Frame, across: &Known, up: &Known, weights: &[f64]) -> Result<(), ReportError> {
-    let inside = |axis: &Axis, value: f64| (0.0..=1.0).contains(&axis.place(value));
+fn pair(
+    frame: &Frame,
+    across: &PriorPosterior,
+    up: &PriorPosterior,
+    weights: &[f64],
+) -> Result<(), ReportError> {
+    let inside = |axis: &PlotAxis, value: f64| (0.0..=1.0).contains(&axis.place(value));
     let shown: Vec<usize> = (0..weights.len())
         .filter(|n| inside(frame.x, across.values[*n]) && inside(frame.y, up.values[*n]))
         .collect();
@@ -83,7 +92,7 @@ fn pair(frame: &Frame, across: &Known, up: &Known, weights: &[f64]) -> Result<()
 }
 
 /// The correlation of two quantities after the observations, as a number of two digits.
-fn correlation(a: &Known, b: &Known, weights: &[f64]) -> String {
+fn correlation(a: &PriorPosterior, b: &PriorPosterior, weights: &[f64]) -> String {
     let mean = |values: &[f64]| values.iter().zip(weights).map(|(value, weight)| value * weight).sum::<f64>();
     let centred = |values: &[f64]| {
         let middle = mean(values);
@@ -97,7 +106,7 @@ fn correlation(a: &Known, b: &Known, weights: &[f64]) -> String {
 }
 
 /// The words below a panel, in letters small enough for it, or else what stands before their comma.
-fn below(frame: &Frame, axis: &Axis) -> Result<(), ReportError> {
+fn below(frame: &Frame, axis: &PlotAxis) -> Result<(), ReportError> {
     let brief = match (axis.label.split_once(", "), axis.unit.text.as_str()) {
         (Some((first, _)), "") => first.to_owned(),
         (Some((first, _)), unit) => format!("{first} ({unit})"),

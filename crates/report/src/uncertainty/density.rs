@@ -1,9 +1,9 @@
 //! Where two quantities lie together: each row as a dot where they are few, shares of them by colour where they are many.
 
 use super::super::ReportError;
-use super::super::axis::Axis;
+use super::super::axis::PlotAxis;
 use super::super::canvas::{GREY, LINES, picture};
-use super::super::frame::{Frame, KEY_ROW, Key, colour, key, left_margin, title};
+use super::super::frame::{Frame, KEY_ROW, Legend, colour, key, left_margin, title};
 use super::super::raster::{self, FINER};
 use plotters::style::RGBColor;
 
@@ -61,8 +61,8 @@ pub(super) struct Side<'a> {
 }
 
 impl Side<'_> {
-    pub fn axis(&self, margin: f64) -> Axis {
-        Axis::over(self.values.iter().copied(), self.units, self.label, self.log, margin)
+    pub fn axis(&self, margin: f64) -> PlotAxis {
+        PlotAxis::over(self.values.iter().copied(), self.units, self.label, self.log, margin)
     }
 }
 
@@ -71,9 +71,9 @@ pub(super) fn draw(heading: &str, x: &Side, y: &Side, failed: &[f64]) -> Result<
     let (x_axis, y_axis) = (x.axis(0.0), y.axis(0.02));
     let (width, height) = (420.0, 300.0);
     let left = left_margin(&y_axis, height);
-    let entries: Vec<(Key, String)> = match failed.len() {
+    let entries: Vec<(Legend, String)> = match failed.len() {
         0 => Vec::new(),
-        count => vec![(Key::Tick(GREY), format!("{count} left out"))],
+        count => vec![(Legend::Tick(GREY), format!("{count} left out"))],
     };
     let top = 36.0 + if entries.is_empty() { 0.0 } else { KEY_ROW };
     picture((left + width + 24.0, top + height + 52.0), |canvas| {

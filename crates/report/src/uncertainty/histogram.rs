@@ -1,17 +1,17 @@
 //! How values are distributed, weighted or not, with quantiles as lines.
 
 use super::super::ReportError;
-use super::super::axis::Axis;
+use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{Frame, KEY_ROW, Key, key, left_margin, title};
-use super::super::quantity::Unit;
+use super::super::frame::{Frame, KEY_ROW, Legend, key, left_margin, title};
+use super::super::quantity_text::DisplayUnit;
 
 /// Most bars.
 const BARS: usize = 60;
 
 /// Values and their weights over equal steps of an axis.
 pub(super) struct Bars {
-    pub axis: Axis,
+    pub axis: PlotAxis,
     /// Share of the weight in each step.
     pub shares: Vec<f64>,
 }
@@ -19,12 +19,12 @@ pub(super) struct Bars {
 impl Bars {
     /// Of values that are finite; `weights` has one for each, or is empty where all count the same.
     pub fn of(values: &[f64], weights: &[f64], (label, units): (&str, &str), log: bool) -> Self {
-        let axis = Axis::over(values.iter().copied(), units, label, log, 0.0);
+        let axis = PlotAxis::over(values.iter().copied(), units, label, log, 0.0);
         Self::over(axis, values, weights, values.len() as f64)
     }
 
     /// Over this axis, in as many steps as so many values fill; what lies beyond its ends is in no bar.
-    pub fn over(axis: Axis, values: &[f64], weights: &[f64], effective: f64) -> Self {
+    pub fn over(axis: PlotAxis, values: &[f64], weights: &[f64], effective: f64) -> Self {
         let count = (effective.sqrt() as usize).clamp(8, BARS);
         let mut shares = vec![0.0; count];
         for (n, value) in values.iter().enumerate() {
@@ -66,7 +66,7 @@ pub(super) fn draw(
     left_out: &str,
 ) -> Result<String, ReportError> {
     let bars = Bars::of(values, &[], (label, units), false);
-    let y = Axis::over(
+    let y = PlotAxis::over(
         [0.0].into_iter().chain(bars.shares.iter().copied()),
         "1",
         "share of the rows",
@@ -75,17 +75,19 @@ pub(super) fn draw(
     );
     let (width, height) = (560.0, 260.0);
     let left = left_margin(&y, height);
-    let unit =
-        Unit::fitting(units, quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())));
-    let mut entries: Vec<(Key, String)> = quantiles
+    let unit = DisplayUnit::fitting(
+        units,
+        quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())),
+    );
+    let mut entries: Vec<(Legend, String)> = quantiles
         .iter()
         .map(|(share, value)| {
             let words = format!("{} % below {}", 100.0 * share, unit.value(*value));
-            (if *share == 0.5 { Key::Line(INK) } else { Key::Dashes(INK) }, words)
+            (if *share == 0.5 { Legend::Line(INK) } else { Legend::Dashes(INK) }, words)
         })
         .collect();
     if !left_out.is_empty() {
-        entries.push((Key::Hatched, format!("left out: {left_out}")));
+        entries.push((Legend::Hatched, format!("left out: {left_out}")));
     }
     let rows = super::super::frame::key_rows(width, &entries);
     let top = 40.0 + rows * KEY_ROW;

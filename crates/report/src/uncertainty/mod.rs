@@ -4,19 +4,19 @@ mod comparison;
 mod corner;
 pub(super) mod density;
 mod histogram;
-mod inference;
-mod known;
+mod inference_page;
+mod prior_posterior;
 mod shares;
 
 use super::band::{self, Bands};
 use super::labels::{brief, capital, caption, short};
 use super::{Document, ReportError, save, shown};
-use crate::stats::{Estimate, Indices, Output, SHARES, Study, Summary};
+use crate::stats::{Estimate, SHARES, SensitivityIndices, Study, StudyOutput, Summary};
 use crate::store::Coordinate;
-pub use comparison::{Compared, Comparison, Way};
+pub use comparison::{Compared, Comparison, PredictionPath};
 use density::Side;
-pub use inference::{Inference, Observation, inference};
-use shares::Row;
+pub use inference_page::{Inference, Observation, inference};
+use shares::IndexRow;
 use std::path::{Path, PathBuf};
 
 /// Found in the pages of `stats` and of `infer`: such a folder may be written again.
@@ -29,7 +29,7 @@ const MOST_PARAMETERS: usize = 12;
 const DECADE: f64 = 8.0;
 
 /// What is told of every observable at every point, in the order of the points; none where it could not be told.
-pub type Told<'a> = [Vec<(&'a Output, Option<Summary>)>];
+pub type StudySummaries<'a> = [Vec<(&'a StudyOutput, Option<Summary>)>];
 
 /// A page while it is filled.
 struct Page {
@@ -63,7 +63,7 @@ impl Page {
 ///
 /// # Errors
 /// A folder that holds other things, what the disk says, and a picture that cannot be drawn.
-pub fn statistics(study: &Study, told: &Told, folder: &Path) -> Result<PathBuf, ReportError> {
+pub fn statistics(study: &Study, told: &StudySummaries, folder: &Path) -> Result<PathBuf, ReportError> {
     let mut page = Page::new(format!("{}: statistics", study.title));
     let design = &study.design;
     page.document.paragraph(
@@ -118,7 +118,7 @@ fn words(study: &Study, point: usize) -> impl Iterator<Item = String> + '_ {
 fn observable(
     page: &mut Page,
     study: &Study,
-    (point, output): (usize, &Output),
+    (point, output): (usize, &StudyOutput),
     summary: &Summary,
 ) -> Result<(), ReportError> {
     let stem = if study.points() == 1 { output.name.clone() } else { format!("{}_{point}", output.name) };
@@ -163,7 +163,7 @@ fn observable(
 }
 
 /// What is known of an observable as a table: estimates, the mean from half of the samples, the simulation's own error.
-fn numbers(output: &Output, summary: &Summary) -> Vec<Vec<String>> {
+fn numbers(output: &StudyOutput, summary: &Summary) -> Vec<Vec<String>> {
     let mut rows = vec![["", "value", "± (95 %)"].map(str::to_owned).to_vec()];
     let mut say = |words: String, one: &Estimate| {
         rows.push(vec![words, shown(one.value, &output.units, 5), shown(one.half_width, &output.units, 2)]);
@@ -200,7 +200,7 @@ fn side<'a>(parameter: &'a Coordinate, label: &'a str, values: &'a [f64]) -> Sid
 }
 
 /// What an observable is called where there is little room.
-fn called(output: &Output) -> String {
+fn called(output: &StudyOutput) -> String {
     brief(&output.long_name, &output.name)
 }
 
@@ -212,27 +212,27 @@ fn with_interval(one: &Estimate, units: &str) -> String {
 fn decides(
     page: &mut Page,
     study: &Study,
-    (stem, output): (&str, &Output),
+    (stem, output): (&str, &StudyOutput),
     summary: &Summary,
 ) -> Result<(), ReportError> {
     let names = study.design.group_names();
     let title = format!("What decides: {}", output.long_name);
     let (rows, label, units) = match &summary.indices {
-        Indices::Saltelli(all) => (
+        SensitivityIndices::Saltelli(all) => (
             vec![
-                Row { word: "first order S1", values: &all.first },
-                Row { word: "total ST", values: &all.total },
+                IndexRow { word: "first order S1", values: &all.first },
+                IndexRow { word: "total ST", values: &all.total },
             ],
             "share of the variance",
             "1",
         ),
-        Indices::Morris(effects) => (
-            vec![Row { word: "mean size of an effect", values: &effects.mu_star }],
+        SensitivityIndices::Morris(effects) => (
+            vec![IndexRow { word: "mean size of an effect", values: &effects.mu_star }],
             "effect of a step over all levels",
             output.units.as_str(),
         ),
-        Indices::Bins(first) => {
-            (vec![Row { word: "first order S1, by bins", values: first }], "share of the variance", "1")
+        SensitivityIndices::Bins(first) => {
+            (vec![IndexRow { word: "first order S1, by bins", values: first }], "share of the variance", "1")
         }
     };
     let svg = shares::draw(&title, &names, &rows, (label, units))?;
@@ -268,12 +268,12 @@ fn over(study: &Study) -> Option<&Coordinate> {
 }
 
 /// Quantiles of each observable over the last axis of the sweep.
-fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError> {
+fn bands(page: &mut Page, study: &Study, told: &StudySummaries) -> Result<(), ReportError> {
     let Some(axis) = over(study) else { return Ok(()) };
     let length = axis.values.len();
     for (number, (output, _)) in told.first().into_iter().flatten().enumerate() {
         for (first, row) in told.chunks(length).enumerate().take(MOST_POINTS) {
-            let spread = |point: &Vec<(&Output, Option<Summary>)>| {
+            let spread = |point: &Vec<(&StudyOutput, Option<Summary>)>| {
                 let spread = point.get(number).and_then(|(_, told)| told.as_ref()?.spread.as_ref());
                 // 5, 25, 50, 75 and 95 %.
                 [1, 2, 3, 4, 5].map(|n| spread.map_or(f64::NAN, |spread| spread.quantiles[n].value))
@@ -288,7 +288,7 @@ fn bands(page: &mut Page, study: &Study, told: &Told) -> Result<(), ReportError>
                 x: axis,
                 label: &called(output),
                 units: &output.units,
-                series: vec![band::Series { name: String::new(), points }],
+                series: vec![band::BandSeries { name: String::new(), points }],
             };
             page.figure(&format!("{}_bands_{first}", output.name), &heading, chart.draw()?);
         }

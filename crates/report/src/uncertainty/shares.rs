@@ -1,13 +1,13 @@
 //! Indices or effects of every quantity with their intervals.
 
 use super::super::ReportError;
-use super::super::axis::Axis;
+use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, INK, LINES, picture, text_width};
-use super::super::frame::{Frame, KEY_ROW, Key, SMALL, key, title};
+use super::super::frame::{Frame, KEY_ROW, Legend, SMALL, key, title};
 use crate::stats::Estimate;
 
 /// What is drawn of each quantity: a word for the key, and a value for each.
-pub(super) struct Row<'a> {
+pub(super) struct IndexRow<'a> {
     pub word: &'a str,
     pub values: &'a [Estimate],
 }
@@ -16,7 +16,7 @@ pub(super) struct Row<'a> {
 pub(super) fn draw(
     heading: &str,
     names: &[String],
-    rows: &[Row],
+    rows: &[IndexRow],
     (label, units): (&str, &str),
 ) -> Result<String, ReportError> {
     let ends = rows.iter().flat_map(|row| row.values).flat_map(|one| {
@@ -24,15 +24,15 @@ pub(super) fn draw(
         [one.value - half, one.value + half]
     });
     let ends: Vec<f64> = ends.chain([0.0]).collect();
-    let x = Axis::over(ends.iter().copied(), units, label, false, 0.04);
-    let y = Axis::over([0.0, 1.0].into_iter(), "1", "", false, 0.0);
+    let x = PlotAxis::over(ends.iter().copied(), units, label, false, 0.04);
+    let y = PlotAxis::over([0.0, 1.0].into_iter(), "1", "", false, 0.0);
     let (width, step) = (460.0, 16.0 + 12.0 * rows.len() as f64);
     let left = 16.0 + names.iter().map(|name| text_width(name, SMALL)).fold(0.0, f64::max);
     let height = step * names.len() as f64;
-    let entries: Vec<(Key, String)> = rows
+    let entries: Vec<(Legend, String)> = rows
         .iter()
         .enumerate()
-        .map(|(n, row)| (Key::Dot(LINES[n % LINES.len()]), row.word.to_owned()))
+        .map(|(n, row)| (Legend::Dot(LINES[n % LINES.len()]), row.word.to_owned()))
         .collect();
     let top = 36.0 + KEY_ROW;
     picture((left + width + 24.0, top + height + 52.0), |canvas| {

@@ -1,6 +1,6 @@
 //! Maps over sample modulus and work of adhesion, with the borders that closed forms draw.
 
-use super::super::super::run::Ran;
+use super::super::super::scene_run::SceneRun;
 use super::super::{LAWS, Picture};
 use super::{RADII, reach};
 use crate::contact::{DMT_BELOW, JKR_ABOVE};
@@ -48,7 +48,7 @@ const KINDS: [Kind; 3] = [
     },
 ];
 
-pub(super) fn draw(runs: &[Ran]) -> Result<Vec<Picture>, ReportError> {
+pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
     let mut pictures = Vec::new();
     for kind in &KINDS {
         let panels = runs.iter().zip(LAWS).map(|(ran, (law, name))| Panel {
@@ -93,7 +93,12 @@ pub(super) fn draw(runs: &[Ran]) -> Result<Vec<Picture>, ReportError> {
     Ok(pictures)
 }
 
-fn picture(ran: &Ran, kind: &Kind, panels: Vec<Panel>, lines: Vec<String>) -> Result<String, ReportError> {
+fn picture(
+    ran: &SceneRun,
+    kind: &Kind,
+    panels: Vec<Panel>,
+    lines: Vec<String>,
+) -> Result<String, ReportError> {
     let axes = &ran.scene.sweep.axes;
     let (x, y) = (coordinate(&axes[2]), coordinate(&axes[1]));
     Heatmap {
@@ -121,7 +126,7 @@ fn coordinate(axis: &Axis) -> Coordinate {
 }
 
 /// The first instance of the slice nearest to a tip radius, and how many it has.
-fn slice(ran: &Ran, radius: f64) -> (usize, usize) {
+fn slice(ran: &SceneRun, radius: f64) -> (usize, usize) {
     let axes = &ran.scene.sweep.axes;
     let plane = axes[1].values.len() * axes[2].values.len();
     let off = |i: usize| (axes[0].values[i] - radius).abs();
@@ -129,7 +134,7 @@ fn slice(ran: &Ran, radius: f64) -> (usize, usize) {
     (nearest * plane, plane)
 }
 
-fn values(ran: &Ran, radius: f64, value: fn(&Finished) -> f64) -> Vec<(f64, State)> {
+fn values(ran: &SceneRun, radius: f64, value: fn(&Finished) -> f64) -> Vec<(f64, State)> {
     let (first, count) = slice(ran, radius);
     let cell = |one: &Finished| {
         let value = value(one);
@@ -148,7 +153,7 @@ fn sample_modulus(params: &Params, modulus: f64) -> f64 {
 }
 
 /// Where the combined modulus takes a given value for each work of adhesion: (modulus, work).
-fn line(ran: &Ran, modulus: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+fn line(ran: &SceneRun, modulus: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let works = &ran.scene.sweep.axes[1].values;
     let (low, high) = (works[0], works[works.len() - 1]);
     let work = |i: usize| low * (high / low).powf(i as f64 / 60.0);
@@ -156,7 +161,7 @@ fn line(ran: &Ran, modulus: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
 }
 
 /// Where the fold lies as high as the tip comes: `3 a_s^2/R = reach`, `a_s^3 = pi w R^2/(6K)`.
-fn fold(ran: &Ran, radius: f64) -> Vec<(f64, f64)> {
+fn fold(ran: &SceneRun, radius: f64) -> Vec<(f64, f64)> {
     let (first, _) = slice(ran, radius);
     let case = ran.plan.case(first as u32);
     let flexibility = ran.plan.driven(first as u32).kept.flexibility;
@@ -168,7 +173,7 @@ fn fold(ran: &Ran, radius: f64) -> Vec<(f64, f64)> {
 }
 
 /// Where Tabor's parameter is `mu`: `(3K/4)^2 = R w^2/(mu z0)^3`.
-fn tabor(ran: &Ran, radius: f64, mu: f64) -> Vec<(f64, f64)> {
+fn tabor(ran: &SceneRun, radius: f64, mu: f64) -> Vec<(f64, f64)> {
     let range = ran.scene.base.contact.decay_length;
     line(ran, |work| 4.0 / 3.0 * work * (radius / (mu * range).powi(3)).sqrt())
 }

@@ -2,7 +2,7 @@
 
 mod maps;
 
-use super::super::run::{Ran, run, scene};
+use super::super::scene_run::{SceneRun, run, scene};
 use super::super::{Numbers, StudyError};
 use super::{ENSEMBLE, Extent, LAWS, Picture};
 use crate::contact::{Contact, DMT_BELOW, JKR_ABOVE, SMALL_STRAIN, StaticLaw};
@@ -52,7 +52,7 @@ fn usable(one: &Finished) -> bool {
     one.status == Status::Ok
 }
 
-fn summary(numbers: &mut Numbers, ran: &Ran, law: &str, name: &str) {
+fn summary(numbers: &mut Numbers, ran: &SceneRun, law: &str, name: &str) {
     let all = &ran.outcome.results;
     let mut add = |what: &str, meaning: &str, value: f64, units: &'static str| {
         numbers.add(format!("ensemble.{law}.{what}"), format!("{meaning}, {name}"), value, units);
@@ -80,7 +80,7 @@ fn summary(numbers: &mut Numbers, ran: &Ran, law: &str, name: &str) {
 }
 
 /// Where on the grid which law belongs, and what taking another one does.
-fn regimes(numbers: &mut Numbers, runs: &[Ran]) {
+fn regimes(numbers: &mut Numbers, runs: &[SceneRun]) {
     let jkr = &runs[2];
     let contacts: Vec<Contact> = jkr.plan.cases().map(|case| case.contact).collect();
     let share = |count: usize| count as f64 / contacts.len() as f64;
@@ -106,7 +106,7 @@ fn regimes(numbers: &mut Numbers, runs: &[Ran]) {
 
 /// How far the free tip comes up above the sample less what the pull at the fold takes it down, m: a contact
 /// whose fold lies higher never ends.
-fn reach(ran: &Ran, instance: usize) -> f64 {
+fn reach(ran: &SceneRun, instance: usize) -> f64 {
     let case = ran.plan.case(instance as u32);
     let driven = ran.plan.driven(instance as u32);
     let pull = 5.0 / 6.0 * PI * case.contact.work * case.contact.radius;
@@ -114,7 +114,7 @@ fn reach(ran: &Ran, instance: usize) -> f64 {
 }
 
 /// Whether JKR lets go, against its closed forms: where the fold lies, and what a tap loses.
-fn letting_go(numbers: &mut Numbers, ran: &Ran) {
+fn letting_go(numbers: &mut Numbers, ran: &SceneRun) {
     let all = &ran.outcome.results;
     let (mut held, mut agreed, mut taps, mut close, mut worst) = (0, 0, 0, 0, 0.0f64);
     let mut errors = Vec::new();

@@ -3,9 +3,9 @@
 
 mod claims;
 mod conclusions;
-mod ensemble;
+mod ensemble_section;
 mod figures;
-mod table1;
+mod table1_section;
 
 use super::super::Numbers;
 use crate::report::{Document, shown};
@@ -32,10 +32,10 @@ pub(super) fn document(n: &Numbers, machine: &str) -> Document {
     page.paragraph("", machine);
     page.heading("In short");
     page.table("", claims::table(n));
-    table1::section(&mut page, n);
+    table1_section::section(&mut page, n);
     figures::section(&mut page, n);
     conclusions::section(&mut page, n);
-    ensemble::section(&mut page, n);
+    ensemble_section::section(&mut page, n);
     page
 }
 

@@ -5,8 +5,8 @@ use super::pack::{self, Numbers, Tables};
 use super::session::{Job, Session};
 use super::{Drill, Failure};
 use crate::engine::Progress;
+use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::cpu::decays;
-use crate::engine::saved::Saved;
 use crate::kernel::{Entry, ShaderSpec};
 use crate::plan::{Class, Plan};
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ const DECAY_BYTES: u64 = 16 << 20;
 
 /// Where a chunk is: its instances after so many periods.
 pub(super) struct Checkpoint {
-    pub saved: Vec<Saved>,
+    pub saved: Vec<InstanceCheckpoint>,
     pub done: u32,
 }
 
@@ -89,7 +89,7 @@ impl<'a> Chunk<'a> {
         pace: &mut Pace,
         checkpoint: &mut Option<Checkpoint>,
         progress: &Progress,
-    ) -> Result<Option<Vec<Saved>>, Failure> {
+    ) -> Result<Option<Vec<InstanceCheckpoint>>, Failure> {
         let steps = u64::from(self.class.steps);
         let warm = u64::from(self.plan.run.periods - self.plan.run.measure) * steps;
         let total = u64::from(self.plan.run.periods) * steps;
@@ -171,7 +171,7 @@ impl<'a> Chunk<'a> {
     }
 
     /// Waits, reads the state back, and checks that each instance did `steps` steps.
-    fn saved(&self, steps: u64) -> Result<Vec<Saved>, Failure> {
+    fn saved(&self, steps: u64) -> Result<Vec<InstanceCheckpoint>, Failure> {
         let count = self.tables.instances.len();
         let (states, marks) = (self.tables.states.bytes().len() as u64, 8 * count as u64);
         let bytes = self.session.read(&[(&self.states, states), (&self.marks, marks)])?;

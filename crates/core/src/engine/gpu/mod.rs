@@ -23,7 +23,10 @@ pub use adapter::{AdapterReport, adapters, alike};
 pub use session::Job;
 
 use super::cpu;
-use super::{Arrivals, Arrived, Engine, EngineError, Guesses, Outcome, Progress, Searches, Seeks, Slopes};
+use super::{
+    Correction, Corrections, Engine, EngineError, NewtonResults, NewtonStarts, Outcome, PeriodJacobians,
+    Predictions, Progress,
+};
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
 use dealer::Dealer;
@@ -268,8 +271,13 @@ impl Engine for Gpu {
         true
     }
 
-    fn slopes(&self, plan: &Plan, least: &[f64], progress: &Progress) -> Result<Slopes, EngineError> {
-        let mut slopes = Slopes::none(plan);
+    fn slopes(
+        &self,
+        plan: &Plan,
+        least: &[f64],
+        progress: &Progress,
+    ) -> Result<PeriodJacobians, EngineError> {
+        let mut slopes = PeriodJacobians::none(plan);
         slopes.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
         let (_, pieces) = self.pieces(plan, |class| self.slope_capacity(plan, class));
@@ -282,29 +290,34 @@ impl Engine for Gpu {
     fn broyden(
         &self,
         plan: &Plan,
-        guesses: &mut Guesses,
+        guesses: &mut Predictions,
         progress: &Progress,
-    ) -> Result<Arrivals, EngineError> {
+    ) -> Result<Corrections, EngineError> {
         let mut notes = self.open(Precision::F64)?;
         let _entered = self.dealer.enter();
         let instances: Vec<u32> = guesses.all.iter().map(|one| one.instance).collect();
         let mut part = plan.part(&instances).in_precision(Precision::F64);
         (part.run.periods, part.run.measure) = (1, 1);
         let (_, pieces) = self.pieces(&part, |class| self.stride_capacity(&part, class));
-        let arrived = vec![Arrived::NOT_RUN; instances.len()];
+        let arrived = vec![Correction::NOT_RUN; instances.len()];
         let mut ways = Ways { arrived, places: guesses.places.clone(), undoes: guesses.undoes.clone() };
         let errand = Strides { plan: &part, guesses };
         notes.extend(Deal::new(self, &errand, progress).all(pieces, &mut ways)?);
         (guesses.places, guesses.undoes) = (ways.places, ways.undoes);
-        Ok(Arrivals { all: ways.arrived, notes })
+        Ok(Corrections { all: ways.arrived, notes })
     }
 
     fn searches(&self) -> bool {
         true
     }
 
-    fn newton(&self, plan: &Plan, seeks: &Seeks, progress: &Progress) -> Result<Searches, EngineError> {
-        let mut searches = Searches::none(plan);
+    fn newton(
+        &self,
+        plan: &Plan,
+        seeks: &NewtonStarts,
+        progress: &Progress,
+    ) -> Result<NewtonResults, EngineError> {
+        let mut searches = NewtonResults::none(plan);
         searches.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
         let least = seeks.all.iter().map(|one| one.least).collect();

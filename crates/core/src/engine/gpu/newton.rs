@@ -10,9 +10,9 @@ use super::session::Session;
 use super::slopes::{SlopeChunk, longest};
 use super::stride_tables::end;
 use super::{Drill, Failure};
-use crate::engine::newton::{all, state};
-use crate::engine::slopes::{begun, kept};
-use crate::engine::{EngineError, Progress, Seeks, Sloped, Sought};
+use crate::engine::newton_search::{all, state};
+use crate::engine::period_jacobian::{begun, kept};
+use crate::engine::{EngineError, NewtonResult, NewtonStarts, PeriodJacobian, Progress};
 use crate::kernel::broyden::Phase;
 use crate::kernel::newton::{ROUNDS, Walk};
 use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};
@@ -27,7 +27,7 @@ pub(super) const WALK: usize = 3;
 pub(super) struct Walks<'a> {
     /// Of one period from where it says.
     pub plan: &'a Plan,
-    pub seeks: &'a Seeks,
+    pub seeks: &'a NewtonStarts,
     /// By instance, about as much as may be left out of slopes.
     pub least: Vec<f64>,
     /// Most bytes of a binding.
@@ -52,7 +52,7 @@ pub(super) struct Left {
 impl Errand for Walks<'_> {
     type Tables = WalkTables;
     type Done = Left;
-    type Out = Vec<Sought>;
+    type Out = Vec<NewtonResult>;
 
     fn plan(&self) -> &Plan {
         self.plan
@@ -89,19 +89,19 @@ impl Errand for Walks<'_> {
         WalkChunk::new(chunk, tables)?.run(&mut piece.pace, progress)
     }
 
-    fn finish(&self, class: &Class, left: Left, out: &mut Vec<Sought>) {
+    fn finish(&self, class: &Class, left: Left, out: &mut Vec<NewtonResult>) {
         let (count, numbers) = (class.instances.len(), 2 * class.modes);
         let one = |(i, instance): (usize, &u32)| {
             let (phase, periods) = left.ends[i];
-            let found = (phase == Phase::Found).then(|| Sloped {
+            let found = (phase == Phase::Found).then(|| PeriodJacobian {
                 end: state(&begun(self.plan, *instance), numbers, |row| left.walks.get(row * count + i)),
                 slope: kept((class.modes, class.modes), |row, column| {
                     left.columns.get((row * numbers + column) * count + i)
                 }),
             });
-            Sought { phase, periods, found }
+            NewtonResult { phase, periods, found }
         };
-        let told: Vec<Sought> = class.instances.par_iter().enumerate().map(one).collect();
+        let told: Vec<NewtonResult> = class.instances.par_iter().enumerate().map(one).collect();
         class.instances.iter().zip(told).for_each(|(instance, one)| out[*instance as usize] = one);
     }
 
@@ -110,7 +110,7 @@ impl Errand for Walks<'_> {
         piece: &Piece,
         rounding: Rounding,
         progress: &Progress,
-        out: &mut Vec<Sought>,
+        out: &mut Vec<NewtonResult>,
     ) -> Result<(), EngineError> {
         let instances = &piece.class.instances;
         let told = all(self.plan, instances, self.seeks, rounding, progress)?;

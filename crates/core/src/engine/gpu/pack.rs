@@ -1,13 +1,13 @@
 //! A chunk of a class as the shader's tables, and what comes back as saved instances.
 
-use crate::engine::member::{Member, begin, free, gap_and_law, lever, member};
-use crate::engine::saved::Saved;
-use crate::engine::slopes::begun;
+use crate::engine::checkpoint::InstanceCheckpoint;
+use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, member};
+use crate::engine::period_jacobian::begun;
 use crate::engine::start;
 use crate::kernel::{
     Entry, HARMONICS, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers,
 };
-use crate::plan::{Class, Plan, Station};
+use crate::plan::{Class, Plan, SectionState};
 use crate::scene::Start;
 use rayon::prelude::*;
 
@@ -107,7 +107,12 @@ impl<'a> Driven<'a> {
 }
 
 /// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
-pub(super) fn tables(plan: &Plan, class: &Class, instances: &[u32], saved: Option<&[Saved]>) -> Tables {
+pub(super) fn tables(
+    plan: &Plan,
+    class: &Class,
+    instances: &[u32],
+    saved: Option<&[InstanceCheckpoint]>,
+) -> Tables {
     let spec = plan.shader(class, Entry::Sweep);
     let driven = Driven::new(plan, instances);
     let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
@@ -199,7 +204,7 @@ pub(super) fn slope_tables(
 }
 
 /// Travel and rate of each mode, contact, and no step seen.
-fn slope_state(spec: &ShaderSpec, station: &Station) -> Vec<f64> {
+fn slope_state(spec: &ShaderSpec, station: &SectionState) -> Vec<f64> {
     let modes = (0..spec.modes).flat_map(|k| [station.x[k] / LENGTH, station.u[k] / LENGTH]);
     let mut state: Vec<f64> = modes.chain([f64::from(u8::from(station.touching))]).collect();
     state.resize(spec.state_fields().len(), 0.0);
@@ -252,7 +257,7 @@ fn tally_sums(spec: &ShaderSpec) -> usize {
 }
 
 /// In the order of [`ShaderSpec::state_fields`]; the tally's own sums begin anew with a period.
-pub(super) fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
+pub(super) fn write(spec: &ShaderSpec, place: &InstanceCheckpoint) -> Vec<f64> {
     let run_sums = &place.run_sums;
     let wants = spec.wants;
     let mut out = Vec::new();
@@ -275,7 +280,7 @@ pub(super) fn write(spec: &ShaderSpec, place: &Saved) -> Vec<f64> {
 }
 
 /// The instances of a chunk as the device left them between two periods.
-pub(super) fn saved(spec: &ShaderSpec, states: &Numbers, marks: &[u32]) -> Vec<Saved> {
+pub(super) fn saved(spec: &ShaderSpec, states: &Numbers, marks: &[u32]) -> Vec<InstanceCheckpoint> {
     let count = marks.len() / 2;
     (0..count)
         .map(|i| {
@@ -289,7 +294,7 @@ pub(super) fn saved(spec: &ShaderSpec, states: &Numbers, marks: &[u32]) -> Vec<S
         .collect()
 }
 
-fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Saved {
+fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> InstanceCheckpoint {
     let wants = spec.wants;
     let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
     for k in 0..spec.modes {
@@ -314,5 +319,5 @@ fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Save
     (run_sums.last_cosine, run_sums.last_sine) = (next(), next());
     run_sums.changes = [next(), next(), next(), next()];
     run_sums.largest = next();
-    Saved { x, u, touching, last, touched, run_sums, finite }
+    InstanceCheckpoint { x, u, touching, last, touched, run_sums, finite }
 }

@@ -2,7 +2,7 @@
 
 use super::chunk::Checkpoint;
 use super::pace::Pace;
-use crate::engine::station;
+use crate::engine::section_state;
 use crate::plan::{Class, Plan};
 
 /// Some instances of a class on their way through a run.
@@ -63,7 +63,7 @@ impl Cut<'_> {
             rest = others;
             pieces.extend(own.chunks(most.max(1)).map(|some| Piece {
                 class: Class { instances: some.to_vec(), ..*class },
-                at: station::begin(plan, some).map(|saved| Checkpoint { saved, done: 0 }),
+                at: section_state::begin(plan, some).map(|saved| Checkpoint { saved, done: 0 }),
                 pace: Pace::new(self.software),
                 group,
                 meant,

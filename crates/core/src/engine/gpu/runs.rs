@@ -6,11 +6,11 @@ use super::pack::{self, Tables};
 use super::piece::Piece;
 use super::session::Session;
 use super::{Drill, Failure};
+use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::cpu::{self, Resume};
-use crate::engine::measure::{Sums, finish};
-use crate::engine::member::member;
-use crate::engine::saved::Saved;
-use crate::engine::{Ended, EngineError, Outcome, Progress, station};
+use crate::engine::kernel_constants::member;
+use crate::engine::measurement::{Sums, finish};
+use crate::engine::{Ended, EngineError, Outcome, Progress, section_state};
 use crate::kernel::Rounding;
 use crate::plan::{Class, Plan};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub(super) struct Runs<'a>(pub &'a Plan);
 
 impl Errand for Runs<'_> {
     type Tables = Tables;
-    type Done = Vec<Saved>;
+    type Done = Vec<InstanceCheckpoint>;
     type Out = Outcome;
 
     fn plan(&self) -> &Plan {
@@ -38,21 +38,21 @@ impl Errand for Runs<'_> {
         drill: &Drill,
         (piece, tables): (&mut Piece, &Tables),
         progress: &Progress,
-    ) -> Result<Option<Vec<Saved>>, Failure> {
+    ) -> Result<Option<Vec<InstanceCheckpoint>>, Failure> {
         let done = piece.done();
         let Piece { class, at, pace, .. } = piece;
         Chunk::new(self.0, class, session, drill, tables)?.run(done, pace, at, progress)
     }
 
-    fn finish(&self, class: &Class, saved: Vec<Saved>, out: &mut Outcome) {
+    fn finish(&self, class: &Class, saved: Vec<InstanceCheckpoint>, out: &mut Outcome) {
         let plan = self.0;
         let tell = plan.starts.is_some();
-        let one = |(instance, saved): (&u32, &Saved)| {
+        let one = |(instance, saved): (&u32, &InstanceCheckpoint)| {
             let (case, driven) = member(plan, *instance);
             let sums = Sums::new(saved.run_sums, saved.finite, plan.run.measure, class.steps);
             Ended {
                 finished: finish(&sums, &case, driven, &plan.run, plan.wants),
-                end: tell.then(|| Box::new(station::station(saved))),
+                end: tell.then(|| Box::new(section_state::section_state(saved))),
             }
         };
         let ended = class.instances.par_iter().zip(&saved).map(one).collect();

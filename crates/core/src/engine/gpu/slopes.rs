@@ -7,8 +7,8 @@ use super::piece::Piece;
 use super::rounds::Dispatches;
 use super::session::{Job, Session};
 use super::{Drill, Failure};
-use crate::engine::slopes::{begun, ended, kept, of_class};
-use crate::engine::{EngineError, Progress, Sloped, Slopes};
+use crate::engine::period_jacobian::{begun, ended, kept, of_class};
+use crate::engine::{EngineError, PeriodJacobian, PeriodJacobians, Progress};
 use crate::kernel::{Entry, Rounding, ShaderSpec};
 use crate::plan::{Class, Plan};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ pub(super) struct Left {
 impl Errand for Periods<'_> {
     type Tables = SlopeTables;
     type Done = Left;
-    type Out = Slopes;
+    type Out = PeriodJacobians;
 
     fn plan(&self) -> &Plan {
         self.plan
@@ -56,7 +56,7 @@ impl Errand for Periods<'_> {
         SlopeChunk::new(session, drill, tables, longest)?.run(&mut piece.pace, progress)
     }
 
-    fn finish(&self, class: &Class, left: Left, out: &mut Slopes) {
+    fn finish(&self, class: &Class, left: Left, out: &mut PeriodJacobians) {
         let (count, modes) = (class.instances.len(), class.modes);
         let one = |(i, instance): (usize, &u32)| {
             let field = |field: usize| left.states.get(field * count + i);
@@ -69,7 +69,7 @@ impl Errand for Periods<'_> {
             let end = ended(&begun(self.plan, *instance), modes, number);
             let own = self.plan.driven(*instance).kept.modes.len();
             let at = |row: usize, column: usize| left.columns.get((row * 2 * modes + column) * count + i);
-            Some(Sloped { end, slope: kept((own, modes), at) })
+            Some(PeriodJacobian { end, slope: kept((own, modes), at) })
         };
         let told = class.instances.par_iter().enumerate().map(one).collect();
         out.put(&class.instances, told);
@@ -80,7 +80,7 @@ impl Errand for Periods<'_> {
         piece: &Piece,
         rounding: Rounding,
         progress: &Progress,
-        out: &mut Slopes,
+        out: &mut PeriodJacobians,
     ) -> Result<(), EngineError> {
         let told = of_class(self.plan, &piece.class, self.least, rounding, progress)?;
         out.put(&piece.class.instances, told);

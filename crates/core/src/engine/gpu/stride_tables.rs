@@ -2,10 +2,10 @@
 
 use super::Failure;
 use super::pack::{Driven, Numbers, going, transposed, waves, write};
-use crate::engine::member::gap_and_law;
-use crate::engine::saved::Saved;
-use crate::engine::station::{half_step, still};
-use crate::engine::{Guessed, Guesses};
+use crate::engine::checkpoint::InstanceCheckpoint;
+use crate::engine::kernel_constants::gap_and_law;
+use crate::engine::section_state::{half_step, rest_indentation};
+use crate::engine::{Prediction, Predictions};
 use crate::kernel::broyden::Phase;
 use crate::kernel::{Entry, LENGTH, MODES_MAX, RunSums, ShaderSpec};
 use crate::plan::{Class, Plan};
@@ -55,7 +55,7 @@ pub(super) fn end((steps, rounds): (u32, u32), done: u32, phase: u32) -> Result<
 }
 
 /// The tables of a class whose instances are numbers of guesses.
-pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> StrideTables {
+pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -> StrideTables {
     let spec = plan.shader(class, Entry::Stride);
     let driven = Driven::new(plan, &class.instances);
     let numbers = guesses.numbers;
@@ -63,7 +63,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> St
         let (member, n) = (driven.members[i], instance as usize);
         let guessed = guesses.all[n];
         let place: Vec<f64> = guesses.place(n).iter().map(|number| number / LENGTH).collect();
-        let still = still(&member.0, (member.1, Start::Steady), half_step(member.0.steps));
+        let still = rest_indentation(&member.0, (member.1, Start::Steady), half_step(member.0.steps));
         let memory = f64::from(u8::from(class.law.has_memory()));
         let state = begun(&guessed, &place, (spec.modes, still));
         let goal = guesses.goal(&guessed);
@@ -94,11 +94,19 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Guesses) -> St
 }
 
 /// An instance at its place, kernel units, with nothing measured; `still` is how far from the sample free motion is there.
-fn begun(guessed: &Guessed, place: &[f64], (modes, still): (usize, f64)) -> Saved {
+fn begun(guessed: &Prediction, place: &[f64], (modes, still): (usize, f64)) -> InstanceCheckpoint {
     let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
     x[..modes].copy_from_slice(&place[..modes]);
     u[..modes].copy_from_slice(&place[place.len() / 2..][..modes]);
     let touching = f64::from(u8::from(guessed.touching));
     let last = -(still + x[..modes].iter().sum::<f64>());
-    Saved { x, u, touching, last: [last; 2], touched: touching, run_sums: RunSums::new(), finite: true }
+    InstanceCheckpoint {
+        x,
+        u,
+        touching,
+        last: [last; 2],
+        touched: touching,
+        run_sums: RunSums::new(),
+        finite: true,
+    }
 }

@@ -9,10 +9,10 @@ use super::rounds::{Dispatches, Search};
 use super::session::{Job, Session};
 use super::stride_tables::{StrideTables, end, stride_tables};
 use super::{Drill, Failure};
-use crate::engine::measure::{Sums, finish};
-use crate::engine::member::member;
-use crate::engine::saved::Saved;
-use crate::engine::{Arrived, EngineError, Finished, Guesses, Progress, broyden};
+use crate::engine::checkpoint::InstanceCheckpoint;
+use crate::engine::kernel_constants::member;
+use crate::engine::measurement::{Sums, finish};
+use crate::engine::{Correction, EngineError, Finished, Predictions, Progress, broyden_search};
 use crate::kernel::broyden::{Phase, ROUNDS};
 use crate::kernel::{Entry, LENGTH, Rounding, ShaderSpec};
 use crate::plan::{Case, Class, Plan};
@@ -23,12 +23,12 @@ use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 pub(super) struct Strides<'a> {
     /// In f64, of one measured period.
     pub plan: &'a Plan,
-    pub guesses: &'a Guesses,
+    pub guesses: &'a Predictions,
 }
 
 /// Where guesses have led, in their order.
 pub(super) struct Ways {
-    pub arrived: Vec<Arrived>,
+    pub arrived: Vec<Correction>,
     pub places: Vec<f64>,
     pub undoes: Vec<f64>,
 }
@@ -38,7 +38,7 @@ pub(super) struct Left {
     /// By field.
     places: Numbers,
     undoes: Numbers,
-    saved: Vec<Saved>,
+    saved: Vec<InstanceCheckpoint>,
     /// Of each instance what became of it, and its periods.
     ends: Vec<(Phase, u32)>,
 }
@@ -80,7 +80,7 @@ impl Errand for Strides<'_> {
             };
             let place = of(&left.places, numbers).iter().map(|number| number * LENGTH).collect::<Vec<f64>>();
             let touching = phase == Phase::Found && left.saved[i].touching > 0.0;
-            (Arrived { phase, periods, finished, touching }, place, of(&left.undoes, size))
+            (Correction { phase, periods, finished, touching }, place, of(&left.undoes, size))
         };
         let told: Vec<_> = class.instances.par_iter().enumerate().map(one).collect();
         for (instance, (arrived, place, undoes)) in class.instances.iter().zip(told) {
@@ -101,7 +101,7 @@ impl Errand for Strides<'_> {
         let instances = &piece.class.instances;
         let mut some = self.guesses.some(instances);
         some.all.iter_mut().zip(instances).for_each(|(one, instance)| one.instance = *instance);
-        let arrived = broyden::all(self.plan, &mut some, rounding, progress)?;
+        let arrived = broyden_search::all(self.plan, &mut some, rounding, progress)?;
         let (numbers, size) = (some.numbers, some.numbers * some.numbers);
         for (k, (instance, arrived)) in instances.iter().zip(arrived).enumerate() {
             let n = *instance as usize;
@@ -115,7 +115,7 @@ impl Errand for Strides<'_> {
 
 impl Strides<'_> {
     /// What the last period has measured.
-    fn finished(&self, class: &Class, instance: u32, saved: &Saved) -> Finished {
+    fn finished(&self, class: &Class, instance: u32, saved: &InstanceCheckpoint) -> Finished {
         let plan = self.plan;
         let (case, driven) = member(plan, instance);
         // Of no change, however large, anything is left: of one period nothing could be said.

@@ -1,6 +1,6 @@
 //! One step of DOP853 and its continuous extension, on buffers that are made once.
 
-use super::tableau::{DENSE, EMBEDDED_3, ERROR_5, EXTENDED, NODES, Row, STAGE, STAGES};
+use super::tableau::{DENSE, EMBEDDED_3, ERROR_5, EXTENDED, NODES, STAGE, STAGES, TableauRow};
 
 /// Right-hand side of y' = f(theta, y); answers with the indentation (m) there.
 pub(super) trait Rates {
@@ -8,7 +8,7 @@ pub(super) trait Rates {
 }
 
 /// Buffers of a step.
-pub(super) struct Stepper {
+pub(super) struct Dop853 {
     /// Rates at the stages.
     pub k: [Vec<f64>; EXTENDED],
     /// State at the step's end.
@@ -21,7 +21,7 @@ pub(super) struct Stepper {
     pub evaluations: u64,
 }
 
-impl Stepper {
+impl Dop853 {
     /// For up to `size` unknowns.
     pub fn new(size: usize) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl Stepper {
     pub fn error(&self, allowed: &[f64], h: f64) -> f64 {
         let (mut fifth, mut third) = (0f64, 0f64);
         for (i, allowed) in allowed.iter().enumerate() {
-            let sum = |row: Row| row.iter().map(|(j, e)| e * self.k[*j][i]).sum::<f64>();
+            let sum = |row: TableauRow| row.iter().map(|(j, e)| e * self.k[*j][i]).sum::<f64>();
             let (five, three) =
                 (sum(ERROR_5) / allowed, (sum(STAGE[STAGES - 1]) - sum(EMBEDDED_3)) / allowed);
             // Not max, which passes over NaN.
@@ -76,19 +76,19 @@ impl Stepper {
         self.evaluations += (EXTENDED - STAGES) as u64;
     }
 
-    /// Continuous extension of the sum of unknowns `range`, after [`Stepper::extend`].
+    /// Continuous extension of the sum of unknowns `range`, after [`Dop853::extend`].
     pub fn dense(&self, y: &[f64], range: std::ops::Range<usize>, h: f64) -> Dense {
         let rates: [f64; EXTENDED] = std::array::from_fn(|j| self.k[j][range.clone()].iter().sum());
         let start: f64 = y[range.clone()].iter().sum();
         let change = self.end[range].iter().sum::<f64>() - start;
-        let sum = |row: Row| h * row.iter().map(|(j, d)| d * rates[*j]).sum::<f64>();
+        let sum = |row: TableauRow| h * row.iter().map(|(j, d)| d * rates[*j]).sum::<f64>();
         let (first, last) = (h * rates[0], h * rates[STAGES - 1]);
         let [a, b, c, d] = DENSE.map(sum);
         Dense { start, terms: [change, first - change, 2.0 * change - first - last, a, b, c, d] }
     }
 }
 
-fn combine(out: &mut [f64], y: &[f64], k: &[Vec<f64>; EXTENDED], row: Row, h: f64) {
+fn combine(out: &mut [f64], y: &[f64], k: &[Vec<f64>; EXTENDED], row: TableauRow, h: f64) {
     let size = y.len();
     out[..size].fill(0.0);
     for (j, a) in row {
@@ -136,7 +136,7 @@ mod tests {
     fn to_four(steps: u32) -> (f64, [f64; 3]) {
         let h = 4.0 / f64::from(steps);
         let (mut y, mut theta) = ([0.5, 1.0], 0.0);
-        let mut stepper = Stepper::new(2);
+        let mut stepper = Dop853::new(2);
         let mut inside = [0.0; 3];
         for step in 0..steps {
             stepper.begin(&mut Pendulum, theta, &y);
@@ -155,7 +155,7 @@ mod tests {
     fn within(h: f64, u: f64) -> f64 {
         let steps = 64;
         let mut y = [0.5, 1.0];
-        let mut stepper = Stepper::new(2);
+        let mut stepper = Dop853::new(2);
         for step in 0..steps {
             let (theta, h) = (f64::from(step) / f64::from(steps) * u * h, u * h / f64::from(steps));
             stepper.begin(&mut Pendulum, theta, &y);

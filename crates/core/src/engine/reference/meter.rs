@@ -5,7 +5,7 @@ use super::system::System;
 use crate::observe::{HARMONICS, Wants};
 
 /// Gauss-Legendre points and weights on 0 to 1, eight and four of them.
-const EIGHT: [(f64, f64); 8] = [
+const GAUSS_8: [(f64, f64); 8] = [
     (0.019_855_071_751_231_856, 0.050_614_268_145_188_13),
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_24),
     (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
@@ -15,18 +15,18 @@ const EIGHT: [(f64, f64); 8] = [
     (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
-const FOUR: [(f64, f64); 4] = [
+const GAUSS_4: [(f64, f64); 4] = [
     (0.069_431_844_202_973_7, 0.173_927_422_568_726_9),
     (0.330_009_478_207_571_9, 0.326_072_577_431_273_05),
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_05),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
 ];
 /// Steps (rad) shorter than this take four points.
-const SHORT: f64 = 0.05;
+const SHORT_STEP: f64 = 0.05;
 
 /// A step with its continuous extensions.
 #[derive(Clone, Copy)]
-pub(super) struct Piece {
+pub(super) struct DenseStep {
     pub theta: f64,
     pub h: f64,
     /// Tip travel beyond the free one, m, and its rate, m per rad.
@@ -34,7 +34,7 @@ pub(super) struct Piece {
     pub rate: Dense,
 }
 
-impl Piece {
+impl DenseStep {
     /// Indentation (m) and its rate (m per rad) at the share `u` of the step.
     pub fn indentation(&self, system: &System, u: f64) -> (f64, f64) {
         system.indentation(self.theta + u * self.h, self.travel.at(u), self.rate.at(u))
@@ -82,7 +82,7 @@ impl Meter {
 
     /// Takes in a step, whose turning points stand at the shares `turns` of it; `last` is the indentation
     /// at its end.
-    pub fn pass(&mut self, system: &System, piece: &Piece, turns: &[f64], first: f64, last: f64) {
+    pub fn pass(&mut self, system: &System, piece: &DenseStep, turns: &[f64], first: f64, last: f64) {
         self.add_waves(system, piece);
         let mut before = first;
         let inside = turns.iter().map(|u| (piece.indentation(system, *u).0, *u));
@@ -102,8 +102,8 @@ impl Meter {
         }
     }
 
-    fn add_waves(&mut self, system: &System, piece: &Piece) {
-        let rule: &[(f64, f64)] = if piece.h < SHORT { &FOUR } else { &EIGHT };
+    fn add_waves(&mut self, system: &System, piece: &DenseStep) {
+        let rule: &[(f64, f64)] = if piece.h < SHORT_STEP { &GAUSS_4 } else { &GAUSS_8 };
         for (u, weight) in rule {
             let theta = piece.theta + u * piece.h;
             let beyond = piece.travel.at(*u) + system.transient(theta).0;
@@ -130,7 +130,7 @@ mod tests {
                 assert!((sum * f64::from(power + 1) - 1.0).abs() < 1e-14, "{power}: {sum}");
             }
         };
-        check(&FOUR);
-        check(&EIGHT);
+        check(&GAUSS_4);
+        check(&GAUSS_8);
     }
 }

@@ -2,20 +2,20 @@
 //!
 //! It answers what the stepped engines' error is. It shares the instrument, the free motion and the laws'
 //! parameters with them, and neither the stepping nor the forces: the deviation from free motion is integrated with
-//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`force.rs`), every touch, release and turning
-//! point is located (`walk.rs`), and observables are integrals over the continuous path (`meter.rs`).
+//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`reference_force.rs`), every touch, release and turning
+//! point is located (`step_control.rs`), and observables are integrals over the continuous path (`meter.rs`).
 
 mod dop853;
-mod force;
 mod meter;
-mod near;
+mod reference_fixed_point;
+mod reference_force;
+mod step_control;
 mod system;
 mod tableau;
-mod walk;
 
-pub use near::solve_near;
+pub use reference_fixed_point::solve_near;
 
-use super::measure::{finish_free, first_seen, fundamental, settled};
+use super::measurement::{finish_free, first_seen, fundamental, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
 use crate::observe::{HARMONICS, Measured, Status, Wants};
 use crate::plan::{Case, Driven, Plan};
@@ -24,8 +24,8 @@ use meter::Meter;
 use nalgebra::Complex;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use step_control::Integrator;
 use system::System;
-use walk::Walk;
 
 /// What the reference engine integrates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -145,7 +145,7 @@ impl Reference {
         if system.modes() == 0 {
             return Err(EngineError::NoModes);
         }
-        let mut walk = Walk::new(system, self.tolerance);
+        let mut walk = Integrator::new(system, self.tolerance);
         let finished = integrate(&mut walk, (&plan.run, plan.wants), &case, driven, progress);
         Ok((finished, Work { modes: walk.system.modes(), left_out: walk.system.left_out, ..walk.work }))
     }
@@ -153,7 +153,7 @@ impl Reference {
 
 /// Goes through the run's periods and measures the last ones.
 fn integrate(
-    walk: &mut Walk,
+    walk: &mut Integrator,
     (run, wants): (&Run, Wants),
     case: &Case,
     driven: &Driven,
@@ -220,7 +220,7 @@ impl Sums {
     }
 
     /// The observables that are wanted, the walk being at the end of the last period.
-    fn measured(&self, walk: &Walk, (run, wants): (&Run, Wants), driven: &Driven) -> Measured {
+    fn measured(&self, walk: &Integrator, (run, wants): (&Run, Wants), driven: &Driven) -> Measured {
         let span = TAU * f64::from(run.measure);
         let mut measured = Measured { gap: walk.system.gap, ..Measured::NONE };
         for n in 0..wants.harmonics {

@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::dop853::Rates;
-use super::force::Force;
+use super::reference_force::ReferenceForce;
 use crate::engine::start;
 use crate::instrument::Mode;
 use crate::plan::{Case, Driven, compliance, reduced};
@@ -10,18 +10,18 @@ use crate::scene::Start;
 use std::f64::consts::TAU;
 
 /// Modes in order of their share of the tip's flexibility are taken until less than this is left.
-const LEFT_OUT: f64 = 1e-6;
+const DROP_SHARE: f64 = 1e-6;
 /// Onset and end of a contact are so many times faster than its middle.
 const ONSET: f64 = 4.0;
 /// By the tolerance of the steps: modes that are faster than the contact by so much are not resolved one by one. They follow
 /// the contact as springs do, but for their inertia. Where a force has a corner or a jump they ring all the same: with 16 the
 /// largest force of a lever of 0.37 N/m on 2.2 GPa is 4e-4 wrong under JKR, with 32 4e-5, with 64 6e-6; under DMT and Hertz
 /// 16 leaves up to 2e-4.
-const FAR: [(f64, f64); 3] = [(5e-8, 16.0), (5e-9, 32.0), (5e-12, 64.0)];
+const FAR_MODE_RATIOS: [(f64, f64); 3] = [(5e-8, 16.0), (5e-9, 32.0), (5e-12, 64.0)];
 /// And no mode counts as far faster that is not so many times faster than the lever's first.
-const SLOWEST: f64 = 200.0;
+const SLOWEST_RATIO: f64 = 200.0;
 /// Transients smaller than this part of the scale of length are over.
-const OVER: f64 = 1e-17;
+const TRANSIENT_END_SHARE: f64 = 1e-17;
 
 /// Tip travel z(theta) = z_free + sum x_k, x_k'' + (w_k/(Q_k w)) x_k' + (w_k/w)^2 x_k = (c_k b_k/w^2) f,
 /// theta = w t being the drive's angle since the run's start, counted afresh in each period.
@@ -43,7 +43,7 @@ pub(super) struct System {
     /// Time at which the present period began, s.
     begun: f64,
     pub gap: f64,
-    pub force: Force,
+    pub force: ReferenceForce,
     pub touching: bool,
     /// Whether the integrals are among the unknowns.
     pub measuring: bool,
@@ -55,7 +55,7 @@ pub(super) struct System {
 
 /// By how much a mode has to be faster than the contact not to be resolved, where steps of this tolerance do without.
 pub fn far(tolerance: f64) -> Option<f64> {
-    FAR.into_iter().find(|(from, _)| tolerance >= *from).map(|(_, far)| far)
+    FAR_MODE_RATIOS.into_iter().find(|(from, _)| tolerance >= *from).map(|(_, far)| far)
 }
 
 impl System {
@@ -74,7 +74,7 @@ impl System {
             omega,
             begun: 0.0,
             gap: case.gap,
-            force: Force::new(&case.contact),
+            force: ReferenceForce::new(&case.contact),
             touching: false,
             measuring: false,
             left_out,
@@ -133,7 +133,7 @@ impl System {
     /// Counts the angle from period `number` on and lets go of transients that are over.
     pub fn begin_period(&mut self, number: u32) {
         self.begun = f64::from(number) * TAU / self.omega;
-        let (begun, over) = (self.begun, OVER * self.length());
+        let (begun, over) = (self.begun, TRANSIENT_END_SHARE * self.length());
         self.transients.retain(|(mode, state)| {
             let [x, v] = turned(mode, begun, *state);
             x.abs() + v.abs() / mode.omega > over
@@ -225,7 +225,7 @@ fn oscillators(
     let (mut left, mut absolute) = (0.0, 0.0);
     while let Some(&k) = order.last() {
         absolute += (share(k) / whole).abs();
-        if absolute > LEFT_OUT || planned(k) {
+        if absolute > DROP_SHARE || planned(k) {
             break;
         }
         left += share(k) / whole;
@@ -233,7 +233,7 @@ fn oscillators(
     }
     let rate = driven.contact_rate(&case.contact, case.gap);
     if let Some(far) = far {
-        let far = (far * rate).max(SLOWEST * TAU * driven.instrument.lever_frequency);
+        let far = (far * rate).max(SLOWEST_RATIO * TAU * driven.instrument.lever_frequency);
         order.retain(|&k| modes[k].omega <= far || planned(k));
     }
     let each = order.iter().map(|&k| {
@@ -253,7 +253,7 @@ fn oscillators(
     let answer = |some: &mut dyn Iterator<Item = &Mode>| {
         compliance(some.map(|m| (m.omega, m.inverse_mass())), ONSET * rate)
     };
-    if answer(&mut gone.iter().copied()).abs() > LEFT_OUT * answer(&mut modes.iter())
+    if answer(&mut gone.iter().copied()).abs() > DROP_SHARE * answer(&mut modes.iter())
         && let Some(one) =
             reduced(&gone, if far.is_some() { 2 } else { 1 }, ONSET * rate, far.unwrap_or(ONSET) * rate)
     {

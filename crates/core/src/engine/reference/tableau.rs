@@ -4,7 +4,7 @@
 //! 2nd edition (1993), section II.10 and appendix. Rows leave zeros out: (stage, weight).
 
 /// A row of weights.
-pub(super) type Row = &'static [(usize, f64)];
+pub(super) type TableauRow = &'static [(usize, f64)];
 
 /// Stages of a step; the last one is the rate at its end, which the next step begins with.
 pub(super) const STAGES: usize = 13;
@@ -32,7 +32,7 @@ pub(super) const NODES: [f64; EXTENDED] = [
 ];
 
 /// What makes each stage's state; row 12 is the step itself.
-pub(super) const STAGE: [Row; EXTENDED] = [
+pub(super) const STAGE: [TableauRow; EXTENDED] = [
     &[],
     &[(0, 0.05260015195876773)],
     &[(0, 0.0197250569845379), (1, 0.0591751709536137)],
@@ -128,7 +128,7 @@ pub(super) const STAGE: [Row; EXTENDED] = [
 ];
 
 /// Error estimate of order 5.
-pub(super) const ERROR_5: Row = &[
+pub(super) const ERROR_5: TableauRow = &[
     (0, 0.01312004499419488),
     (5, -1.2251564463762044),
     (6, -0.4957589496572502),
@@ -140,11 +140,11 @@ pub(super) const ERROR_5: Row = &[
 ];
 
 /// Weights of the embedded method of order 3: the step less this is its error estimate.
-pub(super) const EMBEDDED_3: Row =
+pub(super) const EMBEDDED_3: TableauRow =
     &[(0, 0.2440944881889764), (8, 0.7338466882816118), (11, 0.022058823529411766)];
 
 /// Weights of the last four terms of the continuous extension.
-pub(super) const DENSE: [Row; 4] = [
+pub(super) const DENSE: [TableauRow; 4] = [
     &[
         (0, -8.428938276109013),
         (5, 0.5667149535193777),
@@ -210,7 +210,8 @@ mod tests {
     /// Row sums are the nodes, the order conditions of quadrature hold to 8, the estimates vanish on constants.
     #[test]
     fn coefficients_meet_their_order_conditions() {
-        let sum = |row: Row, power: i32| row.iter().map(|(j, a)| a * NODES[*j].powi(power)).sum::<f64>();
+        let sum =
+            |row: TableauRow, power: i32| row.iter().map(|(j, a)| a * NODES[*j].powi(power)).sum::<f64>();
         for (row, node) in STAGE.iter().zip(NODES) {
             assert!((sum(row, 0) - node).abs() < 1e-13, "{node}");
         }

@@ -1,0 +1,209 @@
+//! Modes: each instance's basis, by a sample of instances with poorer and richer ones.
+
+use super::basis_rules::BasisRules;
+use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
+use super::contact_sample::{ContactKind, by_stiffness, kind_and_stiffness, spread};
+use super::difference_scale::is_fast;
+use crate::compare::{Scales, error};
+use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::observe::{Measured, Observable};
+use crate::plan::{BasisRule, Plan, RICHEST_ACCURACY_SHARE, Rebasing};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+
+/// What was tried to choose modes by: plain numbers, from which every instance's basis follows.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub(super) struct BasisTrialSet {
+    /// Instances of the sample.
+    pub sample: Vec<u32>,
+    /// From the smallest basis to the first that serves all of it.
+    pub trials: Vec<BasisTrial>,
+}
+
+/// The plan with the modes that each instance needs.
+pub(super) struct BasisChoice {
+    pub plan: Plan,
+    /// By instance, what the next smaller basis is made by; none where all are in the sample themselves.
+    pub smaller: Option<BasisRules>,
+    /// What the modes left out cost each instance, by the sample; empty where it is nothing.
+    pub truncation: Vec<f64>,
+}
+
+/// The instances that are on trial for their bases: those of `stepped`, the plan's instances that need steps, whose
+/// contacts have no basis of their own.
+fn usual(plan: &Plan, stepped: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    stepped.iter().copied().partition(|i| is_fast(plan, *i))
+}
+
+/// Tries bases on a sample of `stepped`; none where there is nothing to choose.
+///
+/// Contacts that are too fast for the modes with the largest shares have a basis of their own from the plan: their first
+/// run has fewer oscillators, and the difference is each instance's own estimate. For the others bases are tried on a
+/// sample.
+pub(super) fn try_bases(
+    plan: &Plan,
+    stepped: &[u32],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(Option<BasisTrialSet>, Vec<String>), EngineError> {
+    let (_, usual) = usual(plan, stepped);
+    if plan.run.modes.is_some() || usual.is_empty() {
+        return Ok((None, Vec::new()));
+    }
+    let order = by_stiffness(plan, &usual);
+    let sample = spread(plan, &order);
+    // A plan of its own: trials cost what the sample is, not what it is of.
+    let part = plan.part(&sample);
+    if basis_trials::is_richest(&part) {
+        return Ok((None, Vec::new()));
+    }
+    let trials = basis_trials::run(&part, order.len(), engine, progress)?;
+    Ok((Some(BasisTrialSet { sample, trials: trials.all }), trials.notes))
+}
+
+/// Gives each of `stepped` the basis that the trials choose for it.
+///
+/// The harder a contact presses the lever, the more modes it moves: within a kind an instance has its place among the sample
+/// by its contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the first
+/// member of the sample that it fails.
+pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTrialSet>) -> BasisChoice {
+    let (fast, usual) = usual(plan, stepped);
+    let Some(BasisTrialSet { sample, trials }) = tried else { return as_planned(plan, !fast.is_empty()) };
+    let mut bases = BasisAssignment::new(plan);
+    fast.iter().for_each(|i| bases.keep(*i));
+    let mut kinds: HashMap<ContactKind, KindTrials> = HashMap::new();
+    let of = |part: &Plan, n: u32, i: u32| (i, kind_and_stiffness(part, n));
+    plan.for_each(&usual, of, |(i, (kind, stiffness))| {
+        let of_kind = kinds.entry(kind).or_insert_with(|| KindTrials::new(plan, kind, sample, trials));
+        bases.choose(i, stiffness, of_kind);
+    });
+    // Of the sample itself all is known, but for those whose own difference has to tell.
+    let poorer = (usual.len() > sample.len() || bases.any_smaller).then_some(bases.smaller);
+    BasisChoice { plan: bases.rebasing.plan, smaller: poorer, truncation: bases.truncation }
+}
+
+/// The bases that the plan has; the first run of fast contacts, if there are any, is with the next smaller ones.
+fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
+    let count = plan.len();
+    let poorer = some_fast.then(|| {
+        let mut poorer = BasisRules::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
+        (0..count as u32).for_each(|i| poorer.put(i, next_smaller(plan.basis_rule(i))));
+        poorer
+    });
+    BasisChoice { plan: plan.clone(), smaller: poorer, truncation: Vec::new() }
+}
+
+fn next_smaller(basis: BasisRule) -> BasisRule {
+    basis.poorer().unwrap_or(basis)
+}
+
+/// What the trials say of one kind of contacts.
+struct KindTrials {
+    /// Stiffness of each member of the sample, softest first.
+    stiffnesses: Vec<f64>,
+    /// Of each basis on trial, poorest first.
+    costs: Vec<TrialCosts>,
+}
+
+impl KindTrials {
+    fn new(plan: &Plan, kind: ContactKind, sample: &[u32], trials: &[BasisTrial]) -> Self {
+        let standings = sample.iter().map(|i| kind_and_stiffness(plan, *i)).enumerate();
+        let (known, places): (Vec<usize>, Vec<f64>) =
+            standings.filter(|(_, (own, _))| *own == kind).map(|(n, (_, stiffness))| (n, stiffness)).unzip();
+        Self {
+            stiffnesses: places,
+            costs: trials.iter().map(|trial| TrialCosts::new(trial, &known, plan)).collect(),
+        }
+    }
+
+    /// The smallest basis that serves an instance at this place, and what it costs there.
+    fn basis(&self, place: &StiffnessRank) -> Option<(usize, f64)> {
+        let serves = |n: &usize| *n == 0 || self.costs[n - 1].begins(place);
+        let cost = |n: usize| self.costs[n].cost(place).map(|cost| (n, cost));
+        (0..self.costs.len()).filter(serves).find_map(cost)
+    }
+
+    /// The last basis on trial, and how far near an instance at this place it is from the richest.
+    fn almost(&self, place: &StiffnessRank) -> Option<(usize, f64)> {
+        let last = self.costs.len().checked_sub(1)?;
+        Some((last, self.costs[last].near(place)))
+    }
+}
+
+/// Each instance's basis, while they are chosen.
+struct BasisAssignment<'a> {
+    plan: &'a Plan,
+    rebasing: Rebasing,
+    /// By instance.
+    smaller: BasisRules,
+    truncation: Vec<f64>,
+    /// Whether any of the bases has a smaller one.
+    any_smaller: bool,
+}
+
+impl<'a> BasisAssignment<'a> {
+    fn new(plan: &'a Plan) -> Self {
+        let poorer = BasisRules::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
+        let left_out = vec![0.0; plan.len()];
+        Self {
+            plan,
+            rebasing: Rebasing::new(plan),
+            smaller: poorer,
+            truncation: left_out,
+            any_smaller: false,
+        }
+    }
+
+    /// The basis that the plan has for a fast contact.
+    fn keep(&mut self, i: u32) {
+        let own = self.plan.basis_rule(i);
+        self.put(i, (own, next_smaller(own)), 0.0);
+    }
+
+    /// The basis of an instance whose contact is so stiff.
+    fn choose(&mut self, i: u32, stiffness: f64, of_kind: &KindTrials) {
+        let asked = self.plan.run.accuracy;
+        let least = RICHEST_ACCURACY_SHARE * asked;
+        let place = &StiffnessRank::among(&of_kind.stiffnesses, stiffness);
+        let shares = |n: usize| BasisRule::Shares { accuracy: of_kind.costs[n].accuracy };
+        if let Some((n, cost)) = of_kind.basis(place) {
+            let before = n.checked_sub(1).filter(|n| of_kind.costs[*n].begins(place));
+            self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
+        } else if let Some((n, left)) = of_kind.almost(place).filter(|(_, left)| *left <= asked) {
+            // The richest of all serves, as the last one on trial does but for its bound, and vouches for it.
+            let richest = BasisRule::Shares { accuracy: least };
+            self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
+        } else {
+            // No basis of the trial serves: one for the contact itself, which the next smaller one vouches for.
+            let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
+            let cost = if own.poorer().is_some() { 0.0 } else { least };
+            self.put(i, (own, next_smaller(own)), cost);
+        }
+    }
+
+    fn put(&mut self, i: u32, (own, poorer): (BasisRule, BasisRule), cost: f64) {
+        self.rebasing.give(i, own);
+        self.any_smaller |= own.poorer().is_some();
+        self.smaller.put(i, poorer);
+        self.truncation[i as usize] = cost;
+    }
+}
+
+/// [`unbent`] of each of these instances.
+pub(super) fn unbent_of(plan: &Plan, instances: &[u32], results: &[Finished]) -> Vec<f64> {
+    instances.par_iter().map(|i| unbent(plan, *i, &results[*i as usize].measured)).collect()
+}
+
+/// What the flexibility that no oscillator carries costs an instance's virial, on its scale: the mean force bends the lever
+/// by it, and works on that. 0 where the virial is not asked for.
+pub(super) fn unbent(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
+    let kept = &plan.driven(instance).kept;
+    if !plan.observables.contains(&Observable::Virial) {
+        return 0.0;
+    }
+    let work = kept.residual_share * kept.flexibility * measured.force_mean.powi(2);
+    let off = Measured { virial: measured.virial + work, ..*measured };
+    let cost = error(Observable::Virial, &off, measured, &Scales::of(plan, instance as usize, measured));
+    if cost.is_finite() { cost } else { 0.0 }
+}

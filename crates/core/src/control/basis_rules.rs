@@ -1,0 +1,32 @@
+//! Rules of bases of very many instances, of which few differ.
+
+use crate::plan::BasisRule;
+use std::collections::HashMap;
+
+/// A rule for each instance: each is held once, and of each instance its number.
+pub(super) struct BasisRules {
+    known: Vec<BasisRule>,
+    numbers: HashMap<[u64; 2], u32>,
+    of: Vec<u32>,
+}
+
+impl BasisRules {
+    /// The same for so many instances.
+    pub fn of(count: usize, rule: BasisRule) -> Self {
+        Self { known: vec![rule], numbers: HashMap::from([(rule.key(), 0)]), of: vec![0; count] }
+    }
+
+    /// Gives an instance another one.
+    pub fn put(&mut self, instance: u32, rule: BasisRule) {
+        let Self { known, numbers, of } = self;
+        of[instance as usize] = *numbers.entry(rule.key()).or_insert_with(|| {
+            known.push(rule);
+            known.len() as u32 - 1
+        });
+    }
+
+    /// That of an instance.
+    pub fn get(&self, instance: u32) -> BasisRule {
+        self.known[self.of[instance as usize] as usize]
+    }
+}

@@ -1,0 +1,343 @@
+//! Bases on trial: what each costs a sample of the instances.
+
+use super::difference_scale::scaled_difference;
+use super::step_reduction::quarter_steps;
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution};
+use crate::plan::{KeptMode, Plan, Precision, RICHEST_ACCURACY_SHARE};
+use crate::scene::{Start, Steady};
+use serde::{Deserialize, Serialize};
+
+/// Where more than one in so many of the sample is without a state that a search finds, its members begin at one another's
+/// states, at those of so many that are found, the next in stiffness first; where that does not help, the sample is integrated to steady state.
+const UNFOUND_ONE_IN: usize = 4;
+const MAX_NEIGHBOUR_STARTS: usize = 6;
+
+/// One basis on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub(super) struct BasisTrial {
+    pub accuracy: f64,
+    pub differences: Vec<f64>,
+}
+
+/// A sample's trials, from the smallest basis to the first that serves all of it.
+#[derive(Default)]
+pub(super) struct TrialResults {
+    pub all: Vec<BasisTrial>,
+    /// What the engine had to say.
+    pub notes: Vec<String>,
+}
+
+/// The modes of each basis of the plan.
+fn modes(plan: &Plan) -> Vec<Vec<KeptMode>> {
+    plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect()
+}
+
+/// Whether no basis of this sample could be any richer.
+pub(super) fn is_richest(sample: &Plan) -> bool {
+    modes(sample) == modes(&sample.clone().with_shares(RICHEST_ACCURACY_SHARE * sample.run.accuracy))
+}
+
+/// What a basis for `accuracy` may cost the sample.
+fn bound(accuracy: f64, plan: &Plan) -> f64 {
+    let (asked, policy) = (plan.run.accuracy, &plan.policy);
+    asked * if accuracy > asked { policy.poorer_basis_share } else { policy.basis_share }
+}
+
+/// Tries bases on the plan `sample`, which stands for `count` instances: from poor to rich, each held against the richest
+/// there is. The poorest pay where there are many more instances than the sample has.
+pub(super) fn run(
+    sample: &Plan,
+    count: usize,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<TrialResults, EngineError> {
+    let policy = &sample.policy;
+    // What the bases cost is not to be mistaken for rounding.
+    let open = sample.precision_settled().is_none() && engine.double();
+    let precision = if open { Precision::F64 } else { sample.precision };
+    let mut trials = TrialResults::default();
+    let richest = RICHEST_ACCURACY_SHARE * sample.run.accuracy;
+    let with = |accuracy: f64| sample.clone().with_shares(accuracy).in_precision(precision);
+    let mut truths = reference_runs(&with(richest), engine, progress)?;
+    trials.notes.append(&mut truths.outcome.notes);
+    let mut tried = vec![modes(&sample.clone().with_shares(richest))];
+    // A point of a curve on trial, alone, may end on another branch than its curve comes along: it speaks for no basis that
+    // is poorer than the accuracy asked for.
+    let many = count > policy.many && sample.ensemble.curves.is_none();
+    let poorer: &[f64] = if many { &policy.poorer } else { &[] };
+    for factor in poorer.iter().chain(&policy.richer) {
+        let accuracy = (factor * sample.run.accuracy).min(policy.poorest);
+        let basis = modes(&sample.clone().with_shares(accuracy));
+        if tried.contains(&basis) {
+            continue;
+        }
+        tried.push(basis);
+        let mut run = with_basis(&with(accuracy), &truths, engine, progress)?;
+        trials.notes.append(&mut run.outcome.notes);
+        let apart = |i: u32| scaled_error(sample, i, &run.outcome.results, &truths.outcome.results);
+        let trial = BasisTrial { accuracy, differences: sample.instances().map(apart).collect() };
+        let below = |trial: &BasisTrial, bound: f64| trial.differences.iter().all(|one| *one <= bound);
+        let first = policy.first_basis_share * sample.run.accuracy;
+        let before = trials.all.last().is_none_or(|before| below(before, first));
+        let enough = before && below(&trial, bound(accuracy, sample));
+        trials.all.push(trial);
+        if enough {
+            break;
+        }
+    }
+    Ok(trials)
+}
+
+/// Whether the sample's states are searched for one by one.
+fn searches(sample: &Plan) -> bool {
+    let led = sample.ensemble.curves.is_some() || sample.has_setpoints();
+    sample.run.steady == Steady::Search && sample.run.start == Start::Steady && !led
+}
+
+/// The sample with the richest basis, searched for with a quarter of the steps, if need be from one another's states, and then next
+/// to what that found. What no search finds is left out, unless that is much of the sample.
+fn reference_runs(
+    rich: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    if !searches(rich) {
+        return orbit::solve(rich, &[], engine, progress);
+    }
+    let coarse = quarter_steps(rich.clone());
+    let mut rough = orbit::solve_without_integration(&coarse, &[], engine, progress)?;
+    let all: Vec<u32> = rich.instances().collect();
+    let much = |rough: &OrbitSolution| unconverged(&coarse, rough).len() > all.len() / UNFOUND_ONE_IN;
+    for turn in 0..MAX_NEIGHBOUR_STARTS {
+        if !much(&rough) || progress.stopped() {
+            break;
+        }
+        from_others(&coarse, turn, &mut rough, engine, progress)?;
+    }
+    if much(&rough) {
+        return orbit::solve(rich, &orbit::gather(&rough.found, &all), engine, progress);
+    }
+    let mut settled = next_to(rich, (&rough, None), engine, progress)?;
+    settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    Ok(settled)
+}
+
+/// Members without a state.
+fn unconverged(plan: &Plan, run: &OrbitSolution) -> Vec<u32> {
+    plan.instances().filter(|i| run.state(*i as usize).is_none()).collect()
+}
+
+/// Members without a state begin at that of another one: of those that are found the next in the order of the sample at the first
+/// turn, then the one after that.
+fn from_others(
+    plan: &Plan,
+    turn: usize,
+    run: &mut OrbitSolution,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(), EngineError> {
+    let found: Vec<u32> = plan.instances().filter(|i| run.state(*i as usize).is_some()).collect();
+    let place = |i: u32| {
+        let mut nearest = found.clone();
+        nearest.sort_by_key(|other| other.abs_diff(i));
+        Some((i, run.state(*nearest.get(turn)? as usize)?))
+    };
+    let (some, others): (Vec<u32>, Vec<_>) = unconverged(plan, run).into_iter().filter_map(place).unzip();
+    let new = orbit::solve_near(&plan.part(&some), &others, engine, progress)?;
+    run.take(&some, new);
+    Ok(())
+}
+
+/// The sample with another basis than the richest: each member searched for with a quarter of the steps, so that it is
+/// seen where another basis ends in another state.
+fn with_basis(
+    plan: &Plan,
+    truths: &OrbitSolution,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let waited =
+        |i: u32| truths.outcome.results[i as usize].status.is_steady() && truths.state(i as usize).is_none();
+    if !searches(plan) || plan.instances().any(waited) {
+        return orbit::solve(plan, &[], engine, progress);
+    }
+    let known: Vec<u32> = plan.instances().filter(|i| truths.state(*i as usize).is_some()).collect();
+    let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
+    let mut rough =
+        OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    rough.take(
+        &known,
+        orbit::solve_without_integration(&quarter_steps(plan.part(&known)), &[], engine, progress)?,
+    );
+    let mut settled = next_to(plan, (&rough, Some(truths)), engine, progress)?;
+    settled.outcome.notes.splice(0..0, rough.outcome.notes);
+    Ok(settled)
+}
+
+/// The sample's members next to the states that a run has found, or else another one; what neither has is left out.
+fn next_to(
+    plan: &Plan,
+    (first, second): (&OrbitSolution, Option<&OrbitSolution>),
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let state = |i: &u32| first.state(*i as usize).or_else(|| second?.state(*i as usize));
+    let members: Vec<u32> = plan.instances().filter(|i| state(i).is_some()).collect();
+    let near: Vec<_> = members.iter().map(state).collect();
+    let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
+    let mut all =
+        OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    all.take(&members, orbit::solve_without_integration(&plan.part(&members), &near, engine, progress)?);
+    Ok(all)
+}
+
+fn scaled_error(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 {
+    let (a, b) = (&results[i as usize], &truths[i as usize]);
+    // A basis that has no such state at all does not serve it.
+    if b.status == Status::Ok && a.status == Status::NotRun {
+        return f64::INFINITY;
+    }
+    // What does not repeat has no difference to speak of.
+    let ok = a.status == Status::Ok && b.status == Status::Ok;
+    if ok { scaled_difference(plan, i, a, b) } else { 0.0 }
+}
+
+/// Where an instance stands among the members of the sample, softest contact first. Over a sweep of the gap alone all
+/// are as stiff, and each member stands for each instance.
+pub(super) struct StiffnessRank {
+    /// Members whose contact is softer.
+    pub softer: usize,
+    /// Those, and the ones that are as stiff.
+    pub no_stiffer: usize,
+}
+
+impl StiffnessRank {
+    /// Of an instance whose contact is so stiff, among members with these stiffnesses.
+    pub fn among(members: &[f64], here: f64) -> Self {
+        let softer = members.partition_point(|other| *other < here);
+        Self { softer, no_stiffer: softer + members[softer..].partition_point(|other| *other <= here) }
+    }
+}
+
+/// What a basis costs the members of the sample of one kind, softest contact first.
+pub(super) struct TrialCosts {
+    pub accuracy: f64,
+    differences: Vec<f64>,
+    /// So many of the first ones it does not fail, and so many not in the first run.
+    good: usize,
+    good_first: usize,
+    /// Members on either side that stand for an instance.
+    neighbours: usize,
+}
+
+impl TrialCosts {
+    /// Of the members with these numbers.
+    pub fn new(trial: &BasisTrial, members: &[usize], plan: &Plan) -> Self {
+        let differences: Vec<f64> = members.iter().map(|n| trial.differences[*n]).collect();
+        let within =
+            |bound: f64| differences.iter().position(|one| *one > bound).unwrap_or(differences.len());
+        let good = within(bound(trial.accuracy, plan));
+        let good_first = within(plan.policy.first_basis_share * plan.run.accuracy);
+        let neighbours = plan.policy.neighbours;
+        Self { accuracy: trial.accuracy, differences, good, good_first, neighbours }
+    }
+
+    /// Whether it will do for the first run of an instance at this place.
+    pub fn begins(&self, place: &StiffnessRank) -> bool {
+        self.end(place) <= self.good_first
+    }
+
+    /// The largest difference that it makes near an instance at this place; none where it fails one of those or of the
+    /// next.
+    pub fn cost(&self, place: &StiffnessRank) -> Option<f64> {
+        let from = place.softer.saturating_sub(self.neighbours);
+        let to = self.end(place);
+        let near = self.differences.get(from.min(to.saturating_sub(1))..to)?;
+        let good = to <= self.good && !near.is_empty();
+        good.then(|| near.iter().copied().fold(0.0, f64::max))
+    }
+
+    /// The largest difference that it makes near an instance at this place, good or not.
+    pub fn near(&self, place: &StiffnessRank) -> f64 {
+        let from = place.softer.saturating_sub(self.neighbours);
+        self.differences[from.min(self.end(place))..self.end(place)].iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Where the members end that stand for an instance at this place.
+    fn end(&self, place: &StiffnessRank) -> usize {
+        (place.no_stiffer + self.neighbours).min(self.differences.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Cpu;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// A hovering tip on trial would let a lever pass that is too poor for the taps of its curve: three of 128 audits of 1.6
+    /// million points were above the accuracy.
+    #[test]
+    fn points_of_curves_speak_for_no_poorer_basis() {
+        let text = |how: &str| {
+            format!(
+                r#"
+                [instrument.cantilever]
+                stiffness = "26 N/m"
+                frequency = "300 kHz"
+                quality_factor = 400
+                [contact]
+                law = "dmt"
+                [drive]
+                on = "tip"
+                frequency = "resonance"
+                free_amplitude = "20 nm"
+                {how}
+                [run]
+                accuracy = 1e-3
+                steady = "search"
+                "#
+            )
+        };
+        let gaps = r#"from = "22 nm", to = "10 nm", points = 300"#;
+        let swept = format!("[sweep]\n\"approach.gap\" = {{ {gaps} }}");
+        let curve = format!("[curve]\nquantity = \"approach.gap\"\n{}", gaps.replace(", ", "\n"));
+        let poorest = |how: &str| {
+            let scene = Scene::parse(Path::new("one.toml"), &text(how)).expect("the scene is whole");
+            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let sample = plan.part(&[0, 150, 299]);
+            let trials = run(&sample, plan.len(), &Cpu::default(), &Progress::default()).expect("trials run");
+            trials.all[0].accuracy
+        };
+        assert!(poorest(&swept) > 1e-3);
+        assert!(poorest(&curve) <= 1e-3);
+    }
+
+    #[test]
+    fn members_that_are_as_stiff_stand_for_an_instance_as_a_whole() {
+        let place = |here: f64| {
+            let StiffnessRank { softer, no_stiffer } = StiffnessRank::among(&[1.0, 2.0, 2.0, 2.0, 3.0], here);
+            (softer, no_stiffer)
+        };
+        assert_eq!([place(0.5), place(2.0), place(2.5), place(4.0)], [(0, 0), (1, 4), (4, 4), (5, 5)]);
+    }
+
+    #[test]
+    fn a_basis_that_fails_one_of_them_serves_none() {
+        let costs = |good| TrialCosts {
+            accuracy: 1e-3,
+            differences: vec![1e-5, 2e-5, 9e-4, 3e-5, 4e-5],
+            good,
+            good_first: good,
+            neighbours: 1,
+        };
+        let alike = StiffnessRank { softer: 0, no_stiffer: 5 };
+        assert_eq!(costs(2).cost(&alike), None);
+        assert!(!costs(2).begins(&alike));
+        assert_eq!(costs(5).cost(&alike), Some(9e-4));
+        assert_eq!(costs(2).cost(&StiffnessRank { softer: 0, no_stiffer: 1 }), Some(2e-5));
+    }
+}

@@ -1,0 +1,209 @@
+//! A block of a sweep, whose instances begin at one another's states.
+
+use super::choices::Choices;
+use super::first_estimate::{EstimateInputs, SmallerBasis};
+use super::hierarchy::Hierarchy;
+use super::orbit_pair::OrbitPair;
+use super::stencils::Stencils;
+use super::{ChunkRun, interruption};
+use crate::engine::{Engine, EngineError, Progress};
+use crate::observe::Status;
+use crate::orbit::Jacobian;
+use crate::plan::Plan;
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+/// Instances that may be taken to their ends in any order, once those of the batches before them are.
+struct BlockBatch {
+    instances: Vec<u32>,
+    start: BatchStart,
+}
+
+/// Where the instances of a batch begin.
+#[derive(Clone, Copy)]
+enum BatchStart {
+    /// At the free oscillation, which does not feel the sample.
+    Free,
+    /// Where a search of its own does.
+    Coarse,
+    /// At those that stand around them, by the number of their level.
+    Level(usize),
+    /// At any of those next to them.
+    Neighbours,
+    /// Nothing else has led to them: they are integrated to steady state.
+    Integrate,
+}
+
+/// A block, and what was chosen for it; see [`EstimateInputs`].
+pub(super) struct BlockSolver<'a> {
+    pub plan: Plan,
+    pub smaller_basis: Option<SmallerBasis>,
+    pub truncation: Vec<f64>,
+    pub choices: &'a Choices,
+}
+
+/// Takes a block to its end, batch after batch. What no search finds is left until all batches are through: then it
+/// begins at the states next to it, and only what these do not lead to is integrated. Such instances mostly stand together and
+/// are alike: some of them are integrated first, and the others begin at those. Whoever stops a run keeps the pieces that are
+/// done.
+pub(super) fn run(
+    block: BlockSolver,
+    order: &Hierarchy,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<ChunkRun, EngineError> {
+    let mut whole = ChunkRun::not_begun(block.plan.clone(), block.choices);
+    whole.truncation.clone_from(&block.truncation);
+    whole.solved = vec![OrbitPair::Unknown; whole.plan.len()];
+    whole.neighbour_started = vec![false; whole.plan.len()];
+    let mut filling = BlockRun { block: &block, order, whole, engine, progress };
+    for batch in batches(&block.plan, order) {
+        filling.run_batch(&batch)?;
+    }
+    filling.solve_from_known(None)?;
+    let foremost = filling.front();
+    filling.integrate(foremost.clone())?;
+    filling.solve_from_known(Some(foremost))?;
+    filling.integrate(filling.unsolved())?;
+    // Nobody begins at them any more.
+    Ok(ChunkRun { solved: Vec::new(), ..filling.whole })
+}
+
+fn batches(plan: &Plan, order: &Hierarchy) -> Vec<BlockBatch> {
+    // Neighbours may touch where the free oscillation, from which an instance is to begin, does not.
+    let is_free = |i: &u32| plan.steps(*i) == 0 || plan.run.both_branches && plan.is_free(*i);
+    let free = BlockBatch { instances: plan.instances().filter(is_free).collect(), start: BatchStart::Free };
+    let stepped = |points: Vec<u32>| shape_order(plan, points.into_iter().filter(|i| !is_free(i)).collect());
+    let scouts = BlockBatch { instances: stepped(order.coarse()), start: BatchStart::Coarse };
+    let level = |n| BlockBatch { instances: stepped(order.level(n)), start: BatchStart::Level(n) };
+    [free, scouts].into_iter().chain((0..order.levels()).map(level)).collect()
+}
+
+/// Those of one shape together, in the order in which they stand in the sweep: their neighbours' states are then met one after
+/// the other in memory, too.
+fn shape_order(plan: &Plan, mut points: Vec<u32>) -> Vec<u32> {
+    points.sort_by_cached_key(|i| plan.shape(*i));
+    points
+}
+
+/// A block on its way.
+struct BlockRun<'a> {
+    block: &'a BlockSolver<'a>,
+    order: &'a Hierarchy<'a>,
+    whole: ChunkRun,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+}
+
+impl BlockRun<'_> {
+    /// Takes a batch to its end in pieces of the engine's size, some of them at once.
+    fn run_batch(&mut self, batch: &BlockBatch) -> Result<(), EngineError> {
+        let (size, at_once) = self.engine.portions();
+        let pieces: Vec<&[u32]> = batch.instances.chunks(size).collect();
+        for some in pieces.chunks(at_once.max(1)) {
+            if self.progress.stopped() {
+                break;
+            }
+            let one = |run_chunk: &&[u32]| self.piece(batch, run_chunk);
+            let done: Vec<_> = match some {
+                [piece] => vec![one(piece)],
+                _ => some.par_iter().map(one).collect(),
+            };
+            for (piece, part) in some.iter().zip(done) {
+                self.whole.take(piece, part?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a piece of a batch to its end.
+    fn piece(&self, batch: &BlockBatch, piece: &[u32]) -> Result<ChunkRun, EngineError> {
+        let Self { block, order, whole, .. } = self;
+        let part = block.plan.part(piece);
+        let stepped = part.stepped();
+        let left_out = piece.iter().map(|i| block.truncation[*i as usize]).collect();
+        let poorer = block.smaller_basis.as_ref().map(|all| all.part(piece));
+        let around = match batch.start {
+            BatchStart::Free => None,
+            BatchStart::Coarse => Some(Stencils::coarse(&whole.solved)),
+            BatchStart::Level(n) => Some(Stencils::level((order, n), piece, &whole.solved)),
+            BatchStart::Neighbours => Some(Stencils::each(order, piece, &whole.solved)),
+            BatchStart::Integrate => Some(Stencils::integrated(&whole.solved)),
+        };
+        let alone = EstimateInputs::alone(poorer, left_out, &block.choices.precision);
+        let first = EstimateInputs { around, ..alone };
+        interruption::marked(part, &stepped, first, self.engine, self.progress)
+    }
+
+    /// Instances without a result, in the order of their numbers.
+    fn unsolved(&self) -> Vec<u32> {
+        let open = |i: &u32| {
+            let status = self.whole.outcome.results[*i as usize].status;
+            status == Status::NotRun && self.block.plan.steps(*i) > 0
+        };
+        self.block.plan.instances().filter(open).collect()
+    }
+
+    /// Of open instances that stand next to one another, those that come before all that are next to them.
+    fn front(&self) -> Vec<u32> {
+        let open: BTreeSet<u32> = self.unsolved().into_iter().collect();
+        let before = |i: u32, other: u32| self.order.number(other) < self.order.number(i);
+        let first = |i: &u32| {
+            self.order.adjacent(*i).iter().all(|other| !open.contains(other) || !before(*i, *other))
+        };
+        open.iter().copied().filter(first).collect()
+    }
+
+    fn integrate(&mut self, instances: Vec<u32>) -> Result<(), EngineError> {
+        self.run_batch(&BlockBatch { instances, start: BatchStart::Integrate })
+    }
+
+    /// Open instances begin at the states next to them, round after round: each where one of these is new. In the first round
+    /// those of `latest` are, or all.
+    fn solve_from_known(&mut self, latest: Option<Vec<u32>>) -> Result<(), EngineError> {
+        let mut fresh: Option<HashSet<u32>> = latest.map(|latest| latest.into_iter().collect());
+        loop {
+            let new = |i: &u32| fresh.as_ref().is_none_or(|fresh| fresh.contains(i));
+            let known = |i: &u32| self.whole.solved[*i as usize].neighbours().is_some();
+            let beside = |i: &u32| self.order.adjacent(*i).iter().any(|other| new(other) && known(other));
+            let instances: Vec<u32> = self.unsolved().into_iter().filter(beside).collect();
+            if instances.is_empty() || self.progress.stopped() {
+                return Ok(());
+            }
+            let batch = BlockBatch { instances, start: BatchStart::Neighbours };
+            self.run_batch(&batch)?;
+            let led = |i: &u32| self.whole.solved[*i as usize].neighbours().is_some();
+            fresh = Some(batch.instances.into_iter().filter(led).collect());
+        }
+    }
+}
+
+impl ChunkRun {
+    /// Takes in what became of a piece of it.
+    fn take(&mut self, piece: &[u32], part: Self) {
+        if !part.found.is_empty() && self.found.is_empty() {
+            self.found = vec![None; self.plan.len()];
+        }
+        for (place, found) in piece.iter().zip(part.found) {
+            // Nobody goes on from it with other steps.
+            self.found[*place as usize] = found.map(|mut state| {
+                state.jacobian = Jacobian::Unknown;
+                state
+            });
+        }
+        let begun = piece.iter().zip(part.neighbour_started);
+        begun.for_each(|(place, begun)| self.neighbour_started[*place as usize] = begun);
+        piece.iter().zip(part.solved).for_each(|(place, solved)| self.solved[*place as usize] = solved);
+        let mut taken = HashMap::new();
+        for (n, place) in piece.iter().enumerate() {
+            let i = *place as usize;
+            self.plan.take_resolution(*place, &part.plan, n as u32, &mut taken);
+            self.truncation[i] = part.truncation[n];
+            self.outcome.results[i] = part.outcome.results[n];
+            self.estimates[i] = part.estimates[n];
+            self.periods[i] = part.periods[n];
+            self.arithmetic.of[i] = part.arithmetic.of[n];
+        }
+        self.outcome.notes.extend(part.outcome.notes);
+    }
+}

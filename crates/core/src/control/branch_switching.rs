@@ -1,0 +1,273 @@
+//! The second periodic state of a bistable instance: searched for from the lever at rest, then followed from the
+//! neighbours in the sweep that have one.
+
+use super::chunk::ChunkJournal;
+use super::difference_scale::scaled_difference;
+use super::grid_adjacency::GridAdjacency;
+use super::search_checkpoints::CheckpointedSearch;
+use super::second_orbit::{SecondOrbits, SecondState};
+use super::{RunResult, second_refinement};
+use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::observe::Status;
+use crate::orbit::{self, Jacobian, PeriodicState};
+use crate::plan::{Plan, SectionState};
+use std::collections::BTreeMap;
+
+/// Second states of the instances of a finished run. First they are searched for from the lever at rest with the steps of
+/// the run. Then every instance without one is searched again from its neighbours' states that continue another branch
+/// than its own result is on: their second states, or their first ones. What is found so is a neighbour to the next,
+/// wave by wave, until no wave has anything left to try.
+///
+/// `shape` are the lengths of the sweep's axes, the last running fastest: neighbours are one apart along one of them.
+/// A list of samples has no neighbours (`shape` empty) and is left at the searches from rest.
+///
+/// What `keep` knows is not searched for again, and it is told of each search that ends. Of a run that is stopped, what is
+/// known comes; a state that is not brought to its end is called not run.
+///
+/// # Errors
+/// What the engine says.
+pub fn second_orbits(
+    run: &RunResult,
+    shape: &[usize],
+    keep: &dyn ChunkJournal,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<SecondOrbits, EngineError> {
+    progress.stage(&["branches"]);
+    let plan: &Plan = &run.plan;
+    let instances = candidates(plan, run.results.statuses());
+    let pieces = CheckpointedSearch::new(keep, engine, progress);
+    let mut hunt = BranchSwitching { run, seconds: BTreeMap::new(), incomplete: false };
+    let mut all = SecondOrbits::default();
+    match run.from_rest.is_empty() {
+        true => {
+            let found = pieces.solve_from_rest(&plan.part(&instances))?;
+            for (&i, one) in instances.iter().zip(found) {
+                match one {
+                    Some((finished, place)) => _ = hunt.take(i, finished, place),
+                    None => hunt.incomplete = true,
+                }
+            }
+        }
+        false => {
+            for &i in &instances {
+                if let Some(SecondState { finished, orbit: place }) = run.from_rest.get(i) {
+                    hunt.take(i, finished, Some(place));
+                }
+            }
+        }
+    }
+    all.from_rest = hunt.count();
+    if let Some(neighbours) = GridAdjacency::of(shape, plan.len()) {
+        all.grid = true;
+        hunt.follow(&instances, &neighbours, &mut all, &pieces)?;
+    }
+    all.orbits = second_refinement::estimated(run, hunt.seconds, &pieces)?;
+    all.notes = pieces.notes.into_inner();
+    all.notes.dedup();
+    Ok(all)
+}
+
+/// The instances that may have a second state.
+fn candidates(plan: &Plan, statuses: &[Status]) -> Vec<u32> {
+    let counts = |i: &u32| plan.steps(*i) > 0 && statuses[*i as usize] != Status::NotRun;
+    plan.instances().filter(counts).collect()
+}
+
+/// What searches from the lever at rest find, by instance of the run: for many instances they are the most of what second
+/// states cost, and each is of its instance alone.
+pub(super) fn from_rest(
+    (plan, statuses): (&Plan, &[Status]),
+    engine: &dyn Engine,
+    progress: &Progress,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Option<SecondState>>, EngineError> {
+    let settled = orbit::solve_from_rest(plan, &candidates(plan, statuses), engine, progress)?;
+    notes.extend(settled.outcome.notes);
+    let state = |(finished, place): (Finished, Option<Box<PeriodicState>>)| {
+        // Nobody asks for the map's Jacobian there again.
+        let place = Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*place? });
+        Some(SecondState { finished, orbit: place })
+    };
+    Ok(settled.outcome.results.into_iter().zip(settled.found).map(state).collect())
+}
+
+/// Which of an instance's states.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum OrbitNumber {
+    First,
+    Second,
+}
+
+/// A search from a neighbour's state, by the number of that neighbour's side.
+struct SwitchingTrial {
+    instance: u32,
+    side: u32,
+    neighbour: u32,
+    which: OrbitNumber,
+}
+
+/// Its bit among the states of neighbours that an instance has been searched from.
+fn trial_bit(side: u32, which: OrbitNumber) -> u64 {
+    1 << (2 * side + u32::from(which == OrbitNumber::Second))
+}
+
+/// The second states so far.
+struct BranchSwitching<'a> {
+    run: &'a RunResult,
+    seconds: BTreeMap<u32, SecondState>,
+    /// Whether a search was left undone: what would follow from it is not known.
+    incomplete: bool,
+}
+
+impl BranchSwitching<'_> {
+    fn count(&self) -> usize {
+        self.seconds.len()
+    }
+
+    /// Keeps what was found for an instance, if it is another state than the first.
+    fn take(&mut self, i: u32, finished: Finished, place: Option<Box<PeriodicState>>) -> bool {
+        let Some(mut place) = place else { return false };
+        let (plan, ours) = (&self.run.plan, self.run.results.get(i as usize));
+        let apart =
+            scaled_difference(plan, i, &ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
+        // Where the first run found no steady state at all, any is another.
+        let another = apart || !ours.status.is_steady();
+        if another {
+            // Nobody asks for the map's Jacobian there again.
+            place.jacobian = Jacobian::Unknown;
+            self.seconds.insert(i, SecondState { finished, orbit: place });
+        }
+        another
+    }
+
+    /// Follows second branches along the grid.
+    fn follow(
+        &mut self,
+        instances: &[u32],
+        neighbours: &GridAdjacency,
+        all: &mut SecondOrbits,
+        pieces: &CheckpointedSearch,
+    ) -> Result<(), EngineError> {
+        let mut may = vec![false; self.run.plan.len()];
+        instances.iter().for_each(|i| may[*i as usize] = true);
+        // Of each instance, which states of its neighbours it has been searched from.
+        let mut tried = vec![0u64; self.run.plan.len()];
+        let mut look: Vec<u32> = instances.to_vec();
+        while !look.is_empty() && !self.incomplete {
+            let mut wave = Vec::new();
+            for &i in look.iter().filter(|i| !self.seconds.contains_key(i)) {
+                if let Some((side, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
+                    tried[i as usize] |= trial_bit(side, which);
+                    wave.push(SwitchingTrial { instance: i, side, neighbour: j, which });
+                }
+            }
+            look = self.wave((&wave, neighbours), all, pieces)?;
+            let next: Vec<u32> = look.iter().flat_map(|i| neighbours.adjacent(*i)).map(|(_, j)| j).collect();
+            // Who found nothing may have other neighbours to try.
+            look =
+                wave.into_iter().map(|one| one.instance).chain(next).filter(|i| may[*i as usize]).collect();
+            look.sort_unstable();
+            look.dedup();
+        }
+        Ok(())
+    }
+
+    /// Searches from neighbours' states; gives the instances that now have a second state.
+    fn wave(
+        &mut self,
+        (wave, neighbours): (&[SwitchingTrial], &GridAdjacency),
+        all: &mut SecondOrbits,
+        pieces: &CheckpointedSearch,
+    ) -> Result<Vec<u32>, EngineError> {
+        let plan = &self.run.plan;
+        let numbers: Vec<u32> = wave.iter().map(|one| one.instance).collect();
+        let part = plan.part(&numbers);
+        let place = |(n, one): (usize, &SwitchingTrial)| {
+            let SwitchingTrial { side, neighbour: j, which, .. } = *one;
+            let Some(state) = self.state(j, which) else { return SectionState::free(&part, n as u32) };
+            let beyond = neighbours.adjacent(j).find(|(other, _)| *other == side);
+            let both = beyond
+                .into_iter()
+                .flat_map(|(_, k)| [OrbitNumber::First, OrbitNumber::Second].map(|which| (k, which)));
+            let before: Vec<_> = both.filter_map(|(k, which)| Some((k, self.state(k, which)?))).collect();
+            orbit::transfer_orbit_corrected((plan, j, &state), &before, &part, n as u32)
+        };
+        let places: Vec<SectionState> = wave.iter().enumerate().map(place).collect();
+        let mut found = Vec::new();
+        for (&i, one) in numbers.iter().zip(pieces.solve_from_sections(&part, &places)?) {
+            let Some((finished, place)) = one else {
+                self.incomplete = true;
+                continue;
+            };
+            all.tried += 1;
+            if self.take(i, finished, place) {
+                found.push(i);
+            }
+        }
+        all.followed += found.len();
+        Ok(found)
+    }
+
+    /// The first of the neighbours' states from which this instance has not been searched and that may lead to another
+    /// state than its first; the first number is its side.
+    fn candidate(&self, i: u32, neighbours: &GridAdjacency, tried: u64) -> Option<(u32, u32, OrbitNumber)> {
+        neighbours.adjacent(i).find_map(|(side, j)| {
+            [OrbitNumber::First, OrbitNumber::Second].into_iter().find_map(|which| {
+                let open = tried & trial_bit(side, which) == 0 && self.is_on_other_branch(i, j, which);
+                open.then_some((side, j, which))
+            })
+        })
+    }
+
+    fn state(&self, j: u32, which: OrbitNumber) -> Option<PeriodicState> {
+        match which {
+            OrbitNumber::First => self.run.found.get(j as usize),
+            OrbitNumber::Second => self.seconds.get(&j).map(|second| (*second.orbit).clone()),
+        }
+    }
+
+    fn has(&self, j: u32, which: OrbitNumber) -> bool {
+        match which {
+            OrbitNumber::First => self.run.found.has(j as usize),
+            OrbitNumber::Second => self.seconds.contains_key(&j),
+        }
+    }
+
+    fn result(&self, j: u32, which: OrbitNumber) -> Option<Finished> {
+        match which {
+            OrbitNumber::First => Some(self.run.results.get(j as usize)),
+            OrbitNumber::Second => self.seconds.get(&j).map(|second| second.finished),
+        }
+    }
+
+    /// Whether this state of a neighbour is on another branch than the instance's first: it is pushed where that is
+    /// pulled or free, or the other way round; or the neighbour's other state is nearer to it.
+    fn is_on_other_branch(&self, i: u32, j: u32, which: OrbitNumber) -> bool {
+        if !self.has(j, which) {
+            return false;
+        }
+        let Some(theirs) = self.result(j, which) else { return false };
+        let ours = self.run.results.get(i as usize);
+        if !ours.status.is_steady() {
+            return true;
+        }
+        let felt = |one: &Finished| one.measured.force_mean.partial_cmp(&0.0);
+        if felt(&ours) != felt(&theirs) {
+            return true;
+        }
+        let rest = match which {
+            OrbitNumber::First => OrbitNumber::Second,
+            OrbitNumber::Second => OrbitNumber::First,
+        };
+        self.result(j, rest)
+            .is_some_and(|rest| fundamental_distance(&ours, &theirs) > fundamental_distance(&ours, &rest))
+    }
+}
+
+/// How far the fundamentals of two motions are apart, m.
+fn fundamental_distance(a: &Finished, b: &Finished) -> f64 {
+    let turn = (a.measured.phase - b.measured.phase).to_radians();
+    let (a, b) = (a.measured.harmonics[0], b.measured.harmonics[0]);
+    (a * a + b * b - 2.0 * a * b * turn.cos()).max(0.0).sqrt()
+}

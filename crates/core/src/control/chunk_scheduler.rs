@@ -1,0 +1,351 @@
+//! All instances of a plan, chunk by chunk.
+
+use super::basis_choice::{self, BasisChoice};
+use super::basis_rules::BasisRules;
+use super::block_solver::{self, BlockSolver};
+use super::choices::{Choices, Course};
+use super::chunk::{Chunk, ChunkJournal};
+use super::chunking::Chunking;
+use super::first_estimate::{EstimateInputs, SmallerBasis};
+use super::journaled_run::JournaledRun;
+use super::{ChunkRun, branch_switching, by_reference, interruption, once};
+use crate::engine::{Engine, EngineError, Progress, Reference};
+use crate::observe::Status;
+use crate::orbit;
+use crate::plan::{BasisRule, Plan};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How the instances of a chunk are taken to their ends.
+struct ChunkWork<'a> {
+    choices: &'a Choices,
+    /// What the modes left out cost each instance of the plan; see [`basis_choice::BasisChoice`].
+    truncation: Vec<f64>,
+    /// By instance of the plan; see [`EstimateInputs`].
+    smaller_basis: Option<BasisRules>,
+    /// Whether any instance of the plan needs steps.
+    stepped: bool,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+}
+
+impl ChunkWork<'_> {
+    /// A chunk of the whole that is not begun, with its searches from rest where second states are asked for.
+    fn run(&self, number: usize, whole: &JournaledRun) -> Result<ChunkRun, EngineError> {
+        let (engine, progress) = (self.engine, self.progress);
+        let mut ran = self.first_states(number, whole)?;
+        if ran.plan.run.both_branches && !progress.stopped() {
+            let mut notes = Vec::new();
+            let statuses: Vec<_> = ran.outcome.results.iter().map(|one| one.status).collect();
+            ran.from_rest =
+                branch_switching::from_rest((&ran.plan, &statuses), engine, progress, &mut notes)?;
+            ran.outcome.notes.append(&mut notes);
+        }
+        Ok(ran)
+    }
+
+    /// Takes a chunk, by its number, to its end.
+    fn first_states(&self, number: usize, whole: &JournaledRun) -> Result<ChunkRun, EngineError> {
+        let (engine, progress) = (self.engine, self.progress);
+        let portion = whole.chunk(number);
+        let part = whole.plan.part(portion).with_own_drives();
+        match self.choices.course {
+            Course::Reference => by_reference(&part, &Reference::default(), progress),
+            Course::Once => once(part, &self.choices.precision.reason, engine, progress),
+            Course::Controlled if !self.stepped => free(part, self.choices, engine, progress),
+            Course::Controlled => {
+                let stepped = part.stepped();
+                let left_out = portion
+                    .iter()
+                    .map(|i| self.truncation.get(*i as usize).copied().unwrap_or(0.0))
+                    .collect();
+                let of = |all: &BasisRules| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
+                let poorer = self.smaller_basis.as_ref().map(|all| SmallerBasis::of(&part, of(all)));
+                if let Some(blocks) = &whole.division().blocks {
+                    let order = blocks.within(number, &part);
+                    let block = BlockSolver {
+                        plan: part,
+                        smaller_basis: poorer,
+                        truncation: left_out,
+                        choices: self.choices,
+                    };
+                    return block_solver::run(block, &order, engine, progress);
+                }
+                let first = EstimateInputs::alone(poorer, left_out, &self.choices.precision);
+                interruption::marked(part, &stepped, first, engine, progress)
+            }
+        }
+    }
+}
+
+/// What feels no sample is as it is, but holds no set-point.
+fn free(
+    mut plan: Plan,
+    choices: &Choices,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<ChunkRun, EngineError> {
+    let outcome = match plan.has_setpoints() {
+        true => orbit::solve_first(&mut plan, engine, progress)?.outcome,
+        false => engine.run(&plan, progress)?,
+    };
+    let count = plan.len();
+    Ok(ChunkRun {
+        outcome,
+        estimates: vec![0.0; count],
+        truncation: vec![0.0; count],
+        found: Vec::new(),
+        periods: vec![0; count],
+        jumps: Vec::new(),
+        neighbour_started: Vec::new(),
+        arithmetic: choices.precision.arithmetic(count),
+        solved: Vec::new(),
+        from_rest: Vec::new(),
+        plan,
+    })
+}
+
+/// Takes all instances of the scene's plan to their ends by what was chosen, in chunks, some of them at once. Whoever stops
+/// a run keeps the chunks that are done. What `keep` does not want stays not run.
+pub(super) fn run<'k>(
+    planned: Plan,
+    choices: &Choices,
+    keep: &'k dyn ChunkJournal,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<JournaledRun<'k>, EngineError> {
+    let stepped = planned.stepped();
+    let BasisChoice { mut plan, smaller, truncation } = match choices.course {
+        Course::Controlled => basis_choice::choose_bases(&planned, &stepped, choices.bases.as_ref()),
+        _ => BasisChoice { plan: planned.clone(), smaller: None, truncation: Vec::new() },
+    };
+    (plan.precision, plan.precision_open) = (choices.precision.precision, false);
+    // There may be very many instances.
+    let some_stepped = !stepped.is_empty();
+    drop(stepped);
+    let division = Chunking::of(&planned, choices, keep.shares());
+    drop(planned);
+    let mut whole = JournaledRun::not_begun(plan, choices, division, keep);
+    let work =
+        ChunkWork { choices, truncation, smaller_basis: smaller, stepped: some_stepped, engine, progress };
+    let wanted = take_known(&mut whole, keep);
+    let all: u64 = wanted.iter().map(|number| whole.chunk(*number).len() as u64).sum();
+    let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));
+    if held.is_none() {
+        progress.stage(&["estimate", "run", "refinement"]);
+    }
+    let ended = AtomicBool::new(false);
+    let one = |whole: &JournaledRun, number: usize| {
+        let part = work.run(number, whole)?;
+        let is_run = part.outcome.results.iter().all(|one| one.status != Status::NotRun);
+        let mut portion = Chunk::of(&part, number, is_run && !progress.stopped());
+        if let Some(held) = &held {
+            held.done(portion.flags.len() as u64);
+        }
+        let bytes = std::mem::take(&mut portion.bytes);
+        if portion.is_any() && keep.ended(number, portion.meta.whole, bytes).is_break() {
+            ended.store(true, Ordering::Relaxed);
+            progress.stop();
+        }
+        Ok::<_, EngineError>(portion)
+    };
+    for some in wanted.chunks(engine.portions().1.max(1)) {
+        if progress.stopped() || ended.load(Ordering::Relaxed) {
+            break;
+        }
+        let done: Vec<_> = match some {
+            [number] => vec![one(&whole, *number)],
+            _ => some.par_iter().map(|number| one(&whole, *number)).collect(),
+        };
+        for (number, portion) in some.iter().zip(done) {
+            let portion = portion?;
+            if portion.is_any() {
+                whole.take(*number, &portion);
+            }
+        }
+    }
+    Ok(whole)
+}
+
+/// Takes in what earlier runs have ended; gives the numbers of the chunks that are to be run.
+fn take_known(whole: &mut JournaledRun, keep: &dyn ChunkJournal) -> Vec<usize> {
+    let mut wanted = Vec::new();
+    for number in 0..whole.division().len() {
+        let runs = keep.wanted(number);
+        let (count, accuracy) = (whole.chunk(number).len(), whole.plan.run.accuracy);
+        let known = keep.known(number, count);
+        let known = known.and_then(|bytes| Chunk::of_bytes(bytes, (number, count), accuracy));
+        // What was cut short or left out is run anew, from what was chosen.
+        let is_run = |known: &Chunk| known.flags.iter().all(|mark| mark.status() != Status::NotRun);
+        let known = known.filter(|known| known.meta.whole && is_run(known) || !runs);
+        if let Some(known) = &known {
+            whole.take(number, known);
+        }
+        if runs && known.is_none() {
+            wanted.push(number);
+        }
+    }
+    wanted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::chunking::whole_curves;
+    use crate::control::{MemoryJournal, RunResult, choose};
+    use crate::engine::{Cpu, Outcome, ReturnMap};
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// The CPU engine with small chunks.
+    struct Small(Cpu);
+
+    impl Engine for Small {
+        fn device(&self) -> String {
+            "small".into()
+        }
+
+        fn portions(&self) -> (usize, usize) {
+            (20, 3)
+        }
+
+        fn by_threads(&self) -> bool {
+            true
+        }
+
+        fn return_map(&self, plan: &Plan, of: &[u32]) -> Result<Option<Box<dyn ReturnMap>>, EngineError> {
+            self.0.return_map(plan, of)
+        }
+
+        fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+            self.0.run(plan, progress)
+        }
+    }
+
+    /// A plan in one piece and in chunks, by the same choices.
+    fn both(plan: &Plan) -> (RunResult, RunResult) {
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let chosen = choose(plan, Course::Controlled, &engine, &progress).expect("trials run");
+        let chosen = chosen.expect("nobody stops it");
+        let run = |portion, engine: &dyn Engine| {
+            let choices = Choices { portion, ..chosen.clone() };
+            let keep = MemoryJournal::default();
+            let ran = super::run(plan.clone(), &choices, &keep, engine, &progress).expect("it runs");
+            ran.gathered().expect("it lies in memory")
+        };
+        (run(usize::MAX, &engine), run(20, &Small(engine)))
+    }
+
+    /// The whole is what chunks of it are, to the bit: integrated and searched for.
+    #[test]
+    fn portions_give_what_the_whole_gives() {
+        let text = include_str!("../../../../scenes/quickstart.toml");
+        for steady in ["wait", "search"] {
+            let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
+            let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
+            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let some: Vec<u32> = (0..plan.len() as u32).step_by(83).collect();
+            let plan = plan.part(&some);
+            let (whole, parts) = both(&plan);
+            for i in 0..plan.len() {
+                let (a, b) = (whole.results.get(i), parts.results.get(i));
+                assert_eq!(format!("{a:?}"), format!("{b:?}"), "{steady}, instance {i}");
+                assert_eq!(whole.estimates[i].to_bits(), parts.estimates[i].to_bits());
+                assert_eq!(
+                    (whole.periods[i], whole.plan.steps(i as u32)),
+                    (parts.periods[i], parts.plan.steps(i as u32))
+                );
+                let place = |all: &RunResult| Some(all.found.get(i)?.section);
+                assert_eq!(place(&whole), place(&parts));
+            }
+        }
+    }
+
+    /// More curves than a chunk has: none is cut, and each is what it is in one piece.
+    #[test]
+    fn curves_stay_whole_in_portions() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 30 }]
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            force = "20 nN"
+            [sweep]
+            "sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 150 }
+            [curve]
+            quantity = "approach.gap"
+            values = ["14 nm", "12 nm"]
+            direction = "both"
+        "#;
+        let scene = Scene::parse(Path::new("curves.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        assert_eq!((plan.len(), whole_curves(&plan, 20)), (600, 128));
+        let (whole, parts) = both(&plan);
+        let bits = |all: &RunResult| format!("{:?} {:?}", all.results, all.estimates);
+        assert_eq!((bits(&whole), &whole.jumps), (bits(&parts), &parts.jumps));
+        assert_eq!(parts.jumps.len(), 600);
+    }
+
+    /// The CPU engine as one that takes all instances at once and has no map of its own, as a GPU has none.
+    struct Plain;
+
+    impl Engine for Plain {
+        fn device(&self) -> String {
+            "plain".into()
+        }
+
+        fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+            Cpu::default().run(plan, progress)
+        }
+    }
+
+    /// A grid, and a design, whose instances begin at their neighbours': the same in small chunks, in one piece, and on an
+    /// engine that only runs plans.
+    #[test]
+    fn neighbours_lead_to_the_same_in_any_portions() {
+        let grid = r#"
+            [sweep]
+            "sample.youngs_modulus" = { from = "0.5 GPa", to = "5 GPa", points = 40 }
+            "approach.gap" = { from = "12 nm", to = "14 nm", points = 25 }
+        "#;
+        let design = r#"
+            [uncertain]
+            "sample.youngs_modulus" = { distribution = "uniform", from = "0.5 GPa", to = "5 GPa" }
+            "approach.gap" = { distribution = "uniform", from = "12 nm", to = "14 nm" }
+            [design]
+            kind = "monte-carlo"
+            samples = 1000
+        "#;
+        [grid, design].into_iter().for_each(same_in_any_portions);
+    }
+
+    fn same_in_any_portions(swept: &str) {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 30 }]
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            force = "20 nN"
+            [run]
+            steady = "search"
+        "#;
+        let scene =
+            Scene::parse(Path::new("grid.toml"), &format!("{text}{swept}")).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let run =
+            |engine: &dyn Engine| crate::control::run(&plan, engine, &Progress::default()).expect("it runs");
+        let [whole, small, plain] = [run(&Cpu::default()), run(&Small(Cpu::default())), run(&Plain)];
+        assert!(whole.neighbour_started() > 0.9, "{}", whole.neighbour_started());
+        let bits =
+            |all: &RunResult| format!("{:?} {:?} {:?}", all.results, all.estimates, all.neighbour_started);
+        assert_eq!(bits(&whole), bits(&small));
+        assert_eq!(bits(&whole), bits(&plain));
+    }
+}

@@ -1,0 +1,141 @@
+//! What an instance needs next, from what is known of it: the decision alone, nothing is run here.
+
+use crate::observe::Status;
+use crate::plan::{Policy, STEPS_MAX};
+
+/// What an instance's estimate is made of, and what its refinement has brought so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Refinement {
+    /// The part of the error that is of steps, and that of what its basis leaves out.
+    pub of_steps: f64,
+    pub of_modes: f64,
+    /// The first difference, while it is not known what of it is of steps and what of bases.
+    pub unsplit: Option<f64>,
+    /// Most steps that it may have.
+    pub most_steps: u32,
+    /// Whether a fast contact has had a finer run. The first one is held against a difference that may have been small by
+    /// chance, and does not count as in vain.
+    pub finer_before: bool,
+    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down.
+    pub stalled: bool,
+}
+
+impl Refinement {
+    /// The whole estimate.
+    pub fn error(&self) -> f64 {
+        self.of_modes + self.of_steps
+    }
+}
+
+/// What is known of an instance after its last run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InstanceSummary<'a> {
+    pub status: Status,
+    /// Estimated error, and the accuracy asked for.
+    pub estimate: f64,
+    pub accuracy: f64,
+    /// Steps per period of the last run.
+    pub steps: u32,
+    /// Whether it ran in f32 and may go on in f64.
+    pub single: bool,
+    /// Whether there is a richer basis than its own.
+    pub can_be_richer: bool,
+    pub refinement: &'a Refinement,
+}
+
+/// What an instance needs next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// Nothing: its result stays.
+    Accept,
+    /// The same run in f64: rounding may be what does not repeat.
+    Double,
+    /// Twice the steps.
+    MoreSteps,
+    /// A richer basis.
+    RicherBasis,
+}
+
+/// Decides by what is known alone.
+///
+/// An instance whose motion does not repeat is not helped by steps, unless it ran in f32, which may be wrong about that.
+/// What left the range, or overflowed, may have done so for want of steps.
+pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
+    let refinement = known.refinement;
+    if refinement.stalled || known.steps > STEPS_MAX / 2 {
+        return Next::Accept;
+    }
+    match known.status {
+        Status::NotSteady if known.single => return Next::Double,
+        // Of what has no estimate nothing more is to be learnt.
+        Status::Ok if known.estimate.is_nan() || known.estimate <= policy.aim * known.accuracy => {
+            return Next::Accept;
+        }
+        Status::Ok | Status::OutOfRange | Status::NonFinite => {}
+        _ => return Next::Accept,
+    }
+    // Where modes lead more steps will not help: known once two runs had the same basis.
+    let modes_lead = refinement.unsplit.is_none() && refinement.of_modes > refinement.of_steps;
+    if modes_lead && known.can_be_richer {
+        Next::RicherBasis
+    } else if known.steps <= refinement.most_steps / 2 {
+        Next::MoreSteps
+    } else {
+        Next::Accept
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OF_STEPS: Refinement = Refinement {
+        of_steps: 9e-4,
+        of_modes: 1e-4,
+        unsplit: None,
+        most_steps: 1024,
+        finer_before: false,
+        stalled: false,
+    };
+    const OF_MODES: Refinement = Refinement { of_steps: 1e-4, of_modes: 9e-4, ..OF_STEPS };
+    const UNTOLD: Refinement = Refinement { unsplit: Some(4e-3), ..OF_MODES };
+    const IN_VAIN: Refinement = Refinement { stalled: true, ..OF_STEPS };
+    const KNOWN: InstanceSummary = InstanceSummary {
+        status: Status::Ok,
+        estimate: 1e-3,
+        accuracy: 1e-3,
+        steps: 64,
+        single: false,
+        can_be_richer: true,
+        refinement: &OF_STEPS,
+    };
+
+    #[test]
+    fn each_case_of_the_table() {
+        let lost = |status| InstanceSummary { status, ..KNOWN };
+        let of = |refinement| InstanceSummary { refinement, ..KNOWN };
+        let table = [
+            ("steps lead", KNOWN, Next::MoreSteps),
+            ("below the aim", InstanceSummary { estimate: 5.9e-4, ..KNOWN }, Next::Accept),
+            ("just above it", InstanceSummary { estimate: 6.1e-4, ..KNOWN }, Next::MoreSteps),
+            ("never estimated", InstanceSummary { estimate: f64::NAN, ..KNOWN }, Next::Accept),
+            ("modes lead", of(&OF_MODES), Next::RicherBasis),
+            ("not told apart", of(&UNTOLD), Next::MoreSteps),
+            ("no richer basis", InstanceSummary { can_be_richer: false, ..of(&OF_MODES) }, Next::MoreSteps),
+            ("all steps taken", InstanceSummary { steps: 1024, ..KNOWN }, Next::Accept),
+            ("a basis is left", InstanceSummary { steps: 1024, ..of(&OF_MODES) }, Next::RicherBasis),
+            ("most steps there are", InstanceSummary { steps: STEPS_MAX, ..of(&OF_MODES) }, Next::Accept),
+            ("in vain before", of(&IN_VAIN), Next::Accept),
+            ("overflowed", lost(Status::NonFinite), Next::MoreSteps),
+            ("out of range", lost(Status::OutOfRange), Next::MoreSteps),
+            ("does not repeat", lost(Status::NotSteady), Next::Accept),
+            ("does not in f32", InstanceSummary { single: true, ..lost(Status::NotSteady) }, Next::Double),
+            ("f32 and steps lead", InstanceSummary { single: true, ..KNOWN }, Next::MoreSteps),
+            ("not run", lost(Status::NotRun), Next::Accept),
+            ("sensitive", lost(Status::Sensitive), Next::Accept),
+        ];
+        for (what, known, expected) in table {
+            assert_eq!(next(&known, &Policy::STANDARD), expected, "{what}");
+        }
+    }
+}

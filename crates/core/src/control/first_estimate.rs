@@ -1,0 +1,276 @@
+//! The first two runs of every instance, and what their difference tells.
+
+use super::decision::Refinement;
+use super::difference_scale::{is_fast, remaining_error_factor, scaled_differences};
+use super::orbit_pair::{self, OrbitPair};
+use super::stencils::Stencils;
+use super::step_reduction::{half_steps, quarter_steps};
+use super::{basis_choice, precision_trial};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
+use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution, PeriodicState};
+use crate::plan::{BasisRule, Plan, Precision, STEPS_MAX};
+
+/// What is known before the steps are.
+pub(super) struct EstimateInputs<'a> {
+    /// The bases of the first run; none where they are the plan's own.
+    pub poorer: Option<SmallerBasis>,
+    /// What the modes left out cost each instance, by the sample.
+    pub left_out: Vec<f64>,
+    pub chosen: &'a precision_trial::PrecisionChoice,
+    /// Solved instances around these, where their searches may begin; others begin at these in their turn.
+    pub around: Option<Stencils<'a>>,
+}
+
+/// The next smaller bases.
+pub(super) struct SmallerBasis {
+    /// By instance.
+    pub bases: Vec<BasisRule>,
+    /// The plan of the first run but for its steps: with these bases, though not for fast contacts. How many oscillators those
+    /// have decides what their steps cost, so their bases are told apart by a run of its own.
+    plan: Plan,
+}
+
+impl SmallerBasis {
+    /// Of all instances of a plan.
+    pub fn of(plan: &Plan, bases: Vec<BasisRule>) -> Self {
+        let usual = plan.stepped().into_iter().filter(|i| !is_fast(plan, *i));
+        let wanted: Vec<(u32, BasisRule)> = usual.map(|i| (i, bases[i as usize])).collect();
+        Self { plan: plan.with_bases_alone(&wanted), bases }
+    }
+
+    /// Of some of these.
+    pub fn part(&self, instances: &[u32]) -> Self {
+        let bases = instances.iter().map(|i| self.bases[*i as usize]).collect();
+        Self { bases, plan: self.plan.part(instances) }
+    }
+}
+
+impl<'a> EstimateInputs<'a> {
+    /// Of instances that are searched for one by one, and lead to no others.
+    pub fn alone(
+        poorer: Option<SmallerBasis>,
+        left_out: Vec<f64>,
+        chosen: &'a precision_trial::PrecisionChoice,
+    ) -> Self {
+        Self { poorer, left_out, chosen, around: None }
+    }
+}
+
+/// What the first two runs gave.
+pub(super) struct FirstEstimate {
+    /// The plan of the second.
+    pub plan: Plan,
+    pub settled: OrbitSolution,
+    /// By instance.
+    pub known: Vec<Refinement>,
+    /// By instance, whether it began at its neighbours' states; empty where none did.
+    pub neighbour_started: Vec<bool>,
+    /// By instance, what others begin at; empty where none does.
+    pub solved: Vec<OrbitPair>,
+}
+
+/// Runs `stepped`, the instances that need steps, with a quarter of the plan's, then all with half of them. Where the
+/// first run had poorer bases, the difference is of both; of fast contacts a third run tells what of it the bases make.
+pub(super) fn run(
+    plan: &Plan,
+    stepped: &[u32],
+    EstimateInputs { poorer, left_out, around, .. }: EstimateInputs,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<FirstEstimate, EngineError> {
+    let mut fine = half_steps(plan.clone());
+    let mut coarse = quarter_steps(match &poorer {
+        None => plan.part(stepped),
+        Some(poorer) => poorer.plan.part(stepped),
+    });
+    let (mut rough, mut settled, neighbour_started) =
+        coarse_and_fine(&mut coarse, &mut fine, stepped, around.as_ref(), (engine, progress))?;
+    let kept = keep_curves(&mut settled, stepped, &rough, progress);
+    settled.outcome.notes.splice(0..0, rough.outcome.notes.iter().cloned());
+    if !rough.jumps.is_empty() {
+        settled.jumps = vec![false; plan.len()];
+        stepped.iter().zip(&rough.jumps).for_each(|(i, jump)| settled.jumps[*i as usize] = *jump);
+        let near = orbit::scatter(&rough.found, stepped, plan.len());
+        settled.outcome.notes.extend(moved(&fine, &settled, &near, engine, progress)?);
+        orbit::locate_jumps(&fine, &mut settled.jumps, &settled.found);
+    }
+    let begin = |(i, of_modes): (u32, f64)| Refinement {
+        of_steps: 0.0,
+        of_modes,
+        unsplit: None,
+        most_steps: (fine.steps(i) << plan.policy.doublings).min(STEPS_MAX),
+        finer_before: false,
+        stalled: false,
+    };
+    let known = fine.instances().zip(left_out).map(begin).collect();
+    let solved = match around.is_some() {
+        true => solved(plan.len(), stepped, (&coarse, &mut rough), (&fine, &settled)),
+        false => Vec::new(),
+    };
+    let mut begun = FirstEstimate { plan: fine, settled, known, neighbour_started, solved };
+    let apart =
+        scaled_differences(&begun.plan, stepped, &rough.outcome.results, &begun.settled.outcome.results);
+    for ((place, rough), apart) in coarse.instances().zip(&rough.outcome.results).zip(apart) {
+        let i = stepped[place as usize];
+        let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
+        let of_both = rough.status == Status::Ok && !same_basis;
+        let left = if of_both { remaining_error_factor(&begun.plan, i) } else { plan.policy.left_of_steps };
+        // A first run that was cut short has not told.
+        let told =
+            rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
+        let known = &mut begun.known[i as usize];
+        known.of_steps = if told { left * apart } else { f64::INFINITY };
+        known.unsplit = of_both.then_some(apart);
+    }
+    kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
+    begun.add_unbent(stepped);
+    if let Some(SmallerBasis { bases, .. }) = &poorer {
+        begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
+    }
+    Ok(begun)
+}
+
+/// A run of `stepped` alone with the coarse plan, then one of all with the fine one; which of these began at their
+/// neighbours' states.
+fn coarse_and_fine(
+    coarse: &mut Plan,
+    fine: &mut Plan,
+    stepped: &[u32],
+    around: Option<&Stencils>,
+    (engine, progress): (&dyn Engine, &Progress),
+) -> Result<(OrbitSolution, OrbitSolution, Vec<bool>), EngineError> {
+    let Some(around) = around else {
+        let rough = orbit::solve_first(coarse, engine, progress)?;
+        let near = orbit::scatter(&rough.found, stepped, fine.len());
+        fine.take_gaps(stepped, coarse);
+        let settled = orbit::solve_again(fine, &near, engine, progress)?;
+        return Ok((rough, settled, Vec::new()));
+    };
+    // What is integrated to steady state is so in the second run, and only where it settles in the first one.
+    let (leads, patience) = (around.first_run(stepped), around.on_failure());
+    let (mut rough, _) = orbit::solve_from_neighbours(coarse, &leads, (&[], patience[0]), engine, progress)?;
+    let near = orbit::scatter(&rough.found, stepped, fine.len());
+    let leads = around.second_run(&near);
+    let (settled, mut begun) =
+        orbit::solve_from_neighbours(fine, &leads, (&near, patience[1]), engine, progress)?;
+    if around.all_start_from_neighbours() {
+        begun = settled.found.iter().map(Option::is_some).collect();
+    }
+    let settles = |place: &u32| {
+        let fine = &settled.outcome.results[stepped[*place as usize] as usize];
+        rough.outcome.results[*place as usize].status == Status::NotRun && fine.status.is_steady()
+    };
+    let late: Vec<u32> = coarse.instances().filter(settles).collect();
+    if !late.is_empty() && !progress.stopped() {
+        let numbers: Vec<u32> = late.iter().map(|place| stepped[*place as usize]).collect();
+        let near = orbit::gather(&settled.found, &numbers);
+        rough.take(&late, orbit::solve(&coarse.part(&late), &near, engine, progress)?);
+    }
+    Ok((rough, settled, begun))
+}
+
+/// Of each of so many instances what others may begin at, by both runs.
+fn solved(
+    count: usize,
+    stepped: &[u32],
+    (coarse, rough): (&Plan, &mut OrbitSolution),
+    (fine, settled): (&Plan, &OrbitSolution),
+) -> Vec<OrbitPair> {
+    let mut all = vec![OrbitPair::Unknown; count];
+    for (place, i) in coarse.instances().zip(stepped) {
+        let (p, n) = (place as usize, *i as usize);
+        all[n] = orbit_pair::orbit_pairs(
+            (coarse, place, &rough.outcome.results[p], rough.found.get_mut(p).and_then(Option::take)),
+            (fine, *i, &settled.outcome.results[n], settled.state(n)),
+        );
+    }
+    all
+}
+
+/// A line on jumps whose place hangs on the steps.
+fn moved(
+    fine: &Plan,
+    settled: &OrbitSolution,
+    before: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Option<String>, EngineError> {
+    let all = settled.jumps.iter().filter(|jump| **jump).count();
+    if all == 0 || progress.stopped() {
+        return Ok(None);
+    }
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let plan = fine.clone().in_precision(Precision::F64);
+    let moved = orbit::jumps_moved(&plan, &settled.jumps, (before, &settled.found), double, progress)?;
+    Ok((moved > 0).then(|| {
+        format!(
+            "with other numbers of steps {moved} of {all} jumps stand at another point: finer [run] accuracy tells where"
+        )
+    }))
+}
+
+/// Where curves were stopped before their second run, the points that the first one has reached are kept, as not run; these
+/// are named.
+fn keep_curves(
+    settled: &mut OrbitSolution,
+    stepped: &[u32],
+    rough: &OrbitSolution,
+    progress: &Progress,
+) -> Vec<u32> {
+    let mut kept = Vec::new();
+    if rough.jumps.is_empty() || !progress.stopped() {
+        return kept;
+    }
+    for (i, first) in stepped.iter().zip(&rough.outcome.results) {
+        let result = &mut settled.outcome.results[*i as usize];
+        if !result.measured.is_any() && first.measured.is_any() {
+            *result = Finished { status: Status::NotRun, ..*first };
+            kept.push(*i);
+        }
+    }
+    kept
+}
+
+impl FirstEstimate {
+    /// Adds what the flexibility that no oscillator carries costs the virial.
+    fn add_unbent(&mut self, stepped: &[u32]) {
+        let costs = basis_choice::unbent_of(&self.plan, stepped, &self.settled.outcome.results);
+        stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
+    }
+
+    /// Runs the fast contacts once more, with poorer bases and the same steps: that difference is of bases alone.
+    fn tell_fast_bases(
+        &mut self,
+        plan: &Plan,
+        stepped: &[u32],
+        bases: &[BasisRule],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let results = &self.settled.outcome.results;
+        let poorer = |i: &u32| {
+            let ok = results[*i as usize].status == Status::Ok;
+            ok && is_fast(plan, *i) && bases[*i as usize] != plan.basis_rule(*i)
+        };
+        let fast: Vec<u32> = stepped.iter().copied().filter(poorer).collect();
+        if fast.is_empty() {
+            return Ok(());
+        }
+        let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
+        let mut few = self.plan.with_bases_alone(&wanted).part(&fast);
+        let poor =
+            orbit::solve_again(&mut few, &orbit::gather(&self.settled.found, &fast), engine, progress)?;
+        let apart = scaled_differences(&self.plan, &fast, &poor.outcome.results, results);
+        for (i, apart) in fast.into_iter().zip(apart) {
+            // A run that is cut short has not told.
+            self.known[i as usize].of_modes = if progress.stopped() {
+                f64::INFINITY
+            } else {
+                remaining_error_factor(&self.plan, i) * apart
+            };
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,99 @@
+//! What is known of each instance of a run in a byte.
+
+use crate::observe::Status;
+use crate::plan::Precision;
+
+/// Status and a few marks of an instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstanceFlags(u8);
+
+/// What a mark is made of.
+pub(super) struct InstanceFacts {
+    pub status: Status,
+    /// Whether it needed steps.
+    pub stepped: bool,
+    /// Whether anything was measured of it.
+    pub measured: bool,
+    pub estimate: f64,
+    /// Whether its periodic state was found.
+    pub found: bool,
+    /// The arithmetic of its last run.
+    pub precision: Precision,
+}
+
+const STATUS: u8 = 7;
+const STEPPED: u8 = 1 << 3;
+const MEASURED: u8 = 1 << 4;
+const ESTIMATED: u8 = 1 << 5;
+const FOUND: u8 = 1 << 6;
+const DOUBLE: u8 = 1 << 7;
+
+// All statuses have room.
+const _: () = assert!(Status::ALL.len() <= STATUS as usize + 1);
+
+impl InstanceFlags {
+    /// Of an instance that was not run, in this precision.
+    pub(super) fn not_run(precision: Precision) -> Self {
+        Self(Status::NotRun as u8 | flag(DOUBLE, precision == Precision::F64))
+    }
+
+    /// Of one that has ended. What is called ok and was estimated above the accuracy asked for is called so.
+    pub(super) fn of(seen: InstanceFacts, accuracy: f64) -> Self {
+        let InstanceFacts { status, stepped, measured, estimate, found, precision } = seen;
+        let mark = Self(
+            status as u8
+                | flag(STEPPED, stepped)
+                | flag(MEASURED, measured)
+                | flag(ESTIMATED, !estimate.is_nan())
+                | flag(FOUND, found)
+                | flag(DOUBLE, precision == Precision::F64),
+        );
+        match status {
+            Status::Ok if stepped && estimate > accuracy => mark.called(Status::AccuracyNotMet),
+            _ => mark,
+        }
+    }
+
+    /// With another status.
+    pub(super) fn called(self, status: Status) -> Self {
+        Self(self.0 & !STATUS | status as u8)
+    }
+
+    fn has(self, flag: u8) -> bool {
+        self.0 & flag != 0
+    }
+
+    /// What became of it.
+    pub fn status(self) -> Status {
+        Status::ALL[usize::from(self.0 & STATUS)]
+    }
+
+    /// Whether it needed steps; what feels no sample needs none.
+    pub fn stepped(self) -> bool {
+        self.has(STEPPED)
+    }
+
+    /// Whether anything was measured of it.
+    pub fn measured(self) -> bool {
+        self.has(MEASURED)
+    }
+
+    /// Whether its error was estimated.
+    pub fn estimated(self) -> bool {
+        self.has(ESTIMATED)
+    }
+
+    /// Whether its periodic state was found by a search, or by integration where one found none.
+    pub fn found(self) -> bool {
+        self.has(FOUND)
+    }
+
+    /// The arithmetic of its last run.
+    pub fn precision(self) -> Precision {
+        if self.has(DOUBLE) { Precision::F64 } else { Precision::F32 }
+    }
+}
+
+fn flag(flag: u8, holds: bool) -> u8 {
+    if holds { flag } else { 0 }
+}

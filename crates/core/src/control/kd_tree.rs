@@ -1,0 +1,173 @@
+//! The order in which scattered instances begin at one another's states, and which solved ones are nearest: both are one
+//! k-d tree (Bentley 1975, <https://doi.org/10.1145/361002.361007>) of medians. The instances at its top are spread over all
+//! of them, those of each depth stand between the ones above, and what is solved so far is a whole tree again.
+
+/// Points and the tree over them. It depends on their coordinates and their order alone.
+pub(super) struct KdTree {
+    dimensions: usize,
+    /// The points in the order of the tree: the middle one of a stretch divides it.
+    points: Vec<u32>,
+    /// Their coordinates, point after point in that order.
+    coordinates: Vec<f64>,
+    /// Of each place the dimension along which its point divides a stretch.
+    along: Vec<u8>,
+}
+
+/// A point and its square distance.
+pub(super) type NearPoint = (u32, f64);
+
+impl KdTree {
+    /// Of points that have so many coordinates each.
+    pub fn new(dimensions: usize, coordinates: &[f64]) -> Self {
+        let count = coordinates.len() / dimensions.max(1);
+        let mut points: Vec<u32> = (0..count as u32).collect();
+        let mut along = vec![0; count];
+        let coordinates = |point: u32| &coordinates[point as usize * dimensions..][..dimensions];
+        divide(&mut points, &mut along, &coordinates);
+        let coordinates = points.iter().flat_map(|point| coordinates(*point)).copied().collect();
+        Self { dimensions, points, coordinates, along }
+    }
+
+    /// The points of these depths, the root's being 0.
+    pub fn at(&self, depths: std::ops::Range<u32>) -> Vec<u32> {
+        let mut all = Vec::new();
+        let mut below = vec![(0, self.points.len(), 0)];
+        while let Some((from, to, depth)) = below.pop() {
+            if from >= to || depth >= depths.end {
+                continue;
+            }
+            let middle = from.midpoint(to);
+            if depths.contains(&depth) {
+                all.push(self.points[middle]);
+            }
+            below.extend([(from, middle, depth + 1), (middle + 1, to, depth + 1)]);
+        }
+        all.sort_unstable();
+        all
+    }
+
+    /// How many depths there are.
+    pub fn depth(&self) -> u32 {
+        usize::BITS - self.points.len().leading_zeros()
+    }
+
+    /// The `count` points above a depth that are nearest to these coordinates, the nearest first; of equally near ones
+    /// the one of the lower number.
+    pub fn nearest(&self, to: &[f64], above: u32, count: usize) -> Vec<NearPoint> {
+        let mut search =
+            KdSearch { to, above, count, best: Vec::with_capacity(count + 1), off: vec![0.0; to.len()] };
+        search.through(self, (0, self.points.len(), 0), 0.0);
+        search.best
+    }
+
+    fn place(&self, at: usize) -> &[f64] {
+        &self.coordinates[at * self.dimensions..][..self.dimensions]
+    }
+}
+
+/// Puts the median along the widest dimension in the middle, and so on within both halves.
+fn divide<'a>(points: &mut [u32], along: &mut [u8], place: &impl Fn(u32) -> &'a [f64]) {
+    let Some(first) = points.first() else { return };
+    let middle = points.len() / 2;
+    let width = |n: usize| {
+        let all = points.iter().map(|point| place(*point)[n]);
+        let (low, high) =
+            all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    let widths: Vec<f64> = (0..place(*first).len()).map(width).collect();
+    let widest = (1..widths.len()).fold(0, |best, n| if widths[n] > widths[best] { n } else { best });
+    points.select_nth_unstable_by(middle, |a, b| {
+        place(*a)[widest].total_cmp(&place(*b)[widest]).then(a.cmp(b))
+    });
+    along[middle] = widest as u8;
+    let (low, high) = points.split_at_mut(middle);
+    let (along_low, along_high) = along.split_at_mut(middle);
+    divide(low, along_low, place);
+    divide(&mut high[1..], &mut along_high[1..], place);
+}
+
+/// A search for the nearest points.
+struct KdSearch<'a> {
+    to: &'a [f64],
+    above: u32,
+    count: usize,
+    best: Vec<NearPoint>,
+    /// How far the stretch looked at is from the place, along each dimension.
+    off: Vec<f64>,
+}
+
+impl KdSearch<'_> {
+    /// Looks through a stretch of a tree, which is so far away (the square).
+    fn through(&mut self, tree: &KdTree, (from, to, depth): (usize, usize, u32), far: f64) {
+        let full = self.best.len() == self.count;
+        if from >= to || depth >= self.above || full && self.best.last().is_some_and(|last| far > last.1) {
+            return;
+        }
+        let middle = from.midpoint(to);
+        let place = tree.place(middle);
+        let square = self.to.iter().zip(place).map(|(a, b)| (a - b).powi(2)).sum();
+        self.offer((tree.points[middle], square));
+        let n = usize::from(tree.along[middle]);
+        let beyond = self.to[n] - place[n];
+        let [low, high] = [(from, middle, depth + 1), (middle + 1, to, depth + 1)];
+        let (near, other) = if beyond < 0.0 { (low, high) } else { (high, low) };
+        self.through(tree, near, far);
+        let before = std::mem::replace(&mut self.off[n], beyond);
+        self.through(tree, other, far + beyond * beyond - before * before);
+        self.off[n] = before;
+    }
+
+    fn offer(&mut self, one: NearPoint) {
+        let nearer = |other: &NearPoint| other.1 < one.1 || other.1 == one.1 && other.0 < one.0;
+        if self.best.len() == self.count {
+            if self.best.last().is_none_or(nearer) {
+                return;
+            }
+            self.best.pop();
+        }
+        let at = self.best.iter().rposition(nearer).map_or(0, |before| before + 1);
+        self.best.insert(at, one);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points on a lattice that repeats after very many, so that some are equally near.
+    fn points(count: usize, dimensions: usize) -> Vec<f64> {
+        (0..count * dimensions).map(|n| ((n * n * 7919 + n * 104_729) % 1009) as f64 / 50.0).collect()
+    }
+
+    #[test]
+    fn every_point_is_at_one_depth_and_the_top_is_spread() {
+        let tree = KdTree::new(3, &points(1000, 3));
+        assert_eq!(tree.depth(), 10);
+        let mut all: Vec<u32> = (0..tree.depth()).flat_map(|depth| tree.at(depth..depth + 1)).collect();
+        assert_eq!(tree.at(0..5).len(), 31);
+        all.sort_unstable();
+        assert!(all.into_iter().eq(0..1000));
+    }
+
+    /// Truth: all distances, sorted.
+    #[test]
+    fn nearest_are_those_of_a_look_at_all() {
+        for dimensions in [1, 3, 6] {
+            let all = points(800, dimensions);
+            let tree = KdTree::new(dimensions, &all);
+            for above in [4, 7, tree.depth()] {
+                let there = tree.at(0..above);
+                let to = vec![7.3; dimensions];
+                let square = |point: u32| -> f64 {
+                    let place = &all[point as usize * dimensions..][..dimensions];
+                    to.iter().zip(place).map(|(a, b)| (a - b).powi(2)).sum()
+                };
+                let mut sorted: Vec<NearPoint> = there.iter().map(|point| (*point, square(*point))).collect();
+                sorted.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+                sorted.truncate(12);
+                assert_eq!(tree.nearest(&to, above, 12), sorted, "{dimensions}, above {above}");
+            }
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Chunks that are kept in memory.
+
+use super::chunk::ChunkJournal;
+use std::collections::HashMap;
+use std::ops::{ControlFlow, Range};
+use std::sync::{Mutex, PoisonError};
+
+/// Nothing is known before, and chunks that end are kept in memory.
+#[derive(Debug, Default)]
+pub struct MemoryJournal {
+    portions: Mutex<HashMap<usize, Vec<u8>>>,
+}
+
+impl ChunkJournal for MemoryJournal {
+    fn ended(&self, number: usize, _whole: bool, bytes: Vec<u8>) -> ControlFlow<()> {
+        self.portions.lock().unwrap_or_else(PoisonError::into_inner).insert(number, bytes);
+        ControlFlow::Continue(())
+    }
+
+    fn bytes(&self, number: usize, range: Range<usize>) -> Result<Vec<u8>, String> {
+        let portions = self.portions.lock().unwrap_or_else(PoisonError::into_inner);
+        let some = portions.get(&number).and_then(|bytes| bytes.get(range));
+        some.map(<[u8]>::to_vec).ok_or_else(|| format!("portion {number} was not kept"))
+    }
+}

@@ -1,0 +1,50 @@
+//! What is known of solved instances when others begin at them.
+
+use crate::engine::Finished;
+use crate::orbit::{PeriodicState, SolvedNeighbour};
+use crate::plan::Plan;
+
+/// What others may rest on of an instance.
+#[derive(Clone, Debug, Default)]
+pub(super) enum OrbitPair {
+    /// Nothing.
+    #[default]
+    Unknown,
+    /// Neither of its first two runs has found a state.
+    Vain,
+    /// The states of its first two runs.
+    States(Box<[SolvedNeighbour; 2]>),
+}
+
+impl OrbitPair {
+    /// The states of both.
+    pub fn neighbours(&self) -> Option<&[SolvedNeighbour; 2]> {
+        match self {
+            Self::States(both) => Some(both),
+            Self::Unknown | Self::Vain => None,
+        }
+    }
+}
+
+/// What an instance's guess rests on: another instance, its weight, and its weight where only the nearest count.
+pub(super) type WeightedPoint = (u32, f64, f64);
+
+/// What later instances may rest on of one, by its first two runs: a plan, its number there, its result, and its state, of which
+/// the first is not needed any more.
+pub(super) fn orbit_pairs(
+    (first, i, before, rough): (&Plan, u32, &Finished, Option<Box<PeriodicState>>),
+    (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),
+) -> OrbitPair {
+    let (mut rough, fine) = match (rough, fine) {
+        (Some(rough), Some(fine)) => (rough, fine),
+        (None, None) if second.steps(there) > 0 => return OrbitPair::Vain,
+        _ => return OrbitPair::Unknown,
+    };
+    let mut both = || {
+        let of_rough = std::mem::take(&mut rough.jacobian).into_resolvent()?;
+        let of_fine = fine.jacobian.undoes()?;
+        let rough = SolvedNeighbour::new((first, i), &rough, of_rough, before)?;
+        Some([rough, SolvedNeighbour::new((second, there), fine, of_fine, after)?])
+    };
+    both().map_or(OrbitPair::Unknown, |both| OrbitPair::States(Box::new(both)))
+}

@@ -1,0 +1,313 @@
+//! Refinement: each instance runs again as long as its estimate asks for it.
+
+use super::decision::{InstanceSummary, Next, Refinement, next};
+use super::difference_scale::{is_fast, remaining_error_factor, scaled_difference};
+use super::first_estimate::{self, EstimateInputs, FirstEstimate};
+use super::{ChunkRun, basis_choice, fixed_steps, precision_trial, sensitivity};
+use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::observe::Status;
+use crate::orbit::{self, OrbitSolution, SETTLED_SHARE};
+use crate::plan::{Plan, Precision};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Runs the plan with a quarter and with half of its steps, and then those of `stepped` again whose estimates ask for it. Where the
+/// choice of precision says so, what f32 does not bring to the accuracy goes on in f64: rounding does not fall with the
+/// steps.
+pub(super) fn run(
+    plan: Plan,
+    stepped: &[u32],
+    first: EstimateInputs,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<ChunkRun, EngineError> {
+    if plan.run.steps_per_period.is_some() {
+        return fixed_steps::run(plan, stepped, first, engine, progress);
+    }
+    let chosen = first.chosen;
+    let begun = first_estimate::run(&plan, stepped, first, engine, progress)?;
+    let mut refining = RefinementRun::new(begun, chosen, engine, progress);
+    let mut doubted = Vec::new();
+    for round in 0..plan.policy.doublings + plan.policy.richer_bases {
+        let groups = refining.groups(stepped);
+        if round == 0 {
+            doubted = groups.all();
+        }
+        if groups.is_empty() || progress.stopped() {
+            break;
+        }
+        refining.carry_out(&groups, round == 0)?;
+    }
+    refining.end(stepped, doubted)
+}
+
+/// Instances by what they need next.
+#[derive(Default)]
+struct Groups {
+    double: Vec<u32>,
+    more_steps: Vec<u32>,
+    richer: Vec<u32>,
+}
+
+impl Groups {
+    fn is_empty(&self) -> bool {
+        self.double.is_empty() && self.more_steps.is_empty() && self.richer.is_empty()
+    }
+
+    /// In the order of their numbers.
+    fn all(&self) -> Vec<u32> {
+        let mut all = [&self.double[..], &self.more_steps, &self.richer].concat();
+        all.sort_unstable();
+        all
+    }
+}
+
+/// A run while it is refined.
+struct RefinementRun<'a> {
+    now: ChunkRun,
+    /// By instance.
+    known: Vec<Refinement>,
+    /// Whether instances that f32 does not serve go on in f64, and what rounding costs those that it does.
+    mixed: bool,
+    rounding: f64,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+}
+
+impl<'a> RefinementRun<'a> {
+    fn new(
+        FirstEstimate { plan, settled, known, neighbour_started, solved }: FirstEstimate,
+        chosen: &precision_trial::PrecisionChoice,
+        engine: &'a dyn Engine,
+        progress: &'a Progress,
+    ) -> Self {
+        let estimates = known.iter().map(Refinement::error).collect();
+        let left_out = known.iter().map(|known| known.of_modes).collect();
+        let now = ChunkRun::new(plan, settled, (estimates, left_out), chosen);
+        let now = ChunkRun { neighbour_started, solved, ..now };
+        Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
+    }
+
+    /// What each of these needs next.
+    fn groups(&self, stepped: &[u32]) -> Groups {
+        let mut groups = Groups::default();
+        let mut wants_richer = Vec::new();
+        for &i in stepped {
+            match self.next(i, true) {
+                Next::Accept => {}
+                Next::Double => groups.double.push(i),
+                Next::MoreSteps => groups.more_steps.push(i),
+                Next::RicherBasis => wants_richer.push(i),
+            }
+        }
+        let (richer, richest) = self.now.plan.can_be_richer(wants_richer);
+        groups.richer = richer;
+        let steps_help = |i: &u32| self.next(*i, false) == Next::MoreSteps;
+        groups.more_steps.extend(richest.into_iter().filter(steps_help));
+        groups
+    }
+
+    fn next(&self, i: u32, can_be_richer: bool) -> Next {
+        let n = i as usize;
+        let known = InstanceSummary {
+            status: self.now.outcome.results[n].status,
+            estimate: self.now.estimates[n],
+            accuracy: self.now.plan.run.accuracy,
+            steps: self.now.plan.steps(i),
+            single: self.mixed && self.is_single(i),
+            can_be_richer,
+            refinement: &self.known[n],
+        };
+        next(&known, &self.now.plan.policy)
+    }
+
+    fn is_single(&self, i: u32) -> bool {
+        self.now.arithmetic.of[i as usize] == Precision::F32
+    }
+
+    /// Runs each group as it needs. More steps in f32 are tried once where f64 may go on from there.
+    fn carry_out(&mut self, groups: &Groups, first_round: bool) -> Result<(), EngineError> {
+        let by_precision = |instances: &[u32], single_stays: bool| -> (Vec<u32>, Vec<u32>) {
+            instances.iter().copied().partition(|i| self.is_single(*i) && single_stays)
+        };
+        let (single, double) = by_precision(&groups.more_steps, first_round || !self.mixed);
+        let (single_richer, double_richer) = by_precision(&groups.richer, true);
+        self.again(&groups.double, Next::Double, Precision::F64)?;
+        self.again(&single, Next::MoreSteps, Precision::F32)?;
+        self.again(&double, Next::MoreSteps, Precision::F64)?;
+        self.again(&single_richer, Next::RicherBasis, Precision::F32)?;
+        self.again(&double_richer, Next::RicherBasis, Precision::F64)
+    }
+
+    /// Runs these instances again and takes in what came of it.
+    fn again(&mut self, instances: &[u32], what: Next, precision: Precision) -> Result<(), EngineError> {
+        if instances.is_empty() || self.progress.stopped() {
+            return Ok(());
+        }
+        let part = self.now.plan.part(instances).in_precision(precision);
+        let mut other = match what {
+            Next::MoreSteps => part.with_steps(|steps| 2 * steps),
+            Next::RicherBasis => part.with_richer_bases(),
+            Next::Double | Next::Accept => part,
+        };
+        let near = orbit::gather(&self.now.found, instances);
+        let settled = orbit::solve_again(&mut other, &near, self.engine, self.progress)?;
+        // What is cut short has told nothing: the results before it stay.
+        if !self.progress.stopped() {
+            self.take(instances, what, &other, settled);
+        }
+        Ok(())
+    }
+
+    /// Takes in another run, of these instances alone: by the difference to the last one it estimates, then it stands for
+    /// that.
+    fn take(&mut self, instances: &[u32], what: Next, other: &Plan, settled: OrbitSolution) {
+        let OrbitSolution { outcome, mut found, periods, .. } = settled;
+        let mut taken = HashMap::new();
+        let results = &self.now.outcome.results;
+        let moved =
+            |(i, new): (&u32, &Finished)| scaled_difference(&self.now.plan, *i, &results[*i as usize], new);
+        let apart: Vec<f64> = instances.par_iter().zip(&outcome.results).map(moved).collect();
+        for ((there, &i), apart) in other.instances().zip(instances).zip(apart) {
+            let (n, place) = (i as usize, there as usize);
+            let before = self.now.estimates[n];
+            self.estimate((other, there), i, what, apart, &outcome.results[place]);
+            let known = &mut self.known[n];
+            let fast = is_fast(other, there);
+            let gained_little = self.now.estimates[n] > before / other.policy.least_gain;
+            known.stalled = fast && known.finer_before && gained_little;
+            known.finer_before |= fast;
+            let now = &mut self.now;
+            now.outcome.results[n] = outcome.results[place];
+            now.plan.take_resolution(i, other, there, &mut taken);
+            now.periods[n] = periods[place];
+            now.arithmetic.of[n] = other.precision;
+            if let (Some(known), Some(new)) = (now.found.get_mut(n), found.get_mut(place)) {
+                *known = new.take();
+            }
+        }
+        self.now.outcome.notes.extend(outcome.notes);
+    }
+
+    /// The estimate of an instance whose other run, number `there` of its plan, is so far from its last.
+    fn estimate(&mut self, (other, there): (&Plan, u32), i: u32, what: Next, apart: f64, result: &Finished) {
+        let n = i as usize;
+        let (known, policy) = (&mut self.known[n], &other.policy);
+        match what {
+            Next::MoreSteps => {
+                if let Some(first) = known.unsplit.take() {
+                    let of_bases = remaining_error_factor(other, there) * (first - policy.steepest * apart);
+                    known.of_modes = known.of_modes.max(of_bases);
+                }
+                known.of_steps = policy.left_of_steps * apart;
+            }
+            Next::RicherBasis => {
+                let unbent = basis_choice::unbent(other, there, &result.measured);
+                known.of_modes = remaining_error_factor(other, there) * apart + unbent;
+            }
+            Next::Double => {
+                // The same steps in another precision teach nothing of the steps: that is still to come.
+                if result.status == Status::Ok {
+                    known.unsplit = None;
+                    self.now.estimates[n] = f64::INFINITY;
+                }
+                return;
+            }
+            Next::Accept => return,
+        }
+        (self.now.truncation[n], self.now.estimates[n]) = (known.of_modes, known.error());
+    }
+
+    /// The run as it is now. Those that were in doubt after the first two runs are tried with a start moved a little.
+    fn end(self, stepped: &[u32], mut doubted: Vec<u32>) -> Result<ChunkRun, EngineError> {
+        let Self { mut now, mixed, rounding, engine, progress, .. } = self;
+        for &i in stepped {
+            now.add_unsettled(i);
+            let n = i as usize;
+            if mixed && now.arithmetic.of[n] == Precision::F32 {
+                now.estimates[n] += rounding;
+            }
+        }
+        doubted.retain(|i| now.found.get(*i as usize).is_none_or(Option::is_none));
+        for precision in [Precision::F32, Precision::F64] {
+            let of = |i: &u32| now.arithmetic.of[*i as usize] == precision;
+            let alike: Vec<u32> = doubted.iter().copied().filter(of).collect();
+            let plan = now.plan.clone().in_precision(precision);
+            sensitivity::mark(&plan, &alike, &mut now.outcome.results, engine, progress)?;
+        }
+        Ok(now)
+    }
+}
+
+impl ChunkRun {
+    /// Before anything is refined: the run so far, with its estimates and the part of them that modes left out have.
+    pub(super) fn new(
+        plan: Plan,
+        OrbitSolution { outcome, found, periods, jumps }: OrbitSolution,
+        (estimates, left_out): (Vec<f64>, Vec<f64>),
+        chosen: &precision_trial::PrecisionChoice,
+    ) -> Self {
+        let arithmetic = chosen.arithmetic(plan.len());
+        let (neighbour_started, solved) = (Vec::new(), Vec::new());
+        Self {
+            plan,
+            outcome,
+            estimates,
+            truncation: left_out,
+            found,
+            periods,
+            jumps,
+            neighbour_started,
+            arithmetic,
+            solved,
+            from_rest: Vec::new(),
+        }
+    }
+
+    /// Adds to an estimate what waiting may still change: an instance that was left before it had settled for good.
+    pub(super) fn add_unsettled(&mut self, i: u32) {
+        let n = i as usize;
+        let found = self.found.get(n).and_then(Option::as_ref).is_some_and(|state| state.is_solved());
+        if !found && self.periods[n] < self.plan.run.periods {
+            self.estimates[n] += SETTLED_SHARE * self.plan.run.accuracy;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::first_estimate::SmallerBasis;
+    use crate::engine::Cpu;
+    use crate::plan::BasisRule;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// Bases that a sample vouches for and that leave out what a stiff sample moves: one mode, then two oscillators.
+    /// Truth is a far richer basis with far more steps.
+    #[test]
+    fn a_lever_that_is_too_poor_for_one_instance_is_seen_by_its_own_difference() {
+        let text = include_str!("../../../../tests/hard/sample_1_tpa.toml");
+        let scene = Scene::parse(Path::new("sample_1_tpa.toml"), text).expect("the scene is whole");
+        let whole = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let chosen = precision_trial::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
+        let rich = whole.clone().with_shares(1e-2 * scene.run.accuracy).with_steps(|steps| 4 * steps);
+        let truth = orbit::solve(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
+        let with = |accuracy| whole.with_bases(&[(0, BasisRule::Shares { accuracy })]);
+        let run = |poorer| {
+            let first = EstimateInputs::alone(poorer, vec![0.0], &chosen);
+            run(with(0.1), &[0], first, &engine, &progress).expect("it runs")
+        };
+        let error = |of: &ChunkRun| scaled_difference(&whole, 0, &of.outcome.results[0], &truth);
+        let modes = |of: &ChunkRun| of.plan.driven(0).kept.modes.len();
+        let poorer = SmallerBasis::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
+        let (alike, apart) = (run(None), run(Some(poorer)));
+        let asked = scene.run.accuracy;
+        // By steps alone nothing is seen of it.
+        assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));
+        assert!(error(&apart) < asked && apart.estimates[0] < asked, "{:e}", error(&apart));
+        assert!(error(&apart) < 3.0 * apart.estimates[0], "{:e} {:e}", error(&apart), apart.estimates[0]);
+        assert!(modes(&apart) > modes(&alike), "{} {}", modes(&apart), modes(&alike));
+    }
+}

@@ -1,0 +1,205 @@
+//! Instances that make no grid: how near they are to one another in scaled quantities, and what is guessed from the nearest.
+
+use super::kd_tree::KdTree;
+use super::orbit_pair::{OrbitPair, WeightedPoint};
+use super::rbf;
+use crate::contact::KernelUnits;
+use crate::kernel::LENGTH;
+use crate::plan::Plan;
+use rayon::prelude::*;
+
+/// Depths of the tree whose instances are coarse points: one in 2^SCOUTED of all, at least 2^FEWEST.
+const COARSE_EXPONENT: u32 = 7;
+const MIN_COARSE_EXPONENT: u32 = 6;
+/// Neighbours that a guess rests on, at least and for each dimension.
+const STENCIL_POINTS: (usize, usize) = (4, 2);
+/// Instances next to one, at one of whose states it may begin where no search finds its own.
+const ADJACENT_POINTS: usize = 4;
+/// Modes of an instrument that are compared: what is faster follows from the same lever.
+const DISTANCE_MODES: usize = 4;
+/// Instances of two laws are so many spreads apart.
+const OTHER_LAW_DISTANCE: f64 = 20.0;
+/// Quantities that vary together to this share of themselves are one.
+const SAME_QUANTITY_SPREAD: f64 = 1e-3;
+/// Quantities that vary by less of themselves are the same for all.
+const QUANTITY_ROUNDING: f64 = 1e-9;
+
+/// The instances of a block.
+pub(super) struct ScatteredHierarchy {
+    dimensions: usize,
+    /// Instance after instance, in spreads.
+    coordinates: Vec<f64>,
+    tree: KdTree,
+    /// Depths of the coarse points.
+    scouted: u32,
+}
+
+impl ScatteredHierarchy {
+    pub fn new(plan: &Plan) -> Self {
+        let rows: Vec<Vec<f64>> =
+            (0..plan.len() as u32).into_par_iter().map(|instance| quantities(plan, instance)).collect();
+        let columns = distinct(&rows);
+        let dimensions = columns.len();
+        let coordinates: Vec<f64> =
+            (0..rows.len()).flat_map(|n| columns.iter().map(move |column| column[n])).collect();
+        let tree = KdTree::new(dimensions, &coordinates);
+        let scouted = tree.depth().saturating_sub(COARSE_EXPONENT).max(MIN_COARSE_EXPONENT).min(tree.depth());
+        Self { dimensions, coordinates, tree, scouted }
+    }
+
+    pub fn coarse(&self) -> Vec<u32> {
+        self.tree.at(0..self.scouted)
+    }
+
+    pub fn levels(&self) -> usize {
+        (self.tree.depth() - self.scouted) as usize
+    }
+
+    pub fn level(&self, number: usize) -> Vec<u32> {
+        let depth = self.scouted + number as u32;
+        self.tree.at(depth..depth + 1)
+    }
+
+    fn coordinates(&self, instance: u32) -> &[f64] {
+        &self.coordinates[instance as usize * self.dimensions..][..self.dimensions]
+    }
+
+    /// The instances next to this one.
+    pub fn adjacent(&self, instance: u32) -> Vec<u32> {
+        let near = self.tree.nearest(self.coordinates(instance), self.tree.depth(), ADJACENT_POINTS + 1);
+        near.into_iter().map(|one| one.0).filter(|other| *other != instance).take(ADJACENT_POINTS).collect()
+    }
+
+    /// The nearest solved instances that move as the very nearest does, with their weights. None where these are too few.
+    pub fn support(&self, level: usize, instance: u32, solved: &[OrbitPair]) -> Vec<WeightedPoint> {
+        let (at, least) = (self.coordinates(instance), self.dimensions + 2);
+        let near = self.tree.nearest(
+            at,
+            self.scouted + level as u32,
+            STENCIL_POINTS.0 + STENCIL_POINTS.1 * self.dimensions,
+        );
+        let node = |i: u32| solved[i as usize].neighbours().map(|[_, second]| second);
+        let first = near.first().and_then(|one| node(one.0));
+        let alike: Vec<&(u32, f64)> =
+            near.iter().filter(|one| first.zip(node(one.0)).is_some_and(|(a, b)| a.same_regime(b))).collect();
+        if alike.len() < least || 2 * alike.len() < near.len() {
+            return Vec::new();
+        }
+        let squares: Vec<f64> = alike.iter().take(least).map(|one| one.1).collect();
+        let mut nearest = rbf::by_distance(&squares);
+        nearest.resize(alike.len(), 0.0);
+        let places: Vec<&[f64]> = alike.iter().map(|one| self.coordinates(one.0)).collect();
+        let all = rbf::weights(at, &places).unwrap_or_else(|| nearest.clone());
+        alike.iter().zip(all).zip(nearest).map(|((one, weight), nearest)| (one.0, weight, nearest)).collect()
+    }
+}
+
+/// What decides how an instance moves, in units of its own lever and swing: the law's constants, the gap, and how the
+/// instrument's modes lie to the drive. Positive quantities as logarithms.
+fn quantities(plan: &Plan, instance: u32) -> Vec<f64> {
+    let (case, driven) = (plan.case(instance), plan.driven(instance));
+    let (free, instrument) = (&driven.free, &driven.instrument);
+    let amplitude = driven.free_amplitude();
+    let units = KernelUnits { impulse: instrument.flexibility() / LENGTH, step: 1.0 / free.omega };
+    let mut all = vec![case.contact.law as u8 as f64, case.gap / amplitude, logarithm(amplitude)];
+    for mode in instrument.modes.iter().take(DISTANCE_MODES) {
+        let share = mode.inverse_mass() / (mode.omega * mode.omega) / instrument.flexibility();
+        all.extend([logarithm(mode.omega / free.omega), logarithm(mode.quality_factor), logarithm(share)]);
+    }
+    all.resize(3 + 3 * DISTANCE_MODES, 0.0);
+    all.extend(case.contact.law().constants(units).into_iter().map(logarithm));
+    all
+}
+
+/// Of a positive number; of 0 and what has no logarithm, 0.
+fn logarithm(value: f64) -> f64 {
+    let logarithm = value.abs().ln();
+    if logarithm.is_finite() { logarithm } else { 0.0 }
+}
+
+/// The quantities that vary, in units of their spread, each once.
+fn distinct(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let most = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let count = rows.len().max(1) as f64;
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for n in 0..most {
+        let mut column: Vec<f64> = rows.iter().map(|row| row.get(n).copied().unwrap_or(0.0)).collect();
+        let mean = column.iter().sum::<f64>() / count;
+        let spread = (column.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+        if spread.is_nan() || spread <= QUANTITY_ROUNDING * mean.abs().max(SAME_QUANTITY_SPREAD) {
+            continue;
+        }
+        let scale = if n == 0 { OTHER_LAW_DISTANCE / spread.max(1e-3) } else { 1.0 / spread };
+        column.iter_mut().for_each(|value| *value = (*value - mean) * scale);
+        let apart = |other: &Vec<f64>, sign: f64| -> f64 {
+            let square: f64 = other.iter().zip(&column).map(|(a, b)| (a - sign * b).powi(2)).sum();
+            (square / count).sqrt()
+        };
+        if columns.iter().all(|other| {
+            apart(other, 1.0) > SAME_QUANTITY_SPREAD && apart(other, -1.0) > SAME_QUANTITY_SPREAD
+        }) {
+            columns.push(column);
+        }
+    }
+    if columns.is_empty() { vec![vec![0.0; rows.len()]] } else { columns }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    fn plan(levers: &str) -> Plan {
+        let text = format!(
+            r#"
+            [instrument.cantilever]
+            stiffness = "40 N/m"
+            frequency = "300 kHz"
+            quality_factor = 100
+            [instrument.actuator]
+            model = "rigid"
+            [drive]
+            on = "tip"
+            frequency = "resonance"
+            free_amplitude = "20 nm"
+            [contact]
+            law = "dmt"
+            [uncertain]
+            "sample.youngs_modulus" = {{ distribution = "loguniform", from = "1 GPa", to = "10 GPa" }}
+            "sample.poisson_ratio" = {{ distribution = "uniform", from = 0.2, to = 0.4 }}
+            "approach.gap" = {{ distribution = "uniform", from = "14 nm", to = "16 nm" }}
+            {levers}
+            [design]
+            kind = "sobol"
+            samples = 1024
+            "#
+        );
+        let scene = Scene::parse(Path::new("design.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+    }
+
+    /// Truth: Poisson's ratio and the modulus act through one number; of a lever on its resonance, whose motion is in units
+    /// of its own stiffness and period, only the quality factor is left, whatever its frequency.
+    #[test]
+    fn quantities_that_act_as_one_are_one() {
+        let frequency = r#""instrument.cantilever.frequency" = { distribution = "uniform", from = "200 kHz", to = "400 kHz" }"#;
+        let quality =
+            r#""instrument.cantilever.quality_factor" = { distribution = "uniform", from = 100, to = 400 }"#;
+        let dimensions = |levers: &str| ScatteredHierarchy::new(&plan(levers)).dimensions;
+        assert_eq!([dimensions(""), dimensions(frequency)], [2, 2]);
+        // The resonance is not quite the mode's own frequency, and how far it is off follows from the quality factor.
+        assert!([3, 4].contains(&dimensions(quality)), "{}", dimensions(quality));
+    }
+
+    #[test]
+    fn every_instance_comes_once() {
+        let all = ScatteredHierarchy::new(&plan(""));
+        let mut seen = all.coarse();
+        assert_eq!(seen.len(), 63);
+        (0..all.levels()).for_each(|level| seen.extend(all.level(level)));
+        seen.sort_unstable();
+        assert!(seen.into_iter().eq(0..1024));
+    }
+}

@@ -1,0 +1,165 @@
+//! How well second states are known: with half of the steps, with a richer basis, and finer where that is too little.
+
+use super::RunResult;
+use super::difference_scale::scaled_difference;
+use super::search_checkpoints::CheckpointedSearch;
+use super::second_orbit::{SecondOrbit, SecondState};
+use crate::engine::{EngineError, Finished};
+use crate::observe::Status;
+use crate::orbit::{self, PeriodicState};
+use crate::plan::{Plan, STEPS_MAX, SectionState};
+use std::collections::{BTreeMap, HashMap};
+
+/// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
+/// with the next richer basis, both searched for from where it is. What stays above the aim has its steps doubled, as the
+/// first states have. A state that another number of steps or another basis does not have has an infinite estimate.
+///
+/// Nothing is estimated of instances whose first states have no estimate. What a run that was stopped has not brought to its
+/// end is called not run.
+pub(super) fn estimated(
+    run: &RunResult,
+    seconds: BTreeMap<u32, SecondState>,
+    pieces: &CheckpointedSearch,
+) -> Result<Vec<SecondOrbit>, EngineError> {
+    let (numbers, all): (Vec<u32>, Vec<SecondState>) = seconds.into_iter().unzip();
+    let plan = run.plan.part(&numbers);
+    let others = numbers.iter().zip(&all).zip(plan.cases()).map(|((i, second), case)| SecondOrbit {
+        instance: *i,
+        finished: second.finished,
+        multiplier: second.orbit.floquet.multiplier,
+        estimate: f64::NAN,
+        steps: case.steps,
+    });
+    let asked = |n: &u32| !run.estimates[numbers[*n as usize] as usize].is_nan();
+    let known: Vec<u32> = (0..numbers.len() as u32).filter(asked).collect();
+    let mut sight = SecondRefinement {
+        of_steps: vec![f64::INFINITY; numbers.len()],
+        of_modes: numbers.iter().map(|i| run.truncation[*i as usize]).collect(),
+        others: others.collect(),
+        places: all.into_iter().map(|second| *second.orbit).collect(),
+        open: vec![false; numbers.len()],
+        plan,
+    };
+    if known.is_empty() {
+        return Ok(sight.others);
+    }
+    sight.refine(&known, pieces)?;
+    for &n in &known {
+        let other = &mut sight.others[n as usize];
+        if sight.open[n as usize] {
+            other.finished.status = Status::NotRun;
+            continue;
+        }
+        other.estimate = sight.of_steps[n as usize] + sight.of_modes[n as usize];
+        if other.finished.status == Status::Ok && other.estimate > sight.plan.run.accuracy {
+            other.finished.status = Status::AccuracyNotMet;
+        }
+    }
+    Ok(sight.others)
+}
+
+/// Second states and their errors, by their number among those that have one.
+struct SecondRefinement {
+    plan: Plan,
+    others: Vec<SecondOrbit>,
+    places: Vec<PeriodicState>,
+    of_steps: Vec<f64>,
+    of_modes: Vec<f64>,
+    /// Whether something of it was left undone.
+    open: Vec<bool>,
+}
+
+impl SecondRefinement {
+    fn refine(&mut self, known: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
+        let (fewest, left) = (self.plan.policy.fewest_steps, self.plan.policy.left_of_steps);
+        let halved = |steps: u32| (steps / 2).max(fewest.min(steps));
+        let coarse = self.plan.part(known).with_steps(halved);
+        for (n, found) in self.again(&coarse, known, pieces)? {
+            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
+        }
+        let (poor, _) = self.plan.can_be_richer(known.to_vec());
+        let rich = self.plan.part(&poor).with_richer_bases();
+        let mut taken = HashMap::new();
+        for (there, (n, found)) in self.again(&rich, &poor, pieces)?.into_iter().enumerate() {
+            self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| left * apart);
+            if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
+                self.put(n, finished, *place);
+                self.plan.take_resolution(n as u32, &rich, there as u32, &mut taken);
+            }
+        }
+        for _ in 0..self.plan.policy.doublings {
+            let leads = |n: usize| self.of_steps[n] >= self.of_modes[n];
+            let doubtful = |n: &&u32| {
+                let n = **n as usize;
+                !self.open[n]
+                    && self.estimate(n) > self.aim()
+                    && leads(n)
+                    && self.plan.steps(n as u32) <= STEPS_MAX / 2
+            };
+            let rough: Vec<u32> = known.iter().filter(doubtful).copied().collect();
+            if rough.is_empty() {
+                break;
+            }
+            let finer = self.plan.part(&rough).with_steps(|steps| 2 * steps);
+            let mut taken = HashMap::new();
+            for (there, (n, found)) in self.again(&finer, &rough, pieces)?.into_iter().enumerate() {
+                let Some((apart, finished, place)) = found else { continue };
+                self.of_steps[n] = left * apart;
+                self.put(n, finished, *place);
+                self.plan.take_resolution(n as u32, &finer, there as u32, &mut taken);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a state as another plan has it.
+    fn put(&mut self, n: usize, finished: Finished, place: PeriodicState) {
+        let other = &mut self.others[n];
+        (other.finished, other.multiplier, other.steps) = (finished, place.floquet.multiplier, place.steps);
+        self.places[n] = place;
+    }
+
+    fn aim(&self) -> f64 {
+        self.plan.policy.aim * self.plan.run.accuracy
+    }
+
+    fn estimate(&self, n: usize) -> f64 {
+        self.of_steps[n] + self.of_modes[n]
+    }
+
+    /// The states of these instances as another plan has them, which is of them alone, and how far they are from what is
+    /// known; none where it has no such state, or nobody has looked.
+    fn again(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        pieces: &CheckpointedSearch,
+    ) -> Result<Vec<RefinedOrbit>, EngineError> {
+        let place = |(there, n): (usize, &u32)| {
+            orbit::transfer_orbit((&self.plan, *n, &self.places[*n as usize]), plan, there as u32)
+        };
+        let places: Vec<SectionState> = instances.iter().enumerate().map(place).collect();
+        let mut all = Vec::with_capacity(instances.len());
+        for (there, (n, found)) in
+            instances.iter().zip(pieces.solve_from_sections(plan, &places)?).enumerate()
+        {
+            let n = *n as usize;
+            let Some((finished, place)) = found else {
+                self.open[n] = true;
+                all.push((n, None));
+                continue;
+            };
+            let apart = scaled_difference(plan, there as u32, &self.others[n].finished, &finished);
+            let another = SAME_ORBIT_SHARE.max(plan.policy.branches_apart * plan.run.accuracy);
+            let same = |place| (apart <= another).then_some((apart, finished, place));
+            all.push((n, place.and_then(same)));
+        }
+        Ok(all)
+    }
+}
+
+/// A state's number, how far it is from what was known, and what and where it is now.
+type RefinedOrbit = (usize, Option<(f64, Finished, Box<PeriodicState>)>);
+
+/// A state that moves by more than this with its steps is another one, on the scales of the accuracy.
+const SAME_ORBIT_SHARE: f64 = 0.1;

@@ -1,0 +1,308 @@
+//! The periodic state next to a given one, as a fixed point of the reference's own period map.
+
+use super::step_control::Integrator;
+use super::system::{System, far};
+use super::{Reference, integrate};
+use crate::engine::{EngineError, Finished, Progress};
+use crate::kernel::{flown, increments};
+use crate::periodic::{FixedPoint, NewtonOptions, PtcNewton, PtcOutcome};
+use crate::plan::{Case, Driven, KeptMode, Plan, SectionState};
+use crate::scene::{Run, Start};
+use nalgebra::{DVector, Dyn};
+use std::f64::consts::{PI, TAU};
+
+/// Distance to the periodic state that is aimed at, and that is near enough, as shares of the accuracy asked for; and
+/// the least that is aimed at, in tolerances of the steps.
+const NEWTON_TOL_SHARE: f64 = 1e-4;
+const FALLBACK_TOL_SHARE: f64 = 1e-2;
+const MAX_DISTANCE_TOLERANCES: f64 = 100.0;
+/// Error of a Jacobian that the steps' tolerance may make, as a share of what the slowest mode loses in a period; that loss
+/// counts as so much at least.
+const JACOBIAN_ERROR_SHARE: f64 = 1e-2;
+const MIN_MODE_LOSS: f64 = 1e-5;
+/// Differences, in units of the free amplitude, for the Jacobian: as the steps allow, and for jumping contacts.
+const FD_STEP_SMOOTH: f64 = 1e-5;
+const FD_STEP_ROUGH: f64 = 3e-5;
+/// Motion that takes two periods is on one side of a periodic state at the start of one period and on the other side at
+/// the start of the next. It counts as that where the distance shrinks to no less than this share from one to the next.
+const ALTERNATION_SHARE: f64 = 0.95;
+/// A mode whose periodic motion is more times what the force does to it in a period is next to a harmonic of the drive,
+/// and is left to settle by itself.
+const RESONANCE_RATIO: f64 = 100.0;
+/// Periods in which the modes that the stepped engine does not keep begin to move, before a search and before a second
+/// one; most evaluations of the map, and periods measured at the end.
+const WARM_UP_PERIODS: [u32; 2] = [4, 12];
+const MAX_EVALUATIONS: u32 = 200;
+const MEASURED_PERIODS: u32 = 4;
+/// Modes that a second search counts among its unknowns at least, and the damping ratio that they have at least: without
+/// any they never settle.
+const MAX_WIDENED_MODES: usize = 6;
+const MIN_SLOW_DAMPING: f64 = 1e-5;
+
+/// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
+/// there is none to be found, or only one that the motion passes by on either side in turn, since it takes two periods.
+/// Many times cheaper than [`super::solve`], which waits for it: but it is silent on whether waiting would end there.
+///
+/// # Errors
+/// An instance that the plan does not have, a tolerance out of range, a tip that no mode moves.
+pub fn solve_near(
+    plan: &Plan,
+    instance: usize,
+    station: &SectionState,
+    options: &Reference,
+    progress: &Progress,
+) -> Result<Option<Finished>, EngineError> {
+    let (case, driven) = options.checked(plan, instance)?;
+    let mut system = System::new(&case, driven, Start::Steady, options.model, far(options.tolerance));
+    if system.modes() == 0 {
+        return Err(EngineError::NoModes);
+    }
+    let (all, slow) = unknowns(&system, &case, driven, station);
+    system.touching = station.touching;
+    let remembers = case.contact.law.has_memory();
+    let (scale, accuracy) = (system.length(), plan.run.accuracy);
+    let step = if remembers { FD_STEP_ROUGH } else { FD_STEP_SMOOTH };
+    let lost = least_lost(&system, driven, &slow);
+    let aim = (NEWTON_TOL_SHARE * accuracy).max(MAX_DISTANCE_TOLERANCES * options.tolerance);
+    let walk = Integrator::new(system, options.tolerance.min(JACOBIAN_ERROR_SHARE * step * lost));
+    let mut map = Map { walk, remembers, touching: station.touching, slow, before: all.clone(), after: all };
+    let options = NewtonOptions {
+        scale,
+        tolerance: aim,
+        fallback_tolerance: FALLBACK_TOL_SHARE * accuracy,
+        fd_step: step,
+        central_fd_step: None,
+        jacobian_columns: None,
+        max_evaluations: MAX_EVALUATIONS,
+        start_is_close: true,
+        reuse_jacobian: false,
+        stable_below_fd: 0.99,
+        stable_below: 0.99,
+        // Of undamped modes that the stepped engine does not keep the multipliers are 1.
+        require_stable: false,
+    };
+    let Some(found) = map.find(options, progress) else {
+        return Ok(None);
+    };
+    map.begin(&map.with_slow(&map.after, &found.state));
+    // The first period's predecessor is not known, the second one's is not looked at.
+    let run = Run {
+        periods: MEASURED_PERIODS + 2,
+        measure: MEASURED_PERIODS,
+        start: Start::Steady,
+        ..plan.run.clone()
+    };
+    let case = Case { least_change: Some(found.spectrum.sigma_min), ..case };
+    Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
+}
+
+/// The section state as unknowns at the period's very start, half a step earlier, and which of all unknowns are the section state's
+/// own modes. What its other oscillators move the tip by, the reference's other modes share as they would bend under a
+/// static force: without it a tip that is held in contact would begin beside the sample.
+fn unknowns(
+    system: &System,
+    case: &Case,
+    driven: &Driven,
+    station: &SectionState,
+) -> (DVector<f64>, Vec<usize>) {
+    let modes = system.modes();
+    let half = PI / (driven.free.omega * f64::from(case.steps));
+    let mut state = DVector::zeros(2 * modes);
+    let mut slow = Vec::new();
+    let mut others: Vec<usize> = Vec::new();
+    let mut rest: Vec<usize> = (0..driven.kept.modes.len()).collect();
+    let at_start = |k: usize, omega: f64, damping: f64| {
+        let [x, u] = flown(-omega * half, damping, [station.x[k], station.u[k]]);
+        [x, u * omega / driven.free.omega]
+    };
+    for (place, index) in system.indices.iter().enumerate() {
+        let (omega, damping) = system.oscillator(place);
+        // Oscillators that are no mode are the same where their frequencies are.
+        let same = |mode: &KeptMode| {
+            mode.index == *index && (index.is_some() || (mode.omega - omega).abs() < 1e-9 * omega)
+        };
+        let Some(k) = driven.kept.modes.iter().position(same) else {
+            others.push(place);
+            continue;
+        };
+        [state[place], state[modes + place]] = at_start(k, omega, damping);
+        rest.retain(|other| *other != k);
+        slow.extend([place, modes + place]);
+    }
+    let [rest_x, rest_u] = rest
+        .into_iter()
+        .map(|k| at_start(k, driven.kept.modes[k].omega, driven.kept.modes[k].damping))
+        .fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    let whole: f64 = others.iter().map(|place| system.flexibility_of(*place)).sum();
+    if whole > 0.0 {
+        for place in others {
+            let share = system.flexibility_of(place) / whole;
+            state[place] = share * rest_x;
+            state[modes + place] = share * rest_u;
+        }
+    }
+    (state, slow)
+}
+
+/// What the slowest of these modes loses of its amplitude in a period by itself, as a share.
+fn least_lost(system: &System, driven: &Driven, slow: &[usize]) -> f64 {
+    let loss = |place: &usize| {
+        let (omega, damping) = system.oscillator(*place);
+        -(-TAU * damping * omega / driven.free.omega).exp_m1()
+    };
+    let kept = slow.iter().filter(|place| **place < system.modes());
+    kept.map(loss).fold(1.0, f64::min).max(MIN_MODE_LOSS)
+}
+
+/// One period of the reference, as a map of the modes that the stepped engine keeps. The others, faster and of small
+/// share, are carried along.
+struct Map {
+    walk: Integrator,
+    /// Whether contact is a memory of the past, and what it is at a period's start.
+    remembers: bool,
+    touching: bool,
+    /// The kept modes among the unknowns.
+    slow: Vec<usize>,
+    /// All unknowns at the start of the last period that went on, and at its end.
+    before: DVector<f64>,
+    after: DVector<f64>,
+}
+
+impl Map {
+    /// The periodic state, searched for once the modes that are not kept have begun to move; none if the motion passes it
+    /// by on either side in turn.
+    fn find(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
+        let (mut found, mut passed) = (None, Vec::new());
+        for (round, periods) in WARM_UP_PERIODS.into_iter().enumerate() {
+            for _ in 0..periods {
+                if progress.stopped() {
+                    return None;
+                }
+                self.go_on(&self.slow_part(&self.after))?;
+                passed.push(self.after.clone());
+            }
+            let warm = self.after.clone();
+            found = self.search(options, progress);
+            if found.is_some() || round > 0 {
+                break;
+            }
+            // Modes that the stepped engine does without may ring for long all the same: a second search sees more of
+            // them, and later.
+            self.after = warm;
+            self.widen();
+        }
+        let least = 10.0 * options.tolerance * options.scale;
+        found.filter(|found| !self.alternates(&passed, &found.state, least))
+    }
+
+    /// The fixed point next to where the last period ended.
+    fn search(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
+        let mut search = PtcNewton::new(self.slow_part(&self.after), options);
+        while search.verdict().is_none() {
+            let states: Vec<_> = search.ask().collect();
+            if progress.stopped() {
+                return None;
+            }
+            let values: Vec<_> = match states.as_slice() {
+                [state] => vec![self.go_on(state)],
+                many => many.iter().map(|state| self.aside(state)).collect(),
+            };
+            search.tell(&values);
+        }
+        match search.verdict() {
+            Some(PtcOutcome::Converged(found)) => Some((**found).clone()),
+            _ => None,
+        }
+    }
+
+    /// Counts more modes among the unknowns, those that the tip force moves most.
+    fn widen(&mut self) {
+        let system = &self.walk.system;
+        let modes = system.modes();
+        let rings =
+            |place: &usize| system.oscillator(*place).1 > MIN_SLOW_DAMPING && !self.slow.contains(place);
+        let room = MAX_WIDENED_MODES.saturating_sub(self.slow.len() / 2);
+        let more: Vec<usize> = (0..modes).filter(rings).take(room).collect();
+        self.slow.extend(more.iter().flat_map(|place| [*place, modes + place]));
+    }
+
+    fn slow_part(&self, all: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.slow.len(), self.slow.iter().map(|place| all[*place]))
+    }
+
+    fn with_slow(&self, all: &DVector<f64>, slow: &DVector<f64>) -> DVector<f64> {
+        let mut state = all.clone();
+        self.slow.iter().zip(slow.iter()).for_each(|(place, value)| state[*place] = *value);
+        state
+    }
+
+    fn begin(&mut self, state: &DVector<f64>) {
+        let size = state.len();
+        self.walk.y[..size].copy_from_slice(state.as_slice());
+        let system = &mut self.walk.system;
+        let delta = system.indentation_of(0.0, state.as_slice()).0;
+        system.touching = if self.remembers { self.touching } else { system.force.touching_at(delta) };
+    }
+
+    /// Where all unknowns are a period later.
+    fn period(&mut self, state: &DVector<f64>) -> Option<DVector<f64>> {
+        self.begin(state);
+        let finite = self.walk.period(0, None);
+        let same = !self.remembers || self.walk.system.touching == self.touching;
+        (finite && same).then(|| DVector::from_column_slice(&self.walk.y[..state.len()]))
+    }
+
+    /// From these kept modes, the others going on from the last period.
+    fn go_on(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
+        self.before = self.with_slow(&self.after, slow);
+        let end = self.period(&self.before.clone())?;
+        self.after = self.settled(&self.before, &end);
+        Some(self.slow_part(&end))
+    }
+
+    /// The end of a period, with the modes that are no unknowns where they would be if every period did to them what
+    /// this one did: the contact force hardly feels them, so this is where they settle. Undamped ones never do.
+    fn settled(&self, start: &DVector<f64>, end: &DVector<f64>) -> DVector<f64> {
+        let system = &self.walk.system;
+        let (modes, mut settled) = (system.modes(), end.clone());
+        for place in (0..modes).filter(|place| !self.slow.contains(place)) {
+            let (omega, damping) = system.oscillator(place);
+            if damping <= MIN_SLOW_DAMPING {
+                continue;
+            }
+            let ratio = omega / system.omega;
+            let state = |all: &DVector<f64>| [all[place], all[modes + place] / ratio];
+            let [m00, m01, m10, m11] = increments(TAU * ratio, damping);
+            let ([x, u], [begun_x, begun_u]) = (state(end), state(start));
+            // What a period changes by itself is to make up for the push.
+            let pushed = [
+                x - begun_x - (m00 * begun_x + m01 * begun_u),
+                u - begun_u - (m10 * begun_x + m11 * begun_u),
+            ];
+            let determinant = m00 * m11 - m01 * m10;
+            if determinant.abs().sqrt() * RESONANCE_RATIO < 1.0 {
+                continue;
+            }
+            settled[place] = (m01 * pushed[1] - m11 * pushed[0]) / determinant;
+            settled[modes + place] = (m10 * pushed[0] - m00 * pushed[1]) / determinant * ratio;
+        }
+        settled
+    }
+
+    /// Whether the last of the periods that went by lie on either side of this state, farther from it than `least` (m) and
+    /// no nearer from one to the next.
+    fn alternates(&self, passed: &[DVector<f64>], state: &DVector<f64>, least: f64) -> bool {
+        let [.., before, last] = passed else { return false };
+        let [before, last] = [before, last].map(|one| self.slow_part(one) - state);
+        let (far, farther) = (before.norm(), last.norm());
+        farther > least
+            && farther > ALTERNATION_SHARE * far
+            && before.dot(&last) < -ALTERNATION_SHARE * far * farther
+    }
+
+    /// From these kept modes, the others as they began in the last period: for differences.
+    fn aside(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
+        let end = self.period(&self.with_slow(&self.before, slow))?;
+        Some(self.slow_part(&end))
+    }
+}

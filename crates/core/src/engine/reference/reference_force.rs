@@ -1,0 +1,192 @@
+//! The contact laws once more, in forms of their own: nothing here shares code with `contact` or the kernel.
+
+use crate::contact::{Contact, Law};
+use std::f64::consts::PI;
+
+/// A law with its constants; SI units.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ReferenceForce {
+    None,
+    /// f = kappa delta^1.5 with kappa = K sqrt(R): Ha, Fung & Chen 2005, equation (14).
+    Hertz {
+        kappa: f64,
+    },
+    /// The same less the adhesion P = 2 pi w R; outside -P (D0/(D0 - delta))^2: equations (17), (18).
+    Dmt {
+        kappa: f64,
+        adhesion: f64,
+        decay: f64,
+    },
+    /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3),
+    /// equation (16). `radius` is a at the fold, `unit` a^2/R there.
+    Jkr {
+        elastic: f64,
+        adhesive: f64,
+        radius: f64,
+        unit: f64,
+    },
+}
+
+impl ReferenceForce {
+    /// The law of a contact, from its modulus, radius, work and decay length.
+    pub fn new(contact: &Contact) -> Self {
+        let (k, r, w) = (contact.modulus, contact.radius, contact.work);
+        match contact.law {
+            Law::None => Self::None,
+            Law::Hertz => Self::Hertz { kappa: k * r.sqrt() },
+            Law::Dmt => {
+                Self::Dmt { kappa: k * r.sqrt(), adhesion: 2.0 * PI * w * r, decay: contact.decay_length }
+            }
+            Law::Jkr => {
+                // d delta/da = 0: 2a/R = sqrt(6 pi w/(K a))/3
+                let radius = (PI * w * r * r / (6.0 * k)).cbrt();
+                Self::Jkr {
+                    elastic: k / r,
+                    adhesive: (6.0 * PI * w * k).sqrt(),
+                    radius,
+                    unit: radius * radius / r,
+                }
+            }
+        }
+    }
+
+    /// Force on the tip, N, on the branch that `touching` says. Each branch goes on past its end, so that
+    /// a step may overshoot before it is cut back there.
+    ///
+    /// `_rate` is of the indentation, m/s; it is worked out only for a law that asks for it.
+    #[inline]
+    pub fn at(&self, delta: f64, _rate: impl FnOnce() -> f64, touching: bool) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Hertz { kappa } => hertz(kappa, delta, touching),
+            Self::Dmt { kappa, adhesion, decay } => {
+                if touching {
+                    hertz(kappa, delta, true) - adhesion
+                } else if delta < 0.0 {
+                    -adhesion * (decay / (decay - delta)).powi(2)
+                } else {
+                    -adhesion * (1.0 + 2.0 * delta / decay)
+                }
+            }
+            Self::Jkr { elastic, adhesive, radius, unit } => {
+                if !touching {
+                    return 0.0;
+                }
+                let a = radius * (1.0 + growth(delta / unit + 3.0));
+                let cube = a * a * a;
+                elastic * cube - adhesive * cube.sqrt()
+            }
+        }
+    }
+
+    /// Indentation at which the memory changes: touch from outside, release from inside; none without a sample.
+    pub fn level(&self, touching: bool) -> Option<f64> {
+        match *self {
+            Self::None => None,
+            Self::Jkr { unit, .. } if touching => Some(-3.0 * unit),
+            _ => Some(0.0),
+        }
+    }
+
+    /// Whether a tip that starts at `delta` starts in contact.
+    pub fn touching_at(&self, delta: f64) -> bool {
+        match self {
+            Self::None => false,
+            Self::Jkr { .. } => delta >= 0.0,
+            _ => delta > 0.0,
+        }
+    }
+
+    /// Indentation of the largest pull inside the contact branch, where there is one: df/da = 0 at
+    /// a^3 = 9 a_s^3.
+    pub fn deepest_pull(&self) -> Option<f64> {
+        match *self {
+            Self::Jkr { unit, .. } => {
+                let ratio = 9f64.cbrt();
+                Some(unit * (ratio * ratio - 4.0 * ratio.sqrt()))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn hertz(kappa: f64, delta: f64, touching: bool) -> f64 {
+    if touching && delta > 0.0 {
+        kappa * delta * delta.sqrt()
+    } else if delta.is_nan() {
+        delta
+    } else {
+        0.0
+    }
+}
+
+/// The contact radius beyond that at the fold, in units of it, `rise` above the fold in units of a_s^2/R:
+/// e of e^2 (1 + 2/(s + 1)^2) = rise, s = sqrt(1 + e), by Newton's method kept inside its bracket.
+fn growth(rise: f64) -> f64 {
+    if rise <= 0.0 {
+        return 0.0;
+    }
+    // The factor lies between 1 (far) and 3/2 (at the fold).
+    let (mut low, mut high) = ((rise / 1.5).sqrt(), rise.sqrt());
+    let s = (1.0 + low).sqrt();
+    let mut e = (rise / (1.0 + 2.0 / ((s + 1.0) * (s + 1.0)))).sqrt();
+    for _ in 0..60 {
+        let s = (1.0 + e).sqrt();
+        let value = e * e * (1.0 + 2.0 / ((s + 1.0) * (s + 1.0))) - rise;
+        if value < 0.0 {
+            low = e;
+        } else {
+            high = e;
+        }
+        let slope = 2.0 * e * (s * s + s + 1.0) / ((s + 1.0) * s);
+        let mut next = e - value / slope;
+        if !(low..=high).contains(&next) {
+            next = 0.5 * (low + high);
+        }
+        let moved = (next - e).abs();
+        e = next;
+        if moved <= 2.0 * f64::EPSILON * e || moved.is_nan() {
+            break;
+        }
+    }
+    e
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Adhesion, LawChoice, Params};
+
+    /// Both programs' laws, over and beyond the places where they change.
+    #[test]
+    fn forces_agree_with_the_closed_forms_of_the_contact_module() {
+        for law in [LawChoice::Hertz, LawChoice::Dmt, LawChoice::Jkr] {
+            for modulus in [1e6, 1e9, 1e11] {
+                let mut params = Params::default();
+                params.contact.law = law;
+                params.sample.youngs_modulus = modulus;
+                params.sample.adhesion = Adhesion::Work(0.05);
+                let contact = Contact::new(&params);
+                let force = ReferenceForce::new(&contact);
+                let unit = PI * contact.work * contact.radius;
+                let fold = force.level(true).unwrap_or(0.0);
+                for step in 1..4000 {
+                    let delta = fold + f64::from(step) * f64::from(step) * 1e-15;
+                    for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
+                        let (own, other) =
+                            (force.at(delta, || 0.0, touching), contact.force(delta, touching));
+                        // Next to the fold a rounding of the indentation shows by its square root.
+                        let bound = 1e-12 * (unit + other.abs());
+                        assert!(
+                            (own - other).abs() <= bound,
+                            "{law:?} {modulus:e} {delta:e}: {own:e}, {other:e}"
+                        );
+                    }
+                }
+                if let Some(pull) = force.deepest_pull() {
+                    assert!((force.at(pull, || 0.0, true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
+                }
+            }
+        }
+    }
+}

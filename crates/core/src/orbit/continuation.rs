@@ -1,0 +1,382 @@
+//! Curves: periodic states followed from point to point, many curves side by side.
+
+use super::initial_guess::{CurvePrediction, InitialGuess};
+use super::search_batch::{self, BatchSolution};
+use super::verification::class_order;
+use super::{Jacobian, PeriodicState, period_map, time_integration};
+use crate::engine::{Engine, EngineError, Progress};
+use crate::kernel::MODES_MAX;
+use crate::plan::{Plan, SectionState};
+use std::collections::BTreeMap;
+
+/// How far the state may move in one step, in free amplitudes: what moves farther may have left its branch.
+const MAX_STATE_CHANGE: f64 = 0.08;
+/// Least step, as a share of the way from a point to the next: where none so short succeeds the branch has ended.
+const DS_MIN: f64 = 1.0 / 64.0;
+/// Most evaluations of a step's search, and Jacobians taken anew.
+const MAX_EVALUATIONS_AND_JACOBIANS: (u32, u32) = (80, 10);
+/// Most steps between two points.
+const MAX_STEPS: u32 = 200;
+/// A step's prediction goes no farther than so many of the last steps.
+const MAX_EXTRAPOLATION: f64 = 4.0;
+
+/// The states along the curves of a plan.
+pub(super) struct CurveStates {
+    /// By instance: where its search or its waiting begins; none where nothing is known.
+    pub states: Vec<Option<PeriodicState>>,
+    /// By instance: whether the state was not reached continuously from the point before.
+    pub jumps: Vec<bool>,
+    /// By instance.
+    pub periods: Vec<u32>,
+    pub notes: Vec<String>,
+}
+
+/// A curve on its way.
+#[derive(Default)]
+struct CurveProgress {
+    /// Its instances in the order in which they are followed.
+    points: Vec<u32>,
+    /// The last point at which a state is known, and the one before if the branch is the same.
+    last: Option<(u32, PeriodicState)>,
+    before: Option<(u32, PeriodicState)>,
+}
+
+/// A curve between two of its points.
+struct ContinuationStep {
+    /// Its number.
+    curve: usize,
+    from: u32,
+    to: u32,
+    /// How far it has come, the state there, and the next step, as shares of the way.
+    reached: f64,
+    state: PeriodicState,
+    length: f64,
+    /// Periods of its searches.
+    periods: u32,
+}
+
+/// Follows the curves of the plan from their first points, which begin at the free oscillation.
+pub(super) fn continue_curves(
+    plan: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<CurveStates, EngineError> {
+    let mut all = Continuation::new(plan, engine, progress);
+    let longest = all.curves.iter().map(|curve| curve.points.len()).max().unwrap_or(0);
+    progress.task("following curves", plan.len() as u64);
+    for number in 0..longest {
+        if progress.stopped() {
+            break;
+        }
+        all.advance(number)?;
+    }
+    Ok(all.done)
+}
+
+/// How many of the jumps that a run with other steps met, with the states `before`, stand elsewhere by this plan's steps, with
+/// which states were `found`: the branch has ended before, or goes on to the point that is marked.
+///
+/// # Errors
+/// What the engine says.
+pub fn jumps_moved(
+    plan: &Plan,
+    jumps: &[bool],
+    (before, found): (&[Option<&PeriodicState>], &[Option<Box<PeriodicState>>]),
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<usize, EngineError> {
+    let mut all = Continuation::new(plan, engine, progress);
+    let (mut going, mut moved) = (Vec::new(), 0);
+    for (curve, one) in all.curves.iter().enumerate() {
+        for pair in one.points.windows(2).filter(|pair| jumps[pair[1] as usize]) {
+            let (from, to) = (pair[0], pair[1]);
+            let Some(last) = before[from as usize] else { continue };
+            match found[from as usize]
+                .as_deref()
+                .filter(|state| is_near(plan, from, state, last, MAX_STATE_CHANGE))
+            {
+                Some(state) => {
+                    let state = state.clone();
+                    going.push(ContinuationStep {
+                        curve,
+                        from,
+                        to,
+                        reached: 0.0,
+                        state,
+                        length: 1.0,
+                        periods: 0,
+                    });
+                }
+                None => moved += 1,
+            }
+        }
+    }
+    let tried = going.len();
+    progress.task("jumps", tried as u64);
+    Ok(moved + tried - all.steps(going)?.len())
+}
+
+/// Puts marks of jumps where this plan's states jump: a mark between two that are near each other goes to the nearest point that is
+/// far from the one before it and has none. Where there is no such point, a slow passage by the end of a branch, cut short,
+/// has looked like a jump.
+pub fn locate_jumps(plan: &Plan, jumps: &mut [bool], found: &[Option<Box<PeriodicState>>]) {
+    let state = |i: u32| found.get(i as usize)?.as_deref();
+    let joined =
+        |pair: &[u32]| Some(is_near(plan, pair[1], state(pair[1])?, state(pair[0])?, MAX_STATE_CHANGE));
+    for curve in curves(plan) {
+        let pairs: Vec<(u32, Option<bool>)> =
+            curve.points.windows(2).map(|pair| (pair[1], joined(pair))).collect();
+        for (n, (i, is_joined)) in pairs.iter().enumerate() {
+            if !jumps[*i as usize] || *is_joined != Some(true) {
+                continue;
+            }
+            let open = pairs
+                .iter()
+                .enumerate()
+                .filter(|(_, (i, joined))| *joined == Some(false) && !jumps[*i as usize]);
+            let nearest = open.min_by_key(|(m, _)| m.abs_diff(n)).map(|(_, (i, _))| *i as usize);
+            jumps[*i as usize] = false;
+            nearest.into_iter().for_each(|i| jumps[i] = true);
+        }
+    }
+}
+
+/// The plan's curves, each with its points in their order.
+fn curves(plan: &Plan) -> Vec<CurveProgress> {
+    let mut by_number: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();
+    if let Some(curves) = plan.ensemble.curves {
+        for i in plan.stepped() {
+            let (curve, place) = curves.place(plan.id(i));
+            by_number.entry(curve).or_default().push((place, i));
+        }
+    }
+    let curve = |mut points: Vec<(u32, u32)>| {
+        points.sort_unstable();
+        CurveProgress { points: points.into_iter().map(|(_, i)| i).collect(), ..CurveProgress::default() }
+    };
+    by_number.into_values().map(curve).collect()
+}
+
+/// Curves while they are followed.
+struct Continuation<'a> {
+    plan: &'a Plan,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+    curves: Vec<CurveProgress>,
+    done: CurveStates,
+}
+
+impl<'a> Continuation<'a> {
+    /// The plan's curves before their first points.
+    fn new(plan: &'a Plan, engine: &'a dyn Engine, progress: &'a Progress) -> Self {
+        let count = plan.len();
+        let done = CurveStates {
+            states: vec![None; count],
+            jumps: vec![false; count],
+            periods: vec![0; count],
+            notes: Vec::new(),
+        };
+        Self { plan, engine, progress, curves: curves(plan), done }
+    }
+
+    /// Takes every curve that is long enough to its point of this number.
+    fn advance(&mut self, number: usize) -> Result<(), EngineError> {
+        let (mut going, mut starts) = (Vec::new(), Vec::new());
+        for (n, curve) in self.curves.iter().enumerate() {
+            let Some(&to) = curve.points.get(number) else { continue };
+            match &curve.last {
+                Some((from, state)) => going.push(ContinuationStep {
+                    curve: n,
+                    from: *from,
+                    to,
+                    reached: 0.0,
+                    state: state.clone(),
+                    length: 1.0,
+                    periods: 0,
+                }),
+                None => starts.push((n, to, free_orbit(self.plan, to), 0)),
+            }
+        }
+        let ended = self.steps(going)?;
+        starts.extend(ended.into_iter().map(|one| (one.curve, one.to, branch_end(one.state), one.periods)));
+        self.settle(starts)
+    }
+
+    /// Steps to the next points, shorter where a whole one leads nowhere. Where even the shortest does, the branch has
+    /// ended: these come back.
+    fn steps(&mut self, mut left: Vec<ContinuationStep>) -> Result<Vec<ContinuationStep>, EngineError> {
+        let mut ended = Vec::new();
+        for _ in 0..MAX_STEPS {
+            if left.is_empty() || self.progress.stopped() {
+                break;
+            }
+            let share = |one: &ContinuationStep| (one.reached + one.length).min(1.0);
+            let pairs: Vec<(u32, u32, f64)> = left.iter().map(|one| (one.from, one.to, share(one))).collect();
+            let part = self.plan.between(&pairs);
+            let places: Vec<SectionState> =
+                (0..).zip(&left).map(|(i, one)| self.predicted(&part, i, one)).collect();
+            let BatchSolution { found, periods, .. } = self.search(&part, &left, &places)?;
+            let mut rest = Vec::new();
+            for ((i, mut one), found) in (0..).zip(left).zip(found) {
+                one.periods += periods[i as usize];
+                match found.filter(|found| is_near(&part, i, found, &one.state, MAX_STATE_CHANGE)) {
+                    Some(found) if share(&one) >= 1.0 => {
+                        self.accept(one.curve, one.to, *found, false, one.periods);
+                        continue;
+                    }
+                    Some(found) => (one.reached, one.state) = (share(&one), *found),
+                    None => one.length *= 0.5,
+                }
+                if one.length < DS_MIN { ended.push(one) } else { rest.push(one) }
+            }
+            left = rest;
+        }
+        ended.extend(left);
+        Ok(ended)
+    }
+
+    /// Where a step, instance `i` of its plan, looks for its end: a whole one by the secant through the last two points,
+    /// a shorter one where it stands.
+    fn predicted(&self, part: &Plan, i: u32, one: &ContinuationStep) -> SectionState {
+        let here = period_map::transfer_section(part, i, &one.state);
+        let before = self.curves[one.curve].before.as_ref().filter(|_| one.length >= 1.0);
+        let Some((first, before)) = before else { return here };
+        let strides = ratio(self.plan, *first, one.from, one.to);
+        extrapolated(here, &period_map::transfer_section(part, i, before), strides)
+    }
+
+    /// Where waiting at these points would lead from these states: searched for as that does, or integrated to steady state.
+    fn settle(&mut self, starts: Vec<(usize, u32, PeriodicState, u32)>) -> Result<(), EngineError> {
+        if starts.is_empty() || self.progress.stopped() {
+            return Ok(());
+        }
+        let to: Vec<u32> = starts.iter().map(|(_, i, ..)| *i).collect();
+        let part = self.plan.part(&to);
+        let places: Vec<&PeriodicState> = starts.iter().map(|(_, _, state, _)| state).collect();
+        let BatchSolution { mut found, periods, notes, .. } =
+            settled_states(&part, &places, self.engine, self.progress)?;
+        self.done.notes.extend(notes);
+        for (place, (n, i, state, before)) in starts.iter().enumerate() {
+            let Some(found) = found[place].take() else { continue };
+            let new = self.curves[*n].last.is_none();
+            let jumped = !new && !is_near(&part, place as u32, &found, state, MAX_STATE_CHANGE);
+            self.accept(*n, *i, *found, jumped, before + periods[place]);
+        }
+        Ok(())
+    }
+
+    /// Searches next to these places, and nowhere else.
+    fn search(
+        &mut self,
+        part: &Plan,
+        strides: &[ContinuationStep],
+        places: &[SectionState],
+    ) -> Result<BatchSolution, EngineError> {
+        let all: Vec<u32> = part.instances().collect();
+        let states: Vec<Option<&PeriodicState>> = strides.iter().map(|one| Some(&one.state)).collect();
+        let begin = InitialGuess::CurvePoints(CurvePrediction {
+            states: &states,
+            places,
+            max_evaluations: MAX_EVALUATIONS_AND_JACOBIANS,
+            accept_unverified: &[],
+        });
+        let mut searched =
+            search_batch::solve_batches(part, &class_order(part, &all), begin, self.engine, self.progress)?;
+        self.done.notes.append(&mut searched.notes);
+        Ok(searched)
+    }
+
+    /// A curve has come to its next point.
+    fn accept(&mut self, curve: usize, point: u32, state: PeriodicState, jumped: bool, periods: u32) {
+        let i = point as usize;
+        let curve = &mut self.curves[curve];
+        curve.before = curve.last.replace((point, state.clone())).filter(|_| !jumped);
+        self.done.states[i] = Some(state);
+        (self.done.jumps[i], self.done.periods[i]) = (jumped, periods);
+        self.progress.done(1);
+    }
+}
+
+/// The free oscillation of an instance.
+pub(super) fn free_orbit(plan: &Plan, i: u32) -> PeriodicState {
+    integrated_orbit(plan, i, SectionState::free(plan, i))
+}
+
+/// What is known of a state that was not searched for.
+pub(super) fn integrated_orbit(plan: &Plan, i: u32, station: SectionState) -> PeriodicState {
+    PeriodicState { section: station, ..PeriodicState::unknown(plan.steps(i), &plan.driven(i).kept) }
+}
+
+/// The last state of a branch that has ended, which is not to be searched on: its Jacobian leads nowhere.
+pub(super) fn branch_end(state: PeriodicState) -> PeriodicState {
+    PeriodicState { jacobian: Jacobian::Unknown, ..state }
+}
+
+/// How many times the way from the first to the second of these points it is from the second to the third.
+fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
+    let place = |i: u32| {
+        let free = &plan.driven(i).free;
+        [plan.case(i).gap, free.omega, free.level]
+    };
+    let [a, b, c] = [first, second, third].map(place);
+    let along = (0..3).find(|n| a[*n] != b[*n]);
+    let ratio = along.map_or(0.0, |n| (c[n] - b[n]) / (b[n] - a[n]));
+    if ratio > 0.0 && ratio <= MAX_EXTRAPOLATION { ratio } else { 0.0 }
+}
+
+/// Whether the state of instance `i` is within so many free amplitudes of another; in gaps where that is more and the free
+/// oscillation does not feel the sample.
+fn is_near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
+    let amplitude = plan.driven(i).free_amplitude();
+    let scale = if plan.is_free(i) { amplitude.max(plan.case(i).gap) } else { amplitude };
+    section_distance(
+        &period_map::transfer_section(plan, i, found),
+        &period_map::transfer_section(plan, i, other),
+    ) <= most * scale
+}
+
+/// Where the way from `there` to `here` leads after so many more of it.
+pub(super) fn extrapolated(here: SectionState, there: &SectionState, strides: f64) -> SectionState {
+    let mut station = here;
+    for k in 0..MODES_MAX {
+        station.x[k] += strides * (here.x[k] - there.x[k]);
+        station.u[k] += strides * (here.u[k] - there.u[k]);
+    }
+    station
+}
+
+/// How far two places of an instance are apart, m.
+pub(super) fn section_distance(a: &SectionState, b: &SectionState) -> f64 {
+    let square = |k: usize| (a.x[k] - b.x[k]).powi(2) + (a.u[k] - b.u[k]).powi(2);
+    (0..MODES_MAX).map(square).sum::<f64>().sqrt()
+}
+
+/// Where waiting would lead each instance of a plan from its state: searched for as that does, or integrated to steady state.
+pub(super) fn settled_states(
+    plan: &Plan,
+    from: &[&PeriodicState],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<BatchSolution, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    let places: Vec<Option<&PeriodicState>> = from.iter().map(|state| Some(*state)).collect();
+    let mut searched = search_batch::solve_batches(
+        plan,
+        &class_order(plan, &all),
+        InitialGuess::CurveStates(&places),
+        engine,
+        progress,
+    )?;
+    let lost: Vec<u32> = all.into_iter().filter(|i| searched.found[*i as usize].is_none()).collect();
+    if !lost.is_empty() && !progress.stopped() {
+        let begin = |i: &u32| period_map::transfer_section(plan, *i, from[*i as usize]).into();
+        let waiting = plan.part(&lost).starting_at(lost.iter().map(begin).collect());
+        let waited = time_integration::integrate(&waiting, engine, progress)?;
+        for (n, i) in lost.iter().enumerate() {
+            searched.periods[*i as usize] += waited.periods[n];
+            let end = waited.outcome.ends.get(n).and_then(Option::as_deref).filter(|end| end.finite);
+            searched.found[*i as usize] = end.map(|end| Box::new(integrated_orbit(plan, *i, *end)));
+        }
+    }
+    Ok(searched)
+}

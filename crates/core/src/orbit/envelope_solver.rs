@@ -1,0 +1,136 @@
+//! What goes to rest so slowly that waiting takes thousands of periods is followed in steps of many.
+
+use super::OrbitSolution;
+use super::initial_guess::InitialGuess;
+use super::period_map::{PeriodMap, section_numbers};
+use super::tolerances;
+use super::verification::search_and_verify;
+use crate::engine::{Cpu, Engine, EngineError, JacobianStart, PeriodJacobian, ProfileSection, Progress};
+use crate::kernel::Room;
+use crate::periodic::{Envelope, EnvelopeEnd, EnvelopeOptions};
+use crate::plan::{Plan, SectionState};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// Paces of fewer periods are no longer than following takes.
+const MIN_DECAY_PERIODS: u32 = 384;
+/// Most evaluations for an instance: so many, or the pace over this where that is more. Each takes as long as a few periods.
+const MAX_EVALUATIONS: (u32, u32) = (96, 16);
+
+/// Whether motions of this pace are followed.
+pub(super) fn is_slow(pace: u32) -> bool {
+    pace >= MIN_DECAY_PERIODS
+}
+
+/// Evaluations that following an instance of this pace may take.
+pub(super) fn max_evaluations(pace: u32) -> u32 {
+    MAX_EVALUATIONS.0.max(pace / MAX_EVALUATIONS.1)
+}
+
+/// An instance to be followed.
+pub(super) struct EnvelopeStart {
+    /// Of the plan.
+    pub instance: u32,
+    pub section: SectionState,
+    /// Periods in which free motion fades.
+    pub decay_periods: u32,
+    /// Most evaluations.
+    pub max_evaluations: u32,
+}
+
+/// Follows these instances, and searches where they come to rest; what is found goes into `settled`. Tells
+/// how many evaluations each has taken: none on an engine that tells no Jacobians.
+pub(super) fn follow_and_search(
+    plan: &Plan,
+    from: &[EnvelopeStart],
+    settled: &mut OrbitSolution,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Vec<u32>, EngineError> {
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let part = plan.part(&from.iter().map(|one| one.instance).collect::<Vec<u32>>());
+    let all: Vec<u32> = part.instances().collect();
+    let map = PeriodMap::new(&part, &all, double, progress)?;
+    let mut taken = vec![0; from.len()];
+    if !map.tells_jacobians() {
+        return Ok(taken);
+    }
+    let mut places: Vec<Option<SectionState>> = vec![None; from.len()];
+    for some in map.spread(|slots| follow(&map, from, slots)) {
+        for (slot, envelope) in some? {
+            let (i, one) = (slot as usize, &from[slot as usize]);
+            taken[i] = envelope.evaluations();
+            settled.periods[one.instance as usize] += taken[i];
+            let rests = envelope.came() == Some(EnvelopeEnd::Settled);
+            places[i] = rests.then(|| station(envelope.state(), one.section.touching));
+        }
+    }
+    settled.outcome.notes.extend(map.notes());
+    let rested = || (0..).zip(&places).filter_map(|(i, place)| Some((i, (*place)?)));
+    let (resting, places): (Vec<u32>, Vec<SectionState>) = rested().unzip();
+    let part = part.part(&resting);
+    let all: Vec<u32> = part.instances().collect();
+    let (ran, _) = search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+    let instances: Vec<u32> = resting.iter().map(|i| from[*i as usize].instance).collect();
+    settled.take(&instances, ran);
+    Ok(taken)
+}
+
+/// Takes some of these to where they come, each with its number among them.
+fn follow(
+    map: &PeriodMap,
+    from: &[EnvelopeStart],
+    slots: Range<u32>,
+) -> Result<Vec<(u32, Envelope)>, EngineError> {
+    let begin = |slot: u32| {
+        let EnvelopeStart { section: place, decay_periods: pace, max_evaluations: most, .. } =
+            from[slot as usize];
+        let modes = map.plan.driven(slot).kept.modes.len();
+        let told = EnvelopeOptions {
+            scale: tolerances::scale(map.plan, slot),
+            decay_periods: pace,
+            max_evaluations: most,
+        };
+        (slot, Envelope::new(DVector::from_column_slice(&section_numbers(&place, modes)), told))
+    };
+    let mut all: Vec<(u32, Envelope)> = slots.map(begin).collect();
+    let mut room = Room::default();
+    loop {
+        let mut open: Vec<_> = all.iter_mut().filter(|(_, one)| one.came().is_none()).collect();
+        if open.is_empty() || map.progress.stopped() {
+            break;
+        }
+        let touching = |slot: u32| from[slot as usize].section.touching;
+        let start = |(slot, one): &&mut (u32, Envelope)| JacobianStart {
+            instance: *slot,
+            station: station(&one.ask(), touching(*slot)),
+            least: 0.0,
+        };
+        let starts: Vec<JacobianStart> = open.iter().map(start).collect();
+        let sloped = map.after_with_jacobian(&starts, &mut room)?;
+        map.progress.timed(ProfileSection::Algebra, || {
+            for ((slot, one), end) in open.iter_mut().zip(sloped) {
+                // An answer is of use where it is numbers, in the same contact as before.
+                let remembers = map.plan.law(*slot).has_memory();
+                let same = |end: &SectionState| !remembers || end.touching == touching(*slot);
+                let useful = end.filter(|sloped| sloped.end.finite && same(&sloped.end));
+                one.tell(useful.map(|PeriodJacobian { end, slope }| {
+                    let numbers = slope.len().isqrt();
+                    let state = DVector::from_column_slice(&section_numbers(&end, numbers / 2));
+                    (state, DMatrix::from_column_slice(numbers, numbers, &slope))
+                }));
+            }
+        });
+    }
+    Ok(all)
+}
+
+/// Where the kept modes have these travels, then rates.
+fn station(numbers: &DVector<f64>, touching: bool) -> SectionState {
+    let (x, u) = numbers.as_slice().split_at(numbers.len() / 2);
+    let mut station = SectionState { touching, ..SectionState::FREE };
+    station.x[..x.len()].copy_from_slice(x);
+    station.u[..u.len()].copy_from_slice(u);
+    station
+}

@@ -1,0 +1,340 @@
+//! The periodic state of each instance: integrated to steady state, or searched for and then run on from.
+
+mod conservative_orbit;
+mod continuation;
+mod envelope_solver;
+mod initial_guess;
+mod instance_search;
+mod jacobian;
+mod midpoint_restart;
+mod neighbour_start;
+mod orbit_table;
+mod orbit_transfer;
+mod period_map;
+mod predictor;
+mod quasi_newton;
+mod residual;
+mod restart;
+mod search_batch;
+mod setpoint_branch;
+mod setpoint_continuation;
+mod setpoint_residual;
+mod setpoint_solver;
+mod settling;
+mod size_dispatch;
+mod stencil;
+mod time_integration;
+mod tolerances;
+mod transfer_cache;
+mod verification;
+
+pub use continuation::{jumps_moved, locate_jumps};
+pub use jacobian::Jacobian;
+pub use neighbour_start::{OnFailure, solve_from_neighbours};
+pub use orbit_table::OrbitTable;
+pub use orbit_transfer::{transfer_orbit, transfer_orbit_corrected};
+pub use stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
+pub use time_integration::SETTLED_SHARE;
+
+use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
+use crate::periodic::Floquet;
+use crate::plan::{Plan, ReducedBasis, SectionState};
+use crate::scene::{Start, Steady};
+use initial_guess::InitialGuess;
+use std::sync::Arc;
+use verification::{run_on, search_and_verify};
+
+/// A periodic state that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicState {
+    pub section: SectionState,
+    /// What the period map does to small deviations.
+    pub floquet: Floquet,
+    /// Steps per period with which it was found, and the lever.
+    pub steps: u32,
+    pub basis: Arc<ReducedBasis>,
+    /// What is known of the period map near it; unknown where nobody is to search on from there.
+    pub jacobian: Jacobian,
+}
+
+impl PeriodicState {
+    /// At the free oscillation, with nothing known of the map there.
+    fn unknown(steps: u32, kept: &Arc<ReducedBasis>) -> Self {
+        let spectrum = Floquet { multiplier: f64::NAN, sigma_min: f64::NAN };
+        Self {
+            section: SectionState::FREE,
+            floquet: spectrum,
+            steps,
+            basis: Arc::clone(kept),
+            jacobian: Jacobian::Unknown,
+        }
+    }
+
+    /// Whether a search found it; else waiting did.
+    pub fn is_solved(&self) -> bool {
+        !self.floquet.multiplier.is_nan()
+    }
+}
+
+/// A plan carried out.
+#[derive(Clone, Debug)]
+pub struct OrbitSolution {
+    pub outcome: Outcome,
+    /// By instance; empty where nothing was searched for, none where waiting found it or nothing did.
+    pub found: Vec<Option<Box<PeriodicState>>>,
+    /// By instance, periods stepped: those of the search, and those run on or waited.
+    pub periods: Vec<u32>,
+    /// By instance, whether its curve's state was not reached continuously from the point before; empty without curves.
+    pub jumps: Vec<bool>,
+}
+
+impl OrbitSolution {
+    /// The state found of an instance.
+    pub fn state(&self, instance: usize) -> Option<&PeriodicState> {
+        self.found.get(instance).and_then(Option::as_deref)
+    }
+}
+
+/// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
+/// same instances with other steps or levers, or nothing.
+///
+/// A state found is held to be one only if it is stable and, run on from, stays within the accuracy asked for (where
+/// f32 is too coarse to tell, in f64); every other instance is integrated to steady state.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    solve_or(plan, near, OnFailure::Integrate, engine, progress)
+}
+
+/// As [`solve`], but that nothing is waited for where states are searched for: what no search finds is left as not run.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_without_integration(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    solve_or(plan, near, OnFailure::Skip, engine, progress)
+}
+
+fn solve_or(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    patience: OnFailure,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    progress.part();
+    if plan.run.steady == Steady::Wait || plan.stepped().is_empty() {
+        return time_integration::integrate(plan, engine, progress);
+    }
+    // What a curve or an approach leads to is not to be looked for elsewhere.
+    let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
+    let followed = told && near.iter().any(Option::is_some);
+    let begin = if followed { InitialGuess::CurveStates(near) } else { InitialGuess::States(near) };
+    search_or_integrate(plan, begin, (&[], patience), engine, progress)
+}
+
+/// As [`solve`], but that a search begins at these states themselves, of whose Jacobians nothing need be known: it looks for the
+/// states next to them, and not for others.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_near_states(
+    plan: &Plan,
+    states: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    if plan.run.steady == Steady::Wait || states.is_empty() {
+        return solve(plan, states, engine, progress);
+    }
+    progress.part();
+    search_or_integrate(
+        plan,
+        InitialGuess::CurveStates(states),
+        (&[], OnFailure::Integrate),
+        engine,
+        progress,
+    )
+}
+
+/// The plan's instances as a search from there finds them, or where neighbours lead, one by one, if they have `leads`; what is
+/// not found is integrated to steady state, or left as not run.
+fn search_or_integrate(
+    plan: &Plan,
+    begin: InitialGuess,
+    (leads, patience): (&[StencilStart], OnFailure),
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let (mut settled, mut left) = search_and_verify(plan, &plan.stepped(), begin, engine, progress)?;
+    settled.vote_of_neighbours(plan, leads, (|_| true, 1), engine, progress)?;
+    left.retain(|one| settled.found[one.instance as usize].is_none());
+    if matches!(begin, InitialGuess::StatesOnce(_)) {
+        if patience == OnFailure::RetryLater {
+            settled.retry_later(plan, left, engine, progress)?;
+        }
+        return Ok(settled);
+    }
+    let waits = patience == OnFailure::Integrate;
+    let left = match begin {
+        InitialGuess::States(_) | InitialGuess::StatesOrDefer(_)
+            if waits && plan.run.start == Start::Steady =>
+        {
+            settling::settle_and_search(plan, left, &mut settled, engine, progress)?
+        }
+        _ => Vec::new(),
+    };
+    for wait in settling::integrations(plan, begin, left, waits, &settled) {
+        settled.integrate(plan, wait, engine, progress)?;
+    }
+    Ok(settled)
+}
+
+/// The first run of a plan: along its curves if it has some and searches, to its set-points if it has these, else each
+/// instance on its own. Other runs of the same instances go on from what this one finds. The plan's gaps become those
+/// that hold the set-points, NaN where none does.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_first(
+    plan: &mut Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    if plan.has_setpoints() {
+        progress.part();
+        return setpoint_solver::solve_first(plan, engine, progress);
+    }
+    if plan.ensemble.curves.is_none() || plan.run.steady == Steady::Wait {
+        return solve(plan, &[], engine, progress);
+    }
+    progress.part();
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let followed = continuation::continue_curves(plan, double, progress)?;
+    let near: Vec<Option<&PeriodicState>> = followed.states.iter().map(Option::as_ref).collect();
+    let mut settled = match progress.stopped() {
+        true => measure_curve_states(plan, &near, engine)?,
+        false => solve(plan, &near, engine, progress)?,
+    };
+    settled.periods.iter_mut().zip(&followed.periods).for_each(|(all, some)| *all += some);
+    settled.outcome.notes.splice(0..0, followed.notes);
+    settled.jumps = followed.jumps;
+    Ok(settled)
+}
+
+/// Curves that were stopped on their way: what each point that they have reached is like, and nothing vouches for it.
+fn measure_curve_states(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+) -> Result<OrbitSolution, EngineError> {
+    let count = plan.len();
+    let mut outcome = Outcome { ends: Vec::new(), ..Outcome::of(plan) };
+    let reached: Vec<u32> = plan.instances().filter(|i| near[*i as usize].is_some()).collect();
+    let states: Vec<Option<&PeriodicState>> = reached.iter().map(|i| near[*i as usize]).collect();
+    // A few periods of each: whoever stops a run waits for them.
+    let on = run_on(plan.part(&reached), &states, engine, &Progress::default())?;
+    for (i, finished) in reached.into_iter().zip(on.results) {
+        outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
+    }
+    Ok(OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
+}
+
+/// Another run of the plan's instances, with other steps or bases: as [`solve`], and set-points are held again, from the plan's
+/// gaps and the states `near`.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_again(
+    plan: &mut Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let searches = plan.run.steady == Steady::Search && plan.ensemble.curves.is_none();
+    match plan.has_setpoints() {
+        true => setpoint_solver::hold_again(plan, near, engine, progress),
+        false if searches && !near.is_empty() => restart::solve_from_own_states(plan, near, engine, progress),
+        false => solve(plan, near, engine, progress),
+    }
+}
+
+/// States that are found from the lever at rest in place of its free oscillation, of these instances; the others'
+/// results are not run. Of two branches of a tapping point it tends to find the one with less amplitude.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_from_rest(
+    plan: &Plan,
+    instances: &[u32],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    progress.part();
+    Ok(search_and_verify(plan, instances, InitialGuess::AtRest, engine, progress)?.0)
+}
+
+/// States that are found from these places, one for each instance of the plan, in place of its free oscillation.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_from_sections(
+    plan: &Plan,
+    places: &[SectionState],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    Ok(search_and_verify(plan, &all, InitialGuess::Points(places), engine, progress)?.0)
+}
+
+/// States next to those of others, of one for each instance of the plan, as they are met with its steps and lever; nothing else is
+/// looked for.
+///
+/// # Errors
+/// What the engine says.
+pub fn solve_near(
+    plan: &Plan,
+    others: &[&PeriodicState],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    let places: Vec<SectionState> =
+        all.iter().zip(others).map(|(i, other)| period_map::transfer_section(plan, *i, other)).collect();
+    Ok(search_and_verify(plan, &all, InitialGuess::PointsOnly(&places), engine, progress)?.0)
+}
+
+/// The states of these instances, for a plan of them alone; nothing where none were searched for.
+pub fn gather<'a>(
+    found: &'a [Option<Box<PeriodicState>>],
+    instances: &[u32],
+) -> Vec<Option<&'a PeriodicState>> {
+    match found.is_empty() {
+        true => Vec::new(),
+        false => instances.iter().map(|i| found[*i as usize].as_deref()).collect(),
+    }
+}
+
+/// The other way: states of a plan of `instances` alone, for the plan of which they are some, and which has `count`.
+pub fn scatter<'a>(
+    found: &'a [Option<Box<PeriodicState>>],
+    instances: &[u32],
+    count: usize,
+) -> Vec<Option<&'a PeriodicState>> {
+    let mut all = vec![None; if found.is_empty() { 0 } else { count }];
+    instances.iter().zip(found).for_each(|(i, state)| all[*i as usize] = state.as_deref());
+    all
+}

@@ -1,0 +1,367 @@
+//! The period map of some instances, on whatever engine there is.
+
+use super::{Jacobian, PeriodicState};
+use crate::engine::{
+    Engine, EngineError, JacobianStart, NewtonResult, NewtonResults, NewtonStarts, PeriodJacobian,
+    PeriodJacobians, ProfileSection, Progress, ReturnMap,
+};
+use crate::kernel::{MODES_MAX, Room, flown, increments};
+use crate::periodic::{Memory, Size};
+use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, SectionState, StartState};
+use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache, and where
+/// there are few so many that all threads have some.
+const INSTANCES_PER_THREAD: (u32, u32) = (8, 256);
+
+/// Modes whose motion falls by no more than this exponent in a period are slow.
+const SLOW_MODE_EXPONENT: f64 = 0.3;
+
+/// Takes instances of a plan from one place to where they are some periods later, in f64.
+pub(super) struct PeriodMap<'a> {
+    pub plan: &'a Plan,
+    instances: &'a [u32],
+    engine: &'a dyn Engine,
+    return_map: Option<Box<dyn ReturnMap>>,
+    pub progress: &'a Progress,
+    /// What the engine had to say.
+    notes: Mutex<Vec<String>>,
+}
+
+impl<'a> PeriodMap<'a> {
+    /// Of these instances, by an engine that can compute in f64.
+    pub fn new(
+        plan: &'a Plan,
+        instances: &'a [u32],
+        engine: &'a dyn Engine,
+        progress: &'a Progress,
+    ) -> Result<Self, EngineError> {
+        let quick = progress.timed(ProfileSection::Constants, || engine.return_map(plan, instances))?;
+        Ok(Self { plan, instances, engine, return_map: quick, progress, notes: Mutex::default() })
+    }
+
+    /// Does `work` for all instances: at once, or for some after the other on many threads where the engine does not
+    /// spread a list over them itself.
+    pub fn spread<T: Send>(&self, work: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
+        let count = self.instances.len() as u32;
+        if self.return_map.is_none() {
+            return vec![work(0..count)];
+        }
+        let size = count
+            .div_ceil(rayon::current_num_threads() as u32)
+            .clamp(INSTANCES_PER_THREAD.0, INSTANCES_PER_THREAD.1);
+        let parts = (0..count.div_ceil(size)).into_par_iter();
+        parts.map(|part| work(part * size..count.min((part + 1) * size))).collect()
+    }
+
+    /// Counts instances whose search is over.
+    pub fn ended(&self, instances: usize) {
+        self.progress.done(instances as u64);
+    }
+
+    /// What the engine had to say.
+    pub fn notes(self) -> Vec<String> {
+        self.notes.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Where each of `starts` (a number in the list of instances, and a place) is after `periods`; none where the run
+    /// was stopped.
+    pub fn after(
+        &self,
+        starts: &[(u32, SectionState)],
+        periods: u32,
+    ) -> Result<Vec<Option<SectionState>>, EngineError> {
+        if let Some(map) = &self.return_map {
+            let steps = |slot: u32| self.plan.steps(self.instances[slot as usize]);
+            let all: u64 = starts.iter().map(|(slot, _)| u64::from(steps(*slot))).sum();
+            self.progress.foresee(all * u64::from(periods));
+            return Ok(map.after(starts, periods, self.progress));
+        }
+        let trial = self.trial(starts.iter().copied(), periods);
+        let outcome = self.engine.run(&trial, self.progress)?;
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(outcome.notes);
+        Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
+    }
+
+    /// So many periods from these starts, as a plan.
+    fn trial(&self, starts: impl Iterator<Item = (u32, SectionState)>, periods: u32) -> Plan {
+        let (instances, places): (Vec<u32>, Vec<StartState>) =
+            starts.map(|(slot, place)| (self.instances[slot as usize], StartState::from(place))).unzip();
+        let mut trial = self.plan.trial(&instances, periods, 1);
+        trial.precision = Precision::F64;
+        trial.starts = Some(Arc::new(places));
+        self.progress.foresee(trial.instance_steps());
+        trial
+    }
+}
+
+impl PeriodMap<'_> {
+    /// Whether Jacobians can be asked for.
+    pub fn tells_jacobians(&self) -> bool {
+        self.return_map.is_some() || self.engine.tells_slopes()
+    }
+
+    /// Where each of these is after a period, and the Jacobian of that; none where the run was stopped, or where Jacobians cannot
+    /// be asked for.
+    pub fn after_with_jacobian(
+        &self,
+        starts: &[JacobianStart],
+        room: &mut Room<f64>,
+    ) -> Result<Vec<Option<PeriodJacobian>>, EngineError> {
+        if let Some(map) = &self.return_map {
+            let steps =
+                |start: &JacobianStart| u64::from(self.plan.steps(self.instances[start.instance as usize]));
+            self.progress.foresee(starts.iter().map(steps).sum());
+            return Ok(map.sloped(starts, room, self.progress));
+        }
+        if starts.is_empty() {
+            return Ok(Vec::new());
+        }
+        let trial = self.trial(starts.iter().map(|start| (start.instance, start.station)), 1);
+        let least: Vec<f64> = starts.iter().map(|start| start.least).collect();
+        let PeriodJacobians { all, notes } = self.engine.slopes(&trial, &least, self.progress)?;
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(notes);
+        Ok(all)
+    }
+}
+
+impl PeriodMap<'_> {
+    /// Whether the engine has a way of its own to the ends of searches.
+    pub fn runs_newton(&self) -> bool {
+        self.engine.searches()
+    }
+
+    /// What searches from `starts` (a number in the list of instances, and a place) come to by the engine's own way.
+    pub fn newton(
+        &self,
+        starts: impl Iterator<Item = (u32, SectionState)>,
+        seeks: &NewtonStarts,
+        precision: Precision,
+    ) -> Result<Vec<NewtonResult>, EngineError> {
+        let trial = self.trial(starts, 1).in_precision(precision);
+        let NewtonResults { all, notes } = self.engine.newton(&trial, seeks, self.progress)?;
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).extend(notes);
+        Ok(all)
+    }
+}
+
+/// At rest but for the modes that are not kept, with the sample just there: a swing that grows from nothing.
+pub(super) fn rest_state(plan: &Plan, instance: u32) -> SectionState {
+    let case = plan.case(instance);
+    let driven = plan.driven(instance);
+    let free = &driven.free;
+    // The run begins at the top of the free swing; section states stand half a step later.
+    let angle = FRAC_PI_2 - free.angle + PI / f64::from(case.steps);
+    let turn = Complex::from_polar(1.0, angle);
+    let mut station = SectionState::FREE;
+    for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
+        let Some(index) = mode.index else { continue };
+        let swing = free.modes[index] * turn * driven.instrument.modes[index].tip;
+        (station.x[k], station.u[k]) = (-swing.im, -swing.re * free.omega / mode.omega);
+    }
+    let travel = free.amplitude * (PI / f64::from(case.steps)).cos() + station.x.iter().sum::<f64>();
+    station.touching = case.contact.next_contact(-(case.gap + travel), false);
+    station
+}
+
+/// How a state with other steps per period or another lever is met with an instance's own: section states stand half a step into
+/// the period.
+pub(super) struct BasisTransfer {
+    /// Modes that both have.
+    modes: Vec<ModeTransfer>,
+}
+
+/// The residual oscillator of a poorer basis swings as the mode that a richer one has in its place.
+struct ModeTransfer {
+    /// Its place among the instance's modes, and among the other's.
+    own: usize,
+    other: usize,
+    /// What the time between the two does to it, there and back.
+    there: Matrix2<f64>,
+    back: Matrix2<f64>,
+}
+
+impl BasisTransfer {
+    pub(super) fn new(
+        plan: &Plan,
+        instance: u32,
+        (theirs, steps): (&ReducedBasis, u32),
+        modes: usize,
+    ) -> Self {
+        let driven = plan.driven(instance);
+        let own_steps = f64::from(plan.steps(instance));
+        let later = PI / driven.free.omega * (1.0 / own_steps - 1.0 / f64::from(steps));
+        let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
+        // Modes of two levers are the same by their number.
+        let numbered = |mode: &KeptMode| {
+            theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
+        };
+        // Of two levers with the same modes the residual oscillators stand for the same.
+        let copies = driven.kept.copies(theirs);
+        let residual = |mode: &KeptMode| {
+            let other = || theirs.modes.iter().position(|other| other.index.is_none());
+            (copies && mode.index.is_none()).then(other).flatten()
+        };
+        let same = |mode: &KeptMode| {
+            let equal = theirs.modes.iter().position(|other| other.omega == mode.omega);
+            equal.or_else(|| numbered(mode)).or_else(|| residual(mode))
+        };
+        let turn = |mode: &KeptMode, time: f64| {
+            let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
+            Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
+        };
+        let both = |(own, mode): (usize, &KeptMode)| {
+            let (there, back) = (turn(mode, later), turn(mode, -later));
+            Some(ModeTransfer { own, other: same(mode)?, there, back })
+        };
+        Self { modes: own.iter().enumerate().filter_map(both).collect() }
+    }
+
+    /// Puts a state from the other's numbers: travels, then rates. A mode that the other lever lacks is at rest.
+    pub(super) fn transfer<D: Size + DimName>(&self, theirs: &[f64], state: &mut OVector<f64, D>)
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let (modes, others) = (D::DIM / 2, theirs.len() / 2);
+        state.fill(0.0);
+        for ModeTransfer { own, other, there, .. } in &self.modes {
+            let now = there * Vector2::new(theirs[*other], theirs[others + other]);
+            (state[*own], state[modes + own]) = (now[0], now[1]);
+        }
+    }
+
+    /// The map's Jacobian from what is known of the other's map; without a sample where nothing is.
+    fn monodromy<D: Size + DimName>(
+        &self,
+        plan: &Plan,
+        instance: u32,
+        theirs: &Jacobian,
+    ) -> OMatrix<f64, D, D>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let mut slope = free_monodromy::<D>(plan, instance).0;
+        if let Some(theirs) = theirs.monodromy() {
+            self.transfer_jacobian(&theirs, &mut slope);
+        }
+        slope
+    }
+
+    /// Puts the map's Jacobian, or the inverse of one minus it, from the other's, column by column, over what it is without a sample:
+    /// that is left of modes that the other lever lacks.
+    pub(super) fn transfer_jacobian<D: Size + DimName>(&self, theirs: &[f64], slope: &mut OMatrix<f64, D, D>)
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        // There is a row and a column for each number of a state, of which many may be at rest.
+        let (modes, others) = (D::DIM / 2, theirs.len().isqrt() / 2);
+        let theirs = |row: usize, column: usize| theirs[column * 2 * others + row];
+        for ModeTransfer { own: k, other: j, there, .. } in &self.modes {
+            for ModeTransfer { own: l, other: i, back, .. } in &self.modes {
+                let (n, m) = (others + j, others + i);
+                let block = Matrix2::new(theirs(*j, *i), theirs(*j, m), theirs(n, *i), theirs(n, m));
+                let block = there * block * back;
+                (slope[(*k, *l)], slope[(*k, modes + l)]) = (block[(0, 0)], block[(0, 1)]);
+                (slope[(modes + k, *l)], slope[(modes + k, modes + l)]) = (block[(1, 0)], block[(1, 1)]);
+            }
+        }
+    }
+
+    /// A mode that the other lever lacks is at rest and free.
+    fn section(&self, place: &PeriodicState) -> SectionState {
+        let mut moved = SectionState { touching: place.section.touching, ..SectionState::FREE };
+        for ModeTransfer { own, other, there, .. } in &self.modes {
+            let now = there * Vector2::new(place.section.x[*other], place.section.u[*other]);
+            (moved.x[*own], moved.u[*own]) = (now[0], now[1]);
+        }
+        moved
+    }
+}
+
+/// Where a state found with other steps per period or another lever is by the instance's own.
+pub(super) fn transfer_section(plan: &Plan, instance: u32, place: &PeriodicState) -> SectionState {
+    let same = Arc::ptr_eq(&plan.driven(instance).kept, &place.basis) && plan.steps(instance) == place.steps;
+    if same {
+        place.section
+    } else {
+        BasisTransfer::new(plan, instance, (&place.basis, place.steps), MODES_MAX).section(place)
+    }
+}
+
+/// How far two places are apart, m.
+pub(super) fn distance(a: &SectionState, b: &SectionState) -> f64 {
+    let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
+    (squares(&a.x, &b.x) + squares(&a.u, &b.u)).sqrt()
+}
+
+/// Travel and rate of so many modes, one after the other.
+pub(super) fn section_numbers(station: &SectionState, modes: usize) -> Box<[f64]> {
+    station.x[..modes].iter().chain(&station.u[..modes]).copied().collect()
+}
+
+/// A state found with other steps per period or another lever as it is met with the instance's own, and the map's Jacobian
+/// there.
+pub(super) fn transfer_with_jacobian<D: Size + DimName>(
+    plan: &Plan,
+    instance: u32,
+    place: &PeriodicState,
+) -> (SectionState, OMatrix<f64, D, D>)
+where
+    DefaultAllocator: Memory<D>,
+{
+    let turned = BasisTransfer::new(plan, instance, (&place.basis, place.steps), D::DIM / 2);
+    let slope = turned.monodromy(plan, instance, &place.jacobian);
+    (turned.section(place), slope)
+}
+
+/// The map's Jacobian without a sample, and its columns of modes that ring for longer than [`SLOW_MODE_EXPONENT`] says: contact changes
+/// these by more than a search can leave to its updates.
+pub(super) fn free_monodromy<D: Size + DimName>(
+    plan: &Plan,
+    instance: u32,
+) -> (OMatrix<f64, D, D>, Vec<usize>)
+where
+    DefaultAllocator: Memory<D>,
+{
+    let driven = plan.driven(instance);
+    let mut slope = OMatrix::<f64, D, D>::zeros();
+    let (mut columns, modes) = (Vec::new(), D::DIM / 2);
+    let angle = |omega: f64| TAU * omega / driven.free.omega;
+    let rate = |k: usize| driven.kept.modes[k].damping * angle(driven.kept.modes[k].omega);
+    let slowest = (0..driven.kept.modes.len()).map(rate).fold(f64::INFINITY, f64::min);
+    for (k, mode) in driven.kept.modes.iter().enumerate().take(modes) {
+        for (column, unit) in [(k, [1.0, 0.0]), (modes + k, [0.0, 1.0])] {
+            [slope[(k, column)], slope[(modes + k, column)]] = flown(angle(mode.omega), mode.damping, unit);
+            if rate(k) <= slowest.max(SLOW_MODE_EXPONENT) {
+                columns.push(column);
+            }
+        }
+    }
+    (slope, columns)
+}
+
+/// Travel and rate of each mode, one after the other.
+pub(super) fn vector<D: Size + DimName>(station: &SectionState) -> OVector<f64, D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    let modes = D::DIM / 2;
+    OVector::<f64, D>::from_iterator(station.x[..modes].iter().chain(&station.u[..modes]).copied())
+}
+
+/// The other way.
+pub(super) fn station<D: Size + DimName>(vector: &OVector<f64, D>, touching: bool) -> SectionState
+where
+    DefaultAllocator: Memory<D>,
+{
+    let modes = D::DIM / 2;
+    let mut station = SectionState { touching, ..SectionState::FREE };
+    for k in 0..modes {
+        (station.x[k], station.u[k]) = (vector[k], vector[modes + k]);
+    }
+    station
+}

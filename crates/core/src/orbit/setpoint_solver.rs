@@ -1,0 +1,216 @@
+//! Set-points: the gap as one more unknown of the periodic state.
+
+use super::setpoint_continuation::{self, ApproachEnd, MAX_DEPTH_AMPLITUDES};
+use super::setpoint_residual::setpoint_residual;
+use super::{OrbitSolution, PeriodicState, solve};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
+use crate::plan::{BasisRule, Plan};
+use crate::scene::Held;
+
+/// A set-point is held where it is missed by no more than this share of the accuracy.
+const SETPOINT_TOL_SHARE: f64 = 0.05;
+/// Gaps that are tried for one run of an instance.
+const MAX_SECANT_STEPS: u32 = 12;
+/// Longest step from one gap to the next, in free amplitudes.
+const MAX_GAP_STEP_AMPLITUDES: f64 = 0.05;
+/// Largest growth of a step, over the one before.
+const MAX_GAP_STEP_GROWTH: f64 = 8.0;
+
+/// The first run of a plan with set-points: each is approached from far away, then held. The way there is gone with the
+/// smallest bases; where what these lead to does not hold, with the plan's own.
+pub(super) fn solve_first(
+    plan: &mut Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let poorest = BasisRule::Shares { accuracy: plan.policy.poorest };
+    let wanted: Vec<(u32, BasisRule)> = plan.stepped().into_iter().map(|i| (i, poorest)).collect();
+    let poor = plan.with_bases(&wanted);
+    let (mut settled, mut too_deep) = approach_and_hold(plan, &poor, engine, progress)?;
+    let richer = |i: &u32| plan.driven(*i).kept.modes != poor.driven(*i).kept.modes;
+    let steady = |i: &u32| settled.outcome.results[*i as usize].status.is_steady();
+    let astray: Vec<u32> = plan.stepped().into_iter().filter(|i| richer(i) && !steady(i)).collect();
+    if astray.is_empty() || progress.stopped() {
+        settled.outcome.notes.extend(depths(&settled, &too_deep));
+        return Ok(settled);
+    }
+    let mut part = plan.part(&astray);
+    let nominal: Vec<f64> = astray.iter().map(|i| poor.case(*i).gap).collect();
+    part = part.with_gaps(&nominal);
+    let own = part.clone();
+    let (again, deeper) = approach_and_hold(&mut part, &own, engine, progress)?;
+    too_deep.retain(|(i, _)| astray.binary_search(i).is_err());
+    too_deep.extend(deeper.into_iter().map(|(place, miss)| (astray[place as usize], miss)));
+    plan.take_gaps(&astray, &part);
+    settled.outcome.notes.extend(again.outcome.notes);
+    for (place, (i, state)) in astray.into_iter().zip(again.found).enumerate() {
+        settled.outcome.results[i as usize] = again.outcome.results[place];
+        settled.periods[i as usize] += again.periods[place];
+        settled.found[i as usize] = state;
+    }
+    settled.outcome.notes.extend(depths(&settled, &too_deep));
+    Ok(settled)
+}
+
+/// Says how far the set-points were that are not met as deep as they were looked for.
+fn depths(settled: &OrbitSolution, too_deep: &[(u32, f64)]) -> Option<String> {
+    let is_lost = |(i, _): &&(u32, f64)| settled.outcome.results[*i as usize].status == Status::NoSetpoint;
+    let lost: Vec<f64> = too_deep.iter().filter(is_lost).map(|(_, miss)| *miss).collect();
+    let (least, most) = (lost.iter().copied().reduce(f64::min)?, lost.iter().copied().reduce(f64::max)?);
+    Some(format!(
+        "{} set-points are not met as deep below the surface as they are looked for ([approach] deepest, {MAX_DEPTH_AMPLITUDES} free amplitudes \
+         without it). There they are still missed by {least:.3} to {most:.3}, as shares of the free amplitude or of the force, or \
+         in radians",
+        lost.len(),
+    ))
+}
+
+/// Approaches the plan's set-points `by` a plan of the same instances, and holds them. Those that were not met deep down come
+/// with it.
+fn approach_and_hold(
+    plan: &mut Plan,
+    by: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(OrbitSolution, Vec<(u32, f64)>), EngineError> {
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let approached = setpoint_continuation::approach_setpoints(by, double, progress)?;
+    let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
+    let mut states: Vec<Option<PeriodicState>> = vec![None; plan.len()];
+    let mut reached = Vec::new();
+    for (i, end) in approached.ends.into_iter().enumerate() {
+        match end {
+            ApproachEnd::Met(gap, state) => {
+                (gaps[i], states[i]) = (gap, Some(*state));
+                reached.push(i as u32);
+            }
+            ApproachEnd::None => {
+                gaps[i] = f64::NAN;
+                reached.push(i as u32);
+            }
+            ApproachEnd::NotRun => {}
+        }
+    }
+    *plan = plan.clone().with_gaps(&gaps);
+    let near: Vec<Option<&PeriodicState>> = states.iter().map(Option::as_ref).collect();
+    let mut settled = hold(plan, &reached, &near, engine, progress)?;
+    settled.periods.iter_mut().zip(&approached.periods).for_each(|(all, some)| *all += some);
+    settled.outcome.notes.splice(0..0, approached.notes);
+    Ok((settled, approached.too_deep))
+}
+
+/// Another run of a plan with set-points, from gaps and states that held them with other steps or levers.
+pub(super) fn hold_again(
+    plan: &mut Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let all: Vec<u32> = plan.instances().collect();
+    hold(plan, &all, near, engine, progress)
+}
+
+/// What an instance is whose set-point no gap holds.
+const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
+
+/// Before anything has run.
+fn empty_solution(count: usize) -> OrbitSolution {
+    OrbitSolution {
+        outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
+        found: vec![None; count],
+        periods: vec![0; count],
+        jumps: Vec::new(),
+    }
+}
+
+/// An instance whose gap is looked for.
+struct GapIterate {
+    instance: u32,
+    gap: f64,
+    /// The gap before, and by how much it missed.
+    before: Option<(f64, f64)>,
+}
+
+/// Holds the set-points of these instances of the plan, whose gaps become those that hold them.
+fn hold(
+    plan: &mut Plan,
+    instances: &[u32],
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
+    let mut all = empty_solution(plan.len());
+    // What feels no sample holds nothing.
+    let none = |i: &&u32| gaps[**i as usize].is_nan() || plan.steps(**i) == 0;
+    let (lost, held): (Vec<u32>, Vec<u32>) = instances.iter().partition(none);
+    for i in lost {
+        (gaps[i as usize], all.outcome.results[i as usize]) = (f64::NAN, NO_SETPOINT);
+    }
+    let mut left: Vec<GapIterate> =
+        held.into_iter().map(|i| GapIterate { instance: i, gap: gaps[i as usize], before: None }).collect();
+    for number in 1..=MAX_SECANT_STEPS {
+        if left.is_empty() || progress.stopped() {
+            break;
+        }
+        let tried: Vec<u32> = left.iter().map(|one| one.instance).collect();
+        let places: Vec<f64> = left.iter().map(|one| one.gap).collect();
+        let part = plan.part(&tried).with_gaps(&places);
+        let states: Vec<Option<&PeriodicState>> = tried
+            .iter()
+            .map(|i| all.found[*i as usize].as_deref().or_else(|| near.get(*i as usize).copied().flatten()))
+            .collect();
+        let now = solve(&part, &states, engine, progress)?;
+        all.outcome.notes.extend(now.outcome.notes);
+        let mut next = Vec::new();
+        for (place, (one, finished)) in left.into_iter().zip(now.outcome.results).enumerate() {
+            let i = one.instance as usize;
+            gaps[i] = one.gap;
+            all.periods[i] += now.periods[place];
+            let missed = setpoint_residual(&part, place as u32, &finished);
+            let steady = finished.status.is_steady();
+            let met = missed.abs() <= SETPOINT_TOL_SHARE * plan.run.accuracy;
+            all.outcome.results[i] = finished;
+            if !steady || met {
+                continue;
+            }
+            if number < MAX_SECANT_STEPS {
+                next.push(one.next_iterate(&part, place as u32, missed, &finished));
+            } else if missed.abs() > plan.run.accuracy {
+                (gaps[i], all.outcome.results[i]) = (f64::NAN, NO_SETPOINT);
+            }
+        }
+        for (i, state) in tried.into_iter().zip(now.found) {
+            all.found[i as usize] = state;
+        }
+        left = next;
+    }
+    // Those that a stop has left on their way hold nothing yet.
+    left.iter().for_each(|one| all.outcome.results[one.instance as usize] = Finished::NOT_RUN);
+    *plan = plan.clone().with_gaps(&gaps);
+    Ok(all)
+}
+
+impl GapIterate {
+    /// The next gap: by the secant, or a likely slope.
+    fn next_iterate(&self, part: &Plan, i: u32, missed: f64, finished: &Finished) -> Self {
+        let amplitude = part.driven(i).free_amplitude();
+        let secant = |(gap, other): (f64, f64)| (missed - other) / (self.gap - gap);
+        let slope = self.before.map(secant).filter(|slope| slope.is_finite() && *slope > 0.0);
+        let likely = match part.setpoint(i).map(|setpoint| setpoint.held) {
+            // A tip follows its sample, and presses little more.
+            Some(Held::Force(_)) => 0.15 / finished.measured.indentation_max.max(1e-3 * amplitude),
+            _ => 1.0 / amplitude,
+        };
+        let most = match self.before {
+            Some((gap, _)) => {
+                (MAX_GAP_STEP_GROWTH * (self.gap - gap).abs()).min(MAX_GAP_STEP_AMPLITUDES * amplitude)
+            }
+            None => MAX_GAP_STEP_AMPLITUDES * amplitude,
+        };
+        let step = (-missed / slope.unwrap_or(likely)).clamp(-most, most);
+        Self { instance: self.instance, gap: self.gap + step, before: Some((self.gap, missed)) }
+    }
+}

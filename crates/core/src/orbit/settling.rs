@@ -1,0 +1,400 @@
+//! What searches have not found is stepped on from where the last of them began, and looked at now and then. What comes to
+//! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end. Where settling
+//! takes very long the motion is followed in long steps first (`envelope_solver.rs`).
+
+use super::envelope_solver::{EnvelopeStart, follow_and_search, is_slow, max_evaluations};
+use super::initial_guess::{InitialGuess, Unconverged};
+use super::period_map::{PeriodMap, transfer_section};
+use super::verification::search_and_verify;
+use super::{OrbitSolution, continuation, time_integration};
+use crate::engine::{Cpu, Engine, EngineError, Progress};
+use crate::plan::{Plan, SectionState, StartState};
+use std::collections::{BTreeMap, HashSet};
+use std::f64::consts::TAU;
+
+/// Periods that a look lasts: a motion's unrest is the mean over them.
+const CHECK_PERIODS: u32 = 8;
+/// From one look to the next the slowest mode's free motion falls by this exponent, and so many periods go by at least;
+/// what has not settled by then may be given up.
+const DECAY_EXPONENT: f64 = 2.0;
+const MIN_DECAY_PERIODS: u32 = 96;
+/// Where that is long, the first searches come after so many periods and after ever twice as many.
+const FIRST_SEARCH_PERIODS: u32 = 192;
+/// Searches from looks; what none of them finds is integrated to steady state.
+const MAX_SEARCHES: usize = 4;
+/// A motion that has come to rest by less than this share from one look to the next, by the change from period to period,
+/// shows no sign of it ...
+const SETTLING_RATIO: f64 = 0.5;
+/// ... where it is no drift either: of a drift each change is like the one before. Of 554 instances under JKR that never
+/// settle nine in ten turn by more than 0.8 of their change.
+const MAX_TURN: f64 = 0.5;
+/// What is so still, in accuracies of the free amplitude, is left to a search whatever it does: it may pass for steady.
+const REST_TOL: f64 = 0.3;
+
+/// How a motion changes from period to period.
+#[derive(Clone, Copy, Debug)]
+struct Drift {
+    /// Mean change, in free amplitudes.
+    change: f64,
+    /// How much the change itself changes, as a share of it.
+    turns: f64,
+}
+
+impl Drift {
+    /// Of these places, a period apart each.
+    fn of(places: &[SectionState], amplitude: f64) -> Self {
+        let numbers = |one: &SectionState| one.x.into_iter().chain(one.u).collect::<Vec<f64>>();
+        let all: Vec<Vec<f64>> = places.iter().map(numbers).collect();
+        let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
+        let size = |of: &[f64]| of.iter().map(|number| number * number).sum::<f64>().sqrt();
+        let changes: Vec<Vec<f64>> = all.windows(2).map(|two| minus(&two[1], &two[0])).collect();
+        let turned: f64 = changes.windows(2).map(|two| size(&minus(&two[1], &two[0]))).sum();
+        let mean = changes.iter().map(|change| size(change)).sum::<f64>() / changes.len() as f64;
+        Self { change: mean / amplitude, turns: turned / (changes.len() - 1) as f64 / mean }
+    }
+
+    /// Whether a motion that was so a while `before` will not come to rest.
+    fn is_unsettled(&self, before: &Self, accuracy: f64) -> bool {
+        self.change > REST_TOL * accuracy
+            && self.turns > MAX_TURN
+            && self.change > SETTLING_RATIO * before.change
+    }
+}
+
+/// One instance on its way.
+struct Settling {
+    left: Unconverged,
+    /// At the last look at which it was judged.
+    drift: Option<Drift>,
+    /// Evaluations that following it has taken.
+    evaluations: u32,
+}
+
+/// Steps these instances on and searches for them on the way; what is found goes into `settled`. What is not comes back.
+pub(super) fn settle_and_search(
+    plan: &Plan,
+    left: Vec<Unconverged>,
+    settled: &mut OrbitSolution,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Vec<Unconverged>, EngineError> {
+    let mut paces: BTreeMap<u32, Vec<Settling>> = BTreeMap::new();
+    for one in left {
+        paces.entry(decay_periods(plan, one.instance)).or_default().push(Settling {
+            left: one,
+            drift: None,
+            evaluations: 0,
+        });
+    }
+    let mut walk = CheckpointRun { plan, settled, engine, progress, rest: Vec::new() };
+    for (pace, group) in paces {
+        walk.settle_group(group, pace)?;
+    }
+    Ok(walk.rest)
+}
+
+/// Periods from one look to the next, and whether what shows no sign of settling since the last such look is given up.
+fn checkpoints(pace: u32) -> Vec<(u32, bool)> {
+    let mut all = vec![(0, true)];
+    let (mut on, mut gone) = (FIRST_SEARCH_PERIODS, 0);
+    while gone + 2 * on <= pace {
+        all.push((on, false));
+        gone += on + CHECK_PERIODS;
+        on *= 2;
+    }
+    all.push((pace - gone, true));
+    all.extend([(pace, true); MAX_SEARCHES - 1]);
+    all
+}
+
+/// Periods from an instance's look to the next, in steps of half an octave, so that many instances go together.
+fn decay_periods(plan: &Plan, instance: u32) -> u32 {
+    let driven = plan.driven(instance);
+    let rates = driven.kept.modes.iter().map(|mode| mode.damping * mode.omega / driven.free.omega);
+    let falls = DECAY_EXPONENT / (TAU * rates.fold(f64::INFINITY, f64::min));
+    let halves = (2.0 * (falls / f64::from(MIN_DECAY_PERIODS)).log2()).ceil().clamp(0.0, 40.0);
+    (f64::from(MIN_DECAY_PERIODS) * (0.5 * halves).exp2()) as u32
+}
+
+/// Instances that go from look to look.
+struct CheckpointRun<'a> {
+    plan: &'a Plan,
+    settled: &'a mut OrbitSolution,
+    engine: &'a dyn Engine,
+    progress: &'a Progress,
+    /// Those that are through with it, and have no state.
+    rest: Vec<Unconverged>,
+}
+
+impl CheckpointRun<'_> {
+    /// A group that goes at one pace.
+    fn settle_group(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<(), EngineError> {
+        for (on, judged) in checkpoints(pace) {
+            let in_time = |one: &Settling| one.left.integrated + on + CHECK_PERIODS <= self.plan.run.periods;
+            let (fit, late): (Vec<Settling>, Vec<Settling>) = going.into_iter().partition(in_time);
+            self.retire(late);
+            if fit.is_empty() || self.progress.stopped() {
+                return Ok(());
+            }
+            going = self.integrate_to_checkpoint(fit, (on, judged))?;
+            let (wandering, settling) = going.into_iter().partition(|one| one.left.not_settling);
+            self.retire(wandering);
+            let follows = is_slow(pace) && (on == 0 || !judged);
+            going = if follows { self.follow(settling, pace)? } else { settling };
+            if on > 0 {
+                going = self.search_from_here(going)?;
+            }
+        }
+        self.retire(going);
+        Ok(())
+    }
+
+    fn retire(&mut self, some: Vec<Settling>) {
+        self.rest.extend(some.into_iter().map(|one| one.left));
+    }
+
+    /// Some periods on, and a look; whether each shows no sign of settling is told if it is `judged`.
+    fn integrate_to_checkpoint(
+        &mut self,
+        mut going: Vec<Settling>,
+        (on, judged): (u32, bool),
+    ) -> Result<Vec<Settling>, EngineError> {
+        let cpu = Cpu::default();
+        let double: &dyn Engine = if self.engine.double() { self.engine } else { &cpu };
+        let instances: Vec<u32> = going.iter().map(|one| one.left.instance).collect();
+        let map = PeriodMap::new(self.plan, &instances, double, self.progress)?;
+        self.progress.task("waiting", 0);
+        let parts = map.spread(|slots| -> Result<Vec<Vec<SectionState>>, EngineError> {
+            let mut tracks: Vec<Vec<SectionState>> = going[slots.start as usize..slots.end as usize]
+                .iter()
+                .map(|one| vec![one.left.section])
+                .collect();
+            let lengths = (on > 0).then_some(on).into_iter().chain([1; CHECK_PERIODS as usize]);
+            for (n, periods) in lengths.enumerate() {
+                let starts: Vec<(u32, SectionState)> = slots
+                    .clone()
+                    .zip(&tracks)
+                    .filter_map(|(slot, track)| Some((slot, *track.last()?)))
+                    .collect();
+                for (track, end) in tracks.iter_mut().zip(map.after(&starts, periods)?) {
+                    if n == 0 && on > 0 {
+                        track.clear();
+                    }
+                    track.extend(end);
+                }
+            }
+            Ok(tracks)
+        });
+        let mut tracks = Vec::with_capacity(going.len());
+        for part in parts {
+            tracks.extend(part?);
+        }
+        let accuracy = self.plan.run.accuracy;
+        for (one, track) in going.iter_mut().zip(tracks) {
+            // Who was stopped has no more places.
+            let Some(last) = track.last() else { continue };
+            let now = Drift::of(&track, self.plan.driven(one.left.instance).free_amplitude().max(1e-15));
+            one.left.not_settling = !last.finite;
+            if judged {
+                one.left.not_settling |= one.drift.is_some_and(|before| now.is_unsettled(&before, accuracy));
+                one.drift = Some(now);
+            }
+            (one.left.section, one.left.integrated) = (*last, one.left.integrated + on + CHECK_PERIODS);
+            self.settled.periods[one.left.instance as usize] += on + CHECK_PERIODS;
+        }
+        Ok(going)
+    }
+
+    /// Follows them from where they are; those whose state is not found so come back.
+    fn follow(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<Vec<Settling>, EngineError> {
+        let from = |one: &Settling| EnvelopeStart {
+            instance: one.left.instance,
+            section: one.left.section,
+            decay_periods: pace,
+            max_evaluations: max_evaluations(pace).saturating_sub(one.evaluations),
+        };
+        let from: Vec<EnvelopeStart> = going.iter().map(from).collect();
+        let taken = follow_and_search(self.plan, &from, self.settled, self.engine, self.progress)?;
+        going.iter_mut().zip(taken).for_each(|(one, taken)| one.evaluations += taken);
+        let is_open = |one: &Settling| self.settled.found[one.left.instance as usize].is_none();
+        Ok(going.into_iter().filter(is_open).collect())
+    }
+
+    /// Searches for them from where they are; those whose state is not found come back.
+    fn search_from_here(&mut self, going: Vec<Settling>) -> Result<Vec<Settling>, EngineError> {
+        let instances: Vec<u32> = going.iter().map(|one| one.left.instance).collect();
+        let places: Vec<SectionState> = going.iter().map(|one| one.left.section).collect();
+        let part = self.plan.part(&instances);
+        let all: Vec<u32> = part.instances().collect();
+        let (ran, _) =
+            search_and_verify(&part, &all, InitialGuess::Integrated(&places), self.engine, self.progress)?;
+        let is_found: Vec<bool> = ran.found.iter().map(Option::is_some).collect();
+        self.settled.take(&instances, ran);
+        Ok(going.into_iter().zip(is_found).filter(|(_, is_found)| !is_found).map(|(one, _)| one).collect())
+    }
+}
+
+/// Instances that are integrated to steady state.
+pub(super) struct Integration {
+    pub instances: Vec<u32>,
+    pub periods: u32,
+    /// Where they start; none where the scene says it.
+    pub starts: Option<Vec<SectionState>>,
+    /// Whether their ends are states to go on from.
+    pub ends_are_states: bool,
+}
+
+/// What is integrated to steady state in the end: what is free of the sample, which is finished beside the others, and if the run `waits` what
+/// has no state. Those `left` are waited for from where they are; those that wander are measured there.
+pub(super) fn integrations(
+    plan: &Plan,
+    begin: InitialGuess,
+    left: Vec<Unconverged>,
+    waits: bool,
+    settled: &OrbitSolution,
+) -> Vec<Integration> {
+    let elsewhere: HashSet<u32> = left.iter().map(|one| one.instance).collect();
+    let unfound = |i: u32| waits && settled.found[i as usize].is_none() && !elsewhere.contains(&i);
+    let anew: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) == 0 || unfound(*i)).collect();
+    let starts = match begin {
+        InitialGuess::CurveStates(near) => {
+            let start = |i: &u32| {
+                near[*i as usize].map_or(SectionState::free(plan, *i), |one| transfer_section(plan, *i, one))
+            };
+            Some(anew.iter().map(start).collect())
+        }
+        _ => None,
+    };
+    let ends_are_states = starts.is_some();
+    let mut all = vec![Integration { instances: anew, periods: plan.run.periods, starts, ends_are_states }];
+    let mut groups: BTreeMap<u32, (Vec<u32>, Vec<SectionState>)> = BTreeMap::new();
+    for one in left {
+        // So many at least as are measured, however few are left.
+        let left = if one.not_settling { 0 } else { plan.run.periods - one.integrated };
+        let periods = left.max(plan.run.measure + 1);
+        let group = groups.entry(periods).or_default();
+        group.0.push(one.instance);
+        group.1.push(one.section);
+    }
+    all.extend(groups.into_iter().map(|(periods, (instances, places))| Integration {
+        instances,
+        periods,
+        starts: Some(places),
+        ends_are_states: false,
+    }));
+    all
+}
+
+impl OrbitSolution {
+    /// Waits for some instances as told.
+    pub(super) fn integrate(
+        &mut self,
+        plan: &Plan,
+        wait: Integration,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        if wait.instances.is_empty() || progress.stopped() {
+            return Ok(());
+        }
+        let mut part = plan.part(&wait.instances);
+        part.run.periods = wait.periods;
+        if let Some(starts) = wait.starts {
+            part = part.starting_at(starts.into_iter().map(StartState::from).collect());
+        }
+        let ran = time_integration::integrate(&part, engine, progress)?;
+        for (place, i) in wait.instances.iter().map(|i| *i as usize).enumerate() {
+            self.outcome.results[i] = ran.outcome.results[place];
+            self.periods[i] += ran.periods[place];
+            // Whoever goes on from here goes on with the curve's state.
+            let end = ran.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
+            let steady = ran.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
+            self.found[i] = end
+                .filter(|_| steady)
+                .map(|end| Box::new(continuation::integrated_orbit(plan, i as u32, *end)));
+        }
+        self.outcome.notes.extend(ran.outcome.notes);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Outcome;
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// Looks may have taken all but a few periods.
+    #[test]
+    fn what_is_waited_for_can_be_measured() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 100 }]
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            free_amplitude = "20 nm"
+            [approach]
+            gap = "15 nm"
+            [run]
+            periods = 300
+            measure = 20
+        "#;
+        let scene = Scene::parse(Path::new("late.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("it can be planned");
+        let outcome = Outcome::of(&plan);
+        let settled = OrbitSolution { outcome, found: vec![None], periods: vec![0], jumps: Vec::new() };
+        for (waited, wanders, periods) in
+            [(297, false, 21), (300, false, 21), (100, false, 200), (300, true, 21)]
+        {
+            let left = vec![Unconverged {
+                instance: 0,
+                section: SectionState::FREE,
+                integrated: waited,
+                not_settling: wanders,
+            }];
+            let all = integrations(&plan, InitialGuess::States(&[]), left, true, &settled);
+            assert_eq!(all.last().map(|wait| wait.periods), Some(periods), "{waited} waited");
+        }
+    }
+
+    /// The slowest mode's free motion has fallen as told when a motion is judged, and searches come sooner where that is long.
+    #[test]
+    fn searches_come_sooner_than_judgement() {
+        assert_eq!(checkpoints(96), [(0, true), (96, true), (96, true), (96, true), (96, true)]);
+        assert_eq!(checkpoints(784)[..4], [(0, true), (192, false), (584, true), (784, true)]);
+        for pace in [96, 383, 384, 8688, 69_511, 1_000_000_000] {
+            let all = checkpoints(pace);
+            let judged = all.iter().skip(1).position(|look| look.1).expect("it is judged");
+            let until: u32 = all[1..=judged + 1].iter().map(|look| look.0 + CHECK_PERIODS).sum();
+            assert_eq!(until, pace + CHECK_PERIODS);
+            assert!(all[judged + 2..].iter().all(|look| *look == (pace, true)));
+        }
+    }
+
+    /// A look at a motion of which the first number is so after so many periods.
+    fn look(of: impl Fn(f64) -> f64) -> Drift {
+        let place = |n: u32| {
+            let mut station = SectionState::FREE;
+            station.x[0] = of(f64::from(n));
+            station
+        };
+        Drift::of(&(0..=CHECK_PERIODS).map(place).collect::<Vec<_>>(), 1.0)
+    }
+
+    #[test]
+    fn what_alternates_wanders_and_what_drifts_or_fades_does_not() {
+        let (accuracy, turn) = (1e-3, |n: f64| if n % 2.0 == 0.0 { 0.05 } else { -0.05 });
+        let alternates = look(turn);
+        assert!((alternates.change - 0.1).abs() < 1e-12 && (alternates.turns - 2.0).abs() < 1e-12);
+        assert!(alternates.is_unsettled(&alternates, accuracy));
+        let drifts = look(|n| 0.01 * n);
+        assert!(drifts.turns < 1e-9 && !drifts.is_unsettled(&drifts, accuracy));
+        let fades = look(|n| 0.4 * turn(n));
+        assert!(!fades.is_unsettled(&alternates, accuracy));
+        let still = look(|n| 1e-3 * turn(n));
+        assert!(!still.is_unsettled(&still, accuracy));
+    }
+}

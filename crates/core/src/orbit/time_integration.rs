@@ -1,0 +1,154 @@
+//! Waiting: until an instance has settled, at most as long as the scene says.
+
+use super::OrbitSolution;
+use super::residual::force_share;
+use super::verification::SHALLOW_AMPLITUDES;
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
+use crate::observe::Status;
+use crate::plan::{Plan, SectionState, StartState};
+use crate::scene::Start;
+use std::f64::consts::TAU;
+
+/// Share of the accuracy to which an instance has settled when it waits no longer.
+pub const SETTLED_SHARE: f64 = 0.03;
+/// Forces that hang so much on the motion, as a share of the accuracy, are waited for to the end.
+const MAX_FORCE_SHARE: f64 = 1.0;
+/// A look is worth its while if so much longer a run is asked for; the next looks are that much later.
+const CHECKPOINT_GROWTH: f64 = 1.5;
+
+/// Runs the plan. Where many more periods are asked for than the slowest mode takes to die out, it looks on the way which
+/// instances have settled, and leaves them at that.
+pub(super) fn integrate(
+    plan: &Plan,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let looks = if engine.resumes() { checkpoints(plan) } else { Vec::new() };
+    if looks.is_empty() {
+        progress.task("stepping", 0);
+        progress.foresee(plan.instance_steps());
+        let of = |i| if plan.steps(i) > 0 { plan.run.periods } else { 0 };
+        let periods = plan.instances().map(of).collect();
+        return Ok(OrbitSolution {
+            outcome: engine.run(plan, progress)?,
+            found: Vec::new(),
+            periods,
+            jumps: Vec::new(),
+        });
+    }
+    let mut waiting = IntegrationRun::new(plan);
+    let count = looks.len() + 1;
+    for (number, until) in (1..).zip(looks.into_iter().chain([plan.run.periods])) {
+        progress.task(format!("waiting {number}/{count}"), 0);
+        waiting.step(plan, until, engine, progress)?;
+        if waiting.left.is_empty() || progress.stopped() {
+            break;
+        }
+    }
+    Ok(OrbitSolution {
+        outcome: waiting.outcome,
+        found: Vec::new(),
+        periods: waiting.periods,
+        jumps: Vec::new(),
+    })
+}
+
+/// A plan on its way from look to look.
+struct IntegrationRun {
+    outcome: Outcome,
+    /// Periods stepped of each instance.
+    periods: Vec<u32>,
+    /// Those that have not settled, and where they are.
+    left: Vec<u32>,
+    starts: Vec<StartState>,
+    /// Periods done of these.
+    done: u32,
+}
+
+impl IntegrationRun {
+    /// All instances, in free oscillation or where the plan says that they start.
+    fn new(plan: &Plan) -> Self {
+        let free = || plan.instances().map(|i| SectionState::free(plan, i).into()).collect();
+        Self {
+            outcome: Outcome::of(plan),
+            periods: vec![0; plan.len()],
+            left: plan.instances().collect(),
+            starts: plan.starts.as_ref().map_or_else(free, |starts| starts.to_vec()),
+            done: 0,
+        }
+    }
+
+    /// Steps those that are left until so many periods are done, and leaves those that have settled.
+    fn step(
+        &mut self,
+        plan: &Plan,
+        until: u32,
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        let last = until == plan.run.periods;
+        let mut now = plan.part(&self.left).starting_at(std::mem::take(&mut self.starts));
+        now.run.periods = until - self.done;
+        now.run.accuracy = if last { plan.run.accuracy } else { SETTLED_SHARE * plan.run.accuracy };
+        progress.foresee(now.instance_steps());
+        let Outcome { results, ends, notes } = engine.run(&now, progress)?;
+        self.outcome.notes.extend(notes);
+        let cut_short = progress.stopped() && !last;
+        for ((i, finished), end) in std::mem::take(&mut self.left).into_iter().zip(results).zip(ends) {
+            self.outcome.results[i as usize] = finished;
+            if let Some(place) = self.outcome.ends.get_mut(i as usize) {
+                place.clone_from(&end);
+            }
+            if plan.steps(i) == 0 {
+                continue;
+            }
+            self.periods[i as usize] = until;
+            let hangs = !last && needs_full_integration(plan, i, &finished);
+            if !hangs && !matches!(finished.status, Status::NotSteady | Status::NotRun) {
+                continue;
+            }
+            self.left.push(i);
+            self.starts.push(end.map_or(SectionState::FREE, |end| *end).into());
+            if cut_short {
+                // Who waits is not done.
+                self.outcome.results[i as usize] = Finished::NOT_RUN;
+            }
+        }
+        self.done = until;
+        Ok(())
+    }
+}
+
+/// Whether forces hang on more of the motion than the accuracy of amplitudes tells: where the free oscillation grazes the sample, and
+/// where a tip rests on it. What is left to settle then counts for more.
+fn needs_full_integration(plan: &Plan, i: u32, finished: &Finished) -> bool {
+    let (amplitude, gap) = (plan.driven(i).free_amplitude(), plan.case(i).gap);
+    let rests = finished.measured.harmonics[0] < SHALLOW_AMPLITUDES * amplitude
+        && force_share(plan, i, &finished.measured, SETTLED_SHARE * amplitude) > MAX_FORCE_SHARE;
+    (amplitude - gap).abs() < SHALLOW_AMPLITUDES * amplitude || rests
+}
+
+/// Numbers of periods after which to look, all below the scene's.
+fn checkpoints(plan: &Plan) -> Vec<u32> {
+    let stepped = plan.stepped();
+    if plan.run.start == Start::Rest || stepped.is_empty() {
+        return Vec::new();
+    }
+    let settling = |i: &u32| {
+        let driven = plan.driven(*i);
+        let rate = |damping: f64, omega: f64| TAU * damping * omega / driven.free.omega;
+        let slowest = driven.kept.modes.iter().map(|mode| rate(mode.damping, mode.omega));
+        let slowest = slowest.fold(f64::INFINITY, f64::min);
+        // The change into a period has to fall to this share of the free amplitude.
+        let change = SETTLED_SHARE * plan.run.accuracy * slowest.min(1.0);
+        -change.ln() / slowest
+    };
+    let longest = stepped.iter().map(settling).fold(0.0, f64::max) + f64::from(plan.run.measure);
+    let mut looks = Vec::new();
+    let mut at = longest.max(4.0 * f64::from(plan.run.measure)).max(8.0);
+    while at * CHECKPOINT_GROWTH < f64::from(plan.run.periods) {
+        looks.push(at as u32);
+        at *= CHECKPOINT_GROWTH;
+    }
+    looks
+}

@@ -1,0 +1,251 @@
+//! How the states of solved instances are met by one between them that has other steps, another lever or another drive.
+
+use super::jacobian::resolvent_of;
+use super::period_map::{BasisTransfer, free_monodromy};
+use super::stencil::{SolvedNeighbour, StencilPoint};
+use crate::periodic::{Memory, Size};
+use crate::plan::{Drive, Driven, Plan, ReducedBasis};
+use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
+use std::sync::Arc;
+
+/// Where an instance's state is expected, the resolvent there, and its largest multiplier.
+pub(super) struct StatePrediction<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub state_for: OVector<f64, D>,
+    /// The inverse of one minus the map's Jacobian.
+    pub resolvent: OMatrix<f64, D, D>,
+    pub multiplier: f64,
+    pub touching: bool,
+}
+
+/// How states are met by instances of other steps, levers and drives: few kinds of both, each pair worked out once. And room
+/// for the guess of one instance after the other.
+pub(super) struct TransferCache<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    cached: Vec<CachedTransfer<D>>,
+    /// What was found out by the very levers, in which most are alike.
+    lookups: Vec<TransferLookup>,
+    /// Of each neighbour of an instance, and of what is known of it before, how its state is met.
+    pub transfers: Vec<[Option<usize>; 2]>,
+    pub states: Vec<OVector<f64, D>>,
+    /// Neighbours with one transfer, and their resolvents, added up, one after the other.
+    transfer_sums: Vec<TransferSum>,
+    sums: Vec<f64>,
+    /// Their resolvents, transferred.
+    transferred_resolvent: OMatrix<f64, D, D>,
+    pub prediction: StatePrediction<D>,
+}
+
+/// Beyond so many pairs, and so many by their levers in memory, they are forgotten: every instance has a lever of its own.
+const MAX_TRANSFERS: usize = 64;
+const MAX_LOOKUPS: usize = 16;
+
+struct CachedTransfer<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    source: (Arc<ReducedBasis>, u32),
+    target: (Arc<ReducedBasis>, u32),
+    drive: Arc<Drive>,
+    transfer: BasisTransfer,
+    /// The inverse of one minus the Jacobian without a sample.
+    free_resolvent: OMatrix<f64, D, D>,
+}
+
+/// A pair by its levers in memory: none where the state is met as it is.
+struct TransferLookup {
+    source: (Arc<ReducedBasis>, u32),
+    target: (Arc<ReducedBasis>, u32),
+    drive: Arc<Drive>,
+    transfer: Option<usize>,
+}
+
+/// Neighbours that are met by one pair and have as many numbers: their share together, and where their sums begin.
+struct TransferSum {
+    transfer: usize,
+    share: f64,
+    from: usize,
+    count: usize,
+}
+
+/// An instance that states are met by.
+#[derive(Clone, Copy)]
+pub(super) struct TransferTarget<'a> {
+    plan: &'a Plan,
+    instance: u32,
+    steps: u32,
+    pub driven: &'a Driven,
+}
+
+impl<'a> TransferTarget<'a> {
+    pub fn new(plan: &'a Plan, instance: u32) -> Self {
+        Self { plan, instance, steps: plan.steps(instance), driven: plan.driven(instance) }
+    }
+}
+
+impl<D: Size + DimName> TransferCache<D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub fn new() -> Self {
+        let zeros = OMatrix::<f64, D, D>::zeros;
+        Self {
+            cached: Vec::new(),
+            lookups: Vec::new(),
+            transfers: Vec::new(),
+            states: Vec::new(),
+            transfer_sums: Vec::new(),
+            sums: Vec::new(),
+            transferred_resolvent: zeros(),
+            prediction: StatePrediction {
+                state_for: OVector::<f64, D>::zeros(),
+                resolvent: zeros(),
+                multiplier: 0.0,
+                touching: false,
+            },
+        }
+    }
+
+    /// How a state with such steps and such a lever is met by an instance: the number of its pair, none where as it is.
+    pub fn transfer_of(
+        &mut self,
+        meets: TransferTarget,
+        (kept, steps): (&Arc<ReducedBasis>, u32),
+    ) -> Option<usize> {
+        let driven = meets.driven;
+        let same = |one: &TransferLookup| {
+            (one.source.1, one.target.1) == (steps, meets.steps)
+                && Arc::ptr_eq(&one.source.0, kept)
+                && Arc::ptr_eq(&one.target.0, &driven.kept)
+                && Arc::ptr_eq(&one.drive, &driven.drive)
+        };
+        if let Some(known) = self.lookups.iter().rev().find(|one| same(one)) {
+            return known.transfer;
+        }
+        let as_it_is = steps == meets.steps && same_modes(&driven.kept, kept);
+        let pair = (!as_it_is).then(|| self.pair(meets, (kept, steps)));
+        self.lookups.push(TransferLookup {
+            source: (Arc::clone(kept), steps),
+            target: (Arc::clone(&driven.kept), meets.steps),
+            drive: Arc::clone(&driven.drive),
+            transfer: pair,
+        });
+        pair
+    }
+
+    /// The number of the pair of levers, which is worked out where it is not known.
+    fn pair(
+        &mut self,
+        TransferTarget { plan, instance, steps, driven }: TransferTarget,
+        theirs: (&Arc<ReducedBasis>, u32),
+    ) -> usize {
+        let fits = |turn: &CachedTransfer<D>| {
+            Arc::ptr_eq(&turn.drive, &driven.drive)
+                && (turn.source.1, turn.target.1) == (theirs.1, steps)
+                && (Arc::ptr_eq(&turn.target.0, &driven.kept) || turn.target.0.modes == driven.kept.modes)
+                && same_modes(&turn.source.0, theirs.0)
+        };
+        self.cached.iter().rposition(fits).unwrap_or_else(|| {
+            // A lever that rings for ever has no resolvent: what is transferred to it is no guide.
+            let free = resolvent_of(&free_monodromy::<D>(plan, instance).0);
+            self.cached.push(CachedTransfer {
+                source: (Arc::clone(theirs.0), theirs.1),
+                target: (Arc::clone(&driven.kept), steps),
+                drive: Arc::clone(&driven.drive),
+                transfer: BasisTransfer::new(plan, instance, (theirs.0, theirs.1), D::DIM / 2),
+                free_resolvent: free.unwrap_or_else(|| OMatrix::<f64, D, D>::repeat(f64::NAN)),
+            });
+            self.cached.len() - 1
+        })
+    }
+
+    /// Begins with an instance: how it meets each of these.
+    pub fn prepare(&mut self, meets: TransferTarget, neighbours: &[StencilPoint]) {
+        if self.cached.len() >= MAX_TRANSFERS {
+            self.cached.clear();
+            self.lookups.clear();
+        }
+        if self.lookups.len() >= MAX_LOOKUPS {
+            self.lookups.clear();
+        }
+        self.transfers.clear();
+        for StencilPoint { node, before, .. } in neighbours {
+            let met = self.transfer_of(meets, (&node.kept, node.steps));
+            let met_before = before.and_then(|node| self.transfer_of(meets, (&node.kept, node.steps)));
+            self.transfers.push([met, met_before]);
+        }
+    }
+
+    /// Puts a node's state with an instance's steps, lever and free amplitude.
+    pub fn state(
+        &self,
+        meets: TransferTarget,
+        node: &SolvedNeighbour,
+        met: Option<usize>,
+        state: &mut OVector<f64, D>,
+    ) {
+        self.transfer_state(&node.state, met, state);
+        let drive = &meets.driven.drive;
+        if !Arc::ptr_eq(drive, &node.drive) {
+            let scale = drive.free_amplitude() / node.drive.free_amplitude();
+            *state *= if scale.is_finite() { scale } else { 1.0 };
+        }
+    }
+
+    /// Puts a state that is met so, without its free amplitude.
+    pub fn transfer_state(&self, theirs: &[f64], met: Option<usize>, state: &mut OVector<f64, D>) {
+        match met {
+            None => state.copy_from_slice(theirs),
+            Some(pair) => self.cached[pair].transfer.transfer(theirs, state),
+        }
+    }
+
+    /// The resolvent of an instance from those of its neighbours, each so often: those with one transfer are added up
+    /// and transferred once.
+    pub fn sum_resolvents(&mut self, neighbours: &[StencilPoint]) {
+        let all = &mut self.prediction.resolvent;
+        all.fill(0.0);
+        self.transfer_sums.clear();
+        self.sums.clear();
+        for (StencilPoint { node, weight, .. }, [met, _]) in neighbours.iter().zip(&self.transfers) {
+            let sums = match met {
+                None => all.as_mut_slice(),
+                Some(pair) => {
+                    let count = node.resolvent.len();
+                    let same = |one: &TransferSum| (one.transfer, one.count) == (*pair, count);
+                    let place = self.transfer_sums.iter().position(same).unwrap_or_else(|| {
+                        self.transfer_sums.push(TransferSum {
+                            transfer: *pair,
+                            share: 0.0,
+                            from: self.sums.len(),
+                            count,
+                        });
+                        self.sums.resize(self.sums.len() + count, 0.0);
+                        self.transfer_sums.len() - 1
+                    });
+                    let alike = &mut self.transfer_sums[place];
+                    alike.share += weight;
+                    &mut self.sums[alike.from..][..count]
+                }
+            };
+            sums.iter_mut().zip(&*node.resolvent).for_each(|(sum, value)| *sum += weight * f64::from(*value));
+        }
+        for TransferSum { transfer: pair, share, from, count } in &self.transfer_sums {
+            let turn = &self.cached[*pair];
+            self.transferred_resolvent.copy_from(&turn.free_resolvent);
+            self.transferred_resolvent *= *share;
+            turn.transfer
+                .transfer_jacobian::<D>(&self.sums[*from..][..*count], &mut self.transferred_resolvent);
+            *all += &self.transferred_resolvent;
+        }
+    }
+}
+
+/// Whether two bases have the same modes; those of levers that are scaled copies stand at the same phase.
+fn same_modes(a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>) -> bool {
+    Arc::ptr_eq(a, b) || a.copies(b)
+}

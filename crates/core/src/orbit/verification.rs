@@ -1,0 +1,205 @@
+//! What searches find, measured: by one period that bears the state out, or by some that are run on from it.
+
+use super::initial_guess::{InitialGuess, Unconverged};
+use super::{OrbitSolution, PeriodicState, gather, residual, search_batch};
+use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
+use crate::plan::{Plan, Precision, SectionState, StartState};
+
+/// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
+/// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
+const CONFIRM_PERIODS: u32 = 5;
+
+/// A force is vague where so many times the accuracy of it hangs on what the bound on the state's distance leaves open. The
+/// bound is some fifteen times the distance.
+const VAGUE_FORCE_ACCURACIES: f64 = 5.0;
+/// Only forces of tips that move or sink in by less than this, in free amplitudes, may be vague.
+pub(super) const SHALLOW_AMPLITUDES: f64 = 0.02;
+/// Vague forces are searched for to this share of the accuracy.
+const FORCE_TOL_SHARE: f64 = 1e-3;
+
+/// What a search finds and running on confirms, with its forces as well known as its travel; and what it has not found.
+pub(super) fn search_and_verify(
+    plan: &Plan,
+    instances: &[u32],
+    begin: InitialGuess,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(OrbitSolution, Vec<Unconverged>), EngineError> {
+    let (mut settled, left) = search_by_travel(plan, instances, begin, engine, progress)?;
+    settled.tighten_vague_forces(plan, instances, engine, progress)?;
+    Ok((settled, left))
+}
+
+/// The same, but that a state counts as found by its travel alone.
+fn search_by_travel(
+    plan: &Plan,
+    instances: &[u32],
+    begin: InitialGuess,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(OrbitSolution, Vec<Unconverged>), EngineError> {
+    let cpu = Cpu::default();
+    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    progress.task("search", instances.len() as u64);
+    let alike = class_order(plan, instances);
+    let searched = search_batch::solve_batches(plan, &alike, begin, double, progress)?;
+    let is_found = |i: &u32| searched.found[*i as usize].is_some();
+    let chosen: Vec<u32> = instances.iter().copied().filter(is_found).collect();
+    let mut settled = OrbitSolution {
+        outcome: Outcome { notes: searched.notes, ..Outcome::of(plan) },
+        found: searched.found,
+        periods: searched.periods,
+        jumps: Vec::new(),
+    };
+    let unsure = settled.confirm_by_residual(plan, &chosen, engine, progress)?;
+    settled.run_on(&plan.part(&unsure), &unsure, engine, progress)?;
+    let left = |settled: &OrbitSolution| -> Vec<u32> {
+        let stays = |i: u32| settled.outcome.results[i as usize].status.is_steady();
+        chosen.iter().copied().filter(|i| !stays(*i)).collect()
+    };
+    let rough = left(&settled);
+    if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
+        // A weakly damped state drifts in f32 by more than it may.
+        settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
+    }
+    left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
+    Ok((settled, searched.left))
+}
+
+impl OrbitSolution {
+    /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
+    /// bears the state out. The others come back.
+    pub(super) fn confirm_by_residual(
+        &mut self,
+        plan: &Plan,
+        chosen: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<Vec<u32>, EngineError> {
+        if chosen.is_empty() {
+            return Ok(Vec::new());
+        }
+        let place = |i: &u32| self.state(*i as usize).map_or(SectionState::FREE, |state| state.section);
+        progress.task("measuring", 0);
+        let once = residual::measure_period(plan.part(chosen), chosen.iter().map(place), engine, progress)?;
+        self.outcome.notes.extend(once.notes);
+        let (mut unsure, mut anew) = (Vec::new(), Vec::new());
+        for ((i, finished), end) in chosen.iter().zip(once.results).zip(once.ends) {
+            self.periods[*i as usize] += 1;
+            if end.as_ref().is_some_and(|end| self.recount_contacts(plan, *i, end.touching)) {
+                anew.push(*i);
+                continue;
+            }
+            let state = self.state(*i as usize);
+            let sure =
+                state.is_some_and(|state| residual::residual_confirms(plan, *i, state, end.as_deref()));
+            match sure && finished.status.is_steady() {
+                true => self.outcome.results[*i as usize] = finished,
+                false => unsure.push(*i),
+            }
+        }
+        unsure.extend(self.confirm_by_residual(plan, &anew, engine, progress)?);
+        Ok(unsure)
+    }
+
+    /// Under a law without memory contact follows from where the tip is: a periodic state begins in that in which its period
+    /// ends. Says so of a state, and whether its contacts, which were counted from another, are to be counted anew.
+    pub(super) fn recount_contacts(&mut self, plan: &Plan, i: u32, touching: bool) -> bool {
+        let state = self.found[i as usize].as_mut().filter(|state| state.section.touching != touching);
+        let Some(state) = state.filter(|_| !plan.law(i).has_memory()) else { return false };
+        state.section.touching = touching;
+        plan.wants.contact
+    }
+
+    /// Searches once more, and closer, for states whose forces hang on more of their travel than was searched for: where a tip rests,
+    /// they are small differences of large ones.
+    pub(super) fn tighten_vague_forces(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        if plan.precision == Precision::F32 || !plan.wants.extremes || progress.stopped() {
+            return Ok(());
+        }
+        let vague: Vec<u32> = instances.iter().copied().filter(|i| self.is_vague(plan, *i)).collect();
+        if vague.is_empty() {
+            return Ok(());
+        }
+        let mut part = plan.part(&vague);
+        part.run.accuracy *= FORCE_TOL_SHARE;
+        let places: Vec<SectionState> = gather(&self.found, &vague)
+            .into_iter()
+            .map(|state| state.map_or(SectionState::FREE, |one| one.section))
+            .collect();
+        let all: Vec<u32> = part.instances().collect();
+        let (mut sharp, _) =
+            search_by_travel(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+        self.outcome.notes.append(&mut sharp.outcome.notes);
+        for (n, i) in vague.into_iter().map(|i| i as usize).enumerate() {
+            self.periods[i] += sharp.periods[n];
+            if let Some(state) = sharp.found[n].take() {
+                (self.found[i], self.outcome.results[i]) = (Some(state), sharp.outcome.results[n]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether what the bound on a state's distance leaves open is much of its forces.
+    fn is_vague(&self, plan: &Plan, i: u32) -> bool {
+        let result = &self.outcome.results[i as usize];
+        let (one, amplitude) = (&result.measured, plan.driven(i).free_amplitude());
+        let shallow = one.indentation_max.min(one.harmonics[0]) < SHALLOW_AMPLITUDES * amplitude;
+        let known = result.status.is_steady() && self.state(i as usize).is_some();
+        shallow
+            && known
+            && residual::force_share(plan, i, one, residual::RESIDUAL_TOL * amplitude)
+                > VAGUE_FORCE_ACCURACIES
+    }
+
+    /// Runs on from the states found of these instances, of which the plan is, and measures them.
+    pub(super) fn run_on(
+        &mut self,
+        plan: &Plan,
+        instances: &[u32],
+        engine: &dyn Engine,
+        progress: &Progress,
+    ) -> Result<(), EngineError> {
+        if instances.is_empty() {
+            return Ok(());
+        }
+        let on = run_on(plan.clone(), &gather(&self.found, instances), engine, progress)?;
+        self.outcome.notes.extend(on.notes);
+        for (i, finished) in instances.iter().zip(on.results) {
+            self.outcome.results[*i as usize] = finished;
+            self.periods[*i as usize] += CONFIRM_PERIODS;
+        }
+        Ok(())
+    }
+}
+
+/// These instances in the order of their classes: neighbours are alike, and searched for together.
+pub(super) fn class_order(plan: &Plan, instances: &[u32]) -> Vec<u32> {
+    plan.part(instances).by_class().into_iter().map(|place| instances[place as usize]).collect()
+}
+
+/// Measures the plan's instances from the states found of them.
+pub(super) fn run_on(
+    plan: Plan,
+    found: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<Outcome, EngineError> {
+    let start = |state: &Option<&PeriodicState>| match state {
+        Some(state) => StartState { section: state.section, least_change: Some(state.floquet.sigma_min) },
+        None => SectionState::FREE.into(),
+    };
+    let mut from = plan.starting_at(found.iter().map(start).collect());
+    (from.run.periods, from.run.measure) = (CONFIRM_PERIODS, from.run.measure.min(CONFIRM_PERIODS - 1));
+    progress.task("running on", 0);
+    progress.foresee(from.instance_steps());
+    let mut outcome = engine.run(&from, progress)?;
+    outcome.ends = Vec::new();
+    Ok(outcome)
+}

@@ -1,0 +1,384 @@
+//! One search.
+
+use super::floquet::{Floquet, factors};
+use super::newton_options::NewtonOptions;
+use super::size::{Memory, Size};
+use crate::kernel::newton::{FARTHEST, GAINS, LONGER, LONGEST, NEWTON};
+use nalgebra::{DefaultAllocator, LU, OMatrix, OVector, U1};
+
+/// A fixed point.
+#[derive(Clone, Debug)]
+pub struct FixedPoint<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub state: OVector<f64, D>,
+    /// The map's Jacobian there.
+    pub slope: OMatrix<f64, D, D>,
+    pub spectrum: Floquet,
+}
+
+/// Why there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// Too many evaluations, or no step leads nearer.
+    Stuck,
+    /// A fixed point that a small push leaves for good.
+    Unstable,
+    /// The map ends at no number, or in another contact than it began.
+    Undefined,
+}
+
+#[derive(Clone, Debug)]
+pub enum PtcOutcome<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    Converged(Box<FixedPoint<D>>),
+    Failed(Failure),
+}
+
+/// Time that the first step stands for, periods.
+const FIRST_PSEUDO_TIME: f64 = 20.0;
+
+/// Where the change has fallen by less, the Jacobian is taken anew.
+const REUSE_REDUCTION: f64 = 3.0;
+#[derive(Clone, Debug)]
+pub(super) enum Stage<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    /// The map at the start.
+    Begin,
+    /// The Jacobian by one-sided differences, of the columns that are not guessed or of all.
+    Slope {
+        whole: bool,
+    },
+    /// A step, and how often it was shortened.
+    Stride {
+        step: OVector<f64, D>,
+        shorter: u32,
+    },
+    /// The Jacobian by central differences, or as the map tells it: the end.
+    Last,
+    Done(PtcOutcome<D>),
+}
+
+/// Where the Jacobian is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum JacobianSource {
+    /// Carried along from another state.
+    Transferred,
+    /// Taken here, but for the columns that are guessed.
+    Partial,
+    /// All of it taken here.
+    Full,
+}
+
+/// A search on its way.
+#[derive(Clone, Debug)]
+pub struct PtcNewton<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    pub(super) options: NewtonOptions,
+    /// Where it stands, and by how much the map moves that.
+    pub(super) state: OVector<f64, D>,
+    pub(super) change: OVector<f64, D>,
+    pub(super) jacobian: OMatrix<f64, D, D>,
+    /// Numbers of the state that the map moves, where these are not all.
+    moving: Option<Vec<usize>>,
+    /// Columns of the Jacobian that no guess stands for.
+    pub(super) columns: Vec<usize>,
+    /// What is known of the Jacobian at the fixed point of a map that differs little from this one.
+    pub(super) known_floquet: Option<Floquet>,
+    pub(super) jacobian_source: JacobianSource,
+    /// Time, in periods, that the next step stands for.
+    pub(super) pseudo_time: f64,
+    pub(super) stage: Stage<D>,
+    pub(super) evaluations: u32,
+    /// The same, but that a Jacobian that the map has told counts as by differences: a search gives up as early with either.
+    pub(super) evaluations_by_differences: u32,
+}
+
+impl<D: Size> PtcNewton<D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    /// From `state` on.
+    pub fn new(state: OVector<f64, D>, options: NewtonOptions) -> Self {
+        let size = state.shape_generic().0;
+        Self {
+            options,
+            change: OVector::zeros_generic(size, U1),
+            jacobian: OMatrix::zeros_generic(size, size),
+            moving: None,
+            columns: (0..size.value()).collect(),
+            known_floquet: None,
+            jacobian_source: JacobianSource::Transferred,
+            pseudo_time: if options.start_is_close { f64::INFINITY } else { FIRST_PSEUDO_TIME },
+            stage: Stage::Begin,
+            evaluations: 0,
+            evaluations_by_differences: 0,
+            state,
+        }
+    }
+
+    /// From `state` on, where the Jacobian's columns are `slope`'s but for `columns`, more or less: only these are taken
+    /// by differences on the way.
+    pub fn with_partial_jacobian(
+        state: OVector<f64, D>,
+        slope: OMatrix<f64, D, D>,
+        columns: Vec<usize>,
+        options: NewtonOptions,
+    ) -> Self {
+        Self { jacobian: slope, columns, ..Self::new(state, options) }
+    }
+
+    /// From the fixed point of a map that differs little from this one, and that map's Jacobian there.
+    pub fn near_fixed_point(
+        state: OVector<f64, D>,
+        slope: OMatrix<f64, D, D>,
+        known: Floquet,
+        options: NewtonOptions,
+    ) -> Self {
+        let options = NewtonOptions { start_is_close: true, ..options };
+        Self { jacobian: slope, known_floquet: Some(known), ..Self::new(state, options) }
+    }
+
+    /// The same search where the map leaves all numbers but these, if any are given, at rest: no evaluation is spent on the
+    /// others.
+    pub fn restricted_to(mut self, moving: Option<Vec<usize>>) -> Self {
+        self.columns.retain(|column| moving.as_ref().is_none_or(|moving| moving.contains(column)));
+        Self { moving, ..self }
+    }
+
+    /// Place in the state of the n-th number that moves.
+    fn moved(&self, n: usize) -> usize {
+        self.moving.as_ref().map_or(n, |moving| moving[n])
+    }
+
+    /// Numbers that move.
+    pub fn size(&self) -> usize {
+        self.moving.as_ref().map_or(self.state.len(), Vec::len)
+    }
+
+    /// Evaluations so far: each takes one period.
+    pub fn evaluations(&self) -> u32 {
+        self.evaluations
+    }
+
+    /// How it ended, once it has.
+    pub fn verdict(&self) -> Option<&PtcOutcome<D>> {
+        match &self.stage {
+            Stage::Done(verdict) => Some(verdict),
+            _ => None,
+        }
+    }
+
+    /// States at which it wants to know the map next; none once it has ended.
+    pub fn ask(&self) -> impl ExactSizeIterator<Item = OVector<f64, D>> {
+        (0..self.ask_count()).map(|n| self.point(n))
+    }
+
+    /// How many [`PtcNewton::ask`] for.
+    pub fn ask_count(&self) -> usize {
+        match &self.stage {
+            Stage::Begin | Stage::Stride { .. } => 1,
+            Stage::Slope { whole } if self.tells_jacobian(*whole) => 1,
+            Stage::Slope { whole: true } => self.size(),
+            Stage::Slope { whole: false } => self.columns.len(),
+            Stage::Last if self.tells_last_jacobian() => 1,
+            Stage::Last => 2 * self.size(),
+            Stage::Done(_) => 0,
+        }
+    }
+
+    fn point(&self, n: usize) -> OVector<f64, D> {
+        let mut state = self.state.clone();
+        match &self.stage {
+            Stage::Begin | Stage::Done(_) => {}
+            Stage::Slope { whole } if self.tells_jacobian(*whole) => {}
+            Stage::Last if self.tells_last_jacobian() => {}
+            Stage::Stride { step, .. } => state += step,
+            Stage::Slope { whole } => {
+                let k = if *whole { self.moved(n) } else { self.columns[n] };
+                state[k] += self.options.fd_step * self.options.scale;
+            }
+            Stage::Last => {
+                let step = self.last_step() * self.options.scale;
+                state[self.moved(n / 2)] += if n.is_multiple_of(2) { -step } else { step };
+            }
+        }
+        state
+    }
+
+    /// Takes the answers, in the order of [`PtcNewton::ask`]; none where the map has no answer of use.
+    pub fn tell(&mut self, values: &[Option<OVector<f64, D>>]) {
+        self.evaluations += values.len() as u32;
+        self.evaluations_by_differences += values.len() as u32;
+        let stage = std::mem::replace(&mut self.stage, Stage::Done(PtcOutcome::Failed(Failure::Stuck)));
+        let next = match stage {
+            Stage::Begin => self.begun(values),
+            Stage::Slope { whole } => match self.one_sided(whole, values) {
+                true => self.next_step(),
+                false => Stage::Done(PtcOutcome::Failed(Failure::Undefined)),
+            },
+            Stage::Stride { step, shorter } => self.after_step(step, shorter, values),
+            Stage::Last => self.last(values),
+            done @ Stage::Done(_) => done,
+        };
+        self.go_on(next);
+    }
+
+    pub(super) fn go_on(&mut self, next: Stage<D>) {
+        self.stage = next;
+        if self.evaluations_by_differences >= self.options.max_evaluations && self.verdict().is_none() {
+            self.stage = Stage::Done(PtcOutcome::Failed(Failure::Stuck));
+        }
+    }
+
+    /// Step of central differences.
+    fn last_step(&self) -> f64 {
+        self.options.central_fd_step.unwrap_or(self.options.fd_step)
+    }
+
+    fn begun(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
+        match values {
+            [Some(value)] => {
+                self.change = value - &self.state;
+                if self.known_floquet.is_some() || self.options.reuse_jacobian {
+                    self.next_step()
+                } else {
+                    Stage::Slope { whole: false }
+                }
+            }
+            _ => Stage::Done(PtcOutcome::Failed(Failure::Undefined)),
+        }
+    }
+
+    /// Differences against the map here.
+    fn one_sided(&mut self, whole: bool, values: &[Option<OVector<f64, D>>]) -> bool {
+        let here = &self.state + &self.change;
+        for (n, value) in values.iter().enumerate() {
+            let Some(value) = value else { return false };
+            let k = if whole { self.moved(n) } else { self.columns[n] };
+            self.jacobian.set_column(k, &((value - &here) / (self.options.fd_step * self.options.scale)));
+        }
+        // What was known led astray.
+        (self.jacobian_source, self.known_floquet) = (
+            if whole || values.len() == self.size() { JacobianSource::Full } else { JacobianSource::Partial },
+            None,
+        );
+        true
+    }
+
+    /// The step that `time` periods of the linear flow would make; Newton's for all time.
+    fn step(&self, time: f64) -> Option<OVector<f64, D>> {
+        self.solve_step(&factors(&self.jacobian, 1.0 + 1.0 / time))
+    }
+
+    fn solve_step(&self, factors: &LU<f64, D, D>) -> Option<OVector<f64, D>> {
+        let step = factors.solve(&self.change)?;
+        step.iter().all(|value| value.is_finite()).then_some(step)
+    }
+
+    /// The next step, or the end where Newton's step is short enough.
+    pub(super) fn next_step(&mut self) -> Stage<D> {
+        let stuck = Stage::Done(PtcOutcome::Failed(Failure::Stuck));
+        let near = self.options.tolerance * self.options.scale;
+        // Newton's step is no shorter than the residual over the norm of 1 - Jacobian.
+        let far = self.change.norm() > near * (1.0 + self.jacobian.norm());
+        let time = if far && self.pseudo_time < NEWTON { self.pseudo_time } else { f64::INFINITY };
+        let newton = factors(&self.jacobian, 1.0 + 1.0 / time);
+        let Some(mut step) = self.solve_step(&newton) else { return stuck };
+        if !far && step.norm() <= near {
+            return self.after_last_step(step, &newton);
+        }
+        if !far && self.pseudo_time < NEWTON {
+            match self.step(self.pseudo_time) {
+                Some(shorter) => step = shorter,
+                None => return stuck,
+            }
+        }
+        let (length, longest) = (step.norm(), FARTHEST * self.options.scale);
+        if length > longest {
+            step *= longest / length;
+        }
+        Stage::Stride { step, shorter: 0 }
+    }
+
+    /// After a step.
+    fn after_step(
+        &mut self,
+        step: OVector<f64, D>,
+        shorter: u32,
+        values: &[Option<OVector<f64, D>>],
+    ) -> Stage<D> {
+        if let [Some(value)] = values {
+            let state = &self.state + &step;
+            let change = value - &state;
+            let gain = self.change.norm() / change.norm().max(f64::MIN_POSITIVE);
+            // Early steps may climb a little, as the flow does.
+            let least = if self.pseudo_time < NEWTON { 0.5 } else { GAINS };
+            if gain >= least {
+                // Broyden's update of the Jacobian minus one.
+                let predicted = &self.jacobian * &step - &step;
+                let miss = &change - &self.change - predicted;
+                self.jacobian.ger(1.0 / step.norm_squared(), &miss, &step, 1.0);
+                (self.state, self.change, self.jacobian_source) =
+                    (state, change, JacobianSource::Transferred);
+                self.pseudo_time *= (LONGER * gain).clamp(0.5, LONGEST);
+                return if gain < REUSE_REDUCTION { Stage::Slope { whole: false } } else { self.next_step() };
+            }
+        }
+        if self.jacobian_source == JacobianSource::Transferred {
+            return Stage::Slope { whole: false };
+        }
+        if self.jacobian_source == JacobianSource::Partial && shorter == 1 {
+            // The guess may be why.
+            return Stage::Slope { whole: true };
+        }
+        if shorter == 4 {
+            if self
+                .step(f64::INFINITY)
+                .is_some_and(|newton| newton.norm() <= self.options.fallback_tolerance * self.options.scale)
+            {
+                if self.tells_jacobian(true) && self.jacobian_source == JacobianSource::Full {
+                    return self.found(Floquet::new(&self.jacobian, &factors(&self.jacobian, 1.0)));
+                }
+                return Stage::Last;
+            }
+            return Stage::Done(PtcOutcome::Failed(if values == [None] {
+                Failure::Undefined
+            } else {
+                Failure::Stuck
+            }));
+        }
+        self.pseudo_time = (0.25 * self.pseudo_time).min(NEWTON);
+        Stage::Stride { step: 0.25 * step, shorter: shorter + 1 }
+    }
+
+    fn last(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
+        for n in 0..self.size() {
+            let (Some(Some(low)), Some(Some(high))) = (values.get(2 * n), values.get(2 * n + 1)) else {
+                return Stage::Done(PtcOutcome::Failed(Failure::Undefined));
+            };
+            self.jacobian
+                .set_column(self.moved(n), &((high - low) / (2.0 * self.last_step() * self.options.scale)));
+        }
+        self.found(Floquet::new(&self.jacobian, &factors(&self.jacobian, 1.0)))
+    }
+
+    pub(super) fn found(&self, spectrum: Floquet) -> Stage<D> {
+        let multiplier = spectrum.multiplier;
+        if multiplier.is_nan() || (self.options.require_stable && multiplier >= 1.0) {
+            return Stage::Done(PtcOutcome::Failed(Failure::Unstable));
+        }
+        Stage::Done(PtcOutcome::Converged(Box::new(FixedPoint {
+            state: self.state.clone(),
+            slope: self.jacobian.clone(),
+            spectrum,
+        })))
+    }
+}

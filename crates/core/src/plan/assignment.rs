@@ -1,0 +1,134 @@
+//! What each instance is stepped with: its drive with the modes, and its steps.
+
+use super::contact_rate::RungCache;
+use super::interning::Interned;
+use super::{Driven, Ensemble, InstanceId, ReducedBasis, steps};
+use crate::contact::Contact;
+use crate::instrument::Instrument;
+use crate::scene::{Run, Start, Steady};
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+/// Instances whose contacts one thread makes together.
+const TOGETHER: usize = 1 << 10;
+
+/// Instances that are looked at together: what is held of each is more than what is kept.
+pub(super) const INSTANCES_AT_ONCE: usize = 1 << 16;
+
+/// Most steps that keeping a fast oscillator may cost, per period of the lever's first mode or of the
+/// drive, whichever is shorter.
+const MAX_STEPS_FOR_MODES: f64 = 2048.0;
+
+/// Something of each instance and its contact, of many of them at a time.
+fn in_stretches<'a, T: Send>(
+    ensemble: &'a Ensemble,
+    of: impl Fn(&mut RungCache<'a>, InstanceId, &Contact) -> T + Sync + 'a,
+) -> impl Iterator<Item = Vec<T>> + 'a {
+    (0..ensemble.len()).step_by(INSTANCES_AT_ONCE).map(move |from| {
+        let to = ensemble.len().min(from + INSTANCES_AT_ONCE);
+        let pieces: Vec<Vec<T>> = (from..to)
+            .into_par_iter()
+            .step_by(TOGETHER)
+            .map(|from| {
+                let ids = (from..to.min(from + TOGETHER)).map(|i| InstanceId(i as u32));
+                let contacts = ensemble.contacts_of(ids.clone());
+                let mut last = RungCache::default();
+                ids.zip(contacts).map(|(id, contact)| of(&mut last, id, &contact.contact())).collect()
+            })
+            .collect();
+        pieces.into_iter().flatten().collect()
+    })
+}
+
+/// The drive with the modes, and the steps, of each instance. Those whose contacts are too fast for the modes with the largest
+/// shares have drives of their own, which are added.
+pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> Interned<(u32, u32)> {
+    let led = is_led(ensemble, run);
+    // Prescribed steps are for the modes that they can step.
+    let told = run.modes.is_some() || run.steps_per_period.is_some();
+    let known = &*drives;
+    let mut usual = Interned::new();
+    in_stretches(ensemble, |tip, id, contact| {
+        let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
+        let driven = &known[own as usize];
+        let rung = if told { 0 } else { tip.rung((own, driven), contact, gap) };
+        ((own, rung), steps_of((run, led), (contact, gap), driven))
+    })
+    .for_each(|some| some.into_iter().for_each(|one| usual.push(one)));
+    let made = if told { HashMap::new() } else { fast_contacts(usual.known(), run, drives) };
+    let mut resolution = Interned::new();
+    for i in 0..ensemble.len() {
+        let (key, steps) = usual.get(i);
+        resolution.push(match made.get(&key) {
+            None => (key.0, steps),
+            Some(drive) => {
+                let id = InstanceId(i as u32);
+                let (contact, driven) = (ensemble.contact(id), &drives[*drive as usize]);
+                (*drive, steps_of((run, led), (&contact, ensemble.gap(id)), driven))
+            }
+        });
+    }
+    resolution
+}
+
+/// A drive and the rung of a contact.
+type Key = (u32, u32);
+
+/// Bases for instances whose contacts are too fast for the modes with the largest shares, by the drives and rungs that there
+/// are: they are added to the drives; of each drive and rung, which.
+fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<Key, u32> {
+    let distinct: BTreeSet<Key> = all.iter().map(|(key, _)| *key).collect();
+    let distinct: Vec<Key> = distinct.into_iter().collect();
+    let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
+        .par_iter()
+        .map(|(drive, rung)| {
+            let driven = &drives[*drive as usize];
+            driven.for_rung(*rung, run.accuracy, |accuracy| shares(driven, accuracy, run))
+        })
+        .collect();
+    let mut made: HashMap<Key, u32> = HashMap::new();
+    for (key, kept) in distinct.into_iter().zip(bases) {
+        if let Some(kept) = kept {
+            made.insert(key, drives.len() as u32);
+            drives.push(Driven { kept, ..drives[key.0 as usize].clone() });
+        }
+    }
+    made
+}
+
+/// Whether instances may come to states that the free oscillation does not lead to: contact may go on where that does not
+/// reach the sample.
+fn is_led(ensemble: &Ensemble, run: &Run) -> bool {
+    let follows = ensemble.curves.is_some() || !ensemble.setpoints.is_empty() || run.both_branches;
+    follows && run.steady == Steady::Search
+}
+
+/// Steps per period of an instance; 0 where it never feels the sample.
+fn steps_of((run, led): (&Run, bool), (contact, gap): (&Contact, f64), driven: &Driven) -> u32 {
+    let mut amplitude = driven.free_amplitude();
+    if run.start == Start::Steady && contact.is_out_of_reach(amplitude, gap) {
+        if !led || !contact.law.acts() {
+            return 0;
+        }
+        amplitude = driven.swing(gap);
+    }
+    run.steps_per_period.unwrap_or_else(|| {
+        steps::steps(contact, &driven.kept, driven.free.omega, amplitude, gap, run.accuracy)
+    })
+}
+
+/// The modes with the largest shares that `accuracy` asks for.
+pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> ReducedBasis {
+    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
+    let wanted = (accuracy, run.accuracy);
+    ReducedBasis::choose(&driven.instrument, driven.free.omega, wanted, run.modes, most)
+}
+
+/// Most steps per period that a mode kept may need.
+pub(super) fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
+    match asked {
+        Some(steps) => f64::from(steps),
+        None => MAX_STEPS_FOR_MODES * (instrument.lever_frequency / frequency).max(1.0),
+    }
+}

@@ -1,0 +1,363 @@
+//! Which modes the tip force needs.
+//!
+//! A mode matters to the stepped motion only through the tip moving under the tip force:
+//! c_k b_k / omega_k^2 is its share of the tip's static flexibility. What the kept modes leave
+//! out acts, at frequencies below its own, as one more spring; it is kept as one more oscillator
+//! with that flexibility (a residual attachment mode in the sense of MacNeal 1971 and Rubin 1975),
+//! so that the static answer to a contact force is exact, at the frequency of the mode that
+//! carries most of it, so that it rings as that one does: with the inertia of all of them it would
+//! ring too fast, which the largest force of short contacts shows (tests/hard/rod_damped.toml).
+//!
+//! Where a contact is so short that this does not do, a soft lever's on a stiff sample, the oscillators are chosen by
+//! the rate of the contact instead: the modes that ring on between contacts, and for the rest a rational Krylov
+//! reduction of what the tip feels of it (`compliance.rs`).
+
+use super::compliance::{compliance, reduced};
+use super::oscillator::KeptMode;
+use super::resonant_modes::resonant_modes;
+use super::ringing::{
+    LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
+};
+use crate::instrument::{Instrument, Mode};
+use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
+
+/// The rule by which the oscillators of a reduced basis are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BasisRule {
+    /// Modes in the order of their share of the tip's flexibility until what is left serves this accuracy, and one
+    /// residual oscillator.
+    Shares { accuracy: f64 },
+    /// So many oscillators for what happens to the tip at rates up to this one, rad/s.
+    Contact { rate: f64, count: usize },
+}
+
+/// The accuracy, relative to the one asked for, whose modes are the most that are tried before oscillators are chosen
+/// by the contact's rate.
+pub(crate) const RICHEST_ACCURACY_SHARE: f64 = 0.1;
+
+/// Numbers of oscillators that are chosen by the rate of a contact.
+pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
+
+/// The compliance of modes chosen by share is looked at up to so many times the contact's own rate: onset and end of
+/// a contact are faster than its middle.
+const MAX_RATE_RATIO: f64 = 4.0;
+
+/// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate; beyond that rate the bound
+/// is wider, see [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without
+/// that one in a hundred of 450 random levers on Hertzian samples, asked for 1e-4, had a largest force that was 1e-4 to 3e-4 off.
+const COMPLIANCE_TOL_SHARE: f64 = 0.75;
+const COARSE_ACCURACY: f64 = 1e-3;
+
+/// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their
+/// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (`cargo bench --bench accuracy -- --part basis`).
+const OSCILLATORS_PER_MODE: f64 = 1.3;
+const OSCILLATORS_BESIDE: f64 = 4.0;
+const OSCILLATOR_GROWTH: f64 = 0.12;
+
+/// Modes that are faster than the contact by more are not kept as they are.
+const MAX_MODE_RATE_RATIO: f64 = 64.0;
+
+impl BasisRule {
+    /// To look up bases that were made before.
+    pub fn key(&self) -> [u64; 2] {
+        match self {
+            Self::Shares { accuracy } => [accuracy.to_bits(), 0],
+            Self::Contact { rate, count } => [rate.to_bits(), *count as u64],
+        }
+    }
+
+    /// The next one with fewer oscillators, where this one is chosen by the contact's rate.
+    pub fn poorer(&self) -> Option<Self> {
+        let Self::Contact { rate, count } = *self else { return None };
+        let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
+        Some(Self::Contact { rate, count: fewer })
+    }
+
+    /// The next one with more, likewise.
+    pub fn richer(&self) -> Option<Self> {
+        let Self::Contact { rate, count } = *self else { return None };
+        let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
+        Some(Self::Contact { rate, count: more })
+    }
+}
+
+/// The oscillators that stand for an instrument under a force on its tip, largest share of the flexibility first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReducedBasis {
+    pub modes: Vec<KeptMode>,
+    /// The tip's static flexibility, all modes, m/N.
+    pub flexibility: f64,
+    /// Share of it that no kept oscillator carries.
+    pub residual_share: f64,
+    /// Whether the faster modes are kept as one residual oscillator.
+    pub residual_kept: bool,
+    /// The rule that asked for them.
+    pub rule: BasisRule,
+    /// What decided.
+    pub reason: String,
+}
+
+/// Largest phase, rad, that a kept oscillator may turn through in one step.
+pub(super) const ANGLE_MAX: f64 = 1.2;
+
+impl ReducedBasis {
+    /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
+    /// is left out is below three times `accuracy`, the rest as a residual oscillator where it is
+    /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period; and those that a
+    /// harmonic of the drive meets so that the accuracy `asked` of the run needs them.
+    /// `count` overrides: exactly so many modes, nothing for the rest.
+    pub fn choose(
+        instrument: &Instrument,
+        omega: f64,
+        (accuracy, asked): (f64, f64),
+        count: Option<usize>,
+        steps_max: f64,
+    ) -> Self {
+        let fastest = omega * steps_max * ANGLE_MAX / std::f64::consts::TAU;
+        let mut kept = Self::by_share(instrument, accuracy, count, (fastest, steps_max));
+        if let Some(count) = count {
+            kept.reason = format!("{count} modes, as the scene says");
+            return kept;
+        }
+        let has = |basis: &Self, k: usize| basis.modes.iter().any(|mode| mode.index == Some(k));
+        let slow = |k: &usize| instrument.modes[*k].omega <= fastest;
+        let mut met = resonant_modes(&instrument.modes, omega, asked);
+        met.retain(|k| slow(k) && !has(&kept, *k));
+        if !met.is_empty() {
+            // What a richer basis has for its share is on trial anyway.
+            let richest =
+                Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
+            met.retain(|k| !has(&richest, *k));
+        }
+        kept.add_residual(instrument, &met, accuracy, fastest);
+        kept.add_met(instrument, &met);
+        kept
+    }
+
+    /// Modes in order of their share until what is left out is below three times `accuracy`, or `count` of them; none but
+    /// the first faster than `fastest` (rad/s), which `steps_max` steps a period can step.
+    fn by_share(
+        instrument: &Instrument,
+        accuracy: f64,
+        count: Option<usize>,
+        (fastest, steps_max): (f64, f64),
+    ) -> Self {
+        let share = |k: usize| {
+            let mode = &instrument.modes[k];
+            mode.inverse_mass() / (mode.omega * mode.omega)
+        };
+        let flexibility: f64 = (0..instrument.modes.len()).map(share).sum();
+        let mut order: Vec<usize> = (0..instrument.modes.len()).collect();
+        order.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()).then(a.cmp(b)));
+
+        let mut modes = Vec::new();
+        let mut left = 1.0;
+        let wanted = count.unwrap_or(WRITTEN_OUT - 1).min(MODES_MAX);
+        let mut reason = String::new();
+        for &k in &order {
+            let done = match count {
+                Some(_) => false,
+                None => left <= 3.0 * accuracy,
+            };
+            if modes.len() == wanted || done || share(k) == 0.0 {
+                break;
+            }
+            if count.is_none() && !modes.is_empty() && instrument.modes[k].omega > fastest {
+                reason = format!(
+                    "mode at {:.4} kHz left out: too fast for {steps_max} steps a period",
+                    instrument.modes[k].omega / std::f64::consts::TAU / 1e3
+                );
+                break;
+            }
+            left -= share(k) / flexibility;
+            modes.push(KeptMode::of(instrument, k));
+        }
+        let rule = BasisRule::Shares { accuracy };
+        Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason }
+    }
+
+    /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly
+    /// the modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of
+    /// the others. None where there are too few modes to reduce, or a mode that answers against the force.
+    pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
+        let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
+        let flexibility: f64 = instrument.modes.iter().map(share).sum();
+        // The slowest lever mode and everything above; slower modes of a rod, each a share of 1e-4 or less, are no
+        // spring at the rates of a contact and stay out.
+        let first = (0..instrument.modes.len())
+            .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
+        let moved: Vec<usize> =
+            (first..instrument.modes.len()).filter(|k| instrument.modes[*k].inverse_mass() != 0.0).collect();
+        // All of a list of modes; of a beam's finite elements the fastest are too fast to be stepped.
+        let fastest = moved.iter().map(|k| instrument.modes[*k].omega).fold(0.0, f64::max);
+        let all = moved.len() <= count && fastest <= MAX_MODE_RATE_RATIO * rate;
+        let exact = match all {
+            true => moved.clone(),
+            false => ringing(instrument, omega, rate, &moved, count),
+        };
+        let mut modes: Vec<KeptMode> = exact.iter().map(|&k| KeptMode::of(instrument, k)).collect();
+        if !all {
+            let rest: Vec<&Mode> =
+                moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();
+            // From where the lever answers on: what a rod adds below that is little.
+            let levers = LeverModes::of(instrument, omega);
+            let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
+            modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
+        }
+        let left =
+            1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
+        let reason = match all {
+            true => format!("all {} modes that move the tip", exact.len()),
+            false => format!(
+                "{} mode{} and {} oscillators for contacts of {:.4} MHz",
+                exact.len(),
+                if exact.len() == 1 { "" } else { "s" },
+                count - exact.len(),
+                rate / std::f64::consts::TAU / 1e6
+            ),
+        };
+        let rule = BasisRule::Contact { rate, count };
+        Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
+    }
+
+    /// How many oscillators an accuracy takes where contacts have the rate `rate` (rad/s): the rule to begin with.
+    pub fn oscillators(instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> usize {
+        let levers = LeverModes::of(instrument, omega);
+        let lever = || instrument.modes.iter().filter(|mode| levers.own(mode));
+        let slower = lever().filter(|mode| mode.omega <= rate).count();
+        let ring = lever()
+            .filter(|mode| mode.omega <= MAX_LEVER_MODE_RATIO * rate && left(mode, omega) >= LONG_RING_SHARE)
+            .count();
+        let rule = (OSCILLATORS_BESIDE + OSCILLATORS_PER_MODE * slower as f64)
+            * (1e-3 / accuracy).powf(OSCILLATOR_GROWTH);
+        (rule.ceil() as usize).max(ring + MIN_REDUCED_OSCILLATORS)
+    }
+
+    /// Whether the tip feels the instrument by these oscillators as by all modes where contacts have the rate `rate`
+    /// (rad/s) under a drive of angular frequency `omega`, well enough for `accuracy`. A rod's mode that hardly anything
+    /// damps and that the contact meets again and again is no matter of compliance: it has to be among them.
+    pub fn serves(&self, instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> bool {
+        let levers = LeverModes::of(instrument, omega);
+        let kept = |k: usize| self.modes.iter().any(|mode| mode.index == Some(k));
+        let lingers = |mode: &Mode| mode.omega <= rate && !levers.own(mode) && levers.gathers(mode);
+        // A rod's slower modes than the lever's first are no spring at the rates of a contact.
+        let first = instrument.modes.iter().position(|mode| levers.own(mode)).unwrap_or(0);
+        let missing =
+            instrument.modes.iter().enumerate().skip(first).any(|(k, mode)| lingers(mode) && !kept(k));
+        !missing
+            && self.wrong(instrument, rate)
+                <= COMPLIANCE_TOL_SHARE * accuracy * (accuracy / COARSE_ACCURACY).min(1.0).sqrt()
+    }
+
+    /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.
+    /// Beyond the contact's own rate it counts less, by the square of the rate: so the force of a smooth contact falls.
+    /// That of JKR's jumps falls less, but nothing was gained by weighing it so (450 random levers at 1e-3).
+    pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
+        let error = |times: f64| {
+            let s = times * rate;
+            let whole = compliance(instrument.modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
+            let ours = compliance(self.modes.iter().map(|mode| (mode.omega, mode.inverse_mass)), s);
+            (ours / whole - 1.0).abs() / times.max(1.0).powi(2)
+        };
+        [0.5, 1.0, 2.0, MAX_RATE_RATIO].into_iter().map(error).fold(0.0, f64::max)
+    }
+
+    /// The residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the
+    /// one among them with the largest share, which is the one that rings. Slower modes that are not kept
+    /// (the rod's, each a share of 1e-4 or less) are no spring at the frequencies of a contact and stay out.
+    fn add_residual(&mut self, instrument: &Instrument, met: &[usize], accuracy: f64, fastest: f64) {
+        let kept = self.fastest();
+        let (mut spring, mut loss, mut top) = (0.0, 0.0, 0.0);
+        let (mut largest, mut omega) = (0.0, f64::NAN);
+        for (k, mode) in instrument.modes.iter().enumerate() {
+            if mode.omega > kept && !met.contains(&k) {
+                let flexibility = mode.inverse_mass() / mode.omega.powi(2);
+                spring += flexibility;
+                if flexibility > largest {
+                    (largest, omega) = (flexibility, mode.omega);
+                }
+                loss += flexibility / mode.quality_factor;
+                top += mode.top * mode.force / mode.omega.powi(2);
+            }
+        }
+        let share = spring / self.flexibility;
+        let negligible = share.abs() <= 0.1 * accuracy;
+        if negligible || !(spring > 0.0 && omega.is_finite()) {
+            self.note(format!("{} modes carry all but {:.1e}", self.modes.len(), self.residual_share));
+        } else if omega > fastest {
+            self.note(format!(
+                "{} modes; the other {:.1e} of the flexibility is too fast to be stepped",
+                self.modes.len(),
+                self.residual_share
+            ));
+        } else {
+            self.note(format!(
+                "{} modes, another {:.1e} of the flexibility as one residual oscillator",
+                self.modes.len(),
+                share
+            ));
+            self.residual_kept = true;
+            self.residual_share -= share;
+            self.modes.push(KeptMode {
+                index: None,
+                omega,
+                damping: 0.5 * loss / spring,
+                inverse_mass: omega * omega * spring,
+                top: top / spring,
+            });
+        }
+    }
+
+    /// Keeps those of the modes `met` that are not kept for their share.
+    fn add_met(&mut self, instrument: &Instrument, met: &[usize]) {
+        for &k in met.iter().take(MODES_MAX.saturating_sub(self.modes.len())) {
+            let mode = KeptMode::of(instrument, k);
+            self.residual_share -= mode.inverse_mass / mode.omega.powi(2) / self.flexibility;
+            self.note(format!(
+                "the mode at {:.4} kHz too: a harmonic of the drive meets it",
+                mode.omega / std::f64::consts::TAU / 1e3
+            ));
+            self.modes.push(mode);
+        }
+    }
+
+    fn note(&mut self, text: String) {
+        if !self.reason.is_empty() {
+            self.reason.push_str("; ");
+        }
+        self.reason.push_str(&text);
+    }
+
+    /// Acceleration of the tip by a unit of tip force at short times, 1/kg.
+    pub fn inverse_mass(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.inverse_mass).sum()
+    }
+
+    /// Whether both keep the same modes by their numbers, and the rest alike: of levers that differ in scale the oscillators
+    /// stand for the same then, whatever their frequencies.
+    pub fn copies(&self, other: &Self) -> bool {
+        let residual = self.residual_kept && other.residual_kept;
+        let same = |(a, b): (&KeptMode, &KeptMode)| {
+            a.index == b.index && (a.index.is_some() || residual || a.omega == b.omega)
+        };
+        self.modes.len() == other.modes.len() && self.modes.iter().zip(&other.modes).all(same)
+    }
+
+    /// Angular frequency of the fastest oscillator, rad/s.
+    pub fn fastest(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.omega).fold(0.0, f64::max)
+    }
+
+    /// As the kernel takes them.
+    pub fn flow(&self) -> Vec<FlowMode> {
+        let inverse_mass = self.inverse_mass();
+        self.modes
+            .iter()
+            .map(|mode| FlowMode {
+                omega: mode.omega,
+                damping: mode.damping,
+                share: mode.inverse_mass / inverse_mass,
+            })
+            .collect()
+    }
+}

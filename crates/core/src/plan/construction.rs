@@ -1,0 +1,304 @@
+//! From a scene to its plan.
+
+use super::assignment::{self, INSTANCES_AT_ONCE, steps_for_modes};
+use super::ensemble::Gaps;
+use super::interning::{Codes, Interned};
+use super::resolution::{Ids, InstanceResolutions};
+use super::shared_contacts::SharedContacts;
+use super::{
+    CurveLayout, Drive, Driven, Ensemble, Grid, GridAxis, Plan, Policy, Precision, ReducedBasis, SetPoint,
+};
+use crate::contact::Compact;
+use crate::instrument::{Instrument, InstrumentError, Pattern};
+use crate::observe::{Wants, wants};
+use crate::scene::{
+    ApproachParams, Axis, Cases, DriveFrequency, Held, Layout, Params, Scene, Steady, SweptAxes,
+};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a scene cannot be planned.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// `values` names the swept values of the instance, empty without a sweep.
+    #[error("instance {instance}{values}: {source}")]
+    Instrument { instance: usize, values: String, source: InstrumentError },
+}
+
+impl Plan {
+    /// Plans every instance. Each distinct instrument is reduced once.
+    pub fn new(scene: &Scene, precision: Precision) -> Result<Self, PlanError> {
+        let (mut drives, drive_of) = driven(scene)?;
+        let ensemble = Arc::new(ensemble(scene, &drives, drive_of));
+        let resolution = assignment::resolutions(&ensemble, &scene.run, &mut drives);
+        let asked = wants(&scene.output.observables);
+        let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
+        Ok(Self {
+            ids: Ids::All(ensemble.len() as u32),
+            resolution: InstanceResolutions::coded(resolution),
+            contacts: None,
+            ensemble,
+            drives,
+            observables: scene.output.observables.clone(),
+            wants: Wants {
+                // The branch of a state is told by its mean force.
+                energy: asked.energy || scene.run.steady == Steady::Search,
+                // Errors of the mean force, and from rest of energies, count on the largest force.
+                extremes: asked.extremes || asked.energy || holds_force,
+                ..asked
+            },
+            run: scene.run.clone(),
+            precision,
+            precision_open: false,
+            policy: Policy::STANDARD,
+            cold: false,
+            waveforms: scene.output.waveforms.clone(),
+            starts: None,
+        })
+    }
+}
+
+/// Whether that quantity changes the instrument or its drive, not only the contact.
+fn moves_instrument(path: &str) -> bool {
+    const APEX: [&str; 3] =
+        ["instrument.tip.radius", "instrument.tip.youngs_modulus", "instrument.tip.poisson_ratio"];
+    path.starts_with("drive.") || (path.starts_with("instrument.") && !APEX.contains(&path))
+}
+
+/// Whether that quantity changes the drive alone.
+fn moves_drive(path: &str) -> bool {
+    path.starts_with("drive.") && path != "drive.on"
+}
+
+/// Numbers of things that several instances share, as they are met.
+struct Distinct {
+    /// Of each number, the first instance that has it.
+    first: Vec<usize>,
+    /// Of each of the instances looked at, its number.
+    of: Codes,
+}
+
+impl Distinct {
+    /// Of these instances, told apart by the values of the swept quantities for which `holds` holds.
+    fn by(holds: impl Fn(&str) -> bool, scene: &Scene, instances: impl Iterator<Item = usize>) -> Self {
+        let axes = scene.sweep.axes.iter().enumerate();
+        // Of quantities that vary together, those that matter: what they share with others is one instrument.
+        let axes: Vec<(usize, Vec<&Axis>)> = axes
+            .map(|(n, axis)| {
+                (n, std::iter::once(axis).chain(&axis.columns).filter(|a| holds(&a.path)).collect())
+            })
+            .filter(|(_, matter): &(usize, Vec<&Axis>)| !matter.is_empty())
+            .collect();
+        let mut numbers: HashMap<Vec<u64>, u32> = HashMap::new();
+        let mut first = Vec::new();
+        let number = |instance: usize| {
+            let indices = scene.sweep.indices(instance);
+            let values = axes.iter().flat_map(|(n, matter)| {
+                let at = indices[*n];
+                matter.iter().map(move |axis| axis.values[at].to_bits())
+            });
+            *numbers.entry(values.collect()).or_insert_with(|| {
+                first.push(instance);
+                first.len() as u32 - 1
+            })
+        };
+        let of = match axes.is_empty() {
+            // The same for all, as in the largest sweeps: nothing to look up for each instance.
+            true => Codes::zeros(instances.count()),
+            false => instances.map(number).collect(),
+        };
+        if axes.is_empty() {
+            first.push(0);
+        }
+        Self { first, of }
+    }
+}
+
+/// The distinct drives with the modes that have the largest shares, and which one each instance has.
+fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
+    let drives = Distinct::by(moves_instrument, scene, 0..scene.len());
+    // Levers and rods without the drive: fewer still.
+    let body = |path: &str| moves_instrument(path) && !moves_drive(path);
+    let bodies = Distinct::by(body, scene, drives.first.iter().copied());
+    let fail = |instance: usize| {
+        let values = scene.described(instance);
+        move |source| PlanError::Instrument { instance, values, source }
+    };
+    let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
+    // Levers that differ in scale alone are reduced once.
+    let served = bodies.first.first().filter(|&&one| Pattern::serves(&scene.instance(one).instrument));
+    let pattern = served.map(|&one| Pattern::new(scene.base.drive.on, tolerance).map_err(fail(one)));
+    let pattern = pattern.transpose()?;
+    let instrument = |&instance: &usize| {
+        let params = scene.instance(instance);
+        let scaled = pattern.as_ref().and_then(|pattern| pattern.instrument(&params.instrument));
+        let own =
+            scaled.unwrap_or_else(|| Instrument::reduce(&params.instrument, params.drive.on, tolerance));
+        own.map(Arc::new).map_err(fail(instance))
+    };
+    let instruments: Vec<Arc<Instrument>> =
+        bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;
+    let frequency =
+        |(n, &instance): (usize, &usize)| (bodies.of.get(n), scene.instance(instance).drive.frequency);
+    let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().enumerate().map(frequency).collect();
+    // Drives that differ in level alone are one swing, larger or smaller.
+    let mut numbers: HashMap<(u32, Option<u64>), u32> = HashMap::new();
+    let mut distinct: Vec<usize> = Vec::new();
+    let swing = |(n, (body, frequency)): (usize, &(u32, DriveFrequency))| {
+        let given = match frequency {
+            DriveFrequency::Hertz(frequency) => Some(frequency.to_bits()),
+            DriveFrequency::Resonance => None,
+        };
+        *numbers.entry((*body, given)).or_insert_with(|| {
+            distinct.push(n);
+            distinct.len() as u32 - 1
+        })
+    };
+    let swing_of: Vec<u32> = asked.iter().enumerate().map(swing).collect();
+    let swing = |&n: &usize| {
+        let (body, frequency) = asked[n];
+        Swing::new(scene, frequency, &instruments[body as usize]).map_err(fail(drives.first[n]))
+    };
+    let swings: Vec<Swing> = distinct.par_iter().map(swing).collect::<Result<_, _>>()?;
+    let one = |(&instance, &swing): (&usize, &u32)| {
+        swings[swing as usize].driven(&scene.instance(instance)).map_err(fail(instance))
+    };
+    let all = drives.first.par_iter().zip(&swing_of).map(one).collect::<Result<_, _>>()?;
+    Ok((all, drives.of))
+}
+
+/// The scene's instances.
+fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
+    let cases = Cases::of(scene);
+    let instance = |params: &mut Params, index: usize| {
+        cases.put(params, index);
+        let driven = &drives[drive_of.get(index) as usize];
+        let ApproachParams { gap, branch, deepest, .. } = params.approach;
+        let (held, free) = (params.approach.target(), driven.free_amplitude());
+        let gap = match held {
+            None => gap,
+            Some(Held::Amplitude(share) | Held::Deflection(share)) => share * free,
+            // As much is left of the amplitude where nothing is lost.
+            Some(Held::Phase(degrees)) => degrees.to_radians().sin().abs() * free,
+            // A light tap, but for the lever's bending.
+            Some(Held::Force(force)) => free - force * driven.kept.flexibility,
+        };
+        (Compact::new(params), gap, held.map(|held| SetPoint { held, branch, deepest }))
+    };
+    let (mut contacts, mut gaps, mut setpoints) = (SharedContacts::new(), Met::new(), Vec::new());
+    for from in (0..drive_of.len()).step_by(INSTANCES_AT_ONCE) {
+        let some = from..drive_of.len().min(from + INSTANCES_AT_ONCE);
+        let some: Vec<_> =
+            some.into_par_iter().map_init(|| cases.base(), |params, index| instance(params, index)).collect();
+        for (contact, gap, setpoint) in some {
+            contacts.push(contact);
+            gaps.push(gap);
+            setpoints.extend(setpoint);
+        }
+    }
+    Ensemble {
+        drives: drives.iter().map(|driven| Arc::clone(&driven.drive)).collect(),
+        gaps: gaps.end(cases.column(GAP).filter(|_| setpoints.is_empty())),
+        columns: cases.columns(),
+        contacts: contacts.end(cases),
+        drive_of,
+        setpoints,
+        curves: scene.sweep.curve.and_then(|curve| {
+            let points = scene.sweep.axes.last()?.values.len() as u32;
+            Some(CurveLayout { points, ways: 1 + u32::from(curve.both) })
+        }),
+        grid: grid(&scene.sweep),
+    }
+}
+
+/// The quantity that the gap is.
+const GAP: &str = "approach.gap";
+
+/// The gaps of instances as they are met.
+enum Met {
+    Few(Interned<u64>),
+    Many(Vec<f64>),
+}
+
+impl Met {
+    fn new() -> Self {
+        Self::Few(Interned::new())
+    }
+
+    fn push(&mut self, gap: f64) {
+        match self {
+            Self::Few(all) => {
+                all.push(gap.to_bits());
+                if all.values() > INSTANCES_AT_ONCE {
+                    *self = Self::Many((0..all.len()).map(|at| f64::from_bits(all.get(at))).collect());
+                }
+            }
+            Self::Many(all) => all.push(gap),
+        }
+    }
+
+    /// Those of all instances; where they are a column of the scene, that holds them.
+    fn end(self, given: Option<&Arc<Vec<f64>>>) -> Gaps {
+        match (self, given) {
+            (Self::Few(all), _) => Gaps::Coded(all),
+            (Self::Many(all), Some(given)) if all.len() == given.len() => Gaps::Given(Arc::clone(given)),
+            (Self::Many(all), _) => Gaps::Each(all),
+        }
+    }
+}
+
+/// How the axes of a grid lie in the order of its instances; none for a list and where nothing is swept.
+fn grid(sweep: &SweptAxes) -> Option<Grid> {
+    if sweep.layout == Layout::List || sweep.axes.is_empty() {
+        return None;
+    }
+    let mut stride = 1;
+    let of = |axis: &Axis| {
+        let length = axis.values.len() as u32;
+        // Neither words nor samples, which are numbered, have neighbours.
+        let ordered = axis.words.is_empty() && axis.columns.is_empty();
+        let mut order: Vec<u32> = if ordered { (0..length).collect() } else { Vec::new() };
+        order.sort_by(|a, b| axis.values[*a as usize].total_cmp(&axis.values[*b as usize]));
+        stride *= length;
+        GridAxis { stride: stride / length, length, order }
+    };
+    let mut axes: Vec<GridAxis> = sweep.axes.iter().rev().map(of).collect();
+    axes.reverse();
+    Some(Grid { axes })
+}
+
+/// An instrument at one frequency, and the modes with the largest shares.
+struct Swing {
+    instrument: Arc<Instrument>,
+    /// Hz
+    frequency: f64,
+    kept: Arc<ReducedBasis>,
+}
+
+impl Swing {
+    fn new(
+        scene: &Scene,
+        asked: DriveFrequency,
+        instrument: &Arc<Instrument>,
+    ) -> Result<Self, InstrumentError> {
+        let frequency = match asked {
+            DriveFrequency::Hertz(frequency) => frequency,
+            DriveFrequency::Resonance => instrument.resonance()?,
+        };
+        let most = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
+        let omega = TAU * frequency;
+        let wanted = (scene.run.accuracy, scene.run.accuracy);
+        let kept = ReducedBasis::choose(instrument, omega, wanted, scene.run.modes, most);
+        Ok(Self { instrument: Arc::clone(instrument), frequency, kept: Arc::new(kept) })
+    }
+
+    /// Driven as hard as a case says.
+    fn driven(&self, params: &Params) -> Result<Driven, InstrumentError> {
+        let free = self.instrument.free_motion(params.drive.level, self.frequency)?;
+        let drive = Arc::new(Drive { instrument: Arc::clone(&self.instrument), free });
+        Ok(Driven { drive, kept: Arc::clone(&self.kept) })
+    }
+}

@@ -1,0 +1,177 @@
+//! How fast a contact is: the rate at which its stiffness and the lever's compliance balance.
+
+use super::basis::{OSCILLATOR_COUNTS, RICHEST_ACCURACY_SHARE};
+use super::compliance::compliance;
+use super::{BasisRule, Driven, ReducedBasis};
+use crate::contact::Contact;
+use crate::instrument::Mode;
+use std::sync::Arc;
+
+/// Rounds of the fixed point between the rate of a contact and the depth that it leads to: each leaves a tenth of the
+/// miss, and a rate is needed to a factor of two.
+const RATE_ITERATIONS: usize = 4;
+
+/// Rate of an instance's contact, rad/s: s with k C(s) = 1, where C is the tip's compliance by all modes and k the
+/// contact's stiffness at the depth of a collision with the inverse mass s^2 C(s) that the tip has at that rate. It is the
+/// contact's own angular frequency: about four over its duration, since a Hertzian collision of depth d and speed v
+/// lasts 2.94 d/v and has the rate 1.37 v/d. 0 where nothing pushes the tip.
+///
+/// `omega` (rad/s) and `amplitude` (m) are of the free tip, `gap` in m, and `answer` tells the tip's compliance at a rate.
+pub(super) fn contact_rate(
+    contact: &Contact,
+    (omega, amplitude, gap): (f64, f64, f64),
+    mut answer: impl FnMut(f64) -> f64,
+) -> f64 {
+    if !contact.law.acts() {
+        return 0.0;
+    }
+    let pull = contact.law().attraction_slope();
+    let mut rate = omega;
+    for _ in 0..RATE_ITERATIONS {
+        let inverse_mass = rate * rate * answer(rate);
+        let depth = super::steps::deepest(contact, inverse_mass, omega, amplitude, gap);
+        let stiffness = contact.stiffness(depth, true).abs().max(pull);
+        let next = (inverse_mass * stiffness).sqrt();
+        // From there on nothing changes.
+        if !next.is_finite() || next.max(omega) == rate {
+            break;
+        }
+        rate = next.max(omega);
+    }
+    rate
+}
+
+/// What [`Driven::rung`] needs of a drive, for very many contacts: the numbers of [`compliance`] side by side, whose quotients
+/// are then worked out together.
+pub(super) struct Tip<'a> {
+    driven: &'a Driven,
+    squares: Vec<f64>,
+    inverse_masses: Vec<f64>,
+    terms: Vec<f64>,
+    /// Where every contact's rounds begin.
+    at_omega: f64,
+}
+
+impl<'a> Tip<'a> {
+    pub fn of(driven: &'a Driven) -> Self {
+        let modes = &driven.instrument.modes;
+        let squares = modes.iter().map(|mode| mode.omega * mode.omega).collect();
+        let inverse_masses = modes.iter().map(Mode::inverse_mass).collect();
+        let terms = vec![0.0; modes.len()];
+        let mut tip = Self { driven, squares, inverse_masses, terms, at_omega: f64::NAN };
+        tip.at_omega = tip.answer(driven.free.omega);
+        tip
+    }
+
+    /// [`compliance`], to the bit.
+    fn answer(&mut self, s: f64) -> f64 {
+        if s == self.driven.free.omega && !self.at_omega.is_nan() {
+            return self.at_omega;
+        }
+        let numbers = self.squares.iter().zip(&self.inverse_masses);
+        for (term, (square, inverse_mass)) in self.terms.iter_mut().zip(numbers) {
+            *term = inverse_mass / (square + s * s);
+        }
+        self.terms.iter().sum()
+    }
+
+    /// [`Driven::rung`], to the bit.
+    pub fn rung(&mut self, contact: &Contact, gap: f64) -> u32 {
+        let driven = self.driven;
+        let free = (driven.free.omega, driven.free_amplitude(), gap);
+        driven.rung_of(contact_rate(contact, free, |s| self.answer(s)))
+    }
+}
+
+/// The drive of the last contact that was looked at, by its number: neighbours mostly have the same.
+#[derive(Default)]
+pub(super) struct RungCache<'a>(Option<(u32, Tip<'a>)>);
+
+impl<'a> RungCache<'a> {
+    /// [`Driven::rung`] of a contact of this drive.
+    pub fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> u32 {
+        if self.0.as_ref().is_none_or(|(last, _)| *last != number) {
+            self.0 = None;
+        }
+        self.0.get_or_insert_with(|| (number, Tip::of(driven))).1.rung(contact, gap)
+    }
+}
+
+impl Driven {
+    /// The rung of an instance's contact rate: it is at most 2 to this power times the drive's angular frequency. So
+    /// neighbours have the same basis.
+    pub(super) fn rung(&self, contact: &Contact, gap: f64) -> u32 {
+        self.rung_of(self.contact_rate(contact, gap))
+    }
+
+    /// The rung of a rate, rad/s.
+    fn rung_of(&self, rate: f64) -> u32 {
+        (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
+    }
+
+    /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about
+    /// four over its duration.
+    pub fn contact_rate(&self, contact: &Contact, gap: f64) -> f64 {
+        let modes = &self.instrument.modes;
+        let answer = |s: f64| compliance(modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
+        contact_rate(contact, (self.free.omega, self.free_amplitude(), gap), answer)
+    }
+
+    /// The contact rate of a rung, rad/s.
+    fn rate(&self, rung: u32) -> f64 {
+        self.free.omega * f64::from(rung).exp2()
+    }
+
+    /// The basis for contacts of that rung, where the modes with the largest shares do not do: these may be as many as
+    /// `shares` makes for [`RICHEST_ACCURACY_SHARE`] of the accuracy.
+    pub(super) fn for_rung(
+        &self,
+        rung: u32,
+        accuracy: f64,
+        shares: impl FnOnce(f64) -> ReducedBasis,
+    ) -> Option<Arc<ReducedBasis>> {
+        let (instrument, rate) = (&self.instrument, self.rate(rung));
+        let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, accuracy);
+        if rung == 0 || serves(&self.kept) || serves(&shares(RICHEST_ACCURACY_SHARE * accuracy)) {
+            return None;
+        }
+        let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
+        self.for_contacts(rung, |kept| kept.modes.len() >= count)
+    }
+
+    /// The least of the bases for contacts of that rung that is `good`, or the one with the most oscillators; none
+    /// where a mode answers against the force.
+    pub(super) fn for_contacts(
+        &self,
+        rung: u32,
+        good: impl Fn(&ReducedBasis) -> bool,
+    ) -> Option<Arc<ReducedBasis>> {
+        let mut richest = None;
+        // The first is for what is held against the next.
+        for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
+            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
+            let enough = kept.as_ref().is_some_and(&good);
+            richest = kept.or(richest);
+            if enough {
+                break;
+            }
+        }
+        richest.map(Arc::new)
+    }
+
+    /// The basis that the rule asks for; this one's own where it cannot be made.
+    pub(super) fn reduced_by(
+        &self,
+        rule: BasisRule,
+        shares: impl FnOnce(f64) -> ReducedBasis,
+    ) -> Arc<ReducedBasis> {
+        match rule {
+            _ if rule == self.kept.rule => Arc::clone(&self.kept),
+            BasisRule::Shares { accuracy } => Arc::new(shares(accuracy)),
+            BasisRule::Contact { rate, count } => {
+                ReducedBasis::for_contact(&self.instrument, self.free.omega, rate, count)
+                    .map_or_else(|| Arc::clone(&self.kept), Arc::new)
+            }
+        }
+    }
+}

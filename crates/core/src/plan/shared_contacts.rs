@@ -1,0 +1,54 @@
+//! Contacts that many instances share, each held once.
+
+use super::ensemble::Contacts;
+use super::interning::Codes;
+use crate::contact::Compact;
+use crate::scene::Cases;
+use std::collections::HashMap;
+
+/// Contacts that are held at most: of more, each is made of the scene's case when it is asked for.
+const MAX_SHARED_CONTACTS: usize = 1 << 16;
+
+/// The contacts of an ensemble while it is built.
+pub(super) struct SharedContacts {
+    all: Vec<Compact>,
+    /// Their numbers by what they are made of.
+    known: HashMap<[u64; 4], Vec<u32>>,
+    /// Of each instance so far; none where too many differ.
+    of: Option<Codes>,
+}
+
+impl SharedContacts {
+    pub fn new() -> Self {
+        Self { all: Vec::new(), known: HashMap::new(), of: Some(Codes::zeros(0)) }
+    }
+
+    /// Adds the contact of one more instance.
+    pub fn push(&mut self, contact: Compact) {
+        if self.of.is_none() {
+            return;
+        }
+        let key = contact.constants().map(f64::to_bits);
+        let same = self.known.entry(key).or_default();
+        let number = match same.iter().find(|number| self.all[**number as usize] == contact) {
+            Some(number) => *number,
+            None => {
+                same.push(self.all.len() as u32);
+                self.all.push(contact);
+                self.all.len() as u32 - 1
+            }
+        };
+        match &mut self.of {
+            Some(of) if self.all.len() <= MAX_SHARED_CONTACTS => of.push(number),
+            of => *of = None,
+        }
+    }
+
+    /// Those of all instances of a scene.
+    pub fn end(self, cases: Cases) -> Contacts {
+        match self.of {
+            Some(of) => Contacts::Shared { of, all: self.all },
+            None => Contacts::Made(Box::new(cases)),
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! What was chosen for a scene once, as text: a run that is given it does what the run does that chose it.
+
+use super::{Backend, Error, Options};
+use crate::control::{Choices, Course};
+use crate::plan::Policy;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// The version of the text.
+const FORMAT: u32 = 1;
+
+/// What was chosen for a scene, and of which scene, by what and with which options: as [`Sweep::prepare`](super::Sweep::prepare)
+/// gives it.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct Recipe {
+    format: u32,
+    /// Version of the program and revision of its sources.
+    program: String,
+    /// CRC-32 of the scene's text and of every number that it sweeps.
+    scene_sum: String,
+    /// What the user told beside the scene.
+    options: RecipeOptions,
+    /// The device, and what its last bits hang on.
+    device: String,
+    engine: String,
+    /// Where the scene was read from, and its text.
+    pub(super) scene_file: String,
+    scene: String,
+    pub(super) choices: Choices,
+}
+
+/// Options of a run that move its results.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+struct RecipeOptions {
+    course: Course,
+    precision: String,
+    steps_per_period: String,
+    policy: String,
+}
+
+impl RecipeOptions {
+    fn of(options: &Options, scene: &Scene) -> Self {
+        let steps = scene.run.steps_per_period.map_or("the plan's".to_owned(), |steps| steps.to_string());
+        let precision = options.precision.map_or("open", |precision| precision.name());
+        let policy = match options.policy == Policy::STANDARD {
+            true => "standard".to_owned(),
+            false => options.policy.lines().join(", "),
+        };
+        let course = match (options.backend, options.estimate) {
+            (Backend::Reference, _) => Course::Reference,
+            (_, true) => Course::Controlled,
+            (_, false) => Course::Once,
+        };
+        Self { course, precision: precision.into(), steps_per_period: steps, policy }
+    }
+
+    /// In words.
+    fn words(&self) -> String {
+        let Self { course, precision, steps_per_period, policy } = self;
+        let course = match course {
+            Course::Controlled => "errors controlled",
+            Course::Once => "no estimates",
+            Course::Reference => "by the reference engine",
+        };
+        format!("{course}, precision {precision}, steps per period {steps_per_period}, policy {policy}")
+    }
+}
+
+/// The CRC-32 of a scene's text and of every number that it sweeps, which may come from another file.
+fn sum(scene: &Scene) -> String {
+    let mut sum = crc32fast::Hasher::new();
+    sum.update(scene.source.as_bytes());
+    for axis in scene.sweep.quantities() {
+        sum.update(axis.path.as_bytes());
+        axis.values.iter().for_each(|value| sum.update(&value.to_bits().to_le_bytes()));
+    }
+    format!("{:08x}", sum.finalize())
+}
+
+/// This program, as [`Recipe`] names it.
+fn program() -> String {
+    format!("afmsweep {} ({})", env!("CARGO_PKG_VERSION"), crate::record::SOURCE_REVISION)
+}
+
+impl Recipe {
+    pub(super) fn new(
+        scene: &Scene,
+        options: &Options,
+        (device, engine): (String, String),
+        choices: Choices,
+    ) -> Self {
+        Self {
+            format: FORMAT,
+            program: program(),
+            scene_sum: sum(scene),
+            options: RecipeOptions::of(options, scene),
+            device,
+            engine,
+            scene_file: scene.path.to_string_lossy().into_owned(),
+            scene: scene.source.clone(),
+            choices,
+        }
+    }
+
+    /// How each instance is taken to its result where the options say so.
+    pub(super) fn course(options: &Options, scene: &Scene) -> Course {
+        RecipeOptions::of(options, scene).course
+    }
+
+    /// The text that [`Recipe::from_toml`] reads.
+    ///
+    /// # Errors
+    /// None that is known.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        toml::to_string(self).map_err(|error| Error::Prepared { what: error.to_string() })
+    }
+
+    /// What [`Recipe::to_toml`] has written.
+    ///
+    /// # Errors
+    /// It is another text, or was written by another version of the program.
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
+        let wrong = |what: String| Error::Prepared { what };
+        #[derive(Deserialize)]
+        struct Head {
+            format: u32,
+        }
+        let head: Head = toml::from_str(text)
+            .map_err(|_| wrong("this is no text of choices; `afmsweep prepare SCENE` writes one".into()))?;
+        if head.format != FORMAT {
+            let what = format!("these choices have format {} and this program reads {FORMAT}", head.format);
+            return Err(wrong(what));
+        }
+        let place = |error: toml::de::Error| error.message().to_owned();
+        toml::from_str(text).map_err(|error| wrong(format!("these choices are spoilt: {}", place(error))))
+    }
+
+    /// The device of the run that chose.
+    pub fn device(&self) -> &str {
+        &self.device
+    }
+
+    /// The text of the scene.
+    pub fn scene_text(&self) -> &str {
+        &self.scene
+    }
+
+    /// The scene, read again: from its file where that still says the same.
+    ///
+    /// # Errors
+    /// The scene cannot be read, or reads a file that says something else now.
+    pub fn scene(&self) -> Result<Scene, Error> {
+        let path = std::path::Path::new(&self.scene_file);
+        let scene = Scene::parse(path, &self.scene)?;
+        match sum(&scene) == self.scene_sum {
+            true => Ok(scene),
+            false => Err(Error::Prepared {
+                what: "what the scene sweeps is not what it was when the run was prepared".into(),
+            }),
+        }
+    }
+
+    /// Engine, precision and steps of the run that chose, as options of a sweep have them.
+    pub(super) fn put_into(&self, options: &mut Options, scene: &mut Scene) {
+        use crate::plan::Precision;
+        let all = [Precision::F32, Precision::F64];
+        options.precision = all.into_iter().find(|one| one.name() == self.options.precision);
+        options.estimate = self.options.course != Course::Once;
+        options.backend = match self.options.course {
+            Course::Reference => Backend::Reference,
+            _ if self.engine.starts_with("gpu ") => Backend::Gpu,
+            _ => Backend::Cpu,
+        };
+        scene.run.steps_per_period = self.options.steps_per_period.parse().ok();
+    }
+
+    /// Refuses what was chosen for another scene, with other options or by another version of the program; and, unless
+    /// `anyway`, for an engine whose last bits are others.
+    pub(super) fn check(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        engine: &str,
+        anyway: bool,
+    ) -> Result<(), Error> {
+        let wrong = |what: String| Err(Error::Prepared { what });
+        if self.scene != scene.source || self.scene_sum != sum(scene) {
+            let ours = sum(scene);
+            return wrong(format!(
+                "the choices are of another scene (its sum is {}, this one's {ours})",
+                self.scene_sum
+            ));
+        }
+        let told = RecipeOptions::of(options, scene);
+        if told != self.options {
+            return wrong(format!(
+                "the choices are of a run with other options ({}; this one: {})",
+                self.options.words(),
+                told.words()
+            ));
+        }
+        if self.program != program() && !anyway {
+            return wrong(format!(
+                "the run was begun by {} and this is {}: their last bits may differ; --resume=anyway goes on all the same",
+                self.program,
+                program()
+            ));
+        }
+        if self.engine != engine && !anyway {
+            return Err(Error::OtherEngine { theirs: self.engine.clone(), ours: engine.into() });
+        }
+        Ok(())
+    }
+
+    /// Whether two were chosen at once: what shares of one run are told by.
+    pub fn is_of_one_run_with(&self, other: &Self) -> bool {
+        let bare = |one: &Self| Self { device: String::new(), scene_file: String::new(), ..one.clone() };
+        let text = |one: &Self| bare(one).to_toml().ok();
+        text(self).is_some() && text(self) == text(other)
+    }
+}
