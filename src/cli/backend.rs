@@ -7,7 +7,7 @@ use afmsweep::{Precision, Scene, Sweep};
 /// Which engine runs it, and how.
 #[derive(clap::Args)]
 pub struct EngineArgs {
-    /// Engine; auto takes a real GPU where there is one and the run is long enough for it, else the CPU
+    /// Engine; auto takes a real GPU where there is one and the run is integrated and long enough for it, else the CPU
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     backend: Backend,
     /// GPU adapter, by its index or a part of its name as `afmsweep devices` lists them; several of one kind as 0,1, or all
@@ -83,6 +83,9 @@ pub(super) fn say_choice(choice: &EngineChoice, voice: Verbosity) {
     match choice {
         EngineChoice::Short if voice.verbose => {
             voice.say("on the CPU: so short a run is done before a GPU is ready");
+        }
+        EngineChoice::Searched if voice.verbose => {
+            voice.say("on the CPU: of a search there is too little to step for a GPU to be ahead");
         }
         EngineChoice::NoGpu => voice.say("no hardware GPU found: running on the CPU"),
         EngineChoice::NoDouble(name) => {

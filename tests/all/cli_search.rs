@@ -140,3 +140,17 @@ fn a_plan_says_that_states_are_searched_for() {
     assert!(!text.contains("searched"), "{text}");
     assert_eq!(json["steady"], "wait");
 }
+
+/// Of a search there is too little to step for a GPU: with `auto` it goes to the CPU and says so to who asks.
+#[test]
+fn auto_leaves_a_long_search_to_the_cpu() {
+    let desk = Desk::new();
+    let lines = "steady = \"search\"\nperiods = 2000\nsteps_per_period = 128\n[sweep]\n\
+                 \"sample.youngs_modulus\" = { from = \"1 GPa\", to = \"2 GPa\", points = 900 }";
+    let text = std::fs::read_to_string(point(&desk, "long.toml", lines)).unwrap();
+    // Waveforms are of no matter here.
+    let text = text.lines().filter(|line| !line.contains("waveforms")).collect::<Vec<_>>().join("\n");
+    desk.write("long.toml", &text);
+    let said = desk.works(&["run", "long.toml", "-v", "--backend", "auto", "--no-audit", "--no-estimate"]);
+    assert!(said.err.contains("on the CPU: of a search there is too little to step"), "{}", said.err);
+}

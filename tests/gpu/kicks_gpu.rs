@@ -111,7 +111,7 @@ async fn kicks(law: Law) -> Vec<f32> {
     found.sort_by_key(|adapter| adapter.get_info().device_type == wgpu::DeviceType::Cpu);
     let (device, queue) = found[0].request_device(&Default::default()).await.expect("an adapter opens");
     let spec = spec(law);
-    let text = spec.law_text() + &include_str!("kicks.wgsl");
+    let text = spec.law_text() + include_str!("kicks.wgsl");
     let source = wgpu::ShaderSource::Wgsl(text.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

@@ -1,7 +1,7 @@
 //! The list of contact laws.
 
 use crate::Lane;
-use crate::contact::{self, Approach, Interaction};
+use crate::contact::{self, Approach, Interaction, Kick};
 use crate::dual::Dual;
 use crate::recorded::{Recorded, function};
 
@@ -106,6 +106,17 @@ impl WithLaw<f64> for Form {
     }
 }
 
+/// What a law makes of an approach and of contact before it, both by their names in the shader.
+fn recorded_kick<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L, own: [L; 3]) -> Kick<L> {
+    let mut fields = I::FIELDS.iter();
+    let law = I::from_numbers(|| {
+        // A law that takes more numbers than it has fields is no shader to any driver.
+        constant(Recorded::named(format!("law.{}", fields.next().unwrap_or(&"no field"))))
+    });
+    let [indentation, speed, acceleration] = own;
+    law.kick(Approach { indentation, speed, acceleration }, constant(Recorded::named("touching")))
+}
+
 /// The law's kick as a function of the shader.
 struct KickText;
 
@@ -113,15 +124,11 @@ impl WithLaw<Recorded> for KickText {
     type Output = String;
 
     fn with<I: Interaction<Recorded>>(self) -> String {
+        let head = "fn law_kick(law: Law, at: Approach, touching: real) -> Kick";
         let kick = || {
-            let mut fields = I::FIELDS.iter().map(|field| Recorded::named(format!("law.{field}")));
-            let law =
-                I::from_numbers(|| fields.next().expect("a law takes as many numbers as it has fields"));
-            let [indentation, speed, acceleration] = APPROACH.map(Recorded::named);
-            let kick = law.kick(Approach { indentation, speed, acceleration }, Recorded::named("touching"));
+            let kick = recorded_kick::<_, I>(|number| number, APPROACH.map(Recorded::named));
             vec![kick.impulse, kick.shift, kick.contact, kick.touching]
         };
-        let head = "fn law_kick(law: Law, at: Approach, touching: real) -> Kick";
         function(head, kick, |words| format!("Kick({})", words.join(", ")))
     }
 }
@@ -135,14 +142,8 @@ impl WithLaw<Dual<Recorded>> for SlopeText {
     fn with<I: Interaction<Dual<Recorded>>>(self) -> String {
         let head = "fn law_slope(law: Law, at: Approach, touching: real) -> KickSlope";
         let slopes = || {
-            let named = |name: String| Dual::constant(Recorded::named(name));
-            let mut fields = I::FIELDS.iter().map(|field| named(format!("law.{field}")));
-            let law =
-                I::from_numbers(|| fields.next().expect("a law takes as many numbers as it has fields"));
-            let mut own = 0..3;
-            let [indentation, speed, acceleration] = APPROACH
-                .map(|name| Dual::own(Recorded::named(name), own.next().expect("there are three numbers")));
-            let kick = law.kick(Approach { indentation, speed, acceleration }, named("touching".to_owned()));
+            let own = std::array::from_fn(|n| Dual::own(Recorded::named(APPROACH[n]), n));
+            let kick = recorded_kick::<_, I>(Dual::constant, own);
             [kick.impulse.by, kick.shift.by].concat()
         };
         function(head, slopes, |words| {

@@ -40,6 +40,7 @@ mod tally;
 mod tangent;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
+mod wgsl;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 

@@ -6,6 +6,8 @@
 pub enum EngineChoice {
     /// The CPU: so short a run is done before a GPU is ready.
     Short,
+    /// The CPU: of a search there is too little to step for a GPU to be ahead.
+    Searched,
     /// The CPU: there is no GPU.
     NoGpu,
     /// The CPU: the GPU of this name cannot compute in f64.

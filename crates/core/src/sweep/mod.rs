@@ -69,7 +69,7 @@ use std::time::Duration;
 /// Which engine steps the instances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// A real GPU where there is one and the run is long enough for it, else the CPU.
+    /// A real GPU where there is one and the run is integrated and long enough for it, else the CPU.
     #[default]
     Auto,
     /// Any GPU adapter, a software driver too.

@@ -3,6 +3,7 @@
 mod dmt;
 mod hertz;
 mod jkr;
+mod jkr_curve;
 mod path;
 
 pub use dmt::Dmt;

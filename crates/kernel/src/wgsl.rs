@@ -1,0 +1,197 @@
+//! WGSL of what was recorded: every operation in its order, branches where there were some.
+//!
+//! What is used once stands where it is used; the rest gets a name. What is not used is left out.
+
+use super::recorded::{Branch, Node, Recorded, Statement, Tape};
+use std::fmt::Write;
+
+/// How an operation is written.
+#[derive(Debug)]
+pub(super) struct Form {
+    /// WGSL with `a`, `b` and `c` in the places of the operands.
+    text: &'static str,
+    /// How closely it binds: 1 `||`, 2 `&&`, 3 comparisons, 4 sums, 5 products, 6 signs, 7 calls and names.
+    binds: u8,
+    /// Operands that bind less closely than this stand in parentheses.
+    operands: &'static [u8],
+}
+
+pub(super) const ADD: Form = Form { text: "a + b", binds: 4, operands: &[4, 5] };
+pub(super) const SUB: Form = Form { text: "a - b", binds: 4, operands: &[4, 5] };
+pub(super) const MUL: Form = Form { text: "a * b", binds: 5, operands: &[5, 6] };
+pub(super) const DIV: Form = Form { text: "a / b", binds: 5, operands: &[5, 6] };
+pub(super) const NEG: Form = Form { text: "-a", binds: 6, operands: &[7] };
+pub(super) const MUL_ADD: Form = Form { text: "a * b + c", binds: 4, operands: &[5, 6, 5] };
+pub(super) const SQRT: Form = Form { text: "sqrt(a)", binds: 7, operands: &[0] };
+pub(super) const ABS: Form = Form { text: "abs(a)", binds: 7, operands: &[0] };
+pub(super) const MIN: Form = Form { text: "min(a, b)", binds: 7, operands: &[0, 0] };
+pub(super) const MAX: Form = Form { text: "max(a, b)", binds: 7, operands: &[0, 0] };
+pub(super) const SELECT: Form = Form { text: "select(a, b, c)", binds: 7, operands: &[0, 0, 0] };
+pub(super) const LESS: Form = Form { text: "a < b", binds: 3, operands: &[4, 4] };
+pub(super) const BOTH: Form = Form { text: "a && b", binds: 2, operands: &[3, 3] };
+pub(super) const EITHER: Form = Form { text: "a || b", binds: 1, operands: &[3, 3] };
+pub(super) const NOT: Form = Form { text: "!a", binds: 6, operands: &[7] };
+
+/// Longer expressions get a name even where they are used once.
+const LONGEST_EXPRESSION: usize = 60;
+
+/// Makes text of a tape.
+pub(super) struct Writer<'a> {
+    tape: &'a Tape,
+    /// How often each node is used.
+    uses: Vec<u32>,
+    branches_used: Vec<bool>,
+    /// What stands for a node: its name, or the expression that is used once.
+    words: Vec<String>,
+    named: usize,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(tape: &'a Tape, results: &[Recorded]) -> Self {
+        let count = tape.nodes.len();
+        let mut writer = Self {
+            tape,
+            uses: vec![0; count],
+            branches_used: vec![false; tape.branches.len()],
+            words: vec![String::new(); count],
+            named: 0,
+        };
+        results.iter().for_each(|result| writer.mark(result.0));
+        writer
+    }
+
+    /// Counts a use of a node, and with the first one those of its operands.
+    fn mark(&mut self, node: u32) {
+        let place = node as usize;
+        self.uses[place] += 1;
+        if self.uses[place] > 1 {
+            return;
+        }
+        let tape = self.tape;
+        match &tape.nodes[place] {
+            Node::Name(_) => {}
+            Node::Operation { form, operands } => {
+                operands[..form.operands.len()].iter().for_each(|operand| self.mark(*operand));
+            }
+            Node::Variable { branch, otherwise, taken } => {
+                if !self.branches_used[*branch] {
+                    self.branches_used[*branch] = true;
+                    self.mark(tape.branches[*branch].mask);
+                }
+                self.mark(*otherwise);
+                self.mark(*taken);
+            }
+        }
+    }
+
+    pub fn function(
+        mut self,
+        head: &str,
+        block: &[Statement],
+        results: &[Recorded],
+        close: impl FnOnce(&[String]) -> String,
+    ) -> String {
+        let mut out = format!("{head} {{\n");
+        self.block(block, 1, &mut out);
+        let results: Vec<String> = results.iter().map(|result| self.bare(result.0)).collect();
+        let _ = writeln!(out, "    return {};\n}}", close(&results));
+        out
+    }
+
+    fn block(&mut self, block: &[Statement], depth: usize, out: &mut String) {
+        let indent = "    ".repeat(depth);
+        let tape = self.tape;
+        for statement in block {
+            match *statement {
+                Statement::Node(node) => self.node(node, &indent, out),
+                Statement::Branch(branch) if self.branches_used[branch] => {
+                    let Branch { mask, body, variables } = &tape.branches[branch];
+                    let used: Vec<u32> =
+                        variables.iter().copied().filter(|node| self.uses[*node as usize] > 0).collect();
+                    let mut taken = Vec::new();
+                    for node in used {
+                        let Node::Variable { otherwise, taken: value, .. } = tape.nodes[node as usize] else {
+                            continue;
+                        };
+                        let name = self.name();
+                        let _ = writeln!(out, "{indent}var {name} = {};", self.bare(otherwise));
+                        self.words[node as usize].clone_from(&name);
+                        taken.push((name, value));
+                    }
+                    let _ = writeln!(out, "{indent}if {} {{", self.bare(*mask));
+                    self.block(body, depth + 1, out);
+                    for (name, value) in taken {
+                        let _ = writeln!(out, "{indent}    {name} = {};", self.bare(value));
+                    }
+                    let _ = writeln!(out, "{indent}}}");
+                }
+                Statement::Branch(_) => {}
+            }
+        }
+    }
+
+    /// A line for a node, or the words to be put where it is used.
+    fn node(&mut self, node: u32, indent: &str, out: &mut String) {
+        let place = node as usize;
+        if self.uses[place] == 0 {
+            return;
+        }
+        let (text, atom) = self.expression(node);
+        let short = self.uses[place] == 1 && text.len() <= LONGEST_EXPRESSION;
+        if atom || short {
+            self.words[place] = text;
+            return;
+        }
+        let name = self.name();
+        let _ = writeln!(out, "{indent}let {name} = {text};");
+        self.words[place] = name;
+    }
+
+    fn name(&mut self) -> String {
+        self.named += 1;
+        format!("t{}", self.named)
+    }
+
+    /// A node's text, and whether it is a name.
+    fn expression(&self, node: u32) -> (String, bool) {
+        match &self.tape.nodes[node as usize] {
+            Node::Name(name) => (name.clone(), true),
+            Node::Variable { .. } => (self.words[node as usize].clone(), true),
+            Node::Operation { form, operands } => {
+                // An operand is a letter that stands alone.
+                let letters: Vec<char> = form.text.chars().collect();
+                let alone = |n: usize| {
+                    let beside = |at: Option<usize>| {
+                        at.and_then(|at| letters.get(at)).is_some_and(|c| c.is_alphabetic())
+                    };
+                    !beside(n.checked_sub(1)) && !beside(Some(n + 1))
+                };
+                let mut out = String::new();
+                for (n, letter) in letters.iter().enumerate() {
+                    match ['a', 'b', 'c'].iter().position(|name| name == letter).filter(|_| alone(n)) {
+                        Some(which) => out += &self.within(operands[which], form.operands[which]),
+                        None => out.push(*letter),
+                    }
+                }
+                (out, false)
+            }
+        }
+    }
+
+    fn bare(&self, node: u32) -> String {
+        match &self.tape.nodes[node as usize] {
+            Node::Name(name) => name.clone(),
+            _ => self.words[node as usize].clone(),
+        }
+    }
+
+    /// In parentheses where it is an expression that binds less closely than `least`.
+    fn within(&self, node: u32, least: u8) -> String {
+        let bare = self.bare(node);
+        let name = bare.chars().all(|c| c.is_alphanumeric() || "_.".contains(c));
+        match &self.tape.nodes[node as usize] {
+            Node::Operation { form, .. } if !name && form.binds < least => format!("({bare})"),
+            _ => bare,
+        }
+    }
+}
