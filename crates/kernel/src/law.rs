@@ -3,7 +3,8 @@
 use crate::Lane;
 use crate::contact::{self, Approach, Interaction, Kick};
 use crate::dual::Dual;
-use crate::recorded::{Recorded, function};
+use crate::recorded::Recorded;
+use crate::wgsl::function;
 
 /// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
 ///

@@ -26,6 +26,7 @@ mod lane;
 mod lanes;
 mod law;
 pub mod newton;
+mod operation_form;
 mod pair;
 mod recorded;
 mod run_sums;

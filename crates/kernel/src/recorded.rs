@@ -1,11 +1,11 @@
 //! A lane that writes down what is done with it: a law that runs with it writes its own shader.
 //!
-//! Every operation becomes a node of a tape, and [`Tape::function`] turns the tape into WGSL with the operations in their
-//! order. What is used once stands where it is used; the rest gets a name.
+//! Every operation becomes a node of a tape, and [`wgsl::function`](super::wgsl::function) turns the tape into
+//! WGSL with the operations in their order.
 
 use super::Lane;
 use super::constants;
-use super::wgsl::{self, Form, Writer};
+use super::operation_form::{self, Form};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -53,7 +53,7 @@ pub struct Tape {
     pub(super) nodes: Vec<Node>,
     pub(super) branches: Vec<Branch>,
     /// Statements of the function, and of the branches that are open.
-    open: Vec<Vec<Statement>>,
+    pub(super) open: Vec<Vec<Statement>>,
 }
 
 thread_local! {
@@ -83,16 +83,11 @@ fn operation(form: &'static Form, operands: [u32; 3]) -> u32 {
     push(Node::Operation { form, operands })
 }
 
-/// The text of a function of which `work` makes the numbers that it returns; `close` puts those into its last line.
-pub fn function(
-    head: &str,
-    work: impl FnOnce() -> Vec<Recorded>,
-    close: impl FnOnce(&[String]) -> String,
-) -> String {
+/// What `work` records, and the numbers that it returns.
+pub(super) fn record(work: impl FnOnce() -> Vec<Recorded>) -> (Tape, Vec<Recorded>) {
     TAPE.set(Tape { open: vec![Vec::new()], ..Tape::default() });
     let results = work();
-    let tape = TAPE.take();
-    Writer::new(&tape, &results).function(head, &tape.open[0], &results, close)
+    (TAPE.take(), results)
 }
 
 macro_rules! binary {
@@ -100,7 +95,7 @@ macro_rules! binary {
         $(impl $trait for Recorded {
             type Output = Self;
             fn $name(self, other: Self) -> Self {
-                Self(operation(&wgsl::$form, [self.0, other.0, 0]))
+                Self(operation(&operation_form::$form, [self.0, other.0, 0]))
             }
         })*
     };
@@ -111,7 +106,7 @@ binary!(Add add ADD, Sub sub SUB, Mul mul MUL, Div div DIV);
 impl Neg for Recorded {
     type Output = Self;
     fn neg(self) -> Self {
-        Self(operation(&wgsl::NEG, [self.0, 0, 0]))
+        Self(operation(&operation_form::NEG, [self.0, 0, 0]))
     }
 }
 
@@ -152,34 +147,34 @@ impl Lane for Recorded {
         Self::named(name.unwrap_or_else(|| format!("no constant is {value:e}")))
     }
     fn sqrt(self) -> Self {
-        Self(operation(&wgsl::SQRT, [self.0, 0, 0]))
+        Self(operation(&operation_form::SQRT, [self.0, 0, 0]))
     }
     fn abs(self) -> Self {
-        Self(operation(&wgsl::ABS, [self.0, 0, 0]))
+        Self(operation(&operation_form::ABS, [self.0, 0, 0]))
     }
     fn min(self, other: Self) -> Self {
-        Self(operation(&wgsl::MIN, [self.0, other.0, 0]))
+        Self(operation(&operation_form::MIN, [self.0, other.0, 0]))
     }
     fn max(self, other: Self) -> Self {
-        Self(operation(&wgsl::MAX, [self.0, other.0, 0]))
+        Self(operation(&operation_form::MAX, [self.0, other.0, 0]))
     }
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self(operation(&wgsl::MUL_ADD, [self.0, factor.0, term.0]))
+        Self(operation(&operation_form::MUL_ADD, [self.0, factor.0, term.0]))
     }
     fn less(self, other: Self) -> Flag {
-        Flag(operation(&wgsl::LESS, [self.0, other.0, 0]))
+        Flag(operation(&operation_form::LESS, [self.0, other.0, 0]))
     }
     fn select(mask: Flag, yes: Self, no: Self) -> Self {
-        Self(operation(&wgsl::SELECT, [no.0, yes.0, mask.0]))
+        Self(operation(&operation_form::SELECT, [no.0, yes.0, mask.0]))
     }
     fn both(a: Flag, b: Flag) -> Flag {
-        Flag(operation(&wgsl::BOTH, [a.0, b.0, 0]))
+        Flag(operation(&operation_form::BOTH, [a.0, b.0, 0]))
     }
     fn either(a: Flag, b: Flag) -> Flag {
-        Flag(operation(&wgsl::EITHER, [a.0, b.0, 0]))
+        Flag(operation(&operation_form::EITHER, [a.0, b.0, 0]))
     }
     fn not(a: Flag) -> Flag {
-        Flag(operation(&wgsl::NOT, [a.0, 0, 0]))
+        Flag(operation(&operation_form::NOT, [a.0, 0, 0]))
     }
     /// A shader's instance goes its own way: what depends on a mask belongs into [`Lane::when`].
     fn any(_: Flag) -> bool {
@@ -215,49 +210,5 @@ impl Lane for Recorded {
                 Self(place)
             })
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::constants::{HALF, ONE, ZERO};
-
-    fn text(work: impl FnOnce(Recorded) -> Recorded) -> String {
-        function("fn f(x: real) -> real", || vec![work(Recorded::named("x"))], |words| words.join(", "))
-    }
-
-    #[test]
-    fn operations_stand_in_their_order() {
-        let half = || Recorded::splat(HALF);
-        assert_eq!(
-            text(|x| x.mul_add(half(), -(x + half())) / x.abs()),
-            "fn f(x: real) -> real {\n    return (x * HALF + -(x + HALF)) / abs(x);\n}\n"
-        );
-    }
-
-    #[test]
-    fn what_is_used_twice_has_a_name_and_what_is_not_used_is_left_out() {
-        let made = text(|x| {
-            let _unused = x.sqrt();
-            let root = (x * x).sqrt();
-            root * root
-        });
-        assert_eq!(made, "fn f(x: real) -> real {\n    let t1 = sqrt(x * x);\n    return t1 * t1;\n}\n");
-    }
-
-    #[test]
-    fn a_branch_changes_what_it_makes_and_nothing_else() {
-        let made = text(|x| {
-            let zero = Recorded::splat(ZERO);
-            crate::when(zero.less(x), zero, || x + Recorded::splat(ONE)) * x
-        });
-        let expected = "fn f(x: real) -> real {\n    var t1 = ZERO;\n    if ZERO < x {\n        t1 = x + ONE;\n    }\n    return t1 * x;\n}\n";
-        assert_eq!(made, expected);
-    }
-
-    #[test]
-    fn a_number_that_the_head_does_not_have_is_no_shader() {
-        assert!(text(|x| x * Recorded::splat(0.123)).contains("no constant is"));
     }
 }

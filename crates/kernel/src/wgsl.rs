@@ -2,41 +2,24 @@
 //!
 //! What is used once stands where it is used; the rest gets a name. What is not used is left out.
 
-use super::recorded::{Branch, Node, Recorded, Statement, Tape};
+use super::recorded::{Branch, Node, Recorded, Statement, Tape, record};
 use std::fmt::Write;
-
-/// How an operation is written.
-#[derive(Debug)]
-pub(super) struct Form {
-    /// WGSL with `a`, `b` and `c` in the places of the operands.
-    text: &'static str,
-    /// How closely it binds: 1 `||`, 2 `&&`, 3 comparisons, 4 sums, 5 products, 6 signs, 7 calls and names.
-    binds: u8,
-    /// Operands that bind less closely than this stand in parentheses.
-    operands: &'static [u8],
-}
-
-pub(super) const ADD: Form = Form { text: "a + b", binds: 4, operands: &[4, 5] };
-pub(super) const SUB: Form = Form { text: "a - b", binds: 4, operands: &[4, 5] };
-pub(super) const MUL: Form = Form { text: "a * b", binds: 5, operands: &[5, 6] };
-pub(super) const DIV: Form = Form { text: "a / b", binds: 5, operands: &[5, 6] };
-pub(super) const NEG: Form = Form { text: "-a", binds: 6, operands: &[7] };
-pub(super) const MUL_ADD: Form = Form { text: "a * b + c", binds: 4, operands: &[5, 6, 5] };
-pub(super) const SQRT: Form = Form { text: "sqrt(a)", binds: 7, operands: &[0] };
-pub(super) const ABS: Form = Form { text: "abs(a)", binds: 7, operands: &[0] };
-pub(super) const MIN: Form = Form { text: "min(a, b)", binds: 7, operands: &[0, 0] };
-pub(super) const MAX: Form = Form { text: "max(a, b)", binds: 7, operands: &[0, 0] };
-pub(super) const SELECT: Form = Form { text: "select(a, b, c)", binds: 7, operands: &[0, 0, 0] };
-pub(super) const LESS: Form = Form { text: "a < b", binds: 3, operands: &[4, 4] };
-pub(super) const BOTH: Form = Form { text: "a && b", binds: 2, operands: &[3, 3] };
-pub(super) const EITHER: Form = Form { text: "a || b", binds: 1, operands: &[3, 3] };
-pub(super) const NOT: Form = Form { text: "!a", binds: 6, operands: &[7] };
 
 /// Longer expressions get a name even where they are used once.
 const LONGEST_EXPRESSION: usize = 60;
 
+/// The text of a function of which `work` makes the numbers that it returns; `close` puts those into its last line.
+pub fn function(
+    head: &str,
+    work: impl FnOnce() -> Vec<Recorded>,
+    close: impl FnOnce(&[String]) -> String,
+) -> String {
+    let (tape, results) = record(work);
+    Writer::new(&tape, &results).function(head, &tape.open[0], &results, close)
+}
+
 /// Makes text of a tape.
-pub(super) struct Writer<'a> {
+struct Writer<'a> {
     tape: &'a Tape,
     /// How often each node is used.
     uses: Vec<u32>,
@@ -47,7 +30,7 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub fn new(tape: &'a Tape, results: &[Recorded]) -> Self {
+    fn new(tape: &'a Tape, results: &[Recorded]) -> Self {
         let count = tape.nodes.len();
         let mut writer = Self {
             tape,
@@ -84,7 +67,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    pub fn function(
+    fn function(
         mut self,
         head: &str,
         block: &[Statement],
@@ -193,5 +176,50 @@ impl<'a> Writer<'a> {
             Node::Operation { form, .. } if !name && form.binds < least => format!("({bare})"),
             _ => bare,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Lane;
+    use crate::constants::{HALF, ONE, ZERO};
+
+    fn text(work: impl FnOnce(Recorded) -> Recorded) -> String {
+        function("fn f(x: real) -> real", || vec![work(Recorded::named("x"))], |words| words.join(", "))
+    }
+
+    #[test]
+    fn operations_stand_in_their_order() {
+        let half = || Recorded::splat(HALF);
+        assert_eq!(
+            text(|x| x.mul_add(half(), -(x + half())) / x.abs()),
+            "fn f(x: real) -> real {\n    return (x * HALF + -(x + HALF)) / abs(x);\n}\n"
+        );
+    }
+
+    #[test]
+    fn what_is_used_twice_has_a_name_and_what_is_not_used_is_left_out() {
+        let made = text(|x| {
+            let _unused = x.sqrt();
+            let root = (x * x).sqrt();
+            root * root
+        });
+        assert_eq!(made, "fn f(x: real) -> real {\n    let t1 = sqrt(x * x);\n    return t1 * t1;\n}\n");
+    }
+
+    #[test]
+    fn a_branch_changes_what_it_makes_and_nothing_else() {
+        let made = text(|x| {
+            let zero = Recorded::splat(ZERO);
+            crate::when(zero.less(x), zero, || x + Recorded::splat(ONE)) * x
+        });
+        let expected = "fn f(x: real) -> real {\n    var t1 = ZERO;\n    if ZERO < x {\n        t1 = x + ONE;\n    }\n    return t1 * x;\n}\n";
+        assert_eq!(made, expected);
+    }
+
+    #[test]
+    fn a_number_that_the_head_does_not_have_is_no_shader() {
+        assert!(text(|x| x * Recorded::splat(0.123)).contains("no constant is"));
     }
 }
