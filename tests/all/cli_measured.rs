@@ -104,6 +104,28 @@ fn a_curve_is_one_however_its_file_is_written() {
     }
 }
 
+/// A page of an answer that nothing fits says so before it says what was found.
+#[test]
+fn the_page_of_a_curve_that_nothing_fits_warns_first() {
+    let (desk, results) = desk(str::to_owned);
+    let (mut rows, _) = measured(&results, 100, 0.0);
+    let options = ["--observed", "a.csv", "-o", "page", "--sd", "amplitude=0.15 nm", "--sd", "phase=4 deg"];
+    let page = |rows: &[[f64; 3]]| {
+        desk.write("a.csv", &csv(HEAD, rows, ","));
+        let said = desk.works(&infer(&options));
+        (said.err, std::fs::read_to_string(desk.path("page/index.html")).unwrap())
+    };
+    let (said, good) = page(&rows);
+    assert!(!said.contains("even the best row") && !good.contains("Not to be trusted"), "{said}");
+    // Up and down by three standard deviations, as no sample makes a curve.
+    rows.iter_mut().enumerate().for_each(|(n, row)| row[1] += if n % 2 == 0 { 0.45 } else { -0.45 });
+    let (said, bad) = page(&rows);
+    assert!(said.contains("warning: even the best row misses by"), "{said}");
+    let at = |words: &str| bad.find(words).unwrap_or_else(|| panic!("no {words}"));
+    assert!(at("Not to be trusted") < at("even the best row misses by"));
+    assert!(at("even the best row misses by") < at("Found:"));
+}
+
 #[test]
 fn an_offset_a_travel_and_a_factor_are_found() {
     let (desk, results) = desk(str::to_owned);
@@ -232,7 +254,11 @@ fn what_is_wrong_in_a_file_is_told_with_its_place() {
             "column `amplitude [nN]`: found the unit nN, expected a length, such as [nm]",
         ),
         ("phase [deg]", "phase", "column `phase`: found no unit, expected an angle, such as [deg]"),
-        ("gap [nm]", "force_max [nN]", "no column that the curve runs along: expected one of approach.gap"),
+        (
+            "gap [nm]",
+            "force_max [nN]",
+            "no column that the curve runs along: expected one of approach.gap, or base_travel (a z piezo's, with --offset approach.gap); its first line that is no comment has \"force_max\", \"amplitude\", \"phase\"",
+        ),
         ("16.5000", "hello", "w.csv line 2, column `gap [nm]`: found `hello`, expected a number"),
         (
             "16.5000",
@@ -250,6 +276,11 @@ fn what_is_wrong_in_a_file_is_told_with_its_place() {
         &["no standard deviation of phase: add a column `phase_sd [deg]`, or --sd phase=\"0.5 deg\""],
     );
     refused(good.clone(), &["--sd", "amplitude=1 nN"], &["--sd amplitude=1 nN"]);
+    refused(
+        good.clone(),
+        &["--sd", "amplitude=1 %"],
+        &["no share is meant: give a length with its unit, such as"],
+    );
     refused(
         good.replace("phase [deg]", "amplitude_sd [nm]").replace(&format!("{:.4}\n", rows[2][2]), "0\n"),
         &[],

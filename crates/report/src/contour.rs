@@ -15,8 +15,9 @@ const MOST_PIECES: usize = 30;
 const STEP: f64 = 1.5;
 const LETTERS: f64 = 11.0;
 
-/// Draws the lines of a panel and their values; `cells` are those that the panel shows, the lowest row first.
-pub(super) fn draw(field: &CellField, cells: &[(f64, State)]) -> Result<(), ReportError> {
+/// Draws the lines of a panel and their values; `cells` are those that the panel shows, the lowest row first, and `branches`
+/// the branch of each.
+pub(super) fn draw(field: &CellField, cells: &[(f64, State)], branches: &[u8]) -> Result<(), ReportError> {
     let CellField { frame, across, up, bar } = field;
     let values = || cells.iter().filter(|cell| cell.1.has_value()).map(|cell| cell.0);
     // Counts have no values between.
@@ -34,7 +35,7 @@ pub(super) fn draw(field: &CellField, cells: &[(f64, State)]) -> Result<(), Repo
     let mut labels = Labels { frame, taken: Vec::new() };
     let (levels, _) = bar.ticks(((frame.height / ROOM) as usize).clamp(2, 5));
     for (level, text) in levels.into_iter().filter(|(place, _)| (0.02..0.98).contains(place)) {
-        let lines = lines(&places, columns.len(), level);
+        let lines = lines((&places, branches), columns.len(), level);
         let lines = lines.into_iter().map(|line| thinned(line.into_iter().map(at)));
         let mut lines: Vec<Vec<(f64, f64)>> = lines.filter(|line| length(line) >= SHORTEST).collect();
         if lines.len() > MOST_PIECES {
@@ -51,8 +52,8 @@ pub(super) fn draw(field: &CellField, cells: &[(f64, State)]) -> Result<(), Repo
 }
 
 /// The lines of one level through values on a lattice of so many columns, in units of its steps; none goes where a corner
-/// has no value.
-fn lines(values: &[f64], columns: usize, level: f64) -> Vec<Vec<(f64, f64)>> {
+/// has no value, nor from one branch to another: between two branches the value jumps.
+fn lines((values, branches): (&[f64], &[u8]), columns: usize, level: f64) -> Vec<Vec<(f64, f64)>> {
     let value = |(x, y): (usize, usize)| values[y * columns + x];
     let rows = values.len() / columns.max(1);
     let mut joined: HashMap<Edge, Vec<Edge>> = HashMap::new();
@@ -63,7 +64,10 @@ fn lines(values: &[f64], columns: usize, level: f64) -> Vec<Vec<(f64, f64)>> {
             let edges = [Edge(x, y, false), Edge(x + 1, y, true), Edge(x, y + 1, false), Edge(x, y, true)];
             let high = corners.map(|corner| value(corner) >= level);
             let sum: f64 = corners.iter().map(|corner| value(*corner)).sum();
-            if sum.is_nan() {
+            let of = |(x, y): (usize, usize)| branches.get(y * columns + x).copied().filter(|code| *code > 0);
+            let mut known = corners.into_iter().filter_map(of);
+            let torn = known.next().is_some_and(|first| known.any(|code| code != first));
+            if sum.is_nan() || torn {
                 continue;
             }
             let crossed: Vec<Edge> =
@@ -205,7 +209,7 @@ mod tests {
     /// Truth: the plane put in, on which interpolation is exact.
     #[test]
     fn the_line_of_a_plane_is_straight() {
-        let found = lines(&lattice(9, 7, |x, y| x + 2.0 * y), 9, 7.3);
+        let found = lines((&lattice(9, 7, |x, y| x + 2.0 * y), &[]), 9, 7.3);
         assert_eq!(found.len(), 1);
         assert!(found[0].iter().all(|(x, y)| (x + 2.0 * y - 7.3).abs() < 1e-12), "{found:?}");
         let ends = (found[0][0], found[0][found[0].len() - 1]);
@@ -217,21 +221,38 @@ mod tests {
     fn a_ring_is_closed_and_a_hole_interrupts() {
         let circle = |x: f64, y: f64| (x - 20.0).hypot(y - 20.0);
         let mut values = lattice(41, 41, circle);
-        let found = lines(&values, 41, 12.0);
+        let found = lines((&values, &[]), 41, 12.0);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].first(), found[0].last());
         assert!((length(&found[0]) / (2.0 * std::f64::consts::PI * 12.0) - 1.0).abs() < 2e-3);
         values[20 * 41 + 32] = f64::NAN;
-        let open = lines(&values, 41, 12.0);
+        let open = lines((&values, &[]), 41, 12.0);
         assert_eq!(open.len(), 1);
         assert_ne!(open[0].first(), open[0].last());
+    }
+
+    /// Truth: the two planes put in, one on each branch: a line follows each, and none runs along the step between them.
+    #[test]
+    fn no_line_leads_from_branch_to_branch() {
+        let step = |x: f64, y: f64| y + if x < 4.0 { 0.0 } else { 3.0 };
+        let values = lattice(9, 7, step);
+        let branches: Vec<u8> =
+            lattice(9, 7, |x, _| x).iter().map(|x| if *x < 4.0 { 1 } else { 2 }).collect();
+        let found = lines((&values, &branches), 9, 4.5);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for line in &found {
+            let height = line[0].1;
+            assert!(line.iter().all(|(_, y)| (y - height).abs() < 1e-12), "{line:?}");
+        }
+        // What is on no branch does not tear lines.
+        assert_eq!(lines((&values, &[0; 63]), 9, 4.5).len(), 1);
     }
 
     /// Truth: by hand: two hills of a chessboard are not joined.
     #[test]
     fn a_saddle_belongs_to_one_side() {
-        let found = lines(&[1.0, 0.0, 0.0, 1.0], 2, 0.6);
+        let found = lines((&[1.0, 0.0, 0.0, 1.0], &[]), 2, 0.6);
         assert_eq!(found.len(), 2);
-        assert!(lines(&[1.0, 0.0, 0.0, 1.0], 2, 2.0).is_empty());
+        assert!(lines((&[1.0, 0.0, 0.0, 1.0], &[]), 2, 2.0).is_empty());
     }
 }

@@ -223,11 +223,12 @@ struct Pen {
     shift: f64,
 }
 
-/// Colours told apart, or, of more curves than there are, from dark to light in their order.
+/// Colours told apart, or, of more curves than there are, from dark to light in their order: neither so dark nor so light
+/// that they are lost on a dark or on a light page.
 fn shade(place: usize, count: usize) -> RGBColor {
     match count {
         0..=LINES_AT_MOST => LINES[place % LINES.len()],
-        _ => colour(0.92 * place as f64 / (count - 1) as f64),
+        _ => colour(0.3 + 0.55 * place as f64 / (count - 1) as f64),
     }
 }
 

@@ -85,6 +85,15 @@ impl CellField<'_, '_> {
         self.up.members.iter().flat_map(|ys| self.across.members.iter().map(|xs| cell(ys, xs))).collect()
     }
 
+    /// The code of the first value that each cell shows, likewise; 0 where there is none.
+    pub fn firsts(&self, codes: &[u8], width: usize) -> Vec<u8> {
+        let code = |ys: &Vec<usize>, xs: &Vec<usize>| {
+            let first = ys.first().zip(xs.first()).and_then(|(y, x)| codes.get(y * width + x));
+            first.copied().unwrap_or(0)
+        };
+        self.up.members.iter().flat_map(|ys| self.across.members.iter().map(|xs| code(ys, xs))).collect()
+    }
+
     /// Pixels of the middles of the columns, and of the rows from below.
     pub fn centres(&self) -> (Vec<f64>, Vec<f64>) {
         let middle = |pair: &[f64], at: &dyn Fn(f64) -> f64| (at(pair[0]) + at(pair[1])) / 2.0;

@@ -12,10 +12,14 @@ use super::hover::Hover;
 use crate::store::Coordinate;
 
 /// One field: a row of values for each value of the y axis.
+#[derive(Debug, Default)]
 pub struct Panel {
     pub caption: String,
     /// The x axis runs fastest.
     pub values: Vec<(f64, State)>,
+    /// The branch of each value by its code, 0 where it is on none: no line of equal value leads from one branch to
+    /// another. Empty where nothing is known of branches.
+    pub branches: Vec<u8>,
     /// Lines over the cells, in SI units of the axes: the `i`-th goes by the `i`-th name of
     /// [`Heatmap::lines`]. What lies outside the axes is left out.
     pub lines: Vec<Vec<(f64, f64)>>,
@@ -132,7 +136,8 @@ impl Heatmap<'_> {
         let cells = map.merged(&panel.values, self.x.values.len());
         map.draw(&cells, raster)?;
         if contours {
-            contour::draw(map, &cells)?;
+            let branches = map.firsts(&panel.branches, self.x.values.len());
+            contour::draw(map, &cells, &branches)?;
         }
         hover.cells(map.told(&cells, self.x, self.y));
         overlay(map.frame, &panel.lines)

@@ -6,6 +6,7 @@ use super::hover::Hover;
 use super::labels::shown;
 use crate::observe::Observable;
 use crate::store::{Coordinate, NO_STATE, Results, Variable};
+use std::sync::Arc;
 
 /// What a picture is about, and so where it stands on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,4 +92,15 @@ pub(super) fn places(results: &Results, instance: usize) -> Vec<(&Coordinate, us
     found.reverse();
     found.retain(|(axis, at)| *at < axis.values.len());
     found
+}
+
+/// Whole numbers as an axis.
+pub(super) fn numbers(name: &str, long_name: &str, numbers: std::ops::Range<usize>) -> Coordinate {
+    Coordinate {
+        name: name.into(),
+        units: "1".into(),
+        long_name: long_name.into(),
+        values: Arc::new(numbers.map(|number| number as f64).collect()),
+        ..Coordinate::default()
+    }
 }

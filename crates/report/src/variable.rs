@@ -7,11 +7,10 @@ use super::frame::{SMALL, State};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
 use super::labels::{brief, capital, caption, label, shown};
-use super::picture::{Picture, PictureKind, case, second_states, states};
+use super::picture::{Picture, PictureKind, case, numbers, second_states, states};
 use super::view_request::{DIRECTION, View, ViewRequest};
 use super::{ReportError, SAMPLES, branch_states, scatter};
 use crate::store::{Coordinate, Results, Variable};
-use std::sync::Arc;
 
 /// Harmonics shown at most: curves or maps side by side, and rows of slices.
 const MOST_HARMONICS: usize = 6;
@@ -99,21 +98,11 @@ pub(super) fn draw(
     // Curves show both states in one picture, maps cannot.
     if let Some(second) = subject.second.take().filter(|_| view.y.is_some()) {
         subject.states = second;
+        subject.branch.swap(0, 1);
         subject.heading += ", second state";
         pictures.push(picture(&subject, "_second", subject.over(&results.axes, &view)?));
     }
     Ok(pictures)
-}
-
-/// Whole numbers as an axis.
-fn numbers(name: &str, long_name: &str, numbers: std::ops::Range<usize>) -> Coordinate {
-    Coordinate {
-        name: name.into(),
-        units: "1".into(),
-        long_name: long_name.into(),
-        values: Arc::new(numbers.map(|number| number as f64).collect()),
-        ..Coordinate::default()
-    }
 }
 
 impl Subject<'_> {
@@ -324,7 +313,13 @@ impl Subject<'_> {
         note: String,
     ) -> Result<Shown, ReportError> {
         let (units, long_name, title) = (self.units, self.axis_name.as_str(), self.heading.clone());
-        let panel = |Slice { caption, values, .. }: Slice| Panel { caption, values, lines: Vec::new() };
+        let [branch, _] = &self.branch;
+        let panel = |Slice { caption, values, instances, .. }: Slice| Panel {
+            caption,
+            values,
+            branches: instances.iter().filter_map(|i| branch.get(*i).copied()).collect(),
+            lines: Vec::new(),
+        };
         let panels = panels.into_iter().map(panel).collect();
         let (svg, hover) =
             Heatmap { title, units, long_name, x, y, columns, panels, lines: Vec::new() }.draw_told()?;

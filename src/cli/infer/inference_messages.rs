@@ -9,6 +9,10 @@ use serde_json::{Map, Value, json};
 
 /// Shares of which quantiles are told.
 const SHARES: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
+/// Standard deviations in all that the best of many rows does not miss by where the model is right.
+const FAR: f64 = 2.0;
+/// Likewise of a curve of many values, standard deviations of the sum of squares around what it is on average.
+const FAR_IN_ALL: f64 = 4.0;
 /// Correlations from which on two quantities are said to hang together.
 const TOGETHER: f64 = 0.3;
 
@@ -41,7 +45,26 @@ impl InferenceAnswer {
             ObservedValues::Values(values) => Observation::Values(values),
             ObservedValues::Curve(curve) => Observation::Curve(curve),
         };
-        Inference { study, posterior: &self.found, free: &self.free, observed }
+        let warning = self.misfit().map(|words| format!("{words}."));
+        Inference { study, posterior: &self.found, free: &self.free, observed, warning }
+    }
+
+    /// What is to be said where not even the best row comes near what was observed.
+    pub fn misfit(&self) -> Option<String> {
+        let squares = self.found.best_chi_squared;
+        let (far, off, each) = match &self.seen {
+            ObservedValues::Values(_) => (squares > FAR * FAR, squares.sqrt(), ""),
+            ObservedValues::Curve(curve) => {
+                let values = curve.values as f64;
+                let far = squares > values + FAR_IN_ALL * (2.0 * values).sqrt();
+                (far, (squares / values).sqrt(), " at each value")
+            }
+        };
+        far.then(|| {
+            format!(
+                "even the best row misses by {off:.1} standard deviations{each}: the observed values, their errors or the model are wrong"
+            )
+        })
     }
 
     fn parameters<'a>(&'a self, study: &'a Study) -> Vec<Column<'a>> {

@@ -46,11 +46,6 @@ pub struct InferArgs {
     json: bool,
 }
 
-/// Standard deviations in all that the best of many rows does not miss by where the model is right.
-const FAR: f64 = 2.0;
-/// Likewise of a curve of many values, standard deviations of the sum of squares around what it is on average.
-const FAR_IN_ALL: f64 = 4.0;
-
 pub fn main(args: &InferArgs, voice: Verbosity) -> anyhow::Result<()> {
     let study = Study::of(&store::read(&args.file)?)?;
     let answers = match file(&args.observed)? {
@@ -159,22 +154,7 @@ fn warn(answer: &InferenceAnswer, voice: Verbosity) {
     if found.left_out > 0 {
         voice.say(format_args!("{} rows that are not ok were left out", found.left_out));
     }
-    let squares = found.best_chi_squared;
-    let far = match &answer.seen {
-        ObservedValues::Values(_) => squares > FAR * FAR,
-        ObservedValues::Curve(curve) => {
-            let values = curve.values as f64;
-            squares > values + FAR_IN_ALL * (2.0 * values).sqrt()
-        }
-    };
-    if far {
-        voice.say(format_args!(
-            "warning: even the best row misses by {:.1} standard deviations{}: the observed values, their errors or the model are wrong",
-            match &answer.seen {
-                ObservedValues::Values(_) => squares.sqrt(),
-                ObservedValues::Curve(curve) => (squares / curve.values as f64).sqrt(),
-            },
-            if matches!(answer.seen, ObservedValues::Curve(_)) { " at each value" } else { "" }
-        ));
+    if let Some(words) = answer.misfit() {
+        voice.say(format_args!("warning: {words}"));
     }
 }

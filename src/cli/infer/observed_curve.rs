@@ -7,7 +7,7 @@ use super::value::fits;
 use afmsweep::stats::{CurveMeasurement, FreeParameter, Study};
 use afmsweep::store::Coordinate;
 use afmsweep_data::suggestion;
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use std::path::Path;
 
 /// Columns that are no observables.
@@ -88,18 +88,7 @@ pub(super) fn read(file: &Path, study: &Study, args: &CurveArgs) -> anyhow::Resu
     let (names, units): (Vec<String>, Vec<String>) = sheet.head.iter().map(|cell| split(cell)).unzip();
     let along = names.iter().enumerate().find_map(|(n, name)| Some((n, place_of(study, name)?)));
     let Some((_, (axis, _))) = along else {
-        let known: Vec<&str> = study.beside.iter().filter(|one| one.words.is_empty()).map(path).collect();
-        match known.as_slice() {
-            [] => bail!(
-                "the results file has samples alone, no curve to hold {} against; give its scene a [curve] or a [sweep] of the gap",
-                sheet.name
-            ),
-            _ => bail!(
-                "{} has no column that the curve runs along: expected one of {}",
-                sheet.name,
-                known.join(", ")
-            ),
-        }
+        return Err(without_place(&sheet, study, &names));
     };
     let mut reading = Reading { sheet, study, args, axis, parts: Vec::new(), units };
     reading.parts = reading.head(&names)?;
@@ -131,14 +120,37 @@ pub(super) fn read(file: &Path, study: &Study, args: &CurveArgs) -> anyhow::Resu
     seen.outside = inside(&mut seen.measured, &study.beside[axis], seen.free.offsets());
     if seen.measured.values() == 0 {
         bail!(
-            "{}: none of its {} rows lies within the curve, {}{}",
+            "{}: none of its {} rows lies within the curve, {}{}{}",
             seen.file,
             reading.sheet.rows.len(),
             sweep_point::span(&study.beside[axis]),
+            if travels { "; the offset is the gap where the travel of the base is zero" } else { "" },
             if other_way > 0 { format!("; {other_way} are of the other way") } else { String::new() }
         );
     }
     Ok(seen)
+}
+
+/// A sheet of which no column says where along the curve its rows are.
+fn without_place(sheet: &Sheet, study: &Study, names: &[String]) -> anyhow::Error {
+    let known: Vec<&str> = study.beside.iter().filter(|one| one.words.is_empty()).map(path).collect();
+    match known.as_slice() {
+        [] => anyhow!(
+            "the results file has samples alone, no curve to hold {} against; give its scene a [curve] or a [sweep] of the gap",
+            sheet.name
+        ),
+        _ => anyhow!(
+            "{} has no column that the curve runs along: expected one of {}{}; its first line that is no comment has {}",
+            sheet.name,
+            known.join(", "),
+            if known.contains(&GAP) {
+                ", or base_travel (a z piezo's, with --offset approach.gap)"
+            } else {
+                ""
+            },
+            names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+        ),
+    }
 }
 
 /// `gap [nm]` or `Gap (nm)`: name and unit.

@@ -200,6 +200,7 @@ impl Apart {
             caption: String::new(),
             values: values.map(|(mass, i)| cell(mass, i)).collect(),
             lines: vec![line.collect()],
+            ..Panel::default()
         };
         let heatmap = Heatmap {
             title: "When does the coupling matter?".into(),

@@ -121,6 +121,9 @@ impl UnitError {
             }
             UnitErrorKind::UnknownUnit => {
                 let unit = self.unit_text();
+                if unit == "%" && expected != Dimension::Dimensionless {
+                    return Some(format!("no share is meant: give {}", self.expected()));
+                }
                 if let Some((_, aside)) = ASIDES.iter().find(|(name, _)| *name == unit) {
                     return Some(aside.replacen("write \"", &format!("write \"{value} "), 1));
                 }

@@ -14,13 +14,15 @@ use std::path::{Path, PathBuf};
 const MOST_IN_CORNER: usize = 7;
 
 /// What was inferred at a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Inference<'a> {
     pub study: &'a Study,
     pub posterior: &'a Posterior,
     /// What was not known of the measurement, by row, each with what was known of it before.
     pub free: &'a [(Coordinate, Distribution)],
     pub observed: Observation<'a>,
+    /// What makes the answer doubtful, as a sentence.
+    pub warning: Option<String>,
 }
 
 /// What was observed.
@@ -44,6 +46,9 @@ pub fn inference(inference: &Inference, folder: &Path) -> Result<PathBuf, Report
     let mut narrowed: Vec<&PriorPosterior> = parameters.iter().collect();
     narrowed.sort_by(|a, b| a.left().total_cmp(&b.left()));
     let sentences: Vec<String> = narrowed.into_iter().chain(free).map(PriorPosterior::sentence).collect();
+    if let Some(warning) = &inference.warning {
+        page.document.paragraph("Not to be trusted:", warning.clone());
+    }
     page.document.paragraph("Found:", format!("{}.", sentences.join("; ")));
     page.document.paragraph("", from(inference));
     if let Observation::Curve(curve) = inference.observed {

@@ -55,6 +55,7 @@ pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
             caption: name.into(),
             values: values(ran, PAPER, kind.value),
             lines: if law == "jkr" { vec![fold(ran, PAPER)] } else { Vec::new() },
+            ..Panel::default()
         });
         let lines = vec!["left of it JKR never lets go".into()];
         pictures.push((kind.file.into(), picture(&runs[0], kind, panels.collect(), lines)?));
@@ -65,6 +66,7 @@ pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
             caption: format!("JKR, R = {}", shown(radius, "m", 3)),
             values: values(jkr, radius, kind.value),
             lines: lines(radius),
+            ..Panel::default()
         };
         RADII.iter().map(panel).collect()
     };
