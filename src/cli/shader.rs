@@ -48,7 +48,7 @@ pub fn main(args: &ShaderArgs, voice: Verbosity) -> anyhow::Result<()> {
     let class = classes.iter().find(|class| class.instances.contains(&args.instance));
     let class = class.context("this instance never touches the sample: nothing of it is stepped")?;
     voice.say(format_args!(
-        "instance {}: {} law, {} modes; the steps that the run takes in the end may differ, the shader does not",
+        "instance {}: {} law, {} modes to begin with; where the run takes another basis, its shader has as many modes",
         args.instance, class.law, class.modes
     ));
     print(&plan.shader(class, args.entry).compose())

@@ -97,9 +97,9 @@ pub trait WithLaw<L: Lane> {
 }
 
 /// Names of the law's constants, and whether its kick moves the tip.
-struct Form;
+struct LawForm;
 
-impl WithLaw<f64> for Form {
+impl WithLaw<f64> for LawForm {
     type Output = (&'static [&'static str], bool);
 
     fn with<I: Interaction<f64>>(self) -> Self::Output {
@@ -180,12 +180,12 @@ impl Law {
 
     /// Names of its constants in the kernel, in their order.
     pub fn fields(self) -> &'static [&'static str] {
-        self.with(Form).0
+        self.with(LawForm).0
     }
 
     /// Whether its kick also moves the tip.
     pub fn shifts(self) -> bool {
-        self.with(Form).1
+        self.with(LawForm).1
     }
 
     /// Its kick in WGSL, as [`Interaction::kick`] makes it operation by operation: `law_kick`. shaders/laws/ shows it.

@@ -33,6 +33,7 @@ pub(super) enum Node {
         taken: u32,
     },
 }
+
 /// In the order in which they came to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Statement {

@@ -2,6 +2,7 @@
 //!
 //! What is used once stands where it is used; the rest gets a name. What is not used is left out.
 
+use super::operation_form::Form;
 use super::recorded::{Branch, Node, Recorded, Statement, Tape, record};
 use std::fmt::Write;
 
@@ -113,21 +114,20 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A line for a node, or the words to be put where it is used.
+    /// A line for an operation, or the words to be put where it is used.
     fn node(&mut self, node: u32, indent: &str, out: &mut String) {
-        let place = node as usize;
+        let (place, tape) = (node as usize, self.tape);
+        let Node::Operation { form, operands } = &tape.nodes[place] else { return };
         if self.uses[place] == 0 {
             return;
         }
-        let (text, atom) = self.expression(node);
-        let short = self.uses[place] == 1 && text.len() <= LONGEST_EXPRESSION;
-        if atom || short {
-            self.words[place] = text;
-            return;
+        let mut text = self.expression(form, operands);
+        if self.uses[place] > 1 || text.len() > LONGEST_EXPRESSION {
+            let name = self.name();
+            let _ = writeln!(out, "{indent}let {name} = {text};");
+            text = name;
         }
-        let name = self.name();
-        let _ = writeln!(out, "{indent}let {name} = {text};");
-        self.words[place] = name;
+        self.words[place] = text;
     }
 
     fn name(&mut self) -> String {
@@ -135,32 +135,25 @@ impl<'a> Writer<'a> {
         format!("t{}", self.named)
     }
 
-    /// A node's text, and whether it is a name.
-    fn expression(&self, node: u32) -> (String, bool) {
-        match &self.tape.nodes[node as usize] {
-            Node::Name(name) => (name.clone(), true),
-            Node::Variable { .. } => (self.words[node as usize].clone(), true),
-            Node::Operation { form, operands } => {
-                // An operand is a letter that stands alone.
-                let letters: Vec<char> = form.text.chars().collect();
-                let alone = |n: usize| {
-                    let beside = |at: Option<usize>| {
-                        at.and_then(|at| letters.get(at)).is_some_and(|c| c.is_alphabetic())
-                    };
-                    !beside(n.checked_sub(1)) && !beside(Some(n + 1))
-                };
-                let mut out = String::new();
-                for (n, letter) in letters.iter().enumerate() {
-                    match ['a', 'b', 'c'].iter().position(|name| name == letter).filter(|_| alone(n)) {
-                        Some(which) => out += &self.within(operands[which], form.operands[which]),
-                        None => out.push(*letter),
-                    }
-                }
-                (out, false)
+    /// An operation's text: its form, with the operands in place of the letters that stand alone.
+    fn expression(&self, form: &Form, operands: &[u32; 3]) -> String {
+        let letters: Vec<char> = form.text.chars().collect();
+        let alone = |n: usize| {
+            let beside =
+                |at: Option<usize>| at.and_then(|at| letters.get(at)).is_some_and(|c| c.is_alphabetic());
+            !beside(n.checked_sub(1)) && !beside(Some(n + 1))
+        };
+        let mut out = String::new();
+        for (n, letter) in letters.iter().enumerate() {
+            match ['a', 'b', 'c'].iter().position(|name| name == letter).filter(|_| alone(n)) {
+                Some(which) => out += &self.within(operands[which], form.operands[which]),
+                None => out.push(*letter),
             }
         }
+        out
     }
 
+    /// The words that stand for a node.
     fn bare(&self, node: u32) -> String {
         match &self.tape.nodes[node as usize] {
             Node::Name(name) => name.clone(),

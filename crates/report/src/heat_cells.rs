@@ -78,20 +78,20 @@ pub(super) struct CellField<'a, 'c> {
 impl CellField<'_, '_> {
     /// What each cell shows, the lowest row first, of values in rows of this width.
     pub fn merged(&self, values: &[(f64, State)], width: usize) -> Vec<(f64, State)> {
-        let cell = |ys: &Vec<usize>, xs: &Vec<usize>| {
-            let members = ys.iter().flat_map(|&y| xs.iter().map(move |&x| y * width + x));
-            merge(members.filter_map(|i| values.get(i)))
-        };
-        self.up.members.iter().flat_map(|ys| self.across.members.iter().map(|xs| cell(ys, xs))).collect()
+        self.of_each(width, |members| merge(members.filter_map(|i| values.get(i))))
     }
 
     /// The code of the first value that each cell shows, likewise; 0 where there is none.
     pub fn firsts(&self, codes: &[u8], width: usize) -> Vec<u8> {
-        let code = |ys: &Vec<usize>, xs: &Vec<usize>| {
-            let first = ys.first().zip(xs.first()).and_then(|(y, x)| codes.get(y * width + x));
-            first.copied().unwrap_or(0)
+        self.of_each(width, |members| members.next().and_then(|i| codes.get(i)).copied().unwrap_or(0))
+    }
+
+    /// What `of` makes of the numbers of the values that each cell shows.
+    fn of_each<T>(&self, width: usize, of: impl Fn(&mut dyn Iterator<Item = usize>) -> T) -> Vec<T> {
+        let cell = |ys: &Vec<usize>, xs: &Vec<usize>| {
+            of(&mut ys.iter().flat_map(|&y| xs.iter().map(move |&x| y * width + x)))
         };
-        self.up.members.iter().flat_map(|ys| self.across.members.iter().map(|xs| code(ys, xs))).collect()
+        self.up.members.iter().flat_map(|ys| self.across.members.iter().map(|xs| cell(ys, xs))).collect()
     }
 
     /// Pixels of the middles of the columns, and of the rows from below.
