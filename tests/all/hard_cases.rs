@@ -46,6 +46,7 @@ const CASES: &[(&str, Expect)] = &[
     ("amplitude_5_um", Within(taps)),
     ("branch_attractive", Within(|m| stays_off(m) && m.phase > 90.0)),
     ("branch_repulsive", Within(|m| taps(m) && m.phase < 90.0)),
+    ("contact_every_second", Says(Status::NotSteady)),
     ("contact_too_short", Says(Status::OutOfRange)),
     ("decay_10_fm", Within(taps)),
     ("decay_1_pm", Within(taps)),

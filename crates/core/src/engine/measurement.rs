@@ -24,6 +24,10 @@ pub(super) struct Sums {
 /// than about four steps and the result is not to be trusted.
 const UNRESOLVED_SHARE: f64 = 0.7;
 
+/// What is left to come of an instance that does not have as many contacts in each measured period may be this share of what
+/// is allowed others.
+const UNEVEN_SHARE: f64 = 1e-2;
+
 /// A force that moves the tip by less than this share of its free amplitude is rounding.
 const UNFELT_FORCE_SHARE: f64 = 1e-12;
 
@@ -57,13 +61,24 @@ fn unsettled(change: f64, least_change: Option<f64>, driven: &Driven) -> f64 {
     if change == 0.0 { 0.0 } else { change / decay.min(1.0) }
 }
 
-/// Whether what such a change leaves to come is within the accuracy asked for.
-pub(super) fn settled(change: f64, least_change: Option<f64>, driven: &Driven, run: &Run) -> bool {
+/// Whether what such a change leaves to come is within the accuracy asked for, after so many contacts in the measured periods.
+///
+/// A state with the drive's period has as many contacts in each of them. One that touches the sample in every second period
+/// alone is another state, though its fundamental may hardly tell: it has to be much nearer to rest than any other, as a
+/// tip is that grazes the sample.
+pub(super) fn settled(
+    change: f64,
+    contacts: f64,
+    least_change: Option<f64>,
+    driven: &Driven,
+    run: &Run,
+) -> bool {
     // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
     let scale = driven.free_amplitude().max(1e-15);
     // A change that is no number leaves it to the state to say so.
     let left = unsettled(change, least_change, driven);
-    left <= run.accuracy * scale || left.is_nan()
+    let uneven = contacts % f64::from(run.measure) != 0.0;
+    left <= if uneven { UNEVEN_SHARE } else { 1.0 } * run.accuracy * scale || left.is_nan()
 }
 
 /// The first period whose fundamental counts: the one before the first whose change is judged, which are the last four
@@ -109,7 +124,9 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
     if wants.extremes {
         let passed = passed(run_sums);
         (measured.force_min, measured.force_max) = case.contact.law().forces(&passed);
-        measured.indentation_max = if passed.touched { passed.deepest } else { f64::NAN };
+        // Contact begins at the surface: a contact between two steps is no shallower, though both may be outside.
+        let shallowest = if run_sums.sums.begun > 0.0 { 0.0 } else { f64::NEG_INFINITY };
+        measured.indentation_max = if passed.touched { passed.deepest.max(shallowest) } else { f64::NAN };
     }
     let status = judge(sums, case, driven, run, force);
     // The numbers of a free oscillation are known in closed form.
@@ -170,7 +187,7 @@ fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> St
     if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED_SHARE {
         return Status::OutOfRange;
     }
-    if !settled(sums.change(), case.least_change, driven, run) {
+    if !settled(sums.change(), sums.run_sums.sums.begun, case.least_change, driven, run) {
         return Status::NotSteady;
     }
     Status::Ok

@@ -14,7 +14,7 @@
 
 use super::compliance::{compliance, reduced};
 use super::oscillator::KeptMode;
-use super::resonant_modes::resonant_modes;
+use super::resonant_modes::{is_head_on, resonant_modes};
 use super::ringing::{
     LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
 };
@@ -124,10 +124,10 @@ impl ReducedBasis {
         let mut met = resonant_modes(&instrument.modes, omega, asked);
         met.retain(|k| slow(k) && !has(&kept, *k));
         if !met.is_empty() {
-            // What a richer basis has for its share is on trial anyway.
+            // What a richer basis has for its share is on trial anyway, but for what a sample hardly has.
             let richest =
                 Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
-            met.retain(|k| !has(&richest, *k));
+            met.retain(|k| !has(&richest, *k) || is_head_on(&instrument.modes[*k], omega));
         }
         kept.add_residual(instrument, &met, accuracy, fastest);
         kept.add_met(instrument, &met);

@@ -14,6 +14,10 @@ const MIN_LOSS_RATIO: f64 = 100.0;
 /// A contact lasts a tenth of a period or more: beyond this harmonic its force falls by the square of the harmonic's number.
 const SMOOTH_HARMONIC: f64 = 10.0;
 
+/// A mode that answers a harmonic by so many times its static answer, out of phase, is met head-on. This happens at few of
+/// many frequencies or levers, so that no trial on a sample of them tells.
+const HEAD_ON_ANSWER: f64 = 10.0;
+
 /// How a mode answers a force of angular frequency `omega`, over its static answer: what is in phase, and what lags a quarter
 /// of a period behind.
 fn answer(mode: &Mode, omega: f64) -> (f64, f64) {
@@ -28,9 +32,19 @@ fn flexibility(mode: &Mode) -> f64 {
     (mode.inverse_mass() / mode.omega.powi(2)).abs()
 }
 
+/// The harmonic of the drive at `omega` that is nearest to the mode.
+fn nearest_harmonic(mode: &Mode, omega: f64) -> f64 {
+    (mode.omega / omega).round().max(1.0)
+}
+
+/// Whether a harmonic of the drive meets the mode head-on.
+pub(super) fn is_head_on(mode: &Mode, omega: f64) -> bool {
+    answer(mode, nearest_harmonic(mode, omega) * omega).1 > HEAD_ON_ANSWER
+}
+
 /// What the mode loses under the harmonic of the tip force nearest to it: its compliance that lags behind, m/N.
 fn relative_loss(mode: &Mode, omega: f64) -> f64 {
-    let harmonic = (mode.omega / omega).round().max(1.0);
+    let harmonic = nearest_harmonic(mode, omega);
     let (_, lags) = answer(mode, harmonic * omega);
     flexibility(mode) * lags * (SMOOTH_HARMONIC / harmonic).min(1.0).powi(4)
 }
@@ -80,6 +94,16 @@ mod tests {
     fn a_mode_at_resonance_loses_its_share_times_its_quality_factor() {
         let lost = relative_loss(&mode(1e-5, 6.0, 100.0), std::f64::consts::TAU);
         assert!((lost / 1e-3 - 1.0).abs() < 1e-12, "{lost}");
+    }
+
+    /// A lever off resonance, 100.3 kHz, whose third mode is at 16.964 times that: with this mode merged into a residual
+    /// oscillator its largest force was 4.7 % off, which no sample of 150 such levers told.
+    #[test]
+    fn a_mode_within_a_few_widths_of_a_harmonic_is_met_head_on() {
+        let omega = std::f64::consts::TAU;
+        let met = |frequency| is_head_on(&mode(3e-3, frequency, 1100.0), omega);
+        assert!(met(16.964) && met(17.0));
+        assert!(!met(16.9) && !met(6.27));
     }
 
     #[test]

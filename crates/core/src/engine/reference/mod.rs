@@ -193,7 +193,8 @@ fn integrate(
         }
     }
     let measured = sums.measured(walk, (run, wants), driven);
-    let status = if settled(change, case.least_change, driven, run) { Status::Ok } else { Status::NotSteady };
+    let settled = settled(change, sums.meter.begun, case.least_change, driven, run);
+    let status = if settled { Status::Ok } else { Status::NotSteady };
     Finished { measured, status }
 }
 
