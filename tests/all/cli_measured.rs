@@ -97,8 +97,8 @@ fn a_curve_is_one_however_its_file_is_written() {
     let same: Value = serde_json::from_str(&said.out).unwrap();
     assert_eq!(same["parameters"], told["parameters"]);
     for words in [
-        "1 row of b.csv was left out: beyond the curve, which runs from 12 nm to 17 nm",
-        "1 row of b.csv was left out: of a way",
+        "1 of 11 rows of b.csv was left out: beyond the curve, which runs from 12 nm to 17 nm",
+        "1 of 11 rows of b.csv was left out: of a way",
     ] {
         assert!(said.err.contains(words), "{}", said.err);
     }
@@ -314,7 +314,11 @@ fn what_is_wrong_in_a_file_is_told_with_its_place() {
     refused(
         good,
         &["--sd", "amplitude=1 pm", "--sd", "phase=0.01 deg"],
-        &["effective samples of 64", "at each value. Take more samples"],
+        &[
+            "effective samples of 64",
+            "at each value. What agrees best has cantilever_stiffness from 1",
+            "Take more samples",
+        ],
     );
     desk.refuses(&infer(&["--observed", "nowhere.csv"]), &["no `=`, and no file of that name"]);
 }

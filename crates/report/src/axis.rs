@@ -103,6 +103,11 @@ impl PlotAxis {
         }
     }
 
+    /// The first and the last multiple of a step on the axis, over the step.
+    fn multiples(&self, step: f64) -> (f64, f64) {
+        ((self.low / step - 1e-6).ceil(), (self.high / step + 1e-6).floor())
+    }
+
     fn linear_ticks(&self, count: usize) -> Vec<Tick> {
         let span = self.high - self.low;
         let rough = span / (count.max(1) as f64 + 0.5);
@@ -110,9 +115,15 @@ impl PlotAxis {
         let angles = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0];
         let step = match angles.into_iter().find(|step| *step >= rough) {
             Some(step) if self.unit.text == "°" && rough > 2.0 => step,
-            _ => [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough).unwrap_or(rough),
+            _ => {
+                let round = [10.0, 5.0, 2.0, 1.0, 0.5].map(|m| m * power);
+                let near = round.iter().rposition(|step| *step >= rough).unwrap_or(0);
+                // One tick tells no scale.
+                let tells = |step: &&f64| self.multiples(**step).1 > self.multiples(**step).0;
+                round[near..].iter().find(tells).copied().unwrap_or(rough)
+            }
         };
-        let (first, last) = ((self.low / step - 1e-6).ceil(), (self.high / step + 1e-6).floor());
+        let (first, last) = self.multiples(step);
         if !(step > 0.0 && (last - first) < 100.0) {
             return Vec::new();
         }
@@ -232,6 +243,8 @@ mod tests {
         assert_eq!(texts(&axis, 5), ["0.1", "1", "10", "100"]);
         let axis = PlotAxis::over([5e-9, 40e-9].into_iter(), "m", "radius", true, 0.0);
         assert_eq!(texts(&axis, 5), ["5", "10", "20"]);
+        let axis = PlotAxis::over([-4.6e-9, 4.6e-9].into_iter(), "m", "travel", false, 0.0);
+        assert_eq!(texts(&axis, 2), ["−4", "−2", "0", "2", "4"]);
         let axis = PlotAxis::over([0.0, 180.0].into_iter(), "degree", "phase", false, 0.0);
         assert_eq!(texts(&axis, 5), ["0", "45", "90", "135", "180"]);
     }

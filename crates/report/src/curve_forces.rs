@@ -12,8 +12,9 @@ use crate::units::{self, Dimension};
 /// The quantity of approach and retraction.
 pub(super) const GAP: &str = "approach.gap";
 
-/// What the largest forces over the largest indentations are called.
+/// What the largest forces over the largest indentations are called, and those at the instants of a waveform.
 pub(super) const LARGEST: &str = "largest of each point";
+pub(super) const ORBIT: &str = "along the orbit";
 
 /// The points of the curve over the gap that an instance is one of.
 struct Points {
@@ -44,7 +45,7 @@ pub(super) fn forces(results: &Results, instance: u64) -> Vec<ForceCurve> {
         && let Some(row) = waveforms.instances.iter().position(|one| *one == instance)
         && let (Some(depth), Some(force)) = (waveforms.indentation.get(row), waveforms.force.get(row))
     {
-        found.push(named("along the orbit", "waveform", (depth.clone(), force.clone())));
+        found.push(named(ORBIT, "waveform", (depth.clone(), force.clone())));
     }
     found.retain(|curve| curve.force.len() > 1);
     found
@@ -152,6 +153,13 @@ pub(super) fn decay_length(results: &Results, instance: u64) -> Option<f64> {
     }
     let scene: toml::Table = results.text("scene_resolved")?.parse().ok()?;
     units::parse(scene.get("contact")?.get("decay_length")?.as_str()?, Dimension::Length).ok()
+}
+
+/// Whether the instance's law holds the tip outside the sample once it has touched it.
+pub(super) fn sticks(results: &Results, instance: u64) -> bool {
+    let law = results.flags.iter().find(|flags| flags.name == "contact_law");
+    let word = law.and_then(|law| law.meanings.get(usize::from(*law.data.get(instance as usize)?)));
+    word.is_some_and(|word| word == "jkr")
 }
 
 /// Whether the instance is ok.

@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{INK, LINES, picture};
-use super::curve_forces::LARGEST;
+use super::curve_forces::{LARGEST, ORBIT};
 use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
 use crate::store::ForceCurve;
 
@@ -153,9 +153,10 @@ fn points(curve: &ForceCurve) -> Vec<(u64, u64)> {
     points
 }
 
-/// Whether its points are of different states, with nothing between them.
+/// Whether nothing is known between its points: they are of different states, or instants apart, within which a contact may begin
+/// and end.
 fn is_cloud(curve: &ForceCurve) -> bool {
-    curve.law == LARGEST
+    curve.law == LARGEST || curve.law == ORBIT
 }
 
 fn is_retraction(curve: &ForceCurve) -> bool {

@@ -125,7 +125,13 @@ pub(super) fn told(spectra: &Spectra, row: usize) -> String {
                 let before = if some.is_empty() { String::new() } else { some.join(", ") + " and " };
                 format!("of the {what} {before}{last}")
             }
-            all => format!("of the {what} {} up to harmonic {}", all.len(), all[all.len() - 1]),
+            all => {
+                let (count, last) = (all.len(), all[all.len() - 1]);
+                let resolved = amplitude.iter().rposition(|value| value.is_finite()).map_or(0, |i| i + 1);
+                // The last that the steps resolve is not where the force ends.
+                let cut = if last == resolved { ", the last that the steps resolve" } else { "" };
+                format!("of the {what} {count} up to harmonic {last}{cut}")
+            }
         }
     };
     format!(

@@ -6,7 +6,7 @@ use super::error_floor::accuracy;
 use super::frame::{EXCLUDED, State, status_word};
 use super::labels::capital;
 use super::labels::{brief, label, shown, span};
-use super::picture::{PictureKind, places, states};
+use super::picture::{PictureKind, places, second_states, states};
 use super::quantity_text::number;
 use crate::observe::Status;
 use crate::store::{Attribute, NO_STATE, Results, Variable};
@@ -23,6 +23,7 @@ pub(super) fn all(results: &Results, fixed: &[(usize, usize)], limits: Option<St
         ranges(results, fixed),
         jumps(results),
         branches(results),
+        second(results),
         Some(quality(results)),
     ];
     said.into_iter().flatten().collect()
@@ -120,6 +121,23 @@ fn branches(results: &Results) -> Option<String> {
     })
 }
 
+/// How many instances have a second state, and from where to where the first observable goes there.
+fn second(results: &Results) -> Option<String> {
+    let status = &results.other_branch.as_ref()?.status;
+    let count = status.iter().filter(|code| !matches!(**code, NO_STATE | EXCLUDED)).count();
+    let asked = |one: &&Variable| PictureKind::of(one) == PictureKind::Asked && one.harmonics.is_none();
+    let values = |one: &Variable| range_of(one, &second_states(results, one)?, status);
+    let first = results.variables.iter().filter(asked).find_map(values);
+    let has = if count == 1 { "instance has" } else { "instances have" };
+    (count > 0).then(|| {
+        format!(
+            "{} {has} a second state{}.",
+            grouped(count),
+            first.map_or(String::new(), |told| format!(": {told}"))
+        )
+    })
+}
+
 /// From where to where the first observables go, and over what.
 fn ranges(results: &Results, fixed: &[(usize, usize)]) -> Option<String> {
     if results.status.len() < 2 {
@@ -158,41 +176,47 @@ fn ranges(results: &Results, fixed: &[(usize, usize)]) -> Option<String> {
 }
 
 fn range(results: &Results, variable: &Variable) -> Option<String> {
+    range_of(variable, &states(results, variable), &results.status)
+}
+
+fn range_of(variable: &Variable, states: &[(f64, State)], status: &[u8]) -> Option<String> {
     let name = brief(
         if variable.long_name.is_empty() { &variable.name } else { &variable.long_name },
         &variable.name,
     );
-    let states = states(results, variable);
     // What is doubtful is no finding.
     let value = |((value, state), status): (&(f64, State), &u8)| match state {
         State::Zero if *status == Status::Ok as u8 => Some(0.0),
         State::Good => Some(*value),
         _ => None,
     };
-    let values = states.iter().zip(&results.status).filter_map(value);
+    let values = states.iter().zip(status).filter_map(value);
     Some(format!("{name} {}", span(values, &variable.units)?))
 }
 
 /// How many are ok, how large their errors are, and how many carry a warning.
 fn quality(results: &Results) -> String {
-    let count = results.status.iter().filter(|code| **code != NO_STATE).count();
+    let count = results.status.iter().filter(|code| !matches!(**code, NO_STATE | EXCLUDED)).count();
+    // Instances beyond a reader's limits have been told already.
+    let within = if results.status.contains(&EXCLUDED) { " within the limits" } else { "" };
     let mut counts = [0usize; 256];
     results.status.iter().for_each(|code| counts[usize::from(*code)] += 1);
     let ok = counts[usize::from(Status::Ok as u8)];
     let others: Vec<String> = (0u8..=u8::MAX)
         .zip(counts)
-        .filter(|(code, count)| *count > 0 && ![Status::Ok as u8, NO_STATE].contains(code))
+        .filter(|(code, count)| *count > 0 && ![Status::Ok as u8, NO_STATE, EXCLUDED].contains(code))
         .map(|(code, count)| format!("{count} {}", status_word(code)))
         .collect();
     let mut text = match (others.is_empty(), count) {
-        (true, 1) => "The instance is ok".to_owned(),
-        (true, _) => format!("All {count} instances are ok"),
-        _ => format!("{ok} of {count} instances are ok ({})", others.join(", ")),
+        (true, 0) => format!("No instance is{within}"),
+        (true, 1) => format!("The instance{within} is ok"),
+        (true, _) => format!("All {count} instances{within} are ok"),
+        _ => format!("{ok} of {count} instances{within} are ok ({})", others.join(", ")),
     };
     text += &errors(results);
     // Words by bits are warnings.
     let warned = |i: &usize| {
-        results.status[*i] != NO_STATE
+        !matches!(results.status[*i], NO_STATE | EXCLUDED)
             && results.flags.iter().any(|flags| flags.bits && flags.data.get(*i) != Some(&0))
     };
     match (0..results.status.len()).filter(warned).count() {

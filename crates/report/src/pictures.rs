@@ -41,7 +41,7 @@ pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture,
     if let Some(waveforms) = &results.waveforms {
         for (row, instance) in waveforms.instances.iter().enumerate().take(MOST_INSTANCES) {
             let title = with_case(results, &format!("Waveform of instance {instance}"), *instance);
-            let svg = waveform::draw(waveforms, row, &title)?;
+            let svg = waveform::draw(waveforms, row, &title, curve_forces::sticks(results, *instance))?;
             let note = left_out(row, waveforms.instances.len(), "waveforms");
             let name = format!("waveform_{instance}");
             let csv = Some(csv::of_waveform(waveforms, row));

@@ -14,13 +14,21 @@ struct Panel<'a> {
     lines: Vec<(&'a str, &'a [f64])>,
 }
 
-/// The picture of row `row` of the waveforms.
-pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<String, ReportError> {
+/// The picture of row `row` of the waveforms. Contact is where the tip is inside the sample; where it `sticks`, as under JKR, which
+/// has no force without contact, also where a force holds it outside.
+pub(super) fn draw(
+    waveforms: &Waveforms,
+    row: usize,
+    heading: &str,
+    sticks: bool,
+) -> Result<String, ReportError> {
     let nothing = Vec::new();
     let of = |rows: &'_ [Vec<f64>]| rows.get(row).cloned().unwrap_or_default();
     let time = waveforms.time.get(row).or(waveforms.time.first()).unwrap_or(&nothing);
     let (tip, top_of_rod) = (of(&waveforms.tip_travel), of(&waveforms.actuator_top));
     let (indentation, force) = (of(&waveforms.indentation), of(&waveforms.force));
+    let touches = |(depth, force): (&f64, &f64)| *depth > 0.0 || (sticks && *force != 0.0);
+    let in_contact: Vec<bool> = indentation.iter().zip(&force).map(touches).collect();
     let t_axis = PlotAxis::over(time.iter().copied(), "s", "time", false, 0.0);
     // A base at rest is no line.
     let moves = top_of_rod.iter().any(|value| value.is_finite() && *value != 0.0);
@@ -46,7 +54,7 @@ pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str) -> Result<S
         for (number, (panel, y_axis)) in panels.iter().zip(&axes).enumerate() {
             let top = first + number as f64 * (height + gap);
             let frame = Frame { canvas, left, top, width, height, x: &t_axis, y: y_axis };
-            contact(&frame, time, &indentation)?;
+            contact(&frame, time, &in_contact)?;
             panel.draw(&frame, time)?;
             frame.edges(number == 2, true)?;
         }
@@ -107,10 +115,10 @@ fn stroke(frame: &Frame, piece: &mut Vec<(f64, f64)>, number: usize) -> Result<(
 }
 
 /// Shades the times in contact.
-fn contact(frame: &Frame, time: &[f64], indentation: &[f64]) -> Result<(), ReportError> {
+fn contact(frame: &Frame, time: &[f64], in_contact: &[bool]) -> Result<(), ReportError> {
     let mut start = None;
-    for (&t, &depth) in time.iter().zip(indentation) {
-        match (depth > 0.0, start) {
+    for (&t, touches) in time.iter().zip(in_contact) {
+        match (touches, start) {
             (true, None) => start = Some(t),
             (false, Some(from)) => {
                 shade(frame, from, t)?;

@@ -22,14 +22,18 @@ pub(super) fn answers(
     voice: Verbosity,
 ) -> anyhow::Result<Vec<InferenceAnswer>> {
     let seen = observed_curve::read(file, study, &args.curve)?;
+    let all = seen.measured.places.len() + seen.outside + seen.other_way;
     let left_out = |count: usize, why: String| {
-        let rows = if count == 1 { "row" } else { "rows" };
         let were = if count == 1 { "was" } else { "were" };
         if count > 0 {
-            voice.say(format_args!("{count} {rows} of {} {were} left out: {why}", seen.file));
+            voice.say(format_args!("{count} of {all} rows of {} {were} left out: {why}", seen.file));
         }
     };
-    let some = if seen.free.offset.is_some() { ", with some offset that is allowed" } else { "" };
+    let some = if seen.free.offset.is_some() {
+        ", with some offset that is allowed; a smaller --offset or a longer [curve] keeps them"
+    } else {
+        ""
+    };
     left_out(
         seen.outside,
         format!("beyond the curve, {}{some}", sweep_point::span(&study.beside[seen.axis])),

@@ -7,10 +7,15 @@ use super::observable_summary::reasons;
 use super::study_samples::status_word;
 use super::{StatsError, Study, SummaryOptions};
 use crate::design::DesignKind;
+use crate::store::Coordinate;
 use std::collections::BTreeMap;
 
 /// Fewer effective samples than this tell nothing to be relied on.
 pub const FEWEST_EFFECTIVE: f64 = 50.0;
+
+/// Rows whose logarithm of the likelihood is less than the best one's by no more than this are named where there are too few
+/// effective samples: within three standard deviations of it.
+const AGREES_WITHIN: f64 = 4.5;
 
 /// What was observed, SI: a value and its standard deviation.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +68,7 @@ pub fn posterior(
     let chi_squared: Vec<f64> = rows.iter().map(miss).collect();
     let best = chi_squared.iter().copied().fold(f64::INFINITY, f64::min);
     let logs: Vec<f64> = chi_squared.iter().map(|chi| -0.5 * chi).collect();
-    weighed(rows, &logs, (best, observed.len()), study.rows())
+    weighed(rows, &logs, (best, observed.len()), study)
 }
 
 /// The rows that count, by the status of each.
@@ -93,19 +98,19 @@ pub(super) fn counted(
 }
 
 /// Rows with the logarithms of their likelihoods, of so many rows in all; how well the best of them agrees with how many
-/// values.
+/// values of this study.
 pub(super) fn weighed(
     rows: Vec<usize>,
     logs: &[f64],
     (best_chi_squared, values): (f64, usize),
-    of: usize,
+    study: &Study,
 ) -> Result<Posterior, StatsError> {
     let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights: Vec<f64> = logs.iter().map(|log| (log - most).exp()).collect();
     let sum: f64 = weights.iter().sum();
     let weights: Vec<f64> = weights.iter().map(|weight| weight / sum).collect();
     let effective = 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>();
-    let left_out = of - rows.len();
+    let left_out = study.rows() - rows.len();
     match effective >= FEWEST_EFFECTIVE {
         true => Ok(Posterior { rows, weights, effective, left_out, best_chi_squared }),
         false => Err(StatsError::FewEffective {
@@ -113,8 +118,29 @@ pub(super) fn weighed(
             rows: rows.len(),
             best: best_chi_squared.sqrt(),
             each: (best_chi_squared / values as f64).sqrt(),
+            spans: spans(study, &rows, logs, most),
         }),
     }
+}
+
+/// A sentence on where the rows lie that agree about as well as the best one, of each parameter of the study; empty where none
+/// has a value of all that was observed.
+fn spans(study: &Study, rows: &[usize], logs: &[f64], most: f64) -> String {
+    let agree = |log: &&f64| most - **log <= AGREES_WITHIN;
+    let near: Vec<usize> = rows.iter().zip(logs).filter(|(_, log)| agree(log)).map(|both| *both.0).collect();
+    let span = |one: &Coordinate| {
+        let values = near.iter().map(|row| one.values[*row]);
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |ends, at| (ends.0.min(at), ends.1.max(at)));
+        format!("{} from {} to {} {}", one.name, four_digits(low), four_digits(high), one.units)
+    };
+    let all: Vec<String> = study.parameters.iter().filter(|one| one.words.is_empty()).map(span).collect();
+    if near.is_empty() { String::new() } else { format!("What agrees best has {}. ", all.join(", ")) }
+}
+
+/// A number with the digits that a message needs.
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 /// Whether an observable is an angle in degree, which goes round.

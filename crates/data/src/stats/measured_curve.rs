@@ -306,7 +306,7 @@ pub fn curve_posterior(
     let kept: Vec<&Told> = rows.iter().filter_map(|row| told[*row].as_ref().ok()).collect();
     let logs: Vec<f64> = kept.iter().map(|told| told.log).collect();
     let best = kept.iter().map(|told| told.best).fold(f64::INFINITY, f64::min);
-    let posterior = weighed(rows, &logs, (best, measured.values()), study.rows())?;
+    let posterior = weighed(rows, &logs, (best, measured.values()), study)?;
     let by_row = |value: fn(&Told) -> f64| -> Vec<f64> {
         told.iter().map(|told| told.as_ref().map_or(f64::NAN, value)).collect()
     };

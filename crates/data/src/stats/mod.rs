@@ -54,8 +54,8 @@ pub enum StatsError {
     NoSample { kind: &'static str },
     #[error(
         "only {effective:.1} effective samples of {rows} agree with what was observed, fewer than {FEWEST_EFFECTIVE}: nothing is told by so \
-         few. The best row misses by {best:.1} standard deviations in all, {each:.1} at each value. Take more samples, or distributions that lie \
-         closer around what agrees; where even the best row misses by many, the observed values or their errors do not fit the model"
+         few. The best row misses by {best:.1} standard deviations in all, {each:.1} at each value. {spans}Take more samples, or \
+         distributions that lie closer around that; where even the best row misses by many, the observed values or their errors do not fit the model"
     )]
-    FewEffective { effective: f64, rows: usize, best: f64, each: f64 },
+    FewEffective { effective: f64, rows: usize, best: f64, each: f64, spans: String },
 }
