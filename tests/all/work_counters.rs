@@ -35,6 +35,24 @@ fn runs_to_an_accuracy_take_as_many_steps_as_before() {
     }
 }
 
+/// Instance-steps of each kind of sweep: a grid by neighbours, a curve both ways, set-points, both branches, a design.
+#[test]
+fn sweeps_of_each_kind_take_as_many_steps_as_before() {
+    let counted = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
+        let plan = Plan::new(&Scene::load(&path).unwrap(), Precision::F64).unwrap();
+        let progress = Progress::default();
+        control::run(&plan, &Cpu { strict: true }, &progress).unwrap();
+        progress.steps() as f64
+    };
+    let scenes = ["phase_map", "approach_curve", "set_point", "bistable", "sensitivity"];
+    same(
+        &scenes.join(", "),
+        &scenes.map(counted),
+        &[2_518_960.0, 13_974_080.0, 122_603_696.0, 440_064.0, 15_872_352.0],
+    );
+}
+
 /// The same where searches go as on devices.
 #[test]
 fn searches_as_on_devices_take_as_many_steps_as_before() {
