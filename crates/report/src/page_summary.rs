@@ -199,6 +199,9 @@ fn quality(results: &Results) -> String {
     let count = results.status.iter().filter(|code| !matches!(**code, NO_STATE | EXCLUDED)).count();
     // Instances beyond a reader's limits have been told already.
     let within = if results.status.contains(&EXCLUDED) { " within the limits" } else { "" };
+    if count == 0 {
+        return format!("No instance is {}.", if within.is_empty() { "shown" } else { within.trim_start() });
+    }
     let mut counts = [0usize; 256];
     results.status.iter().for_each(|code| counts[usize::from(*code)] += 1);
     let ok = counts[usize::from(Status::Ok as u8)];
@@ -208,7 +211,6 @@ fn quality(results: &Results) -> String {
         .map(|(code, count)| format!("{count} {}", status_word(code)))
         .collect();
     let mut text = match (others.is_empty(), count) {
-        (true, 0) => format!("No instance is{within}"),
         (true, 1) => format!("The instance{within} is ok"),
         (true, _) => format!("All {count} instances{within} are ok"),
         _ => format!("{ok} of {count} instances{within} are ok ({})", others.join(", ")),

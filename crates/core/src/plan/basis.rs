@@ -124,7 +124,8 @@ impl ReducedBasis {
         let mut met = resonant_modes(&instrument.modes, omega, asked);
         met.retain(|k| slow(k) && !has(&kept, *k));
         if !met.is_empty() {
-            // What a richer basis has for its share is on trial anyway, but for what a sample hardly has.
+            // The trials tell whether modes of a richer basis are needed. But hardly any member of their sample has a mode that a
+            // harmonic meets head-on.
             let richest =
                 Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
             met.retain(|k| !has(&richest, *k) || is_head_on(&instrument.modes[*k], omega));

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 /// Fewer effective samples than this tell nothing to be relied on.
 pub const FEWEST_EFFECTIVE: f64 = 50.0;
 
-/// Rows whose logarithm of the likelihood is less than the best one's by no more than this are named where there are too few
-/// effective samples: within three standard deviations of it.
+/// Where there are too few effective samples, the message says where the rows lie that agree about as well as the best one: the
+/// logarithms of their likelihoods are lower by no more than this, three standard deviations of one value.
 const AGREES_WITHIN: f64 = 4.5;
 
 /// What was observed, SI: a value and its standard deviation.
