@@ -1,7 +1,9 @@
 //! What the reference engine makes of instances whose motion a stepped engine has seen.
 
 use super::{Arithmetic, ChunkRun, RunResult, step_reduction};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
+use crate::engine::{
+    Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, dropped_flexibility, solve_near,
+};
 use crate::observe::{Measured, Status};
 use crate::orbit::{self, OrbitSolution, OrbitTable};
 use crate::plan::{Plan, Precision, SectionState};
@@ -292,8 +294,6 @@ pub fn touches(one: &Finished) -> bool {
     one.measured.contact_time > 0.0
 }
 
-/// Share of the tip's flexibility up to which the reference leaves modes out.
-const REFERENCE_DROP_SHARE: f64 = 1e-6;
 /// What an oscillator or two in place of modes far faster than the contact cost at the most: the largest of random levers
 /// that were redone with all modes (one of 0.23 N/m on 33 GPa, JKR, asked for 1e-4). Where less is asked for, more modes are
 /// left to them: it is no larger share of the accuracy.
@@ -305,18 +305,8 @@ const MAX_TRUNCATION_MODES: f64 = 100.0;
 /// What the reference itself may be off by, at the most: the modes that it leaves out give way to the contact like a spring
 /// of their flexibility in series with it, unless they are many enough to be an oscillator; and its steps have a tolerance.
 pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
-    let modes = &plan.driven(instance as u32).instrument.modes;
-    let mut shares: Vec<f64> =
-        modes.iter().map(|mode| (mode.inverse_mass() / (mode.omega * mode.omega)).abs()).collect();
-    shares.sort_by(f64::total_cmp);
-    let whole: f64 = shares.iter().sum();
-    let mut left = 0.0;
-    for share in shares {
-        if left + share > REFERENCE_DROP_SHARE * whole {
-            break;
-        }
-        left += share;
-    }
+    let case = plan.case(instance as u32);
+    let left = dropped_flexibility(plan.driven(instance as u32), &case.contact, case.gap);
     let error = gives_way(plan, instance, measured, left);
     let most = MAX_REDUCED_FLEXIBILITY.max(REDUCED_FLEXIBILITY_SHARE * plan.run.accuracy);
     if error.is_finite() { error.clamp(MAX_TRUNCATION_MODES * TOLERANCE, most) } else { f64::NAN }
