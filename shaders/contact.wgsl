@@ -1,4 +1,4 @@
-// What a law is given and what it gives: `law_kick` and `law_slope`, which the laws write themselves (shaders/laws/).
+// What a law is given and what it gives: `law_kick` and `law_slope`, which the laws write themselves (shaders/recorded/).
 // Twin: crates/kernel/src/contact/mod.rs
 
 // The tip at one sample, before the kick.

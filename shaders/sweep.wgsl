@@ -30,6 +30,10 @@ fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     let law = law_of(i);
     var state = state_of(i);
     var tally = tally_of(i);
+    // A dispatch may begin within a period.
+    if job.first == 0u {
+        tally = tally_next_period(tally);
+    }
     var numbers = true;
     var index = job.first;
     var done = 0u;
@@ -43,15 +47,15 @@ fn sweep(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         decay = Decay(decays[row], decays[row + 1u], decays[row + 2u]);
         //% end
         let sample = step(lever, law, &state, waves[2u * index], waves[2u * index + 1u], decay);
-        tally_add(&tally, sample, index);
+        tally = tally_add(tally, sample, index);
         done += 1u;
         index += 1u;
         if index == job.steps {
             //% each mode
             numbers = numbers && finite(state.x_$) && finite(state.u_$);
             //% end
-            close_period(i, tally);
-            tally_next_period(&tally);
+            store_run_sums(i, close_period(run_sums_of(i), tally));
+            tally = tally_next_period(tally);
             index = 0u;
         }
     }

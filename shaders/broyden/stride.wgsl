@@ -177,7 +177,7 @@ fn begin(i: u32) {
     states[at(TALLY_LAST_1, i)] = last;
     states[at(TALLY_TOUCHED, i)] = touching;
     //% end
-    begin_run(i);
+    store_run_sums(i, begin_run());
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -33,8 +33,7 @@ fn see(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: r
     let touching = (*state).touching;
     let met = meet(lever, *state, cosine, sine, decay);
     let kick = law_kick(law, met.at, touching);
-    (*state).touching = kick.touching;
-    fly(lever, state, kick);
+    *state = fly(lever, *state, kick);
     return Seen(met.at, touching, abs(kick.impulse), kick.contact);
 }
 

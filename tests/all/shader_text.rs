@@ -168,20 +168,40 @@ fn pass_naga_and_the_lint(all: &[ShaderSpec]) {
     println!("{} shaders", all.len());
 }
 
-/// What a reader of shaders finds in shaders/laws is what the laws write. With `AFM_WRITE_LAWS` set it is written anew.
+/// What a reader finds in shaders/recorded is what the program writes: the laws, and the step and the sums of two modes
+/// with two harmonics. With `AFM_WRITE_SHADERS` set it is written anew.
 #[test]
-fn the_laws_texts_are_those_that_are_kept() {
-    for law in Law::ALL {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("shaders/laws/{law}.wgsl"));
+fn recorded_texts_are_those_that_are_kept() {
+    let mut texts = Law::ALL.map(|law| (law.name(), "contact/", law.kick_text())).to_vec();
+    let wants = Wants { harmonics: 2, ..Wants::ALL };
+    let spec = ShaderSpec {
+        entry: Entry::Sweep,
+        law: Law::Jkr,
+        modes: 2,
+        wants,
+        measured: true,
+        decay: true,
+        double: false,
+    };
+    texts.extend([
+        ("step", "step.rs", spec.step_text()),
+        ("sums", "tally.rs and run_sums.rs", spec.sums_text()),
+    ]);
+    for (name, source, text) in texts {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("shaders/recorded/{name}.wgsl"));
         let text = format!(
-            "// The kick of the law `{law}` as the program writes it for a shader (crates/kernel/src/contact/); not to be changed by hand.\n\n{}",
-            law.kick_text()
+            "// `{name}` as the program writes it for a shader from crates/kernel/src/{source}; do not change it by hand.\n\n{}",
+            text.trim_start()
         );
-        if std::env::var_os("AFM_WRITE_LAWS").is_some() {
+        if std::env::var_os("AFM_WRITE_SHADERS").is_some() {
             std::fs::write(&path, &text).unwrap();
         }
         let kept = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(kept == text, "{}: AFM_WRITE_LAWS=1 cargo test shader_text writes it anew", path.display());
+        assert!(
+            kept == text,
+            "{}: AFM_WRITE_SHADERS=1 cargo test shader_text writes it anew",
+            path.display()
+        );
     }
 }
 

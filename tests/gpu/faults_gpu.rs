@@ -12,7 +12,7 @@ use libtest_mimic::{Failed, Trial};
 /// A law, a fault, and how to plant it.
 type Fault = (&'static str, &'static str, fn(String) -> String);
 
-/// Replaces a piece of text, of the law as shaders/laws/ has it or of the other files; where it is not there, no fault is planted and none will be seen.
+/// Replaces a piece of text, of the law as shaders/recorded/ has it or of the other files; where it is not there, no fault is planted and none will be seen.
 fn swap(text: &str, from: &str, to: &str) -> String {
     text.replace(from, to)
 }
@@ -29,11 +29,10 @@ const FAULTS: &[Fault] = &[
     ("jkr", "JKR_FORCE_2 one bit up", |text| shader::nudge(&text, "JKR_FORCE_2")),
     ("jkr", "JKR_FORCE_3 one bit up", |text| shader::nudge(&text, "JKR_FORCE_3")),
     ("hertz", "flow added up in another order", |text| {
-        swap(&text, "(lever.m00_1 * x_1 + x_1)", "lever.m00_1 * x_1 + x_1")
+        swap(&text, "(lever.m00_1 * state.x_1 + state.x_1)", "lever.m00_1 * state.x_1 + state.x_1")
     }),
     ("hertz", "modes added up in another order", |text| {
-        let (first, second) = ("beyond = beyond + state.x_1;", "beyond = beyond + state.x_2;");
-        swap(&swap(&swap(&text, first, "FIRST"), second, first), "FIRST", second)
+        swap(&text, "state.x_1 + state.x_2", "state.x_2 + state.x_1")
     }),
     ("dmt", "attraction multiplied out", |text| {
         let (from, to) = (
@@ -47,23 +46,25 @@ const FAULTS: &[Fault] = &[
     }),
     ("jkr", "one of Halley's steps less", |text| swap(&text, "let t99 = t98 + ONE;", "let t99 = t94 + ONE;")),
     ("dmt", "TAIL_POLE one bit up", |text| shader::nudge(&text, "TAIL_POLE")),
-    ("dmt", "kick without its shift", |text| swap(&text, "if ZERO < abs(kick.shift) {", "if false {")),
-    ("jkr", "work of the shift left out", |text| {
-        swap(&text, "work = -acceleration * kick.shift + work;", "")
-    }),
+    ("dmt", "kick without its shift", |text| swap(&text, "shift_x_0 * kick.shift", "shift_x_0 * ZERO")),
+    ("jkr", "work of the shift left out", |text| swap(&text, "-t2 * kick.shift + t3", "t3")),
     ("jkr", "let go without its shift", |text| {
         swap(&text, "t13 = select(ZERO, t141, t16);", "t13 = select(ZERO, t141, t16 && !t86);")
     }),
-    ("jkr", "memory taken before the step", |text| swap(&text, "(*state).touching = kick.touching;", "")),
+    ("jkr", "memory taken before the step", |text| {
+        swap(&text, "        kick.touching,\n", "        state.touching,\n")
+    }),
     ("dmt", "samples of the parabola swapped", |text| {
-        swap(&text, "let first = (*tally).last_0;", "let first = (*tally).last_1;")
+        swap(&text, "sample.indentation - tally.last_0;", "sample.indentation - tally.last_1;")
     }),
     ("hertz", "contact time of the step before", |text| {
-        swap(&text, "(*tally).time + sample.kick.contact", "(*tally).time + (*tally).touched")
+        swap(&text, "tally.time + sample.kick.contact", "tally.time + tally.touched")
     }),
     ("dmt", "a period's sums cleared before they are kept", |text| {
-        let (close, clear) =
-            ("close_period(i, tally);", "tally_next_period(&tally);\n            index = 0u;");
+        let (close, clear) = (
+            "store_run_sums(i, close_period(run_sums_of(i), tally));",
+            "tally = tally_next_period(tally);\n            index = 0u;",
+        );
         let without = swap(&text, close, "");
         swap(&without, clear, &format!("{clear}\n            {close}"))
     }),
@@ -73,8 +74,8 @@ const FAULTS: &[Fault] = &[
     ("jkr", "centre added up in another order", |text| {
         swap(
             &text,
-            "-acceleration * corner + (met.steady + met.beyond)",
-            "-acceleration * corner + met.steady + met.beyond",
+            "-t2 * TWENTY_FOURTH + (met.steady + met.beyond)",
+            "-t2 * TWENTY_FOURTH + met.steady + met.beyond",
         )
     }),
 ];
@@ -83,7 +84,7 @@ const FAULTS: &[Fault] = &[
 const HARMLESS: &[Fault] = &[
     ("jkr", "nothing", |text| text),
     ("hertz", "factors swapped", |text| {
-        swap(&text, "corner * impulse + beyond", "impulse * corner + beyond")
+        swap(&text, "TWENTY_FOURTH * kick.impulse + met.beyond", "kick.impulse * TWENTY_FOURTH + met.beyond")
     }),
 ];
 

@@ -188,7 +188,7 @@ impl Law {
         self.with(LawForm).1
     }
 
-    /// Its kick in WGSL, as [`Interaction::kick`] makes it operation by operation: `law_kick`. shaders/laws/ shows it.
+    /// Its kick in WGSL, as [`Interaction::kick`] makes it operation by operation: `law_kick`. shaders/recorded/ shows it.
     pub fn kick_text(self) -> String {
         self.with(KickText)
     }

@@ -29,6 +29,7 @@ pub mod newton;
 mod operation_form;
 mod pair;
 mod recorded;
+mod recorded_step;
 mod run_sums;
 mod sample;
 mod shader;

@@ -51,10 +51,10 @@ impl<L: Lane> RunSums<L> {
 
     /// Takes in one period of `steps` steps; `wants` is none where it is not measured.
     #[inline(always)]
-    pub(crate) fn close(&mut self, tally: &Tally<L>, steps: usize, wants: Option<Wants>) {
+    pub(crate) fn close(&mut self, tally: &Tally<L>, steps: L, wants: Option<Wants>) {
         let cosine = tally.cosine[0] - self.last_cosine;
         let sine = tally.sine[0] - self.last_sine;
-        let change = L::splat(TWO) / L::splat(steps as f64) * cosine.mul_add(cosine, sine * sine).sqrt();
+        let change = L::splat(TWO) / steps * cosine.mul_add(cosine, sine * sine).sqrt();
         self.last_cosine = tally.cosine[0];
         self.last_sine = tally.sine[0];
         self.changes = [change, self.changes[0], self.changes[1], self.changes[2]];

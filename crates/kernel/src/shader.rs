@@ -2,21 +2,15 @@
 //! head that holds every number and the places of every field.
 //!
 //! The files are WGSL but for a few directives in comments, so that only what is needed exists in
-//! the text: `//% if NAME`, `//% end`, and lines written once for
-//! each of some things:
+//! the text: `//% if NAME`, `//% end`, and `//% each mode`: the lines up to its end stand once for each mode,
+//! with the mode's number in place of `$`.
 //!
-//! | directive | `$` is |
-//! |---|---|
-//! | `//% each mode`, `//% each harmonic` | its number |
-//! | `//% each group`, `//% each sum` | its name in the list of sums; `$$` the same in capitals |
-//! | `//% each total`, `largest`, `smallest`, `ever` | the name of each sum of which that is kept |
-//!
-//! The law's kick and its slope are no files: the law writes them ([`recorded`](super::recorded)).
+//! The law's kick and its slope, the step and the sums are no files: the kernel's own Rust writes them
+//! ([`recorded`](super::recorded), [`recorded_step`](super::recorded_step)).
 
 use super::broyden::{self, state_modes};
 use super::constants;
 use super::newton;
-use super::sums::{GROUPS, How};
 use super::tangent::PARTIALS;
 use crate::{Law, Wants};
 use std::fmt::Write;
@@ -91,16 +85,10 @@ pub enum Binding {
 const JOB: &str = include_str!("../../../shaders/job.wgsl");
 const SWEEP: &str = include_str!("../../../shaders/sweep.wgsl");
 const STEP: &str = include_str!("../../../shaders/step.wgsl");
-const MEMORY: &str = include_str!("../../../shaders/memory.wgsl");
 const CONTACT: &str = include_str!("../../../shaders/contact.wgsl");
-const TALLY: &str = include_str!("../../../shaders/observe/tally.wgsl");
-const FOURIER: &str = include_str!("../../../shaders/observe/fourier.wgsl");
-const RUN_SUMS: &str = include_str!("../../../shaders/observe/run_sums.wgsl");
-const TALLY_MEMORY: &str = include_str!("../../../shaders/observe/memory.wgsl");
 const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
 const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
-const BEGIN: &str = include_str!("../../../shaders/observe/begin.wgsl");
 const SEARCH: &str = include_str!("../../../shaders/search.wgsl");
 const STRIDE: &str = include_str!("../../../shaders/broyden/stride.wgsl");
 const SOLVE: &str = include_str!("../../../shaders/newton/solve.wgsl");
@@ -113,7 +101,7 @@ impl ShaderSpec {
     }
 
     /// Sums that this part of the run keeps.
-    fn sums(&self) -> Wants {
+    pub(super) fn sums(&self) -> Wants {
         if self.measured { self.wants } else { Wants::FUNDAMENTAL }
     }
 
@@ -201,24 +189,19 @@ impl ShaderSpec {
     pub fn compose(&self) -> String {
         match self.entry {
             Entry::Carry => return self.lawless(&[JOB, CARRY]),
-            Entry::Stride => return self.lawless(&[JOB, NUMBER, SEARCH, BEGIN, STRIDE]),
+            Entry::Stride => return self.lawless(&[JOB, NUMBER, SEARCH, STRIDE]) + &self.begin_text(),
             Entry::Walk => return self.lawless(&[JOB, NUMBER, SEARCH, SOLVE, WALK]),
             Entry::Kicks | Entry::Sweep => {}
         }
         let mut text = self.law_text();
         let mut add = |file: &str| text += &self.expanded(file);
-        [JOB, STEP, MEMORY].iter().for_each(|file| add(file));
+        [JOB, STEP].iter().for_each(|file| add(file));
         if self.entry == Entry::Kicks {
-            add(&self.law.slope_text());
             add(KICKS);
-            return text;
+            return text + &self.step_text() + "\n" + &self.law.slope_text();
         }
-        add(NUMBER);
-        let sums = self.sums();
-        [TALLY, FOURIER].iter().for_each(|file| add(file));
-        GROUPS.iter().filter(|group| (group.wanted)(sums)).for_each(|group| add(group.text));
-        [RUN_SUMS, TALLY_MEMORY, SWEEP].iter().for_each(|file| add(file));
-        text
+        [NUMBER, SWEEP].iter().for_each(|file| add(file));
+        text + &self.step_text() + &self.sums_text()
     }
 
     fn head(&self) -> String {
@@ -292,9 +275,7 @@ impl ShaderSpec {
             let line = lines[at];
             let Some(directive) = line.trim().strip_prefix("//% ") else {
                 match item {
-                    Some(item) => {
-                        *out += &line.replace("$$", &item.to_uppercase()).replace('$', item);
-                    }
+                    Some(item) => *out += &line.replace('$', item),
                     None => *out += line,
                 }
                 out.push('\n');
@@ -318,32 +299,17 @@ impl ShaderSpec {
 
     /// What lines are written once for each of; none where that is not known.
     fn items(&self, what: &str) -> Option<Vec<String>> {
-        let sums = self.sums();
-        let numbers = |count: usize| (0..count).map(|number| number.to_string()).collect();
-        let items = match what {
-            "mode" => numbers(self.modes),
-            "harmonic" => numbers(sums.harmonics),
-            "group" => {
-                GROUPS.iter().filter(|group| (group.wanted)(sums)).map(|group| group.name.into()).collect()
-            }
-            "sum" => sums.kept().map(|sum| sum.name.into()).collect(),
-            _ if How::ALL.iter().any(|how| how.word() == what) => {
-                sums.kept().filter(|sum| sum.how.word() == what).map(|sum| sum.name.into()).collect()
-            }
-            _ => return None,
-        };
-        Some(items)
+        (what == "mode").then(|| (0..self.modes).map(|number| number.to_string()).collect())
     }
 
     /// Whether a condition holds; none where it is not known.
     fn holds(&self, condition: &str) -> Option<bool> {
-        let group = GROUPS.iter().find(|group| group.name == condition);
         Some(match condition {
             "looks back" => self.wants.looks_back(),
-            "measured" => self.measured,
             "decay" => self.decay,
             "shifts" => self.law.shifts(),
-            _ => (group?.wanted)(self.sums()),
+            "energy" => self.sums().energy,
+            _ => return None,
         })
     }
 }
@@ -369,9 +335,9 @@ mod tests {
     #[test]
     fn a_misspelt_directive_does_not_remove_lines_in_silence() {
         let law = Law::Hertz;
-        let (wants, entry) = (Wants::FUNDAMENTAL, Entry::Sweep);
+        let (wants, entry) = (Wants::ENERGY, Entry::Sweep);
         let spec = ShaderSpec { entry, law, modes: 2, wants, measured: true, decay: false, double: false };
-        assert_eq!(spec.expand("a\n//% if measured\nb\n//% end\n"), "a\nb\n");
+        assert_eq!(spec.expand("a\n//% if energy\nb\n//% end\n"), "a\nb\n");
         assert_eq!(spec.expand("a\n//% if decay\nb\n//% end\n"), "a\n");
         for line in ["if shift", "each modes", "each", "if", "unless decay"] {
             let text = spec.expand(&format!("a\n//% {line}\nb\n//% end\n"));

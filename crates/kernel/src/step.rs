@@ -168,13 +168,18 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         energy: bool,
     ) -> Sample<L> {
         let met = self.meet(state, wave, decay, energy);
-        let Met { steady, beyond, excess, approach } = met;
+        let kick = self.law.kick(met.approach, state.touching);
+        self.fly(state, &kick);
+        self.sampled(&met, kick, energy)
+    }
+
+    /// What the step saw, corrected to fourth order.
+    #[inline(always)]
+    pub fn sampled(&self, met: &Met<L>, kick: Kick<L>, energy: bool) -> Sample<L> {
+        let Met { steady, beyond, excess, approach } = *met;
         let (speed, acceleration, indentation) =
             (-approach.speed, -approach.acceleration, approach.indentation);
-        let kick = self.law.kick(approach, state.touching);
         let impulse = kick.impulse;
-        state.touching = kick.touching;
-        self.fly(state, &kick);
         // A kick's corner against the smooth path it stands for.
         let corner = L::splat(TWENTY_FOURTH);
         let (mut work, mut virial) = (L::splat(ZERO), L::splat(ZERO));
@@ -204,7 +209,6 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     pub fn kicked(&self, state: &mut State<L, M>, wave: Wave<L::Element>) -> (Approach<L>, Kick<L>) {
         let approach = self.meet(state, wave, None, false).approach;
         let kick = self.law.kick(approach, state.touching);
-        state.touching = kick.touching;
         self.fly(state, &kick);
         (approach, kick)
     }
@@ -260,8 +264,9 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
 
     /// The exact flow to the next sample, and what the kick has done by then.
     #[inline(always)]
-    fn fly(&self, state: &mut State<L, M>, kick: &Kick<L>) {
+    pub fn fly(&self, state: &mut State<L, M>, kick: &Kick<L>) {
         let flow = &self.flow;
+        state.touching = kick.touching;
         each_mode!(M of self, k => {
             let (x, u) = (state.x[k], state.u[k]);
             // Chains of sums: drivers take x + (a + b) apart into one. The kick comes last: nothing before

@@ -257,7 +257,7 @@ fn close<L: Lane>(run_sums: &mut RunSums<L>, tally: &mut Tally<L>, steps: usize,
     L::run(
         #[inline(always)]
         || {
-            run_sums.close(tally, steps, measured);
+            run_sums.close(tally, L::splat(steps as f64), measured);
             tally.next_period();
         },
     );

@@ -21,26 +21,14 @@ pub enum How {
 }
 
 impl How {
-    pub(crate) const ALL: [Self; 4] = [Self::Total, Self::Largest, Self::Smallest, Self::Ever];
-
-    /// The word of the shader's directives.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Self::Total => "total",
-            Self::Largest => "largest",
-            Self::Smallest => "smallest",
-            Self::Ever => "ever",
-        }
-    }
-
     /// Before the first step.
     #[inline(always)]
     fn start<L: Lane>(self) -> L {
-        L::splat(match self {
-            Self::Total | Self::Ever => ZERO,
-            Self::Largest => -FAR,
-            Self::Smallest => FAR,
-        })
+        match self {
+            Self::Total | Self::Ever => L::splat(ZERO),
+            Self::Largest => -L::splat(FAR),
+            Self::Smallest => L::splat(FAR),
+        }
     }
 
     /// With one more period.
@@ -65,18 +53,7 @@ pub struct Sum {
     pub kept: fn(Wants) -> bool,
 }
 
-/// Sums that are wanted together.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Group {
-    /// Field of [`Wants`], condition in the shader; its function there is `tally_<name>`.
-    pub name: &'static str,
-    pub wanted: fn(Wants) -> bool,
-    /// What the shader does with a sample.
-    pub text: &'static str,
-}
-
-/// Each group has a flag in [`Wants`], a function of its name in `tally.rs` and a file of its name in `shaders/observe`,
-/// which say what a step adds. Observables ask for a group by a constant in `impl Wants` below.
+/// Each group has a flag in [`Wants`] and a function of its name in `tally.rs`, which says what a step adds. Observables ask for a group by a constant in `impl Wants` below.
 macro_rules! sums {
     ($($(#[$wanted:meta])* $group:ident { $($(#[$what:meta])* $name:ident: $how:ident,)* })*) => {
         /// Which sums and extremes an engine must keep; what nobody asked for is not computed.
@@ -144,14 +121,6 @@ macro_rules! sums {
         /// The list.
         pub const SUMS: &[Sum] = &[
             $($(Sum { name: stringify!($name), how: How::$how, kept: |wants| wants.$group },)*)*
-        ];
-
-        pub(crate) const GROUPS: &[Group] = &[
-            $(Group {
-                name: stringify!($group),
-                wanted: |wants| wants.$group,
-                text: include_str!(concat!("../../../shaders/observe/", stringify!($group), ".wgsl")),
-            },)*
         ];
     };
 }

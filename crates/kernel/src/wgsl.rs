@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Longer expressions get a name even where they are used once.
 const LONGEST_EXPRESSION: usize = 60;
 
-/// The text of a function of which `work` makes the numbers that it returns; `close` puts those into its last line.
+/// The text of a function of which `work` makes the numbers that it returns; `close` makes one value of them.
 pub fn function(
     head: &str,
     work: impl FnOnce() -> Vec<Recorded>,

@@ -1,4 +1,4 @@
-// The kick of the law `hertz` as the program writes it for a shader (crates/kernel/src/contact/); not to be changed by hand.
+// `hertz` as the program writes it for a shader from crates/kernel/src/contact/; do not change it by hand.
 
 fn law_kick(law: Law, at: Approach, touching: real) -> Kick {
     var t1 = ZERO;
