@@ -1,6 +1,6 @@
 //! What is measured on each instance, with its name, unit and meaning in the results file.
 //!
-//! One observable, one file; adding one is its file, a variant and a line in `ENTRIES`, and what ARCHITECTURE.md lists.
+//! One observable, one file; adding one is its file, a variant and a line in `ENTRIES`, and what docs/extending.md lists.
 
 mod amplitude;
 mod contact_time;
