@@ -1,4 +1,4 @@
-//! A few instances redone by the reference engine.
+//! Audit: the reference engine redoes a few instances.
 
 use super::chunk::ChunkJournal;
 use super::followup::{FollowupKey, FollowupKind, FollowupResult};
@@ -10,32 +10,32 @@ use crate::observe::{Observable, Status};
 use crate::plan::Plan;
 use std::ops::ControlFlow;
 
-/// Tolerance of the reference's steps in units of the accuracy asked for.
+/// Tolerance of the reference's steps, as a share of the requested accuracy.
 const REFERENCE_TOL_SHARE: f64 = 1e-5;
-/// Instances for each thread whose states are integrated together.
+/// Instances for each thread that are integrated together.
 const SEARCHES_PER_THREAD: usize = 32;
 
 /// One audited instance.
 #[derive(Clone, Debug)]
 pub struct AuditedInstance {
     pub instance: u32,
-    /// What the reference makes of it.
+    /// The result of the reference engine.
     pub reference: Finished,
-    /// The run's error in each of the plan's observables, on its scale.
+    /// Error of the run in each of the plan's observables, on its scale.
     pub errors: Vec<f64>,
-    /// The largest of them; none where either the run or the reference does not call the instance ok.
+    /// The largest error. None unless both the run and the reference call the instance ok.
     pub worst: Option<f64>,
-    /// What the reference itself may be off by, by the modes that it leaves out and by its steps.
+    /// Error of the reference itself, from truncated modes and from its steps.
     pub truncation: f64,
 }
 
 impl AuditedInstance {
-    /// Whether the tip touches the sample, by the reference.
+    /// Whether the tip touches the sample, according to the reference.
     pub fn touches(&self) -> bool {
         reference_solution::touches(&self.reference)
     }
 
-    /// Whether the run's error is above `accuracy`.
+    /// Whether the error of the run is above `accuracy`.
     pub fn above(&self, accuracy: f64) -> bool {
         self.worst.is_some_and(|error| error > accuracy)
     }
@@ -47,17 +47,16 @@ impl AuditedInstance {
     }
 }
 
-/// Redoes up to `count` instances of a finished run that are called ok: half of them the most extreme ones, the
-/// others at random, and by turns, so that one that is stopped has done some of both. What needs no steps is left out:
-/// its motion is the free one, in closed form. Steady motion is redone as the reference's own periodic state next to the
-/// run's (`found` holds
-/// the states that the run searched for): that tells its error, and leaves open whether waiting would end in the
-/// same state. Runs from rest are redone whole.
+/// Redoes up to `count` instances of a finished run that are ok: by turns the most extreme ones and random ones, half of
+/// each, so that a stopped audit has some of both. Instances without steps are left out, because their free motion has a
+/// closed form. For steady motion the reference finds its own periodic state near the run's (`found` holds the states that
+/// the run searched for). That gives the run's error, but not whether time integration would reach the same state. Runs from
+/// rest are redone whole.
 ///
-/// What `keep` knows is not redone, and it is told of each instance that is. Of a run that is stopped, what is known comes.
+/// `keep` provides instances that an earlier audit redid and receives each new one. A stopped audit returns what it has.
 ///
 /// # Errors
-/// What the reference engine says.
+/// Those of the reference engine.
 pub fn audit(
     run: &RunResult,
     count: usize,
@@ -74,10 +73,10 @@ fn auditable(plan: &Plan, results: &ResultColumns) -> Vec<u32> {
     plan.instances().filter(counts).collect()
 }
 
-/// The instances that [`audit`] would redo, where not all that is known of the run lies in memory.
+/// The instances that [`audit`] would redo, for a run that is not all in memory.
 ///
 /// # Errors
-/// What is kept of a chunk cannot be read.
+/// A stored chunk cannot be read.
 pub fn audit_selection(run: &JournaledRun, count: usize) -> Result<Vec<u32>, EngineError> {
     let (mut ranking, places) = (Ranking::default(), AuditableInstances::of(run));
     if places.count > count {
@@ -98,14 +97,14 @@ fn is_auditable(run: &JournaledRun, i: u32) -> bool {
     mark.stepped() && mark.status() == Status::Ok
 }
 
-/// Where the instances are that an audit may choose from, of very many.
+/// An index of the instances that an audit may choose from, of very many.
 struct AuditableInstances {
-    /// How many there are before each stretch of instances.
+    /// Their number before each stretch of instances.
     before: Vec<usize>,
     count: usize,
 }
 
-/// Instances of a stretch.
+/// Instances in a stretch.
 const STRETCH_INSTANCES: usize = 4096;
 
 impl AuditableInstances {
@@ -120,7 +119,7 @@ impl AuditableInstances {
         Self { before, count }
     }
 
-    /// The one of this number among them.
+    /// The instance of this number among them.
     fn at(&self, run: &JournaledRun, place: usize) -> u32 {
         let stretch = self.before.partition_point(|before| *before <= place) - 1;
         let from = (stretch * STRETCH_INSTANCES) as u32;
@@ -129,10 +128,10 @@ impl AuditableInstances {
     }
 }
 
-/// Of those the ones that touch the sample, as far as the run's observables and its plan tell, the cheapest to redo first.
+/// The auditable instances that touch the sample, as far as observables and plan show it, the cheapest to redo first.
 ///
 /// # Errors
-/// What is kept of a chunk cannot be read.
+/// A stored chunk cannot be read.
 pub fn contacts_by_cost(run: &JournaledRun) -> Result<Vec<u32>, EngineError> {
     let (wants, mut all) = (run.plan.wants, Vec::new());
     run.each(&mut |piece| {
@@ -157,10 +156,10 @@ pub fn contacts_by_cost(run: &JournaledRun) -> Result<Vec<u32>, EngineError> {
     Ok(all.into_iter().map(|(_, i)| i).collect())
 }
 
-/// [`audit_of`] instances of a run of which not all lies in memory.
+/// Calls [`audit_of`] for a run that is not all in memory.
 ///
 /// # Errors
-/// What the reference engine says; what is kept of a chunk cannot be read.
+/// Those of the reference engine, or a stored chunk cannot be read.
 pub fn audit_of_run(
     run: &JournaledRun,
     chosen: &[u32],
@@ -175,10 +174,10 @@ pub fn audit_of_run(
     Ok(done)
 }
 
-/// [`audit`] of these instances.
+/// An [`audit`] of these instances.
 ///
 /// # Errors
-/// What the reference engine says.
+/// Those of the reference engine.
 pub fn audit_of(
     run: &RunResult,
     chosen: &[u32],
@@ -204,14 +203,14 @@ pub fn audit_of(
             truncation: reference_solution::truncation_error(plan, instance as usize, &truth.measured),
         }
     };
-    // Stopped on the way: what was not redone says nothing.
+    // Skip instances that a stopped audit has not redone.
     let done = |(_, truth): &(&u32, Finished)| truth.status != Status::NotRun;
     let mut all: Vec<AuditedInstance> = chosen.iter().zip(truths).filter(done).map(one).collect();
     all.sort_unstable_by_key(|one| one.instance);
     Ok(all)
 }
 
-/// What the reference engine makes of these instances, or has made of them in an earlier run.
+/// The reference engine's results for these instances, from now or from an earlier run.
 fn reference_solutions_of(
     run: &RunResult,
     chosen: &[u32],
@@ -219,7 +218,7 @@ fn reference_solutions_of(
     progress: &Progress,
 ) -> Result<Vec<Finished>, EngineError> {
     let RunResult { plan, found, .. } = run;
-    // Far below what is to be seen, and several times faster than the reference's own.
+    // Far below visible errors, and several times faster than the reference's own tolerance.
     let tolerance = (REFERENCE_TOL_SHARE * plan.run.accuracy).max(TOLERANCE);
     let reference = Reference { tolerance, ..Reference::default() };
     let known = reference_solution::known_sections(found);
@@ -236,7 +235,7 @@ fn reference_solutions_of(
         }
     };
     let judge = reference_solution::ReferenceSolver { reference: &reference, told: &told };
-    // Where no states were searched for, those of a piece are integrated to steady state before the first one is redone.
+    // Without searched states, the instances of a piece are integrated to steady state before any of them is redone.
     let waits = keep.lasts() && found.is_empty();
     let size = if waits { SEARCHES_PER_THREAD * rayon::current_num_threads() } else { left.len().max(1) };
     let mut truths = Vec::with_capacity(left.len());

@@ -1,4 +1,4 @@
-//! Modes: each instance's basis, by a sample of instances with poorer and richer ones.
+//! The choice of each instance's basis, by a sample of instances with smaller and richer ones.
 
 use super::basis_rules::BasisRules;
 use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
@@ -12,35 +12,34 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// What was tried to choose modes by: plain numbers, from which every instance's basis follows.
+/// Results of the trials of bases: plain numbers that determine every instance's basis.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct BasisTrialSet {
     /// Instances of the sample.
     pub sample: Vec<u32>,
-    /// From the smallest basis to the first that serves all of it.
+    /// From the smallest basis to the first that serves the whole sample.
     pub trials: Vec<BasisTrial>,
 }
 
-/// The plan with the modes that each instance needs.
+/// The plan with the basis that each instance needs.
 pub(super) struct BasisChoice {
     pub plan: Plan,
-    /// By instance, what the next smaller basis is made by; none where all are in the sample themselves.
+    /// Rule of each instance's next smaller basis. None if the sample has all instances.
     pub smaller: Option<BasisRules>,
-    /// What the modes left out cost each instance, by the sample; empty where it is nothing.
+    /// Truncation error of each instance, from the sample. Empty if it is zero.
     pub truncation: Vec<f64>,
 }
 
-/// The instances that are on trial for their bases: those of `stepped`, the plan's instances that need steps, whose
-/// contacts have no basis of their own.
+/// Splits `stepped`, the instances that need steps, into those whose fast contacts have a basis of their own, and those whose
+/// bases need a trial.
 fn usual(plan: &Plan, stepped: &[u32]) -> (Vec<u32>, Vec<u32>) {
     stepped.iter().copied().partition(|i| is_fast(plan, *i))
 }
 
-/// Tries bases on a sample of `stepped`; none where there is nothing to choose.
+/// Tries bases on a sample of `stepped`. None if there is nothing to choose.
 ///
-/// Contacts that are too fast for the modes with the largest shares have a basis of their own from the plan: their first
-/// run has fewer oscillators, and the difference is each instance's own estimate. For the others bases are tried on a
-/// sample.
+/// The plan gives a basis to each contact that is too fast for the modes with the largest shares. Its first run has fewer
+/// oscillators, and the difference is the instance's own estimate. All others need trials.
 pub(super) fn try_bases(
     plan: &Plan,
     stepped: &[u32],
@@ -53,7 +52,7 @@ pub(super) fn try_bases(
     }
     let order = by_stiffness(plan, &usual);
     let sample = spread(plan, &order);
-    // A plan of its own: trials cost what the sample is, not what it is of.
+    // Trials run on a plan of the sample, so their cost does not depend on the whole.
     let part = plan.part(&sample);
     if basis_trials::is_richest(&part) {
         return Ok((None, Vec::new()));
@@ -64,9 +63,8 @@ pub(super) fn try_bases(
 
 /// Gives each of `stepped` the basis that the trials choose for it.
 ///
-/// The harder a contact presses the lever, the more modes it moves: within a kind an instance has its place among the sample
-/// by its contact's stiffness at the deepest indentation to expect. A basis is good for all instances below the first
-/// member of the sample that it fails.
+/// A harder contact excites more modes. Within a kind, the stiffness of an instance's contact at the deepest expected
+/// indentation gives its place in the sample. A basis serves instances below the first sample member that it fails.
 pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTrialSet>) -> BasisChoice {
     let (fast, usual) = usual(plan, stepped);
     let Some(BasisTrialSet { sample, trials }) = tried else { return as_planned(plan, !fast.is_empty()) };
@@ -78,12 +76,12 @@ pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTri
         let of_kind = kinds.entry(kind).or_insert_with(|| KindTrials::new(plan, kind, sample, trials));
         bases.choose(i, stiffness, of_kind);
     });
-    // Of the sample itself all is known, but for those whose own difference has to tell.
+    // The trials cover a sample of all instances, unless a basis must be checked by the instance's own difference.
     let poorer = (usual.len() > sample.len() || bases.any_smaller).then_some(bases.smaller);
     BasisChoice { plan: bases.rebasing.plan, smaller: poorer, truncation: bases.truncation }
 }
 
-/// The bases that the plan has; the first run of fast contacts, if there are any, is with the next smaller ones.
+/// Keeps the plan's bases. If there are fast contacts, first runs have the next smaller ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
@@ -98,11 +96,11 @@ fn next_smaller(basis: BasisRule) -> BasisRule {
     basis.poorer().unwrap_or(basis)
 }
 
-/// What the trials say of one kind of contacts.
+/// The trials of one kind of contact.
 struct KindTrials {
     /// Stiffness of each member of the sample, softest first.
     stiffnesses: Vec<f64>,
-    /// Of each basis on trial, poorest first.
+    /// Costs of each basis on trial, smallest basis first.
     costs: Vec<TrialCosts>,
 }
 
@@ -117,28 +115,28 @@ impl KindTrials {
         }
     }
 
-    /// The smallest basis that serves an instance at this place, and what it costs there.
+    /// The smallest basis that serves an instance at this place, and its error there.
     fn basis(&self, place: &StiffnessRank) -> Option<(usize, f64)> {
         let serves = |n: &usize| *n == 0 || self.costs[n - 1].begins(place);
         let cost = |n: usize| self.costs[n].cost(place).map(|cost| (n, cost));
         (0..self.costs.len()).filter(serves).find_map(cost)
     }
 
-    /// The last basis on trial, and how far near an instance at this place it is from the richest.
+    /// The last basis on trial, and its difference to the richest one near this place.
     fn almost(&self, place: &StiffnessRank) -> Option<(usize, f64)> {
         let last = self.costs.len().checked_sub(1)?;
         Some((last, self.costs[last].near(place)))
     }
 }
 
-/// Each instance's basis, while they are chosen.
+/// The bases while they are being chosen.
 struct BasisAssignment<'a> {
     plan: &'a Plan,
     rebasing: Rebasing,
-    /// By instance.
+    /// Smaller basis of each instance.
     smaller: BasisRules,
     truncation: Vec<f64>,
-    /// Whether any of the bases has a smaller one.
+    /// Whether any chosen basis has a smaller one.
     any_smaller: bool,
 }
 
@@ -155,13 +153,13 @@ impl<'a> BasisAssignment<'a> {
         }
     }
 
-    /// The basis that the plan has for a fast contact.
+    /// Keeps the plan's basis of a fast contact.
     fn keep(&mut self, i: u32) {
         let own = self.plan.basis_rule(i);
         self.put(i, (own, next_smaller(own)), 0.0);
     }
 
-    /// The basis of an instance whose contact is so stiff.
+    /// Chooses the basis of an instance by the stiffness of its contact.
     fn choose(&mut self, i: u32, stiffness: f64, of_kind: &KindTrials) {
         let asked = self.plan.run.accuracy;
         let least = RICHEST_ACCURACY_SHARE * asked;
@@ -171,11 +169,11 @@ impl<'a> BasisAssignment<'a> {
             let before = n.checked_sub(1).filter(|n| of_kind.costs[*n].begins(place));
             self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
         } else if let Some((n, left)) = of_kind.almost(place).filter(|(_, left)| *left <= asked) {
-            // The richest of all serves, as the last one on trial does but for its bound, and vouches for it.
+            // The last basis on trial missed its bound, but it is accurate enough to verify the richest one.
             let richest = BasisRule::Shares { accuracy: least };
             self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
         } else {
-            // No basis of the trial serves: one for the contact itself, which the next smaller one vouches for.
+            // No basis of the trial serves. The contact gets its own basis, which the next smaller one verifies.
             let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
             let cost = if own.poorer().is_some() { 0.0 } else { least };
             self.put(i, (own, next_smaller(own)), cost);
@@ -195,8 +193,8 @@ pub(super) fn unbent_of(plan: &Plan, instances: &[u32], results: &[Finished]) ->
     instances.par_iter().map(|i| unbent(plan, *i, &results[*i as usize].measured)).collect()
 }
 
-/// What the flexibility that no oscillator carries costs an instance's virial, on its scale: the mean force bends the lever
-/// by it, and works on that. 0 where the virial is not asked for.
+/// Error of an instance's virial, on its scale, from the flexibility outside all oscillators: the mean force bends the lever
+/// and does work on it. 0 if the virial is not requested.
 pub(super) fn unbent(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     let kept = &plan.driven(instance).kept;
     if !plan.observables.contains(&Observable::Virial) {

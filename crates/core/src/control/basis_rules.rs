@@ -1,9 +1,9 @@
-//! Rules of bases of very many instances, of which few differ.
+//! Basis rules of very many instances, few of which differ.
 
 use crate::plan::BasisRule;
 use std::collections::HashMap;
 
-/// A rule for each instance: each is held once, and of each instance its number.
+/// A rule for each instance. Equal rules are stored once, and each instance stores a number.
 pub(super) struct BasisRules {
     known: Vec<BasisRule>,
     numbers: HashMap<[u64; 2], u32>,
@@ -11,12 +11,12 @@ pub(super) struct BasisRules {
 }
 
 impl BasisRules {
-    /// The same for so many instances.
+    /// The same rule for `count` instances.
     pub fn of(count: usize, rule: BasisRule) -> Self {
         Self { known: vec![rule], numbers: HashMap::from([(rule.key(), 0)]), of: vec![0; count] }
     }
 
-    /// Gives an instance another one.
+    /// Sets the rule of an instance.
     pub fn put(&mut self, instance: u32, rule: BasisRule) {
         let Self { known, numbers, of } = self;
         of[instance as usize] = *numbers.entry(rule.key()).or_insert_with(|| {
@@ -25,7 +25,7 @@ impl BasisRules {
         });
     }
 
-    /// That of an instance.
+    /// The rule of an instance.
     pub fn get(&self, instance: u32) -> BasisRule {
         self.known[self.of[instance as usize] as usize]
     }

@@ -1,4 +1,4 @@
-//! Bases on trial: what each costs a sample of the instances.
+//! Trials of bases: the error of each on a sample of the instances.
 
 use super::difference_scale::scaled_difference;
 use super::step_reduction::quarter_steps;
@@ -9,23 +9,23 @@ use crate::plan::{KeptMode, Plan, Precision, RICHEST_ACCURACY_SHARE};
 use crate::scene::{Start, Steady};
 use serde::{Deserialize, Serialize};
 
-/// Where more than one in so many of the sample is without a state that a search finds, its members begin at one another's
-/// states, at those of so many that are found, the next in stiffness first; where that does not help, the sample is integrated to steady state.
+/// If the search fails for more than one in `UNFOUND_ONE_IN` of the sample, these start from the states of other members, up
+/// to `MAX_NEIGHBOUR_STARTS` of them, the next in stiffness first. If that does not help, the sample is integrated.
 const UNFOUND_ONE_IN: usize = 4;
 const MAX_NEIGHBOUR_STARTS: usize = 6;
 
-/// One basis on trial: the accuracy whose modes it carries, and what it costs each member of the sample.
+/// A basis on trial: the accuracy that selects its modes, and the error of each member of the sample.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct BasisTrial {
     pub accuracy: f64,
     pub differences: Vec<f64>,
 }
 
-/// A sample's trials, from the smallest basis to the first that serves all of it.
+/// Trials of a sample, from the smallest basis to the first that serves the whole sample.
 #[derive(Default)]
 pub(super) struct TrialResults {
     pub all: Vec<BasisTrial>,
-    /// What the engine had to say.
+    /// Messages of the engine.
     pub notes: Vec<String>,
 }
 
@@ -34,19 +34,19 @@ fn modes(plan: &Plan) -> Vec<Vec<KeptMode>> {
     plan.drives.iter().map(|driven| driven.kept.modes.clone()).collect()
 }
 
-/// Whether no basis of this sample could be any richer.
+/// Whether the sample already has the richest basis.
 pub(super) fn is_richest(sample: &Plan) -> bool {
     modes(sample) == modes(&sample.clone().with_shares(RICHEST_ACCURACY_SHARE * sample.run.accuracy))
 }
 
-/// What a basis for `accuracy` may cost the sample.
+/// Largest allowed error of a basis for `accuracy`.
 fn bound(accuracy: f64, plan: &Plan) -> f64 {
     let (asked, policy) = (plan.run.accuracy, &plan.policy);
     asked * if accuracy > asked { policy.poorer_basis_share } else { policy.basis_share }
 }
 
-/// Tries bases on the plan `sample`, which stands for `count` instances: from poor to rich, each held against the richest
-/// there is. The poorest pay where there are many more instances than the sample has.
+/// Tries bases on the plan `sample`, which stands for `count` instances, from small to rich, each against the richest one.
+/// The smallest are worth a trial only if there are many more instances than the sample has.
 pub(super) fn run(
     sample: &Plan,
     count: usize,
@@ -54,7 +54,7 @@ pub(super) fn run(
     progress: &Progress,
 ) -> Result<TrialResults, EngineError> {
     let policy = &sample.policy;
-    // What the bases cost is not to be mistaken for rounding.
+    // Rounding must not look like truncation error.
     let open = sample.precision_settled().is_none() && engine.double();
     let precision = if open { Precision::F64 } else { sample.precision };
     let mut trials = TrialResults::default();
@@ -63,8 +63,8 @@ pub(super) fn run(
     let mut truths = reference_runs(&with(richest), engine, progress)?;
     trials.notes.append(&mut truths.outcome.notes);
     let mut tried = vec![modes(&sample.clone().with_shares(richest))];
-    // A point of a curve on trial, alone, may end on another branch than its curve comes along: it speaks for no basis that
-    // is poorer than the accuracy asked for.
+    // A point of a curve alone may end on another branch than its curve, so it cannot approve a basis for less than the
+    // requested accuracy.
     let many = count > policy.many && sample.ensemble.curves.is_none();
     let poorer: &[f64] = if many { &policy.poorer } else { &[] };
     for factor in poorer.iter().chain(&policy.richer) {
@@ -96,8 +96,8 @@ fn searches(sample: &Plan) -> bool {
     sample.run.steady == Steady::Search && sample.run.start == Start::Steady && !led
 }
 
-/// The sample with the richest basis, searched for with a quarter of the steps, if need be from one another's states, and then next
-/// to what that found. What no search finds is left out, unless that is much of the sample.
+/// Runs the sample with the richest basis. Searches start with a quarter of the steps, if necessary from other members'
+/// states, then continue from these results. Members that no search finds are left out unless there are many.
 fn reference_runs(
     rich: &Plan,
     engine: &dyn Engine,
@@ -129,8 +129,8 @@ fn unconverged(plan: &Plan, run: &OrbitSolution) -> Vec<u32> {
     plan.instances().filter(|i| run.state(*i as usize).is_none()).collect()
 }
 
-/// Members without a state begin at that of another one: of those that are found the next in the order of the sample at the first
-/// turn, then the one after that.
+/// Starts members without a state from the state of another member: at the first turn the nearest in the order of the sample,
+/// then the next.
 fn from_others(
     plan: &Plan,
     turn: usize,
@@ -150,8 +150,8 @@ fn from_others(
     Ok(())
 }
 
-/// The sample with another basis than the richest: each member searched for with a quarter of the steps, so that it is
-/// seen where another basis ends in another state.
+/// Runs the sample with another basis than the richest. Each member is searched for from scratch with a quarter of the steps,
+/// so a basis that leads to another state shows.
 fn with_basis(
     plan: &Plan,
     truths: &OrbitSolution,
@@ -176,7 +176,7 @@ fn with_basis(
     Ok(settled)
 }
 
-/// The sample's members next to the states that a run has found, or else another one; what neither has is left out.
+/// Runs the members near their states in the first run, or else in the second. Members without either are left out.
 fn next_to(
     plan: &Plan,
     (first, second): (&OrbitSolution, Option<&OrbitSolution>),
@@ -195,45 +195,45 @@ fn next_to(
 
 fn scaled_error(plan: &Plan, i: u32, results: &[Finished], truths: &[Finished]) -> f64 {
     let (a, b) = (&results[i as usize], &truths[i as usize]);
-    // A basis that has no such state at all does not serve it.
+    // The basis lacks this state.
     if b.status == Status::Ok && a.status == Status::NotRun {
         return f64::INFINITY;
     }
-    // What does not repeat has no difference to speak of.
+    // A motion that does not repeat has no meaningful difference.
     let ok = a.status == Status::Ok && b.status == Status::Ok;
     if ok { scaled_difference(plan, i, a, b) } else { 0.0 }
 }
 
-/// Where an instance stands among the members of the sample, softest contact first. Over a sweep of the gap alone all
-/// are as stiff, and each member stands for each instance.
+/// Place of an instance among the members of the sample, softest contact first. In a sweep of the gap alone all contacts are
+/// equally stiff, and each member stands for each instance.
 pub(super) struct StiffnessRank {
-    /// Members whose contact is softer.
+    /// Number of members with softer contacts.
     pub softer: usize,
-    /// Those, and the ones that are as stiff.
+    /// Number of members with contacts that are no stiffer.
     pub no_stiffer: usize,
 }
 
 impl StiffnessRank {
-    /// Of an instance whose contact is so stiff, among members with these stiffnesses.
+    /// Place of a contact of stiffness `here` among members with these stiffnesses.
     pub fn among(members: &[f64], here: f64) -> Self {
         let softer = members.partition_point(|other| *other < here);
         Self { softer, no_stiffer: softer + members[softer..].partition_point(|other| *other <= here) }
     }
 }
 
-/// What a basis costs the members of the sample of one kind, softest contact first.
+/// Errors of a basis for the sample members of one kind, softest contact first.
 pub(super) struct TrialCosts {
     pub accuracy: f64,
     differences: Vec<f64>,
-    /// So many of the first ones it does not fail, and so many not in the first run.
+    /// Number of members before the first that the basis fails, and the same for the first run.
     good: usize,
     good_first: usize,
-    /// Members on either side that stand for an instance.
+    /// Number of members on either side that stand for an instance.
     neighbours: usize,
 }
 
 impl TrialCosts {
-    /// Of the members with these numbers.
+    /// Costs for the members with these numbers.
     pub fn new(trial: &BasisTrial, members: &[usize], plan: &Plan) -> Self {
         let differences: Vec<f64> = members.iter().map(|n| trial.differences[*n]).collect();
         let within =
@@ -244,13 +244,12 @@ impl TrialCosts {
         Self { accuracy: trial.accuracy, differences, good, good_first, neighbours }
     }
 
-    /// Whether it will do for the first run of an instance at this place.
+    /// Whether the basis is good enough for the first run of an instance at this place.
     pub fn begins(&self, place: &StiffnessRank) -> bool {
         self.end(place) <= self.good_first
     }
 
-    /// The largest difference that it makes near an instance at this place; none where it fails one of those or of the
-    /// next.
+    /// Largest error near an instance at this place. None if the basis fails a member up to `neighbours` places stiffer.
     pub fn cost(&self, place: &StiffnessRank) -> Option<f64> {
         let from = place.softer.saturating_sub(self.neighbours);
         let to = self.end(place);
@@ -259,13 +258,13 @@ impl TrialCosts {
         good.then(|| near.iter().copied().fold(0.0, f64::max))
     }
 
-    /// The largest difference that it makes near an instance at this place, good or not.
+    /// Largest error near an instance at this place, whether or not the basis serves.
     pub fn near(&self, place: &StiffnessRank) -> f64 {
         let from = place.softer.saturating_sub(self.neighbours);
         self.differences[from.min(self.end(place))..self.end(place)].iter().copied().fold(0.0, f64::max)
     }
 
-    /// Where the members end that stand for an instance at this place.
+    /// End of the members that stand for an instance at this place.
     fn end(&self, place: &StiffnessRank) -> usize {
         (place.no_stiffer + self.neighbours).min(self.differences.len())
     }
@@ -278,7 +277,7 @@ mod tests {
     use crate::scene::Scene;
     use std::path::Path;
 
-    /// A hovering tip on trial would let a lever pass that is too poor for the taps of its curve: three of 128 audits of 1.6
+    /// With hovering tips in its trial, a basis too small for the taps of the curve passed: three of 128 audits of 1.6
     /// million points were above the accuracy.
     #[test]
     fn points_of_curves_speak_for_no_poorer_basis() {

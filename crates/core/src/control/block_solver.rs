@@ -1,4 +1,4 @@
-//! A block of a sweep, whose instances begin at one another's states.
+//! Solves a block of a sweep, whose instances start from one another's states.
 
 use super::choices::Choices;
 use super::first_estimate::{EstimateInputs, SmallerBasis};
@@ -13,28 +13,28 @@ use crate::plan::Plan;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// Instances that may be taken to their ends in any order, once those of the batches before them are.
+/// Instances that may run in any order once the batches before them are done.
 struct BlockBatch {
     instances: Vec<u32>,
     start: BatchStart,
 }
 
-/// Where the instances of a batch begin.
+/// Where the searches of a batch start.
 #[derive(Clone, Copy)]
 enum BatchStart {
-    /// At the free oscillation, which does not feel the sample.
+    /// The free oscillation, which does not feel the sample.
     Free,
-    /// Where a search of its own does.
+    /// The start of any single search.
     Coarse,
-    /// At those that stand around them, by the number of their level.
+    /// Solved instances around them; the number is their level.
     Level(usize),
-    /// At any of those next to them.
+    /// Any solved instance next to them.
     Neighbours,
-    /// Nothing else has led to them: they are integrated to steady state.
+    /// Nothing has led to them, so they are integrated to steady state.
     Integrate,
 }
 
-/// A block, and what was chosen for it; see [`EstimateInputs`].
+/// A block and the choices for it; see [`EstimateInputs`].
 pub(super) struct BlockSolver<'a> {
     pub plan: Plan,
     pub smaller_basis: Option<SmallerBasis>,
@@ -42,10 +42,9 @@ pub(super) struct BlockSolver<'a> {
     pub choices: &'a Choices,
 }
 
-/// Takes a block to its end, batch after batch. What no search finds is left until all batches are through: then it
-/// begins at the states next to it, and only what these do not lead to is integrated. Such instances mostly stand together and
-/// are alike: some of them are integrated first, and the others begin at those. Whoever stops a run keeps the pieces that are
-/// done.
+/// Runs a block batch by batch. Instances that no search finds wait until all batches are done. They then start from adjacent
+/// states, and time integration takes the rest. As such instances mostly lie together and resemble each other, some are
+/// integrated first and the others start from these. A stopped run keeps its finished pieces.
 pub(super) fn run(
     block: BlockSolver,
     order: &Hierarchy,
@@ -65,12 +64,12 @@ pub(super) fn run(
     filling.integrate(foremost.clone())?;
     filling.solve_from_known(Some(foremost))?;
     filling.integrate(filling.unsolved())?;
-    // Nobody begins at them any more.
+    // No further search starts from the states.
     Ok(ChunkRun { solved: Vec::new(), ..filling.whole })
 }
 
 fn batches(plan: &Plan, order: &Hierarchy) -> Vec<BlockBatch> {
-    // Neighbours may touch where the free oscillation, from which an instance is to begin, does not.
+    // With both branches, a free instance starts from the free oscillation, while its neighbours may touch.
     let is_free = |i: &u32| plan.steps(*i) == 0 || plan.run.both_branches && plan.is_free(*i);
     let free = BlockBatch { instances: plan.instances().filter(is_free).collect(), start: BatchStart::Free };
     let stepped = |points: Vec<u32>| shape_order(plan, points.into_iter().filter(|i| !is_free(i)).collect());
@@ -79,14 +78,14 @@ fn batches(plan: &Plan, order: &Hierarchy) -> Vec<BlockBatch> {
     [free, scouts].into_iter().chain((0..order.levels()).map(level)).collect()
 }
 
-/// Those of one shape together, in the order in which they stand in the sweep: their neighbours' states are then met one after
-/// the other in memory, too.
+/// Puts instances of one shape together, in the order of the sweep, so that their neighbours' states are close in memory,
+/// too.
 fn shape_order(plan: &Plan, mut points: Vec<u32>) -> Vec<u32> {
     points.sort_by_cached_key(|i| plan.shape(*i));
     points
 }
 
-/// A block on its way.
+/// A block in progress.
 struct BlockRun<'a> {
     block: &'a BlockSolver<'a>,
     order: &'a Hierarchy<'a>,
@@ -96,7 +95,7 @@ struct BlockRun<'a> {
 }
 
 impl BlockRun<'_> {
-    /// Takes a batch to its end in pieces of the engine's size, some of them at once.
+    /// Runs a batch in pieces of the engine's size, several at once.
     fn run_batch(&mut self, batch: &BlockBatch) -> Result<(), EngineError> {
         let (size, at_once) = self.engine.portions();
         let pieces: Vec<&[u32]> = batch.instances.chunks(size).collect();
@@ -116,7 +115,7 @@ impl BlockRun<'_> {
         Ok(())
     }
 
-    /// Takes a piece of a batch to its end.
+    /// Runs a piece of a batch.
     fn piece(&self, batch: &BlockBatch, piece: &[u32]) -> Result<ChunkRun, EngineError> {
         let Self { block, order, whole, .. } = self;
         let part = block.plan.part(piece);
@@ -144,7 +143,7 @@ impl BlockRun<'_> {
         self.block.plan.instances().filter(open).collect()
     }
 
-    /// Of open instances that stand next to one another, those that come before all that are next to them.
+    /// Unsolved instances that have no unsolved neighbour before them.
     fn front(&self) -> Vec<u32> {
         let open: BTreeSet<u32> = self.unsolved().into_iter().collect();
         let before = |i: u32, other: u32| self.order.number(other) < self.order.number(i);
@@ -158,8 +157,8 @@ impl BlockRun<'_> {
         self.run_batch(&BlockBatch { instances, start: BatchStart::Integrate })
     }
 
-    /// Open instances begin at the states next to them, round after round: each where one of these is new. In the first round
-    /// those of `latest` are, or all.
+    /// Starts unsolved instances from adjacent states, round after round. An instance runs if one of these states is new. In
+    /// the first round those of `latest` are new, or all.
     fn solve_from_known(&mut self, latest: Option<Vec<u32>>) -> Result<(), EngineError> {
         let mut fresh: Option<HashSet<u32>> = latest.map(|latest| latest.into_iter().collect());
         loop {
@@ -179,13 +178,13 @@ impl BlockRun<'_> {
 }
 
 impl ChunkRun {
-    /// Takes in what became of a piece of it.
+    /// Takes the results of a piece.
     fn take(&mut self, piece: &[u32], part: Self) {
         if !part.found.is_empty() && self.found.is_empty() {
             self.found = vec![None; self.plan.len()];
         }
         for (place, found) in piece.iter().zip(part.found) {
-            // Nobody goes on from it with other steps.
+            // No search with other steps starts from it.
             self.found[*place as usize] = found.map(|mut state| {
                 state.jacobian = Jacobian::Unknown;
                 state

@@ -1,5 +1,5 @@
-//! The second periodic state of a bistable instance: searched for from the lever at rest, then followed from the
-//! neighbours in the sweep that have one.
+//! The second periodic state of a bistable instance. Searches start from the lever at rest, then from second states of
+//! neighbours in the sweep.
 
 use super::chunk::ChunkJournal;
 use super::difference_scale::scaled_difference;
@@ -13,19 +13,18 @@ use crate::orbit::{self, Jacobian, PeriodicState};
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
-/// Second states of the instances of a finished run. First they are searched for from the lever at rest with the steps of
-/// the run. Then every instance without one is searched again from its neighbours' states that continue another branch
-/// than its own result is on: their second states, or their first ones. What is found so is a neighbour to the next,
-/// wave by wave, until no wave has anything left to try.
+/// Second states of the instances of a finished run. Searches first start from the lever at rest with the steps of the run.
+/// Every instance without a second state is then searched again from those states of its neighbours, first or second, that
+/// lie on another branch than its own. Each state so found is a neighbour for the next wave, until nothing is left to try.
 ///
-/// `shape` are the lengths of the sweep's axes, the last running fastest: neighbours are one apart along one of them.
-/// A list of samples has no neighbours (`shape` empty) and is left at the searches from rest.
+/// `shape` has the lengths of the sweep's axes, the last running fastest. Neighbours are one apart along one axis. A list of
+/// samples has an empty `shape` and no neighbours, so only the searches from rest run.
 ///
-/// What `keep` knows is not searched for again, and it is told of each search that ends. Of a run that is stopped, what is
-/// known comes; a state that is not brought to its end is called not run.
+/// `keep` provides the searches of an earlier run and receives each new one. A stopped run returns what it knows; a state
+/// that is not finished has the status not_run.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn second_orbits(
     run: &RunResult,
     shape: &[usize],
@@ -74,8 +73,8 @@ fn candidates(plan: &Plan, statuses: &[Status]) -> Vec<u32> {
     plan.instances().filter(counts).collect()
 }
 
-/// What searches from the lever at rest find, by instance of the run: for many instances they are the most of what second
-/// states cost, and each is of its instance alone.
+/// Results of the searches from the lever at rest, by instance of the run. With many instances they are most of the cost of
+/// second states, and they do not depend on one another.
 pub(super) fn from_rest(
     (plan, statuses): (&Plan, &[Status]),
     engine: &dyn Engine,
@@ -85,21 +84,21 @@ pub(super) fn from_rest(
     let settled = orbit::solve_from_rest(plan, &candidates(plan, statuses), engine, progress)?;
     notes.extend(settled.outcome.notes);
     let state = |(finished, place): (Finished, Option<Box<PeriodicState>>)| {
-        // Nobody asks for the map's Jacobian there again.
+        // The Jacobian is not needed again.
         let place = Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*place? });
         Some(SecondState { finished, orbit: place })
     };
     Ok(settled.outcome.results.into_iter().zip(settled.found).map(state).collect())
 }
 
-/// Which of an instance's states.
+/// One of an instance's states.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum OrbitNumber {
     First,
     Second,
 }
 
-/// A search from a neighbour's state, by the number of that neighbour's side.
+/// A search from the state of the neighbour on this side.
 struct SwitchingTrial {
     instance: u32,
     side: u32,
@@ -107,7 +106,7 @@ struct SwitchingTrial {
     which: OrbitNumber,
 }
 
-/// Its bit among the states of neighbours that an instance has been searched from.
+/// Bit of a neighbour's state in the set of starts that an instance has tried.
 fn trial_bit(side: u32, which: OrbitNumber) -> u64 {
     1 << (2 * side + u32::from(which == OrbitNumber::Second))
 }
@@ -116,7 +115,7 @@ fn trial_bit(side: u32, which: OrbitNumber) -> u64 {
 struct BranchSwitching<'a> {
     run: &'a RunResult,
     seconds: BTreeMap<u32, SecondState>,
-    /// Whether a search was left undone: what would follow from it is not known.
+    /// Whether a search was skipped. What would follow from it is then unknown.
     incomplete: bool,
 }
 
@@ -125,16 +124,16 @@ impl BranchSwitching<'_> {
         self.seconds.len()
     }
 
-    /// Keeps what was found for an instance, if it is another state than the first.
+    /// Keeps the state found for an instance if it differs from the first.
     fn take(&mut self, i: u32, finished: Finished, place: Option<Box<PeriodicState>>) -> bool {
         let Some(mut place) = place else { return false };
         let (plan, ours) = (&self.run.plan, self.run.results.get(i as usize));
         let apart =
             scaled_difference(plan, i, &ours, &finished) > plan.policy.branches_apart * plan.run.accuracy;
-        // Where the first run found no steady state at all, any is another.
+        // If the first run found no steady state, any state is a second one.
         let another = apart || !ours.status.is_steady();
         if another {
-            // Nobody asks for the map's Jacobian there again.
+            // The Jacobian is not needed again.
             place.jacobian = Jacobian::Unknown;
             self.seconds.insert(i, SecondState { finished, orbit: place });
         }
@@ -151,7 +150,7 @@ impl BranchSwitching<'_> {
     ) -> Result<(), EngineError> {
         let mut may = vec![false; self.run.plan.len()];
         instances.iter().for_each(|i| may[*i as usize] = true);
-        // Of each instance, which states of its neighbours it has been searched from.
+        // For each instance, the neighbours' states from which it has been searched.
         let mut tried = vec![0u64; self.run.plan.len()];
         let mut look: Vec<u32> = instances.to_vec();
         while !look.is_empty() && !self.incomplete {
@@ -164,7 +163,7 @@ impl BranchSwitching<'_> {
             }
             look = self.wave((&wave, neighbours), all, pieces)?;
             let next: Vec<u32> = look.iter().flat_map(|i| neighbours.adjacent(*i)).map(|(_, j)| j).collect();
-            // Who found nothing may have other neighbours to try.
+            // Instances that found nothing may have other neighbours to try.
             look =
                 wave.into_iter().map(|one| one.instance).chain(next).filter(|i| may[*i as usize]).collect();
             look.sort_unstable();
@@ -173,7 +172,7 @@ impl BranchSwitching<'_> {
         Ok(())
     }
 
-    /// Searches from neighbours' states; gives the instances that now have a second state.
+    /// Searches from neighbours' states. Returns the instances that now have a second state.
     fn wave(
         &mut self,
         (wave, neighbours): (&[SwitchingTrial], &GridAdjacency),
@@ -209,8 +208,8 @@ impl BranchSwitching<'_> {
         Ok(found)
     }
 
-    /// The first of the neighbours' states from which this instance has not been searched and that may lead to another
-    /// state than its first; the first number is its side.
+    /// The first untried state of a neighbour that may lead to another state than the instance's first. The first number is
+    /// the neighbour's side.
     fn candidate(&self, i: u32, neighbours: &GridAdjacency, tried: u64) -> Option<(u32, u32, OrbitNumber)> {
         neighbours.adjacent(i).find_map(|(side, j)| {
             [OrbitNumber::First, OrbitNumber::Second].into_iter().find_map(|which| {
@@ -241,8 +240,8 @@ impl BranchSwitching<'_> {
         }
     }
 
-    /// Whether this state of a neighbour is on another branch than the instance's first: it is pushed where that is
-    /// pulled or free, or the other way round; or the neighbour's other state is nearer to it.
+    /// Whether this state of a neighbour is on another branch than the instance's first. It is if the mean forces differ in
+    /// sign, or if the neighbour's other state is nearer to the instance's first.
     fn is_on_other_branch(&self, i: u32, j: u32, which: OrbitNumber) -> bool {
         if !self.has(j, which) {
             return false;
@@ -265,7 +264,7 @@ impl BranchSwitching<'_> {
     }
 }
 
-/// How far the fundamentals of two motions are apart, m.
+/// Distance between the fundamentals of two motions, m.
 fn fundamental_distance(a: &Finished, b: &Finished) -> f64 {
     let turn = (a.measured.phase - b.measured.phase).to_radians();
     let (a, b) = (a.measured.harmonics[0], b.measured.harmonics[0]);

@@ -1,5 +1,5 @@
-//! What is chosen once for all of a plan's instances, as plain data that can be written down: a run that is given it does
-//! what the run did that chose it, to the bit, and so does one of a share of the instances.
+//! The choices that all instances of a plan share, as plain data. A run or a share of a run that is given them repeats the
+//! original run to the bit.
 
 use super::basis_choice::BasisTrialSet;
 use super::hierarchy::SweepBlocks;
@@ -9,45 +9,45 @@ use crate::plan::Plan;
 use crate::scene::Steady;
 use serde::{Deserialize, Serialize};
 
-/// How each instance is taken to its result.
+/// How each instance gets its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Course {
     /// With error control.
     Controlled,
-    /// Once as it is planned: nothing is estimated.
+    /// One run as planned, without error estimates.
     Once,
     /// By the reference engine.
     Reference,
 }
 
-/// The choices of a run. As TOML they are a few kilobytes: what each instance gets follows from the plan and these numbers.
+/// The choices of a run, a few kilobytes of TOML. Together with the plan they determine how each instance runs.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Choices {
     pub course: Course,
-    /// Most instances that are taken to their ends together: some ten seconds of work of one core or one GPU.
+    /// Largest number of instances in a chunk: about ten seconds of work of one core or one GPU.
     pub portion: usize,
-    /// Whether the instances of a large sweep begin at one another's states; the sweep decides in which order.
+    /// Whether instances of a large sweep start from one another's states. The sweep determines the order.
     #[serde(default)]
     pub neighbours: bool,
-    /// What the engine had to say of the trials.
+    /// Messages of the engine from the trials.
     #[serde(default)]
     pub notes: Vec<String>,
     pub(super) precision: precision_trial::PrecisionChoice,
-    /// What bases were tried; none where the plan's own are taken.
+    /// The bases that were tried. None if the plan's own bases are used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) bases: Option<BasisTrialSet>,
 }
 
-/// Instance-steps per instance, of the whole run as planned, from which on a chunk is smaller than the engine's: a
-/// core does some 2e8 a second, and the CPU's chunks are of 16,384.
+/// Planned instance-steps per instance above which a chunk is smaller than the engine's size. A core does about 2e8 a second,
+/// and a chunk of the CPU has 16,384 instances.
 const MANY_STEPS_PER_INSTANCE: f64 = 1.2e5;
-/// Periods that a search steps at most, in place of those that would be integrated.
+/// Most periods that a search steps instead of integrating to steady state.
 const MAX_SEARCH_PERIODS: u32 = 600;
-/// Fewest instances of a chunk: enough to fill a processor's lanes.
+/// Smallest chunk: it fills the lanes of a processor.
 const MIN_CHUNK_INSTANCES: usize = 64;
 
-/// How many instances of the plan are some ten seconds of work. It hangs on the plan and the kind of engine alone.
+/// Number of instances that take about ten seconds. It depends on the plan and the kind of engine alone.
 pub(super) fn chunk_size(plan: &Plan, engine: &dyn Engine) -> usize {
     let most = engine.portions().0;
     let periods = match plan.run.steady {
@@ -62,12 +62,12 @@ pub(super) fn chunk_size(plan: &Plan, engine: &dyn Engine) -> usize {
 }
 
 impl Choices {
-    /// Of a run that was stopped in its trials.
+    /// Choices of a run that was stopped during its trials.
     pub(super) fn stopped(planned: &Plan, engine: &dyn Engine) -> Self {
         Self::untried(planned, Course::Controlled, engine, "stopped before its trial")
     }
 
-    /// Where nothing is tried, for this `reason`.
+    /// Choices without trials, for this `reason`.
     pub fn untried(planned: &Plan, course: Course, engine: &dyn Engine, reason: &str) -> Self {
         let precision = precision_trial::PrecisionChoice::settled(planned, reason);
         let portion = chunk_size(planned, engine);
@@ -75,11 +75,11 @@ impl Choices {
     }
 }
 
-/// Chooses what a run of the plan this way needs: where errors are controlled modes and precision, by trials of a sample of
-/// its instances (see [`run`](super::run)). None where it was stopped on the way.
+/// Makes the choices for a run of the plan. For a run with error control, trials of a sample of its instances choose modes
+/// and precision (see [`run`](super::run)). None if the run was stopped on the way.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn choose(
     planned: &Plan,
     course: Course,
@@ -105,7 +105,7 @@ pub fn choose(
         }
     };
     notes.append(&mut precision.notes);
-    // Trials that were cut short, which no instance's result comes from.
+    // A stopped run may have cut trials short; no result comes from these.
     let portion = chunk_size(planned, engine);
     let chosen = Choices { course, portion, neighbours, notes, precision, bases };
     Ok((!progress.stopped()).then_some(chosen))

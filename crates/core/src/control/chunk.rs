@@ -1,4 +1,4 @@
-//! Chunks of a run that have ended, and who keeps them.
+//! Finished chunks of a run, and the interface to their storage.
 
 use super::ChunkRun;
 use super::codec::{ChunkReader, portion_to_bytes as to_bytes};
@@ -9,93 +9,91 @@ use super::instance_record::{ChunkMeta, InstanceRecord};
 use crate::engine::{Finished, WantedColumns};
 use std::ops::{ControlFlow, Range};
 
-/// A chunk that has ended: what is held of it in memory, and the bytes that are kept.
+/// A finished chunk: the part that stays in memory, and the bytes to be stored.
 #[derive(Clone, Debug)]
 pub struct Chunk {
     pub meta: ChunkMeta,
-    /// Of its instances, in its order.
+    /// Flags of its instances, in the chunk's order.
     pub flags: Vec<InstanceFlags>,
-    /// How many of their results began at their neighbours' states.
+    /// Number of results from searches started at neighbours' states.
     pub neighbour_started: usize,
     pub bytes: Vec<u8>,
 }
 
-/// What is known of a run before it begins, of its chunks and of what is asked after them, who is told of what ends, and
-/// where chunks are that have ended.
+/// Storage of a run: finished chunks of this and earlier runs, and answers to follow-up questions.
 pub trait ChunkJournal: Sync {
-    /// In how many shares the run is done: these decide how it is divided.
+    /// Number of shares that the run is split into. Chunk sizes depend on it.
     fn shares(&self) -> usize {
         1
     }
 
-    /// Whether this run does one of them: what is asked of all instances together is left to who has all.
+    /// Whether this run computes one share. Questions about all instances then wait until the shares are joined.
     fn partly(&self) -> bool {
         false
     }
 
-    /// Whether this run is to do the chunk of this number.
+    /// Whether this run computes the chunk of this number.
     fn wanted(&self, _number: usize) -> bool {
         true
     }
 
-    /// Its bytes, if an earlier run has ended it with so many instances. One that was not whole is shown and not gone on with.
+    /// Bytes of a chunk of this many instances from an earlier run. An incomplete chunk is shown, not continued.
     fn known(&self, _number: usize, _instances: usize) -> Option<Vec<u8>> {
         None
     }
 
-    /// A chunk has ended, or a part of it where it is not whole, and its bytes are to be kept; a break ends the run.
+    /// Stores the bytes of a finished chunk, or of part of one if it is not `whole`. A break ends the run.
     fn ended(&self, number: usize, whole: bool, bytes: Vec<u8>) -> ControlFlow<()>;
 
-    /// Some of the bytes of a chunk that has ended in this run, or that was known before. Whether they are what was kept is
-    /// the reader's to know.
+    /// Reads a range of a chunk's bytes, finished in this run or before. The reader checks that they are what was stored.
     ///
     /// # Errors
-    /// In words, why they cannot be had.
+    /// Says why the bytes cannot be read.
     fn bytes(&self, number: usize, range: Range<usize>) -> Result<Vec<u8>, String>;
 
-    /// Whether what it is told outlasts the run: then it is told of pieces of the work.
+    /// Whether storage outlasts the run. If so, it also receives checkpoints of searches and audits.
     fn lasts(&self) -> bool {
         false
     }
 
-    /// The answers that an earlier run has found, one for each question.
+    /// Answers that an earlier run found, one entry for each question.
     fn recalled(&self, asked: &[FollowupKey]) -> Vec<Option<FollowupResult>> {
         vec![None; asked.len()]
     }
 
-    /// Questions that have been answered; a break ends the run.
+    /// Stores answers to questions. A break ends the run.
     fn answered(&self, _all: &[(FollowupKey, FollowupResult)]) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// The instances that an earlier run's audit has redone.
+    /// Instances that an earlier run's audit has redone.
     fn redone(&self) -> Vec<u32> {
         Vec::new()
     }
 
-    /// The numbers that answer a question of another kind, as an earlier run has found them.
+    /// Numbers that answer another kind of question, from an earlier run.
     fn numbers(&self, _asked: &FollowupKey) -> Option<Vec<f64>> {
         None
     }
 
-    /// Numbers that answer such a question; a break ends the run.
+    /// Stores such numbers. A break ends the run.
     fn numbered(&self, _asked: &FollowupKey, _numbers: &[f64]) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// What an earlier run's audit has spent.
+    /// Time that an earlier run's audit has spent.
     fn allowance(&self) -> Option<AuditBudget> {
         None
     }
 
-    /// What the audit has spent so far; a break ends the run.
+    /// Stores the time that the audit has spent so far. A break ends the run.
     fn spent(&self, _so_far: AuditBudget) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
 
 impl Chunk {
-    /// Of a run of some instances. What is measured in any case and was not asked for is not kept.
+    /// Packs a run of some instances. Measured quantities that nobody requested are dropped.
     pub(super) fn of(run: &ChunkRun, number: usize, whole: bool) -> Self {
         let (plan, results) = (&run.plan, &run.outcome.results);
         let is_told = |all: &[bool], n: usize| all.get(n).is_some_and(|told| *told);
@@ -138,8 +136,8 @@ impl Chunk {
         Self { meta: about, flags: (0..plan.len()).map(mark).collect(), neighbour_started, bytes }
     }
 
-    /// Of its bytes; none where they are no such chunk of so many instances. How many there are is the caller's to know:
-    /// bytes may tell of more than there is memory for.
+    /// Reads a chunk from its bytes. None if they are no such chunk. The caller provides the number of instances, because
+    /// damaged bytes may claim more than memory can hold.
     pub fn of_bytes(bytes: Vec<u8>, (number, count): (usize, usize), accuracy: f64) -> Option<Self> {
         let source = |range: Range<usize>| Ok(bytes.get(range).ok_or("it is cut off")?.to_vec());
         let view = ChunkReader::of(&source, number, count).ok()?;
@@ -152,7 +150,7 @@ impl Chunk {
         Some(Self { meta: about, flags: marks, neighbour_started, bytes })
     }
 
-    /// Whether it is whole, or anything was measured of its instances: else there is nothing to keep.
+    /// Whether the chunk is whole or has any measurement. Otherwise there is nothing to store.
     pub fn is_any(&self) -> bool {
         self.meta.whole || self.flags.iter().any(|mark| mark.measured())
     }

@@ -1,4 +1,4 @@
-//! Instances that are taken to their ends together, with all that this takes.
+//! Instances that run together, with all the data that takes.
 
 use super::{Arithmetic, orbit_pair, second_orbit};
 use crate::engine::Outcome;
@@ -8,24 +8,24 @@ use crate::plan::Plan;
 /// Some instances of a run, or all of a small one. See [`RunResult`](super::RunResult).
 #[derive(Clone, Debug)]
 pub struct ChunkRun {
-    /// The plan that was carried out.
+    /// The plan as it ran.
     pub plan: Plan,
     pub outcome: Outcome,
-    /// Of each instance the error of its worst observable, on its scale; NaN where nothing was estimated.
+    /// Error of each instance's worst observable, on that observable's scale. NaN if nothing was estimated.
     pub estimates: Vec<f64>,
-    /// The part of it that modes left out have.
+    /// The part of the estimate that comes from truncated modes.
     pub truncation: Vec<f64>,
-    /// Of each instance the periodic state that was found; empty where none was searched for.
+    /// Periodic state found for each instance. Empty if no states were searched for.
     pub found: Vec<Option<Box<PeriodicState>>>,
-    /// Of each instance the periods of its last run, those of the search among them.
+    /// Periods of each instance's last run, those of its search included.
     pub periods: Vec<u32>,
-    /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
+    /// For each instance, whether its curve jumped to this state from the point before. Empty without curves.
     pub jumps: Vec<bool>,
-    /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
+    /// For each instance, whether its result comes from a search started at its neighbours' states. Empty if none did.
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
-    /// Of each instance what others begin at; empty where none does.
+    /// For each instance, the states from which others may start. Empty if none does.
     pub(super) solved: Vec<orbit_pair::OrbitPair>,
-    /// Of each instance what the search from the lever at rest found; empty where it was not done.
+    /// For each instance, the result of its search from the lever at rest. Empty without such searches.
     pub(super) from_rest: Vec<Option<second_orbit::SecondState>>,
 }

@@ -1,4 +1,4 @@
-//! All instances of a plan, chunk by chunk.
+//! Runs all instances of a plan, chunk by chunk.
 
 use super::basis_choice::{self, BasisChoice};
 use super::basis_rules::BasisRules;
@@ -16,12 +16,12 @@ use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How the instances of a chunk are taken to their ends.
+/// How the instances of a chunk get their results.
 struct ChunkWork<'a> {
     choices: &'a Choices,
-    /// What the modes left out cost each instance of the plan; see [`basis_choice::BasisChoice`].
+    /// Truncation error of each instance of the plan; see [`basis_choice::BasisChoice`].
     truncation: Vec<f64>,
-    /// By instance of the plan; see [`EstimateInputs`].
+    /// Smaller basis of each instance of the plan; see [`EstimateInputs`].
     smaller_basis: Option<BasisRules>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
@@ -30,7 +30,7 @@ struct ChunkWork<'a> {
 }
 
 impl ChunkWork<'_> {
-    /// A chunk of the whole that is not begun, with its searches from rest where second states are asked for.
+    /// Runs a chunk, with its searches from rest if second states are requested.
     fn run(&self, number: usize, whole: &JournaledRun) -> Result<ChunkRun, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let mut ran = self.first_states(number, whole)?;
@@ -44,7 +44,7 @@ impl ChunkWork<'_> {
         Ok(ran)
     }
 
-    /// Takes a chunk, by its number, to its end.
+    /// Runs the chunk of this number to its first states.
     fn first_states(&self, number: usize, whole: &JournaledRun) -> Result<ChunkRun, EngineError> {
         let (engine, progress) = (self.engine, self.progress);
         let portion = whole.chunk(number);
@@ -78,7 +78,7 @@ impl ChunkWork<'_> {
     }
 }
 
-/// What feels no sample is as it is, but holds no set-point.
+/// Instances that feel no sample move freely, except that set-points must still be met.
 fn free(
     mut plan: Plan,
     choices: &Choices,
@@ -105,8 +105,8 @@ fn free(
     })
 }
 
-/// Takes all instances of the scene's plan to their ends by what was chosen, in chunks, some of them at once. Whoever stops
-/// a run keeps the chunks that are done. What `keep` does not want stays not run.
+/// Runs all instances of the scene's plan with the given choices, several chunks at once. A stopped run keeps its finished
+/// chunks. Chunks that `keep` does not want stay not run.
 pub(super) fn run<'k>(
     planned: Plan,
     choices: &Choices,
@@ -120,7 +120,7 @@ pub(super) fn run<'k>(
         _ => BasisChoice { plan: planned.clone(), smaller: None, truncation: Vec::new() },
     };
     (plan.precision, plan.precision_open) = (choices.precision.precision, false);
-    // There may be very many instances.
+    // Release the list: there may be very many instances.
     let some_stepped = !stepped.is_empty();
     drop(stepped);
     let division = Chunking::of(&planned, choices, keep.shares());
@@ -167,7 +167,7 @@ pub(super) fn run<'k>(
     Ok(whole)
 }
 
-/// Takes in what earlier runs have ended; gives the numbers of the chunks that are to be run.
+/// Takes the chunks that earlier runs finished and returns the numbers of the chunks still to run.
 fn take_known(whole: &mut JournaledRun, keep: &dyn ChunkJournal) -> Vec<usize> {
     let mut wanted = Vec::new();
     for number in 0..whole.division().len() {
@@ -175,7 +175,7 @@ fn take_known(whole: &mut JournaledRun, keep: &dyn ChunkJournal) -> Vec<usize> {
         let (count, accuracy) = (whole.chunk(number).len(), whole.plan.run.accuracy);
         let known = keep.known(number, count);
         let known = known.and_then(|bytes| Chunk::of_bytes(bytes, (number, count), accuracy));
-        // What was cut short or left out is run anew, from what was chosen.
+        // A chunk that was cut short or skipped runs anew with the same choices.
         let is_run = |known: &Chunk| known.flags.iter().all(|mark| mark.status() != Status::NotRun);
         let known = known.filter(|known| known.meta.whole && is_run(known) || !runs);
         if let Some(known) = &known {
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// A plan in one piece and in chunks, by the same choices.
+    /// Runs a plan in one piece and in chunks with the same choices.
     fn both(plan: &Plan) -> (RunResult, RunResult) {
         let (engine, progress) = (Cpu::default(), Progress::default());
         let chosen = choose(plan, Course::Controlled, &engine, &progress).expect("trials run");
@@ -237,7 +237,7 @@ mod tests {
         (run(usize::MAX, &engine), run(20, &Small(engine)))
     }
 
-    /// The whole is what chunks of it are, to the bit: integrated and searched for.
+    /// A whole run equals its chunks to the bit, both integrated and searched for.
     #[test]
     fn portions_give_what_the_whole_gives() {
         let text = include_str!("../../../../scenes/quickstart.toml");
@@ -262,7 +262,7 @@ mod tests {
         }
     }
 
-    /// More curves than a chunk has: none is cut, and each is what it is in one piece.
+    /// There are more curves than a chunk holds. No curve is cut, and each is the same as in one piece.
     #[test]
     fn curves_stay_whole_in_portions() {
         let text = r#"
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(parts.jumps.len(), 600);
     }
 
-    /// The CPU engine as one that takes all instances at once and has no map of its own, as a GPU has none.
+    /// The CPU engine, but it takes all instances at once and has no period map of its own, like a GPU.
     struct Plain;
 
     impl Engine for Plain {
@@ -303,8 +303,8 @@ mod tests {
         }
     }
 
-    /// A grid, and a design, whose instances begin at their neighbours': the same in small chunks, in one piece, and on an
-    /// engine that only runs plans.
+    /// A grid and a design whose instances start from neighbours. Results are the same in small chunks, in one piece, and on
+    /// an engine that only runs plans.
     #[test]
     fn neighbours_lead_to_the_same_in_any_portions() {
         let grid = r#"

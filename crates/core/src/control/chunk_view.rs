@@ -1,4 +1,4 @@
-//! A chunk of a run as those are shown it who ask for all instances.
+//! A chunk as it is shown to readers of the whole run.
 
 use super::codec::ChunkReader;
 use super::instance_flags::InstanceFlags;
@@ -7,8 +7,8 @@ use crate::observe::{Measured, Observable, Status};
 use crate::plan::{Plan, Precision};
 use std::sync::OnceLock;
 
-/// A run of which a chunk is shown: the plan of the whole, what is held of each instance, and what rounding adds to the
-/// estimates, where it does.
+/// The run that a chunk belongs to: the whole plan, the flags of each instance, and the rounding error to add to the
+/// estimates, if any.
 #[derive(Clone, Copy)]
 pub(super) struct RunContext<'a> {
     pub plan: &'a Plan,
@@ -16,13 +16,13 @@ pub(super) struct RunContext<'a> {
     pub added: &'a [f64],
 }
 
-/// A chunk of a run that has ended, or what is known of one that has not.
+/// A finished chunk of a run, or what is known of an unfinished one.
 pub struct ChunkView<'a> {
     run: RunContext<'a>,
-    /// By their numbers in the run.
+    /// Its instances, by their numbers in the run.
     pub instances: &'a [u32],
     pub(super) view: Option<ChunkReader<'a>>,
-    /// Their contacts, once one is asked for.
+    /// Contacts of the instances, computed at first use.
     contacts: OnceLock<Vec<Compact>>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> ChunkView<'a> {
 }
 
 impl ChunkView<'_> {
-    /// The plan of its instances as it was carried out.
+    /// The plan of the chunk's instances as they ran.
     pub fn plan(&self) -> Plan {
         let part = self.run.plan.part(self.instances);
         match self.view.as_ref().and_then(ChunkReader::fineness) {
@@ -42,12 +42,12 @@ impl ChunkView<'_> {
         }
     }
 
-    /// What was measured of an instance, by its number in the chunk.
+    /// Measurements of an instance, by its number in the chunk.
     pub fn measured(&self, n: usize) -> Measured {
         self.view.as_ref().map_or(Measured::NONE, |view| view.measured(n))
     }
 
-    /// The numbers of an observable: of all instances the first one, then of all the next.
+    /// Numbers of an observable: the first component of all instances, then the next.
     pub fn observed(&self, observable: Observable) -> Vec<f64> {
         let all = || observable.places();
         match &self.view {
@@ -56,7 +56,7 @@ impl ChunkView<'_> {
         }
     }
 
-    /// What became of an instance, in a word.
+    /// Status of an instance.
     pub fn status(&self, n: usize) -> Status {
         self.run.marks[self.instances[n] as usize].status()
     }
@@ -66,7 +66,7 @@ impl ChunkView<'_> {
         self.compact(n).contact()
     }
 
-    /// The same without the constants of its law.
+    /// An instance's contact without the constants of its law.
     pub fn compact(&self, n: usize) -> Compact {
         self.contacts.get_or_init(|| self.run.plan.contacts_of(self.instances))[n]
     }
@@ -84,33 +84,33 @@ impl ChunkView<'_> {
         all
     }
 
-    /// The same of an instance.
+    /// Estimated error of one instance.
     pub fn estimate(&self, n: usize) -> f64 {
         self.view.as_ref().map_or(f64::NAN, |view| view.estimate(n)) + self.added(self.instances[n])
     }
 
-    /// What rounding adds to an instance's estimate.
+    /// Rounding error to add to an instance's estimate.
     fn added(&self, instance: u32) -> f64 {
         self.run.added.get(instance as usize).copied().unwrap_or(0.0)
     }
 
-    /// The periods of its last run.
+    /// Periods of an instance's last run.
     pub fn periods(&self, n: usize) -> u32 {
         self.view.as_ref().map_or(0, |view| view.periods(n))
     }
 
-    /// Whether its curve's state was not reached continuously from the point before.
+    /// Whether the curve jumped to this instance's state from the point before.
     pub fn jump(&self, n: usize) -> bool {
         self.view.as_ref().is_some_and(|view| view.jump(n))
     }
 
-    /// Its steps per period.
+    /// Steps per period of an instance.
     pub fn steps(&self, n: usize) -> u32 {
         let planned = || self.run.plan.steps(self.instances[n]);
         self.view.as_ref().map_or_else(planned, |view| view.steps(n))
     }
 
-    /// The moduli of their maps' largest multipliers; NaN where no state was found, or waiting found it.
+    /// Moduli of the largest multipliers of the period maps. NaN if no state was found, or time integration found it.
     pub fn multipliers(&self) -> Vec<f64> {
         self.view.as_ref().map_or_else(|| vec![f64::NAN; self.instances.len()], ChunkReader::multipliers)
     }

@@ -1,26 +1,26 @@
-//! How the instances of a plan are divided into chunks.
+//! How a plan's instances are divided into chunks.
 
 use super::choices::Choices;
 use super::hierarchy::SweepBlocks;
 use crate::plan::Plan;
 
-/// How a plan's instances are divided: the order in which they run, and which make a chunk. Every run of the plan with
-/// the same choices divides them so.
+/// The order in which a plan's instances run, and the chunks it is cut into. Every run of the plan with the same choices and
+/// shares has the same chunks.
 pub struct Chunking {
     order: Vec<u32>,
-    /// Where in the order each chunk ends.
+    /// End of each chunk in the order.
     ends: Vec<usize>,
-    /// Where the chunks are blocks whose instances begin at one another's states.
+    /// Present if the chunks are blocks whose instances start from one another's states.
     pub(super) blocks: Option<SweepBlocks>,
 }
 
-/// Chunks that each share of a run has at least, as far as there are instances: so no share waits long for another.
+/// Least number of chunks in each share of a run, if there are enough instances: no share then waits long for another.
 const MIN_CHUNKS_PER_SHARE: usize = 4;
-/// Fewest instances of them: a lane's worth.
+/// Smallest size of these chunks: it fills a lane.
 const MIN_CHUNK_INSTANCES: usize = 16;
 
 impl Chunking {
-    /// Of the scene's plan, for a run in so many shares.
+    /// Divides the scene's plan for a run in this many shares.
     pub fn of(planned: &Plan, choices: &Choices, shares: usize) -> Self {
         if let Some(blocks) = choices.neighbours.then(|| SweepBlocks::of(planned)).flatten() {
             let end = |end: &mut usize, size: usize| {
@@ -35,7 +35,7 @@ impl Chunking {
             _ => planned.len().div_ceil(MIN_CHUNKS_PER_SHARE * shares).max(MIN_CHUNK_INSTANCES),
         };
         let size = choices.portion.min(even).max(1);
-        // In the order that the scene's plan runs them; curves stay whole.
+        // Use the order in which the plan runs; curves stay whole.
         let (order, size) = match planned.ensemble.curves {
             Some(_) => (planned.instances().collect(), whole_curves(planned, size)),
             None => (planned.by_class(), size),
@@ -62,10 +62,10 @@ impl Chunking {
     }
 }
 
-/// Curves that are followed side by side, at least: enough to fill a processor's lanes.
+/// Least number of curves followed side by side: they fill a processor's lanes.
 const CURVES_PER_CHUNK: usize = 32;
 
-/// The size of a chunk, so that no curve is in two.
+/// Adjusts the chunk size so that no curve is cut.
 pub(super) fn whole_curves(plan: &Plan, size: usize) -> usize {
     match plan.ensemble.curves {
         Some(curves) => {

@@ -5,10 +5,10 @@ use crate::orbit::{Jacobian, PeriodicState};
 use crate::periodic::Floquet;
 use crate::plan::{BasisRule, Plan, SectionState};
 
-/// A periodic state without the Jacobian of its map. There are very many: of a section state only the modes that move are held.
+/// A periodic state without the Jacobian of its period map. As there are very many, only moving modes are stored.
 #[derive(Clone, Debug)]
 pub struct CompactOrbit {
-    /// Travels up to the last mode that moves, then rates; see [`SectionState`].
+    /// Travels up to the last moving mode, then rates; see [`SectionState`].
     numbers: Box<[f64]>,
     touching: bool,
     finite: bool,
@@ -18,7 +18,7 @@ pub struct CompactOrbit {
 }
 
 impl CompactOrbit {
-    /// Of a state that stands there.
+    /// Packs a state with this section state.
     pub fn new(station: &SectionState, spectrum: Floquet, steps: u32, rule: BasisRule) -> Self {
         let SectionState { x, u, touching, finite } = station;
         let moves = |mode: &usize| x[*mode].to_bits() | u[*mode].to_bits() != 0;
@@ -31,7 +31,7 @@ impl CompactOrbit {
         Self::new(&state.section, state.floquet, state.steps, state.basis.rule)
     }
 
-    /// Where it stands.
+    /// The section state.
     pub fn station(&self) -> SectionState {
         let (x, u) = self.numbers();
         let mut station = SectionState { touching: self.touching, finite: self.finite, ..SectionState::FREE };
@@ -40,17 +40,17 @@ impl CompactOrbit {
         station
     }
 
-    /// Its travels and rates; what is not there is at rest.
+    /// Travels and rates. Modes beyond them are at rest.
     pub fn numbers(&self) -> (&[f64], &[f64]) {
         self.numbers.split_at(self.numbers.len() / 2)
     }
 
-    /// Whether it touches, and whether all of it are numbers.
+    /// Whether the tip touches, and whether all numbers are finite.
     pub fn marks(&self) -> [bool; 2] {
         [self.touching, self.finite]
     }
 
-    /// As the state of an instance.
+    /// The state as that of an instance of the plan.
     pub(super) fn state(&self, plan: &Plan, instance: u32) -> Box<PeriodicState> {
         let kept = plan.basis_by(instance, self.rule);
         let (spectrum, steps) = (self.floquet, self.steps);

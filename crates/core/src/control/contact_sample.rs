@@ -9,8 +9,8 @@ pub(super) fn sample(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     spread(plan, &by_stiffness(plan, stepped))
 }
 
-/// Evenly spread over instances in their order, and ever closer towards the stiffest of each kind: those are what a basis
-/// fails, and all that stand beyond the last member that it serves pay for a richer one.
+/// Spreads the sample evenly over the instances in their order, and ever closer towards the stiffest of each kind. A basis
+/// fails the stiffest first, and all instances beyond the last member that it serves need a richer one.
 pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
     let every = order.len().div_ceil(plan.policy.sample).max(1);
     let mut places: Vec<usize> = (0..order.len()).step_by(every).collect();
@@ -26,16 +26,16 @@ pub(super) fn spread(plan: &Plan, order: &[u32]) -> Vec<u32> {
     places.into_iter().map(|place| order[place]).collect()
 }
 
-/// What instances have in common that stand side by side in a sample: their law, and whether contact ends with a strong jump of
-/// its force, which moves modes that a contact as stiff without one leaves at rest.
+/// Instances of one kind are adjacent in a sample. They share their law, and whether contact ends with a strong jump of the
+/// force, which excites modes that an equally stiff contact without a jump does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ContactKind {
     law: u8,
     jumps: bool,
 }
 
-/// Where an instance stands: its kind, and its contact's stiffness at the deepest indentation to expect, over the lever's; under
-/// DMT at least the slope of the attraction just outside, which a tip feels that never touches.
+/// Kind of an instance, and its contact's stiffness at the deepest expected indentation relative to the lever's. Under DMT it
+/// is at least the slope of the attraction just outside, which even a tip that never touches feels.
 pub(super) fn kind_and_stiffness(plan: &Plan, instance: u32) -> (ContactKind, f64) {
     let case = plan.case(instance);
     let (contact, depth, law) = (&case.contact, plan.depth_of(&case), plan.law(instance));
@@ -49,10 +49,10 @@ pub(super) fn kind(plan: &Plan, instance: u32) -> ContactKind {
     kind_and_stiffness(plan, instance).0
 }
 
-/// By kind, then stiffness; those that are alike in both stand in an order that does not hang on the direction of an axis.
+/// Sorts by kind, then stiffness. The order of equal ones does not depend on the direction of an axis.
 pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     let ranks = plan.ensemble.grid.as_ref().filter(|grid| grid.len() == plan.len()).map(Ranks::of);
-    // Kind, stiffness and number in one number that is ordered as they are.
+    // One integer that sorts by kind, then stiffness, then number.
     let key = |part: &Plan, n: u32, i: u32| -> u128 {
         let (kind, stiffness) = kind_and_stiffness(part, n);
         let bits = stiffness.to_bits();
@@ -68,7 +68,7 @@ pub(super) fn by_stiffness(plan: &Plan, stepped: &[u32]) -> Vec<u32> {
     keyed.into_iter().map(instance).collect()
 }
 
-/// The instances of each kind, which stand together.
+/// The instances of each kind, which are adjacent.
 fn kinds<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = &'a [u32]> {
     let mut rest = order;
     std::iter::from_fn(move || {
@@ -86,8 +86,8 @@ mod tests {
     use crate::scene::Scene;
     use std::path::Path;
 
-    /// Truth is the same sweep with its axes written the other way round: under DMT a contact's stiffness does not hang on the
-    /// work of adhesion.
+    /// Truth: the same sweep with reversed axes. Under DMT the stiffness of a contact does not depend on the work of
+    /// adhesion.
     #[test]
     fn a_sample_has_the_same_members_in_either_direction_of_an_axis() {
         let sweep = |energies: &str, moduli: &str| {

@@ -1,22 +1,22 @@
-//! What an instance needs next, from what is known of it: the decision alone, nothing is run here.
+//! The decision what an instance needs next. It is pure: nothing runs here.
 
 use crate::observe::Status;
 use crate::plan::{Policy, STEPS_MAX};
 
-/// What an instance's estimate is made of, and what its refinement has brought so far.
+/// The parts of an instance's error estimate, and the history of its refinement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Refinement {
-    /// The part of the error that is of steps, and that of what its basis leaves out.
+    /// Error of the steps, and truncation error of the basis.
     pub of_steps: f64,
     pub of_modes: f64,
-    /// The first difference, while it is not known what of it is of steps and what of bases.
+    /// The first difference, as long as it is not split into steps and basis.
     pub unsplit: Option<f64>,
-    /// Most steps that it may have.
+    /// Most steps that the instance may have.
     pub most_steps: u32,
-    /// Whether a fast contact has had a finer run. The first one is held against a difference that may have been small by
-    /// chance, and does not count as in vain.
+    /// Whether a fast contact already had a finer run. The first finer run cannot stall it, because the difference before may
+    /// have been small by chance.
     pub finer_before: bool,
-    /// Whether a finer run of a fast contact, each of which is dear, did not bring its estimate down.
+    /// Whether a finer run of a fast contact failed to reduce its estimate. Such runs are expensive.
     pub stalled: bool,
 }
 
@@ -27,18 +27,18 @@ impl Refinement {
     }
 }
 
-/// What is known of an instance after its last run.
+/// What the decision knows of an instance after its last run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InstanceSummary<'a> {
     pub status: Status,
-    /// Estimated error, and the accuracy asked for.
+    /// Estimated error, and requested accuracy.
     pub estimate: f64,
     pub accuracy: f64,
     /// Steps per period of the last run.
     pub steps: u32,
-    /// Whether it ran in f32 and may go on in f64.
+    /// Whether it ran in f32 and may continue in f64.
     pub single: bool,
-    /// Whether there is a richer basis than its own.
+    /// Whether a richer basis exists.
     pub can_be_richer: bool,
     pub refinement: &'a Refinement,
 }
@@ -46,9 +46,9 @@ pub(super) struct InstanceSummary<'a> {
 /// What an instance needs next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Next {
-    /// Nothing: its result stays.
+    /// Nothing: the result stands.
     Accept,
-    /// The same run in f64: rounding may be what does not repeat.
+    /// The same run in f64, because rounding may be why the motion does not repeat.
     Double,
     /// Twice the steps.
     MoreSteps,
@@ -56,10 +56,10 @@ pub(super) enum Next {
     RicherBasis,
 }
 
-/// Decides by what is known alone.
+/// Decides from the summary alone.
 ///
-/// An instance whose motion does not repeat is not helped by steps, unless it ran in f32, which may be wrong about that.
-/// What left the range, or overflowed, may have done so for want of steps.
+/// More steps do not help a motion that does not repeat. In f32 that verdict may be wrong, so the instance runs in f64. An
+/// instance that left the range or overflowed may have had too few steps.
 pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
     let refinement = known.refinement;
     if refinement.stalled || known.steps > STEPS_MAX / 2 {
@@ -67,14 +67,14 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
     }
     match known.status {
         Status::NotSteady if known.single => return Next::Double,
-        // Of what has no estimate nothing more is to be learnt.
+        // Without an estimate, further runs teach nothing.
         Status::Ok if known.estimate.is_nan() || known.estimate <= policy.aim * known.accuracy => {
             return Next::Accept;
         }
         Status::Ok | Status::OutOfRange | Status::NonFinite => {}
         _ => return Next::Accept,
     }
-    // Where modes lead more steps will not help: known once two runs had the same basis.
+    // More steps do not help if the truncation error dominates. That is known once two runs had the same basis.
     let modes_lead = refinement.unsplit.is_none() && refinement.of_modes > refinement.of_steps;
     if modes_lead && known.can_be_richer {
         Next::RicherBasis

@@ -1,17 +1,17 @@
-//! How far two runs of an instance are apart, and what of it is left in the better one's error.
+//! The difference between two runs of an instance, and the share of it that remains in the better run's error.
 
 use crate::compare::{Scales, worst};
 use crate::engine::Finished;
 use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 
-/// How far two results of an instance are apart: the worst observable on its scale.
+/// Difference of two results of an instance: that of the worst observable on its scale.
 pub(super) fn scaled_difference(plan: &Plan, i: u32, a: &Finished, b: &Finished) -> f64 {
     let scales = Scales::of(plan, i as usize, &b.measured);
     worst(&plan.observables, &a.measured, &b.measured, &scales)
 }
 
-/// How far the results of these instances in another run, which was of them alone, are from those in a run of all.
+/// Differences of these instances between `other`, a run of them alone, and `all`, a run of all instances.
 pub(super) fn scaled_differences(
     plan: &Plan,
     instances: &[u32],
@@ -22,7 +22,7 @@ pub(super) fn scaled_differences(
     instances.par_iter().zip(other).map(apart).collect()
 }
 
-/// What is left of the difference between two bases in the richer one's error, for the contacts of this instance.
+/// Share of the difference between two bases that remains in the richer one's error, for this contact.
 pub(super) fn remaining_error_factor(plan: &Plan, i: u32) -> f64 {
     let policy = &plan.policy;
     let jumps = plan.law(i).has_memory();
@@ -35,7 +35,7 @@ pub(super) fn remaining_error_factor(plan: &Plan, i: u32) -> f64 {
     }
 }
 
-/// Whether the instance's oscillators are chosen by the rate of its contact.
+/// Whether the rate of the contact determines the instance's oscillators.
 pub(super) fn is_fast(plan: &Plan, i: u32) -> bool {
     matches!(plan.basis_rule(i), BasisRule::Contact { .. })
 }

@@ -1,4 +1,4 @@
-//! What is known of a run's errors, all told.
+//! A summary of a run's errors.
 
 use super::AuditedInstance;
 use super::instance_flags::InstanceFlags;
@@ -8,20 +8,20 @@ use crate::observe::{Observable, Status};
 use crate::plan::Plan;
 use std::collections::HashSet;
 
-/// Whether what a run calls ok meets the accuracy asked for, as far as estimates and audits tell.
+/// Whether instances that are ok meet the requested accuracy, as far as estimates and audits show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorSummary {
     pub accuracy: f64,
     pub instances: usize,
-    /// Instances called ok, and those of them of which neither an estimate nor an audit says how good they are.
+    /// Number of instances that are ok, and number of these with neither an estimate nor an audit.
     pub ok: usize,
     pub unknown: usize,
-    /// Instances marked as above the accuracy, by their estimates or an audit.
+    /// Number of instances marked as above the accuracy, by estimates or an audit.
     pub not_met: usize,
-    /// Instances that were not run.
+    /// Number of instances that were not run.
     pub not_run: usize,
-    /// Instances redone by the reference; those that both call ok, and of these those that touch the sample, those above
-    /// the accuracy, and those for which the reference itself may be off by more than it.
+    /// Number of instances that the reference redid; of these, those that both call ok; of those, the ones that touch the
+    /// sample, the ones above the accuracy, and the ones for which the reference's own error may exceed it.
     pub audited: usize,
     pub compared: usize,
     pub touching: usize,
@@ -36,16 +36,16 @@ pub struct WorstInstance {
     pub instance: u32,
     pub error: f64,
     pub observable: Option<Observable>,
-    /// What the run had estimated; NaN where nothing.
+    /// The run's estimate. NaN if there is none.
     pub estimate: f64,
 }
 
 impl ErrorSummary {
-    /// Of a run and its audits, once these are marked. `exact`: by the reference engine, whose results stand without
-    /// either.
+    /// Summarises a run whose audits are already marked. `exact`: the reference engine made the run, so it needs neither
+    /// estimate nor audit.
     ///
     /// # Errors
-    /// What is kept of a chunk cannot be read.
+    /// A stored chunk cannot be read.
     pub fn of(run: &JournaledRun, audited: &[AuditedInstance], exact: bool) -> Result<Self, EngineError> {
         let accuracy = run.plan.run.accuracy;
         let compared = || audited.iter().filter(|one| one.worst.is_some());
@@ -81,13 +81,12 @@ impl ErrorSummary {
         })
     }
 
-    /// Whether every instance was run, nothing that is known speaks against the results called ok, and something is known of
-    /// each.
+    /// Whether every instance was run, each that is ok has an estimate or an audit, and no known error is above the accuracy.
     pub fn met(&self) -> bool {
         self.not_run == 0 && self.not_met == 0 && self.above == 0 && self.unknown == 0
     }
 
-    /// The verdict in words, for the file and the terminal.
+    /// The verdict as text, for the file and the terminal.
     pub fn words(&self) -> String {
         let mut parts = Vec::new();
         if self.not_run > 0 {
@@ -116,7 +115,7 @@ impl ErrorSummary {
     }
 }
 
-/// What the estimates of a run rest on, or why there are none, in a sentence for the file.
+/// A sentence for the file on how a run's estimates were made, or why there are none.
 pub fn basis(plan: &Plan, estimated: bool, exact: bool) -> String {
     if exact {
         return "NaN: nothing is estimated of the reference engine, whose steps keep to a tolerance of their own".into();

@@ -1,4 +1,4 @@
-//! The first two runs of every instance, and what their difference tells.
+//! The first two runs of every instance, and the estimate from their difference.
 
 use super::decision::Refinement;
 use super::difference_scale::{is_fast, remaining_error_factor, scaled_differences};
@@ -11,35 +11,35 @@ use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution, PeriodicState};
 use crate::plan::{BasisRule, Plan, Precision, STEPS_MAX};
 
-/// What is known before the steps are.
+/// What the first estimate starts from.
 pub(super) struct EstimateInputs<'a> {
-    /// The bases of the first run; none where they are the plan's own.
+    /// The bases of the first run. None if they are the plan's own.
     pub poorer: Option<SmallerBasis>,
-    /// What the modes left out cost each instance, by the sample.
+    /// Truncation error of each instance, from the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision_trial::PrecisionChoice,
-    /// Solved instances around these, where their searches may begin; others begin at these in their turn.
+    /// Solved instances around these, from which searches may start. If present, later instances may start from these.
     pub around: Option<Stencils<'a>>,
 }
 
 /// The next smaller bases.
 pub(super) struct SmallerBasis {
-    /// By instance.
+    /// One basis for each instance.
     pub bases: Vec<BasisRule>,
-    /// The plan of the first run but for its steps: with these bases, though not for fast contacts. How many oscillators those
-    /// have decides what their steps cost, so their bases are told apart by a run of its own.
+    /// The plan of the first run, still with all its steps. Fast contacts keep their basis here: their number of oscillators
+    /// changes the step error, so a separate run estimates their truncation error.
     plan: Plan,
 }
 
 impl SmallerBasis {
-    /// Of all instances of a plan.
+    /// Smaller bases for all instances of a plan.
     pub fn of(plan: &Plan, bases: Vec<BasisRule>) -> Self {
         let usual = plan.stepped().into_iter().filter(|i| !is_fast(plan, *i));
         let wanted: Vec<(u32, BasisRule)> = usual.map(|i| (i, bases[i as usize])).collect();
         Self { plan: plan.with_bases_alone(&wanted), bases }
     }
 
-    /// Of some of these.
+    /// The smaller bases of some instances.
     pub fn part(&self, instances: &[u32]) -> Self {
         let bases = instances.iter().map(|i| self.bases[*i as usize]).collect();
         Self { bases, plan: self.plan.part(instances) }
@@ -47,7 +47,7 @@ impl SmallerBasis {
 }
 
 impl<'a> EstimateInputs<'a> {
-    /// Of instances that are searched for one by one, and lead to no others.
+    /// Inputs for instances that are searched for one by one, without neighbours.
     pub fn alone(
         poorer: Option<SmallerBasis>,
         left_out: Vec<f64>,
@@ -57,21 +57,21 @@ impl<'a> EstimateInputs<'a> {
     }
 }
 
-/// What the first two runs gave.
+/// The result of the first two runs.
 pub(super) struct FirstEstimate {
-    /// The plan of the second.
+    /// The plan of the second run.
     pub plan: Plan,
     pub settled: OrbitSolution,
-    /// By instance.
+    /// Estimate of each instance.
     pub known: Vec<Refinement>,
-    /// By instance, whether it began at its neighbours' states; empty where none did.
+    /// For each instance, whether it started from its neighbours' states. Empty if none did.
     pub neighbour_started: Vec<bool>,
-    /// By instance, what others begin at; empty where none does.
+    /// For each instance, the states from which others may start. Empty if none does.
     pub solved: Vec<OrbitPair>,
 }
 
-/// Runs `stepped`, the instances that need steps, with a quarter of the plan's, then all with half of them. Where the
-/// first run had poorer bases, the difference is of both; of fast contacts a third run tells what of it the bases make.
+/// Runs `stepped`, the instances that need steps, with a quarter of the plan's steps, then all with half of them. If the
+/// bases differ, the difference contains both errors; for fast contacts a third run gives the part of the bases.
 pub(super) fn run(
     plan: &Plan,
     stepped: &[u32],
@@ -116,7 +116,7 @@ pub(super) fn run(
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
         let of_both = rough.status == Status::Ok && !same_basis;
         let left = if of_both { remaining_error_factor(&begun.plan, i) } else { plan.policy.left_of_steps };
-        // A first run that was cut short has not told.
+        // A first run that was cut short gives no estimate.
         let told =
             rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
         let known = &mut begun.known[i as usize];
@@ -131,8 +131,8 @@ pub(super) fn run(
     Ok(begun)
 }
 
-/// A run of `stepped` alone with the coarse plan, then one of all with the fine one; which of these began at their
-/// neighbours' states.
+/// Runs `stepped` with the coarse plan, then all instances with the fine plan. The last result says which instances started
+/// from their neighbours' states.
 fn coarse_and_fine(
     coarse: &mut Plan,
     fine: &mut Plan,
@@ -147,7 +147,7 @@ fn coarse_and_fine(
         let settled = orbit::solve_again(fine, &near, engine, progress)?;
         return Ok((rough, settled, Vec::new()));
     };
-    // What is integrated to steady state is so in the second run, and only where it settles in the first one.
+    // Time integration belongs to the second run. Only an instance that settles there gets its first run afterwards.
     let (leads, patience) = (around.first_run(stepped), around.on_failure());
     let (mut rough, _) = orbit::solve_from_neighbours(coarse, &leads, (&[], patience[0]), engine, progress)?;
     let near = orbit::scatter(&rough.found, stepped, fine.len());
@@ -170,7 +170,7 @@ fn coarse_and_fine(
     Ok((rough, settled, begun))
 }
 
-/// Of each of so many instances what others may begin at, by both runs.
+/// The states from which others may start, for each of `count` instances, from both runs.
 fn solved(
     count: usize,
     stepped: &[u32],
@@ -188,7 +188,7 @@ fn solved(
     all
 }
 
-/// A line on jumps whose place hangs on the steps.
+/// A message about jumps that another number of steps puts at another point.
 fn moved(
     fine: &Plan,
     settled: &OrbitSolution,
@@ -211,8 +211,8 @@ fn moved(
     }))
 }
 
-/// Where curves were stopped before their second run, the points that the first one has reached are kept, as not run; these
-/// are named.
+/// Keeps the points that the first run reached, with status not_run, if curves were stopped before their second run. Returns
+/// their instances.
 fn keep_curves(
     settled: &mut OrbitSolution,
     stepped: &[u32],
@@ -234,13 +234,13 @@ fn keep_curves(
 }
 
 impl FirstEstimate {
-    /// Adds what the flexibility that no oscillator carries costs the virial.
+    /// Adds the error of the virial that the flexibility outside all oscillators causes.
     fn add_unbent(&mut self, stepped: &[u32]) {
         let costs = basis_choice::unbent_of(&self.plan, stepped, &self.settled.outcome.results);
         stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
     }
 
-    /// Runs the fast contacts once more, with poorer bases and the same steps: that difference is of bases alone.
+    /// Runs fast contacts again with smaller bases and the same steps: the difference is their truncation error.
     fn tell_fast_bases(
         &mut self,
         plan: &Plan,
@@ -264,7 +264,7 @@ impl FirstEstimate {
             orbit::solve_again(&mut few, &orbit::gather(&self.settled.found, &fast), engine, progress)?;
         let apart = scaled_differences(&self.plan, &fast, &poor.outcome.results, results);
         for (i, apart) in fast.into_iter().zip(apart) {
-            // A run that is cut short has not told.
+            // A run that was cut short gives no estimate.
             self.known[i as usize].of_modes = if progress.stopped() {
                 f64::INFINITY
             } else {

@@ -1,4 +1,4 @@
-//! Steps that the scene prescribes: they are kept, and what they cost is estimated all the same.
+//! Runs with prescribed steps, which are kept while their error is estimated.
 
 use super::ChunkRun;
 use super::difference_scale::scaled_differences;
@@ -9,9 +9,9 @@ use crate::observe::Status;
 use crate::orbit;
 use crate::plan::{Plan, STEPS_MAX};
 
-/// Runs the plan with its own steps, and its instances `stepped` once more with half of them: the estimate is what is
-/// left of the difference. Where half would be too few, or says that the accuracy asked for is not met, another run with
-/// twice the steps says it better.
+/// Runs the plan with its own steps, and `stepped` once more with half of them. The share of the difference that remains is
+/// the estimate. If half would be too few, or the estimate is above the accuracy, a run with twice the steps gives a better
+/// one.
 pub(super) fn run(
     mut plan: Plan,
     stepped: &[u32],
@@ -21,7 +21,7 @@ pub(super) fn run(
 ) -> Result<ChunkRun, EngineError> {
     let settled = orbit::solve_first(&mut plan, engine, progress)?;
     if plan.run.modes.is_none() {
-        // Modes that are too fast for these steps: no basis on trial had them.
+        // Modes too fast for these steps were in no basis on trial.
         for &i in stepped {
             let (kept, measured) = (&plan.driven(i).kept, &settled.outcome.results[i as usize].measured);
             let cut = gives_way(&plan, i as usize, measured, kept.residual_share.abs() * kept.flexibility);
@@ -40,14 +40,14 @@ pub(super) fn run(
         let ok = now.outcome.results[*i as usize].status == Status::Ok;
         ok && now.plan.steps(*i) <= STEPS_MAX / 2
     });
-    // The difference to a finer run is the coarser one's error but for the finer one's.
+    // This difference contains the error of the finer run, too.
     now.beside(&doubtful, (|steps| 2 * steps, 1.0 + left), engine, progress)?;
     stepped.iter().for_each(|i| now.add_unsettled(*i));
     Ok(now)
 }
 
 impl ChunkRun {
-    /// Runs these instances with other steps and takes `share` of the difference for their error; NaN where the other
+    /// Runs these instances with other steps. Their estimate becomes `share` of the difference, but stays NaN if the other
     /// run was cut short.
     fn beside(
         &mut self,

@@ -1,5 +1,5 @@
-//! What is asked of single instances once all have their results: the answers are written down as they come, and found
-//! again by all that they depend on.
+//! Follow-up questions about single instances of a finished run. Answers are stored as they come. Their keys contain all that
+//! they depend on.
 
 use super::compact_orbit::CompactOrbit;
 use crate::design::Mix;
@@ -7,37 +7,37 @@ use crate::engine::Finished;
 use crate::orbit::PeriodicState;
 use crate::plan::{Plan, Precision, SectionState};
 
-/// What is asked. Codes of the journal.
+/// The kind of question. The journal stores these codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum FollowupKind {
-    /// The periodic state that a search from a place finds.
+    /// The periodic state found from a given section state.
     State = 0,
-    /// The periodic state that a search from the lever at rest finds.
+    /// The periodic state found from the lever at rest.
     FromRest = 1,
-    /// What the reference engine makes of it.
+    /// The result of the reference engine.
     Truth = 2,
     /// Its waveforms.
     Waveforms = 3,
 }
 
 impl FollowupKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 4] = [Self::State, Self::FromRest, Self::Truth, Self::Waveforms];
 }
 
-/// A question about one instance. Two are the same only if their answers are.
+/// A question about one instance. Equal keys have equal answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FollowupKey {
     pub kind: FollowupKind,
-    /// By its number in the ensemble.
+    /// Number of the instance in the ensemble.
     pub instance: u32,
-    /// Follows from where it begins, its steps, gap, basis and precision.
+    /// Hash of start, steps, gap, basis and precision.
     pub from: u64,
 }
 
 impl FollowupKey {
-    /// About an instance of a plan, which begins at a place, if that is known.
+    /// A question about an instance of a plan that starts at `place`, if known.
     pub fn new(what: FollowupKind, plan: &Plan, i: u32, place: Option<&SectionState>) -> Self {
         let fineness = plan.resolution_of(i);
         let mut mix = Mix::new(what as u64);
@@ -56,31 +56,31 @@ impl FollowupKey {
     }
 }
 
-/// What became of it.
+/// The answer.
 #[derive(Clone, Debug)]
 pub struct FollowupResult {
     pub finished: Finished,
-    /// The state, where one was asked for and found.
+    /// The state, if one was requested and found.
     pub orbit: Option<Box<CompactOrbit>>,
 }
 
 impl FollowupResult {
-    /// Of what a search has found.
+    /// The answer of a search.
     pub(super) fn of_state(finished: Finished, found: Option<&PeriodicState>) -> Self {
         Self { finished, orbit: found.map(|state| Box::new(CompactOrbit::of(state))) }
     }
 
-    /// As what a search of the plan's instance finds.
+    /// The answer as the result and state of an instance of the plan.
     pub(super) fn state(self, plan: &Plan, i: u32) -> (Finished, Option<Box<PeriodicState>>) {
         (self.finished, self.orbit.map(|place| place.state(plan, i)))
     }
 }
 
-/// The time of an audit that is ended by time.
+/// Time of an audit with a time limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AuditBudget {
-    /// What it may take, s.
+    /// Limit, s.
     pub limit: f64,
-    /// What it has taken, s.
+    /// Time spent, s.
     pub spent: f64,
 }

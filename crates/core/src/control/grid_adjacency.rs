@@ -1,16 +1,16 @@
-//! Which instances of a sweep are next to one another.
+//! Neighbours in a grid.
 
-/// Axes that are looked along; a sweep of more has the others' neighbours left out.
+/// Most axes that are searched for neighbours. Further axes are ignored.
 const MAX_ADJACENCY_AXES: usize = 16;
 
 /// A grid: the last axis runs fastest.
 pub(super) struct GridAdjacency {
-    /// Of each axis its length and how far apart instances stand that are next to one another along it.
+    /// For each axis its length, and the distance between the numbers of neighbours along it.
     axes: Vec<(u32, u32)>,
 }
 
 impl GridAdjacency {
-    /// None where these lengths do not make `count` instances, as for a list, or nothing is swept.
+    /// None if these lengths do not multiply to `count`, as for a list, or nothing is swept.
     pub fn of(shape: &[usize], count: usize) -> Option<Self> {
         if shape.is_empty() || shape.iter().product::<usize>() != count {
             return None;
@@ -26,8 +26,7 @@ impl GridAdjacency {
         Some(Self { axes })
     }
 
-    /// Those one step away along one axis, each with the number of its side: twice the axis, and one more where it is
-    /// above.
+    /// The instances one step away along one axis, each with the number of its side: twice the axis, plus one if it is above.
     pub fn adjacent(&self, instance: u32) -> impl Iterator<Item = (u32, u32)> {
         self.axes.iter().enumerate().flat_map(move |(axis, &(length, stride))| {
             let place = instance / stride % length;

@@ -1,28 +1,28 @@
-//! The order in which the instances of a grid begin at one another's states: some are searched for, and between those
-//! along one axis after the other the others are, until the grid is full.
+//! The order in which the instances of a grid start from one another's states. Coarse points are searched for, then the
+//! points between them along one axis after the other, until the grid is full.
 //!
-//! The order depends on the grid alone: not on threads, on the engine or on the way in which an axis is written.
+//! The order depends on the grid alone, not on threads, the engine or the direction in which an axis is written.
 
 use super::orbit_pair::WeightedPoint;
 use crate::plan::{Grid, GridAxis, Ranks};
 
-/// Coarse points are searched for at about every such place of an axis, the second where that leaves fewer than so many spans.
+/// Spacing of coarse points along an axis, in places. The second holds while the first gives fewer than `MIN_COARSE_SPANS`.
 const COARSE_SPACING: (u32, u32) = (16, 8);
 const MIN_COARSE_SPANS: u32 = 7;
-/// Where more than one in so many would be a coarse point there is too little to win.
+/// With more than one coarse point in this many instances there is too little to gain.
 const MIN_INSTANCES_PER_COARSE: usize = 4;
-/// Places of an axis on which a guess rests: a cubic.
+/// Points of a stencil along an axis: a cubic.
 const STENCIL_POINTS: usize = 4;
-/// A grid as slabs, each filled by itself.
+/// A grid cut into slabs that are filled independently.
 pub(super) struct GridSlabs {
-    /// Each with the axes along which it extends, as a grid of its own.
+    /// Each slab as a grid of the axes along which it extends.
     pub grids: Vec<Grid>,
-    /// The instances of the plan, slab after slab, in each in the order of its own grid.
+    /// The instances of the plan, slab after slab, in the order of each slab's grid.
     pub order: Vec<u32>,
 }
 
 impl GridSlabs {
-    /// None where too many instances would be coarse points.
+    /// None if too many instances would be coarse points.
     pub fn worth(grid: &Grid, most: usize) -> Option<Self> {
         let slabs = Self::over(grid, most);
         let worth =
@@ -30,8 +30,8 @@ impl GridSlabs {
         slabs.grids.iter().all(worth).then_some(slabs)
     }
 
-    /// As many slabs along one axis go together as have `most` instances, as even as can be; the axes before it stand still.
-    /// The axis is cut by its values, so that it may be written in any order.
+    /// Cuts one axis into ranges as even as possible, with at most `most` instances in each slab; the axes before it are
+    /// fixed. The ranges follow the axis's values, so it may be written in any order.
     fn over(grid: &Grid, most: usize) -> Self {
         let slab = |n: usize| grid.axes[n + 1..].iter().map(|axis| axis.length as usize).product::<usize>();
         let (mut grids, mut order) = (Vec::new(), Vec::new());
@@ -56,19 +56,19 @@ impl GridSlabs {
     }
 }
 
-/// Instances of a grid between which all others stand, and then these, axis after axis.
+/// Coarse points of a grid, then the points between them, axis after axis.
 pub(super) struct GridHierarchy<'a> {
     pub coarse: Vec<u32>,
     pub later: Vec<GridLevel<'a>>,
     ranks: Ranks<'a>,
 }
 
-/// Instances that stand between known ones along one axis.
+/// Points between known ones along one axis.
 pub(super) struct GridLevel<'a> {
     axis: &'a GridAxis,
-    /// Of each place of the axis its rank among the values.
+    /// For each place of the axis, its rank among the values.
     rank: Vec<u32>,
-    /// Ranks that are known.
+    /// Ranks that are known, in ascending order.
     known: Vec<u32>,
     pub points: Vec<u32>,
 }
@@ -99,12 +99,12 @@ impl<'a> GridHierarchy<'a> {
         Self { coarse: scouts, later, ranks: Ranks::of(grid) }
     }
 
-    /// By these numbers instances come in an order that does not hang on the direction of an axis.
+    /// A number that orders points independently of the direction of an axis.
     pub fn number(&self, point: u32) -> u32 {
         self.ranks.number(point)
     }
 
-    /// Those one step away along one axis.
+    /// The points one step away along one axis.
     pub fn adjacent(&self, point: u32) -> Vec<u32> {
         let along = |(axis, ranks): &(&GridAxis, Vec<u32>)| {
             let place = point / axis.stride % axis.length;
@@ -118,7 +118,7 @@ impl<'a> GridHierarchy<'a> {
 }
 
 impl GridLevel<'_> {
-    /// What the guess for one of its points rests on: four known ones of its line where there are so many.
+    /// The stencil of one of its points: four known points on its line, or all if there are fewer.
     pub fn stencil(&self, point: u32) -> Vec<WeightedPoint> {
         let Self { axis, known, .. } = self;
         let place = point / axis.stride % axis.length;
@@ -144,7 +144,7 @@ impl GridLevel<'_> {
     }
 }
 
-/// Spans between coarse points along an axis; of one without an order every place is taken.
+/// Number of spans between coarse points along an axis. An axis without an order takes every place.
 fn coarse_spans(axis: &GridAxis) -> u32 {
     let steps = axis.length - 1;
     match axis.order.is_empty() {
@@ -153,7 +153,7 @@ fn coarse_spans(axis: &GridAxis) -> u32 {
     }
 }
 
-/// The ranks at the ends of so many spans, as even as can be.
+/// The ranks at the ends of this many spans, as even as possible.
 fn places(axis: &GridAxis, spans: u32) -> Vec<u32> {
     let steps = axis.length - 1;
     match spans >= steps {
@@ -162,7 +162,7 @@ fn places(axis: &GridAxis, spans: u32) -> Vec<u32> {
     }
 }
 
-/// The instances with these ranks along the axes.
+/// The instances at these ranks of the axes.
 fn points(grid: &Grid, ranks: &[Vec<u32>]) -> Vec<u32> {
     let mut all = vec![0];
     for (axis, ranks) in grid.axes.iter().zip(ranks) {
@@ -195,7 +195,7 @@ mod tests {
         let levels = GridHierarchy::over(&grid);
         let mut seen = vec![false; 6000];
         levels.coarse.iter().for_each(|i| seen[*i as usize] = true);
-        // 40 places have 5 spans, 50 have 7.
+        // An axis of 40 places has 5 spans, one of 50 has 7.
         assert_eq!(levels.coarse.len(), 6 * 3 * 8);
         for level in &levels.later {
             for point in &level.points {
@@ -235,16 +235,16 @@ mod tests {
     #[test]
     fn instances_beside_one_are_a_step_away_by_the_values() {
         let mut grid = grid(&[(5, true), (3, false), (4, true)]);
-        // Values that rise as places 2, 0, 3, 1, 4 do.
+        // Values ascend in the order of places 2, 0, 3, 1, 4.
         grid.axes[0].order = vec![2, 0, 3, 1, 4];
         let levels = GridHierarchy::over(&grid);
-        // Place 0 of the first axis stands between 2 and 3, place 3 of the last, turned round, at its lower end.
+        // Place 0 of the first axis lies between 2 and 3. Place 3 of the last axis, which is reversed, is its lower end.
         assert_eq!(levels.adjacent(4 + 3), [2 * 12 + 7, 3 * 12 + 7, 4 + 2]);
         let mutual = |i: u32| levels.adjacent(i).iter().all(|j| levels.adjacent(*j).contains(&i));
         assert!((0..60).all(mutual));
     }
 
-    /// Lagrange's weights hold cubics, those of the nearest hold lines, of the rank as of the place.
+    /// Lagrange's weights reproduce cubics and those of the nearest points lines, in the rank as in the place.
     #[test]
     fn weights_hold_cubics() {
         let grid = grid(&[(50, true)]);

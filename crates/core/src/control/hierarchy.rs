@@ -1,7 +1,7 @@
-//! The order in which the instances of a large sweep begin at one another's states.
+//! The order in which the instances of a large sweep start from one another's states.
 //!
-//! The sweep is divided into blocks, each filled by itself: a run that has some of the blocks does with them what a run of
-//! all does. Grids are filled along their axes; lists, designs and what else has no axes to go along, by distance.
+//! The sweep is divided into independent blocks, so a run of some blocks does with them what a run of all does. Grids are
+//! filled along their axes; lists and designs, which have no axes, by distance.
 
 use super::grid_hierarchy::{GridHierarchy, GridSlabs};
 use super::orbit_pair::{OrbitPair, WeightedPoint};
@@ -9,27 +9,27 @@ use super::scattered_hierarchy::ScatteredHierarchy;
 use crate::plan::{Grid, Plan};
 use crate::scene::{Start, Steady};
 
-/// Fewer instances than these are searched for one by one.
+/// A smaller sweep is searched for one by one.
 const MIN_HIERARCHY_INSTANCES: usize = 1000;
-/// Most instances of a block. More: fewer coarse points, and guesses that rest on more of the sweep. Less: less is lost where a run
-/// is killed, and more shares have work.
+/// Largest block. More: fewer coarse points, and predictions from more of the sweep. Less: a killed run loses less, and more
+/// shares have work.
 const MAX_BLOCK_INSTANCES: usize = 1 << 14;
 
 /// The blocks of a plan.
 pub(super) struct SweepBlocks {
     kind: BlockKind,
-    /// The instances of the plan, block after block, in each in its own order.
+    /// The instances of the plan, block after block, in each block's own order.
     pub order: Vec<u32>,
 }
 
 enum BlockKind {
     Grids(Vec<Grid>),
-    /// So many instances each, by their numbers.
+    /// Sizes of the blocks, filled by the instances' numbers.
     Scattered(Vec<usize>),
 }
 
 impl SweepBlocks {
-    /// None where the plan is not the scene's own, too small, integrated to steady state, or started otherwise: along curves, to set-points.
+    /// None for a part of a scene, a small plan, time integration, prescribed steps, curves and set-points.
     pub fn of(plan: &Plan) -> Option<Self> {
         let ensemble = &plan.ensemble;
         let whole = plan.len() == ensemble.len() && plan.len() >= MIN_HIERARCHY_INSTANCES;
@@ -48,7 +48,7 @@ impl SweepBlocks {
         Some(Self { kind: BlockKind::Scattered(sizes), order: plan.instances().collect() })
     }
 
-    /// How many instances each has.
+    /// Number of instances in each block.
     pub fn sizes(&self) -> Vec<usize> {
         match &self.kind {
             BlockKind::Grids(grids) => grids.iter().map(Grid::len).collect(),
@@ -56,7 +56,7 @@ impl SweepBlocks {
         }
     }
 
-    /// The order within one of them, whose plan it is.
+    /// The order within a block. `plan` is that of the block.
     pub fn within(&self, block: usize, plan: &Plan) -> Hierarchy<'_> {
         match &self.kind {
             BlockKind::Grids(grids) => Hierarchy::Grid(GridHierarchy::over(&grids[block])),
@@ -65,14 +65,14 @@ impl SweepBlocks {
     }
 }
 
-/// The order within a block: some instances are searched for, then level after level the others begin at those before.
+/// The order within a block: coarse points are searched for, then each level starts from the points before it.
 pub(super) enum Hierarchy<'a> {
     Grid(GridHierarchy<'a>),
     Scattered(ScatteredHierarchy),
 }
 
 impl Hierarchy<'_> {
-    /// Those that are searched for.
+    /// The coarse points, which are searched for.
     pub fn coarse(&self) -> Vec<u32> {
         match self {
             Self::Grid(levels) => levels.coarse.clone(),
@@ -80,7 +80,7 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// How many levels come after them.
+    /// Number of levels after the coarse points.
     pub fn levels(&self) -> usize {
         match self {
             Self::Grid(levels) => levels.later.len(),
@@ -96,7 +96,7 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// What the guess for an instance of a level rests on, by what is solved so far; of scattered ones the nearest comes first.
+    /// The stencil of an instance of a level, given what is solved so far. Scattered points come nearest first.
     pub fn support(&self, level: usize, instance: u32, solved: &[OrbitPair]) -> Vec<WeightedPoint> {
         match self {
             Self::Grid(levels) => levels.later[level].stencil(instance),
@@ -104,7 +104,7 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// The instances next to one.
+    /// The neighbours of an instance.
     pub fn adjacent(&self, instance: u32) -> Vec<u32> {
         match self {
             Self::Grid(levels) => levels.adjacent(instance),
@@ -112,7 +112,7 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// By these numbers instances come in an order that does not hang on the direction of an axis.
+    /// A number that orders instances independently of the direction of an axis.
     pub fn number(&self, instance: u32) -> u32 {
         match self {
             Self::Grid(levels) => levels.number(instance),
@@ -120,7 +120,7 @@ impl Hierarchy<'_> {
         }
     }
 
-    /// Whether instances rest on others around them, not along a line.
+    /// Whether stencils surround an instance instead of lying on a line.
     pub fn scattered(&self) -> bool {
         matches!(self, Self::Scattered(_))
     }

@@ -1,18 +1,18 @@
-//! What is known of each instance of a run in a byte.
+//! What a run holds in memory for each instance, in one byte.
 
 use crate::observe::Status;
 use crate::plan::Precision;
 
-/// Status and a few marks of an instance.
+/// Status and a few flags of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstanceFlags(u8);
 
-/// What a mark is made of.
+/// The facts that the flags encode.
 pub(super) struct InstanceFacts {
     pub status: Status,
     /// Whether it needed steps.
     pub stepped: bool,
-    /// Whether anything was measured of it.
+    /// Whether it has any measurement.
     pub measured: bool,
     pub estimate: f64,
     /// Whether its periodic state was found.
@@ -28,16 +28,16 @@ const ESTIMATED: u8 = 1 << 5;
 const FOUND: u8 = 1 << 6;
 const DOUBLE: u8 = 1 << 7;
 
-// All statuses have room.
+// All statuses fit.
 const _: () = assert!(Status::ALL.len() <= STATUS as usize + 1);
 
 impl InstanceFlags {
-    /// Of an instance that was not run, in this precision.
+    /// Flags of an instance that was not run, in this precision.
     pub(super) fn not_run(precision: Precision) -> Self {
         Self(Status::NotRun as u8 | flag(DOUBLE, precision == Precision::F64))
     }
 
-    /// Of one that has ended. What is called ok and was estimated above the accuracy asked for is called so.
+    /// Flags of a finished instance. Ok becomes accuracy_not_met if the estimate is above the requested accuracy.
     pub(super) fn of(seen: InstanceFacts, accuracy: f64) -> Self {
         let InstanceFacts { status, stepped, measured, estimate, found, precision } = seen;
         let mark = Self(
@@ -54,7 +54,7 @@ impl InstanceFlags {
         }
     }
 
-    /// With another status.
+    /// The same flags with another status.
     pub(super) fn called(self, status: Status) -> Self {
         Self(self.0 & !STATUS | status as u8)
     }
@@ -63,17 +63,17 @@ impl InstanceFlags {
         self.0 & flag != 0
     }
 
-    /// What became of it.
+    /// Status of the instance.
     pub fn status(self) -> Status {
         Status::ALL[usize::from(self.0 & STATUS)]
     }
 
-    /// Whether it needed steps; what feels no sample needs none.
+    /// Whether it needed steps. An instance that feels no sample needs none.
     pub fn stepped(self) -> bool {
         self.has(STEPPED)
     }
 
-    /// Whether anything was measured of it.
+    /// Whether it has any measurement.
     pub fn measured(self) -> bool {
         self.has(MEASURED)
     }
@@ -83,7 +83,7 @@ impl InstanceFlags {
         self.has(ESTIMATED)
     }
 
-    /// Whether its periodic state was found by a search, or by integration where one found none.
+    /// Whether a search, or time integration after it, found its periodic state.
     pub fn found(self) -> bool {
         self.has(FOUND)
     }

@@ -1,4 +1,4 @@
-//! What a stopped run has not brought to its end.
+//! Marks what a stopped run has left unfinished.
 
 use super::choices::Choices;
 use super::first_estimate::EstimateInputs;
@@ -9,7 +9,7 @@ use crate::observe::Status;
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
-/// [`refinement::run`]; where it was stopped, what it would have gone on with is marked.
+/// Calls [`refinement::run`] and, if that was stopped, marks the instances that it would have continued.
 pub(super) fn marked(
     plan: Plan,
     stepped: &[u32],
@@ -26,7 +26,7 @@ pub(super) fn marked(
 }
 
 impl ChunkRun {
-    /// Before anything.
+    /// A run before its first step.
     pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
         let count = plan.len();
         Self {
@@ -44,9 +44,9 @@ impl ChunkRun {
         }
     }
 
-    /// Calls those of `stepped` not run whose results could still have changed, by a run after `before`'s first ones; their values stay. An
-    /// instance is done if its first estimate was below what calls for more steps, or if no further run would have
-    /// made it ok.
+    /// Sets the status not_run for those of `stepped` that a run after the first ones of `before` could still have changed.
+    /// Their values stay. An instance is done if its first estimate is small enough, or if no further run could have made it
+    /// ok.
     fn mark_unfinished(&mut self, before: &Plan, stepped: &[u32], chosen: &precision_trial::PrecisionChoice) {
         let Self { plan, outcome, estimates, arithmetic, .. } = self;
         let told = before.run.steps_per_period.is_some();
@@ -60,7 +60,7 @@ impl ChunkRun {
             let waited = !search && (arithmetic.of[i] == Precision::F64 || !chosen.mixed);
             let done = match outcome.results[i].status {
                 Status::Ok => told || once && estimates[i] <= plan.policy.certain * before.run.accuracy,
-                // Later runs could have settled it: the search's rest is integrated, what f32 leaves goes on in f64.
+                // Later runs could have settled it: by time integration after the search, or by f64 after f32.
                 Status::NotSteady => waited,
                 Status::OutOfRange | Status::NonFinite => told,
                 Status::Sensitive | Status::AccuracyNotMet | Status::NoSetpoint => true,
@@ -87,7 +87,7 @@ mod tests {
     use std::path::Path;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// The CPU engine, which is stopped in the middle of its run of this number.
+    /// The CPU engine, stopped in the middle of its run of this number.
     struct Stops<'a> {
         left: AtomicUsize,
         progress: &'a Progress,
@@ -108,9 +108,9 @@ mod tests {
         }
     }
 
-    /// Stops the plan's run after each of so many engine's runs; how many instances were cut short, and how many kept.
-    /// Truth: the run that nobody stops. Whatever a stopped one calls ok has its values to the bit, and nothing is called by
-    /// another status than there, but for not run.
+    /// Stops the plan's run after each of these numbers of engine runs. Returns how many instances were cut short and how
+    /// many kept. Truth: the same run without a stop. An instance that is ok in the stopped run has its values to the bit;
+    /// any other has the same status as there, or not_run.
     fn stopped(plan: &Plan, after: impl Iterator<Item = usize>) -> [usize; 2] {
         let run = |runs: usize| {
             let progress = Progress::default();
@@ -147,7 +147,7 @@ mod tests {
             let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
             let some: Vec<u32> = (0..plan.len() as u32).step_by(251).collect();
             let mut plan = plan.part(&some);
-            // So many of them have to be refined.
+            // This accuracy makes refinement necessary for many of them.
             plan.run.accuracy = 2e-4;
             let [cut, kept] = stopped(&plan, 1..);
             counts = [counts[0] + cut, counts[1] + kept];

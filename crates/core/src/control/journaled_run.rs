@@ -1,4 +1,4 @@
-//! A run whose chunks have ended: of each instance a byte is held, the rest is read where they are kept.
+//! A run whose chunks are finished: memory holds one byte for each instance, the journal holds the rest.
 
 use super::choices::Choices;
 use super::chunk::{Chunk, ChunkJournal};
@@ -16,34 +16,34 @@ use crate::orbit::OrbitTable;
 use crate::plan::{Plan, Precision, Resolution};
 use std::ops::ControlFlow;
 
-/// A run of all instances to the accuracy asked for. There may be very many: of each a byte lies in memory.
+/// A run of all instances to the requested accuracy. There may be very many, so memory holds one byte for each.
 pub struct JournaledRun<'k> {
-    /// The plan with the bases that were chosen, before anything was refined.
+    /// The plan with the chosen bases, before refinement.
     pub plan: Plan,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
-    /// Why it ran in the arithmetic that it did.
+    /// The reason for the arithmetic.
     pub reason: String,
-    /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
+    /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy. NaN without a sample.
     pub rounding: f64,
     /// Whether states were searched for.
     pub searched: bool,
     /// Whether the instances are points of curves.
     pub curves: bool,
-    /// Whether each was searched for from rest.
+    /// Whether searches from rest ran.
     from_rest: bool,
-    /// What rounding adds to the estimates; empty where that is in them, or nothing.
+    /// Rounding error to add to each estimate. Empty if it is included, or zero.
     pub(super) added: Vec<f64>,
     flags: Vec<InstanceFlags>,
     neighbour_started: usize,
     chunking: Chunking,
-    /// Of each chunk whether it is kept.
+    /// For each chunk, whether the journal holds it.
     kept: Vec<bool>,
     keep: &'k dyn ChunkJournal,
 }
 
 impl<'k> JournaledRun<'k> {
-    /// Before anything.
+    /// A run before its first step.
     pub(super) fn not_begun(
         plan: Plan,
         choices: &Choices,
@@ -72,12 +72,12 @@ impl<'k> JournaledRun<'k> {
         self.chunking.chunk(number)
     }
 
-    /// How its instances are divided.
+    /// How its instances are divided into chunks.
     pub(super) fn division(&self) -> &Chunking {
         &self.chunking
     }
 
-    /// Takes in a chunk that is kept.
+    /// Takes a chunk that the journal holds.
     pub(super) fn take(&mut self, number: usize, portion: &Chunk) {
         for (i, mark) in self.chunking.chunk(number).iter().zip(&portion.flags) {
             self.flags[*i as usize] = *mark;
@@ -91,7 +91,7 @@ impl<'k> JournaledRun<'k> {
         self.kept[number] = true;
     }
 
-    /// What is known of each instance, in the order of their numbers.
+    /// Flags of each instance, in the order of their numbers.
     pub fn marks(&self) -> &[InstanceFlags] {
         &self.flags
     }
@@ -106,23 +106,23 @@ impl<'k> JournaledRun<'k> {
         self.flags.is_empty()
     }
 
-    /// What became of an instance, in a word.
+    /// Status of an instance.
     pub fn status(&self, instance: u32) -> Status {
         self.flags[instance as usize].status()
     }
 
-    /// Whether every instance of these chunks was run.
+    /// Whether every instance of the chunks that `portions` accepts was run.
     pub fn is_run(&self, portions: impl Fn(usize) -> bool) -> bool {
         let mut wanted = (0..self.chunking.len()).filter(|number| portions(*number));
         wanted.all(|number| self.chunk(number).iter().all(|i| self.status(*i) != Status::NotRun))
     }
 
-    /// How many instances are called so.
+    /// Number of instances with this status.
     pub fn count(&self, status: Status) -> usize {
         self.flags.iter().filter(|mark| mark.status() == status).count()
     }
 
-    /// Says that an error above the accuracy asked for was found of an instance.
+    /// Marks an instance whose error turned out to be above the requested accuracy.
     pub fn miss(&mut self, instance: u32) {
         let mark = &mut self.flags[instance as usize];
         if mark.status() == Status::Ok {
@@ -130,12 +130,12 @@ impl<'k> JournaledRun<'k> {
         }
     }
 
-    /// The share of the instances whose results began at their neighbours' states.
+    /// The share of the instances whose results come from searches started at their neighbours' states.
     pub fn neighbour_started(&self) -> f64 {
         self.neighbour_started as f64 / self.len().max(1) as f64
     }
 
-    /// How many instances' last runs were in the other arithmetic than the plan's.
+    /// Number of instances whose last run was not in the plan's arithmetic.
     pub fn in_other_precision(&self) -> usize {
         self.flags.iter().filter(|mark| mark.precision() != self.plan.precision).count()
     }
@@ -146,10 +146,10 @@ impl<'k> JournaledRun<'k> {
         if self.flags.iter().any(|mark| mark.precision() != first) { "mixed" } else { first.name() }
     }
 
-    /// Shows all chunks, one after the other, until `show` breaks off.
+    /// Shows all chunks in order until `show` breaks.
     ///
     /// # Errors
-    /// What is kept of a chunk cannot be read.
+    /// A stored chunk cannot be read.
     pub fn each(&self, show: &mut dyn FnMut(&ChunkView) -> ControlFlow<()>) -> Result<(), EngineError> {
         for number in 0..self.chunking.len() {
             if self.shown(number, show)?.is_break() {
@@ -159,14 +159,14 @@ impl<'k> JournaledRun<'k> {
         Ok(())
     }
 
-    /// Shows all chunks with nothing but their plans and marks: what is kept of them is not read.
+    /// Shows all chunks with their plans and flags only; stored bytes are not read.
     pub fn each_unread(&self, show: &mut dyn FnMut(&ChunkView)) {
         for number in 0..self.chunking.len() {
             show(&ChunkView::new(self.context(), self.chunking.chunk(number), None));
         }
     }
 
-    /// What its chunks are shown with.
+    /// The context of each chunk.
     fn context(&self) -> RunContext<'_> {
         RunContext { plan: &self.plan, marks: &self.flags, added: &self.added }
     }
@@ -187,10 +187,10 @@ impl<'k> JournaledRun<'k> {
         }
     }
 
-    /// The estimates of the instances that are called ok, those that are numbers, the least first.
+    /// Finite estimates of the instances with status ok, in ascending order.
     ///
     /// # Errors
-    /// As [`JournaledRun::each`].
+    /// Those of [`JournaledRun::each`].
     pub fn estimates_of_ok(&self) -> Result<Vec<f64>, EngineError> {
         let mut known = Vec::new();
         self.each(&mut |piece| {
@@ -203,12 +203,12 @@ impl<'k> JournaledRun<'k> {
         Ok(known)
     }
 
-    /// These instances with all that is known of them: a run of them alone, in this order.
+    /// Loads these instances as a run of their own, in this order.
     ///
     /// # Errors
-    /// As [`JournaledRun::each`].
+    /// Those of [`JournaledRun::each`].
     pub fn some(&self, instances: &[u32]) -> Result<RunResult, EngineError> {
-        /// No place among them.
+        /// Marks instances that are not among them.
         const NONE: u32 = u32::MAX;
         let mut places = vec![NONE; self.len()];
         instances.iter().enumerate().for_each(|(n, i)| places[*i as usize] = n as u32);
@@ -236,16 +236,16 @@ impl<'k> JournaledRun<'k> {
         Ok(whole.run)
     }
 
-    /// All of it in memory.
+    /// Loads all instances.
     ///
     /// # Errors
-    /// As [`JournaledRun::each`].
+    /// Those of [`JournaledRun::each`].
     pub fn gathered(&self) -> Result<RunResult, EngineError> {
         self.some(&self.plan.instances().collect::<Vec<u32>>())
     }
 }
 
-/// Instances that are put together in memory.
+/// A run in memory, filled instance by instance.
 struct GatheredRun {
     run: RunResult,
     fineness: Vec<Resolution>,
@@ -276,7 +276,7 @@ impl GatheredRun {
         Self { run, fineness }
     }
 
-    /// Takes in an instance, number `there` of its chunk and `n` here.
+    /// Takes an instance: number `there` of its chunk, number `n` here.
     fn take(&mut self, (view, piece): (&ChunkReader, &ChunkView), there: usize, n: usize) {
         let Some(one) = view.ended(there) else { return };
         let RunResult { results, estimates, truncation: left_out, periods, jumps, neighbour_started, .. } =
@@ -290,7 +290,7 @@ impl GatheredRun {
         neighbour_started.get_mut(n).into_iter().for_each(|begun| *begun = one.neighbour_started);
     }
 
-    /// Takes in its states, once its plan is known.
+    /// Takes the instance's states. The plan must have its resolutions by then.
     fn take_places(&mut self, view: &ChunkReader, there: usize, n: usize) {
         let Some(one) = view.ended(there) else { return };
         let RunResult { plan, found, from_rest, .. } = &mut self.run;

@@ -1,23 +1,23 @@
-//! The order in which scattered instances begin at one another's states, and which solved ones are nearest: both are one
-//! k-d tree (Bentley 1975, <https://doi.org/10.1145/361002.361007>) of medians. The instances at its top are spread over all
-//! of them, those of each depth stand between the ones above, and what is solved so far is a whole tree again.
+//! A k-d tree of medians (Bentley 1975, <https://doi.org/10.1145/361002.361007>). It orders scattered instances and finds the
+//! nearest solved ones. Points at its top spread over all instances, and those of each depth lie between the ones above, so
+//! the solved points always form a whole tree.
 
-/// Points and the tree over them. It depends on their coordinates and their order alone.
+/// Points and the tree over them. The tree depends on the coordinates and the order of the points alone.
 pub(super) struct KdTree {
     dimensions: usize,
-    /// The points in the order of the tree: the middle one of a stretch divides it.
+    /// The points in the order of the tree: the middle point of a stretch divides it.
     points: Vec<u32>,
-    /// Their coordinates, point after point in that order.
+    /// Coordinates, point after point in that order.
     coordinates: Vec<f64>,
-    /// Of each place the dimension along which its point divides a stretch.
+    /// For each place, the dimension along which its point divides the stretch.
     along: Vec<u8>,
 }
 
-/// A point and its square distance.
+/// A point and the square of its distance.
 pub(super) type NearPoint = (u32, f64);
 
 impl KdTree {
-    /// Of points that have so many coordinates each.
+    /// Builds the tree over points with this many coordinates each.
     pub fn new(dimensions: usize, coordinates: &[f64]) -> Self {
         let count = coordinates.len() / dimensions.max(1);
         let mut points: Vec<u32> = (0..count as u32).collect();
@@ -28,7 +28,7 @@ impl KdTree {
         Self { dimensions, points, coordinates, along }
     }
 
-    /// The points of these depths, the root's being 0.
+    /// The points at these depths. The root has depth 0.
     pub fn at(&self, depths: std::ops::Range<u32>) -> Vec<u32> {
         let mut all = Vec::new();
         let mut below = vec![(0, self.points.len(), 0)];
@@ -46,13 +46,13 @@ impl KdTree {
         all
     }
 
-    /// How many depths there are.
+    /// Number of depths.
     pub fn depth(&self) -> u32 {
         usize::BITS - self.points.len().leading_zeros()
     }
 
-    /// The `count` points above a depth that are nearest to these coordinates, the nearest first; of equally near ones
-    /// the one of the lower number.
+    /// The `count` points above a depth that are nearest to these coordinates, nearest first. Of equal distances the lower
+    /// number comes first.
     pub fn nearest(&self, to: &[f64], above: u32, count: usize) -> Vec<NearPoint> {
         let mut search =
             KdSearch { to, above, count, best: Vec::with_capacity(count + 1), off: vec![0.0; to.len()] };
@@ -65,7 +65,7 @@ impl KdTree {
     }
 }
 
-/// Puts the median along the widest dimension in the middle, and so on within both halves.
+/// Moves the median along the widest dimension to the middle, then does the same in both halves.
 fn divide<'a>(points: &mut [u32], along: &mut [u8], place: &impl Fn(u32) -> &'a [f64]) {
     let Some(first) = points.first() else { return };
     let middle = points.len() / 2;
@@ -93,12 +93,12 @@ struct KdSearch<'a> {
     above: u32,
     count: usize,
     best: Vec<NearPoint>,
-    /// How far the stretch looked at is from the place, along each dimension.
+    /// Distance from the stretch to the target along each dimension.
     off: Vec<f64>,
 }
 
 impl KdSearch<'_> {
-    /// Looks through a stretch of a tree, which is so far away (the square).
+    /// Searches a stretch of the tree. `far` is the square of its distance.
     fn through(&mut self, tree: &KdTree, (from, to, depth): (usize, usize, u32), far: f64) {
         let full = self.best.len() == self.count;
         if from >= to || depth >= self.above || full && self.best.last().is_some_and(|last| far > last.1) {
@@ -135,7 +135,7 @@ impl KdSearch<'_> {
 mod tests {
     use super::*;
 
-    /// Points on a lattice that repeats after very many, so that some are equally near.
+    /// Points on a lattice with a very long period, so that some distances are equal.
     fn points(count: usize, dimensions: usize) -> Vec<f64> {
         (0..count * dimensions).map(|n| ((n * n * 7919 + n * 104_729) % 1009) as f64 / 50.0).collect()
     }

@@ -1,11 +1,11 @@
-//! Chunks that are kept in memory.
+//! Chunks kept in memory.
 
 use super::chunk::ChunkJournal;
 use std::collections::HashMap;
 use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
-/// Nothing is known before, and chunks that end are kept in memory.
+/// A journal in memory. It starts empty and keeps the chunks of this run.
 #[derive(Debug, Default)]
 pub struct MemoryJournal {
     portions: Mutex<HashMap<usize, Vec<u8>>>,

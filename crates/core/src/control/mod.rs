@@ -1,5 +1,5 @@
-//! Error control: each instance's error is estimated, and what misses the accuracy asked for is done again
-//! with more steps or more modes; a few instances are audited by the reference engine.
+//! Error control. The run estimates each instance's error and repeats the instances that miss the requested accuracy with
+//! more steps or more modes. The reference engine audits a few instances.
 
 mod audit;
 mod basis_choice;
@@ -73,45 +73,45 @@ use crate::orbit::{self, OrbitSolution, OrbitTable};
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
-/// A run of all instances to the accuracy asked for, or of some of them, in memory.
+/// A run of all or some instances to the requested accuracy, in memory.
 #[derive(Clone, Debug)]
 pub struct RunResult {
-    /// The plan that was carried out: modes and steps as the estimates asked for them.
+    /// The plan as it ran: with the modes and steps that the estimates led to.
     pub plan: Plan,
-    /// Of the numbers that are measured in any case only those that observables asked for are made of, amplitude, phase,
-    /// forces and contact.
+    /// Quantities that every run measures are kept only if a requested observable needs them. Amplitude, phase, forces and
+    /// contact are always kept.
     pub results: ResultColumns,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
-    /// Of each instance the error of its worst observable, on its scale; NaN where nothing was estimated.
+    /// Error of each instance's worst observable, on that observable's scale. NaN if nothing was estimated.
     pub estimates: Vec<f64>,
-    /// The part of it that modes left out have.
+    /// The part of the estimate that comes from truncated modes.
     pub truncation: Vec<f64>,
-    /// Of each instance the periodic state that was found; empty where none was searched for.
+    /// Periodic state found for each instance. Empty if no states were searched for.
     pub found: OrbitTable,
-    /// Of each instance the periods of its last run, those of the search among them.
+    /// Periods of each instance's last run, those of its search included.
     pub periods: Vec<u32>,
-    /// Of each instance whether its curve's state was not reached continuously from the point before; empty without curves.
+    /// For each instance, whether its curve jumped to this state from the point before. Empty without curves.
     pub jumps: Vec<bool>,
-    /// Of each instance whether its search began at its neighbours' states and led to its result; empty where none did.
+    /// For each instance, whether its result comes from a search started at its neighbours' states. Empty if none did.
     pub neighbour_started: Vec<bool>,
     pub arithmetic: Arithmetic,
-    /// What the searches from the lever at rest found; empty where they were not done.
+    /// Results of the searches from the lever at rest. Empty if there were no such searches.
     from_rest: second_orbit_table::SecondOrbitTable,
 }
 
-/// Which arithmetic stepped what, and why.
+/// The arithmetic of each instance, and the reason for it.
 #[derive(Clone, Debug)]
 pub struct Arithmetic {
-    /// Of each instance that of its last run.
+    /// Arithmetic of each instance's last run.
     pub of: Vec<Precision>,
-    /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy; NaN where none did.
+    /// Largest effect of rounding in the sample that ran in both, on the scale of accuracy. NaN without a sample.
     pub rounding: f64,
     pub reason: String,
 }
 
 impl RunResult {
-    /// Before anything.
+    /// A run before its first step.
     fn not_begun(plan: Plan, choices: &Choices) -> Self {
         let count = plan.len();
         Self {
@@ -129,7 +129,7 @@ impl RunResult {
         }
     }
 
-    /// The share of the instances whose results began at their neighbours' states.
+    /// The share of the instances whose results come from searches started at their neighbours' states.
     pub fn neighbour_started(&self) -> f64 {
         let count = self.neighbour_started.iter().filter(|one| **one).count();
         count as f64 / self.plan.len().max(1) as f64
@@ -137,7 +137,7 @@ impl RunResult {
 }
 
 impl Arithmetic {
-    /// The plan's for all instances.
+    /// Gives all instances the plan's arithmetic.
     pub fn of(plan: &Plan, reason: &str) -> Self {
         let of = vec![plan.precision; plan.len()];
         Self { of, rounding: f64::NAN, reason: reason.into() }
@@ -150,25 +150,24 @@ impl Arithmetic {
     }
 }
 
-/// Runs the plan so that the estimated error of every instance that is called ok is below the accuracy asked
-/// for. Of instances for which that cannot be said even with the most steps and the richest basis tried, the status is accuracy_not_met.
+/// Runs the plan until every instance with status ok has an estimated error below the requested accuracy. An instance that
+/// misses it even with the most steps and the richest basis gets the status accuracy_not_met.
 ///
-/// Steps: every instance runs with a quarter and with half of the plan's steps, which are on the safe side, and
-/// what the two leave in doubt runs again with twice as many, up to four times. Modes: a sample of the instances
-/// runs with poorer and richer bases, and each instance takes the one that serves its neighbours in it; the first of its
-/// two runs is with the next smaller one, so that the difference tells of modes as of steps, and what of it the steps
-/// do not explain goes on with a richer one. A scene that prescribes its modes has its way, and what they leave out is not looked at; where it
-/// prescribes its steps, they are kept, and the estimate comes from another run with half of them. Instances that had to run with more steps run once more from a start
-/// moved a little: where that moves the result, it is called sensitive.
+/// Steps: the plan's number of steps is on the safe side. Every instance runs with a quarter and with half of it, and while
+/// in doubt again with twice the steps, up to four times. Prescribed steps are kept; a run with half of them gives the
+/// estimate. An integrated instance that was refined runs again from a shifted start. It is sensitive if its result moves.
 ///
-/// Precision: where the plan leaves it open, the sample runs in f64 and in f32; where that moves it by little, the run
-/// is in f32, and what f32 does not bring to the accuracy goes on in f64. Where f32 is prescribed, a sample tells what
-/// rounding costs, and the estimates count it.
+/// Modes: a sample runs with smaller and richer bases, and each instance takes the basis that serves its neighbours in the
+/// sample. Its first run has the next smaller basis, so the difference contains the truncation error. If steps do not explain
+/// it, a richer basis follows. Prescribed modes are kept without an estimate of their truncation error.
 ///
-/// Stopped on the way, it gives what is done: every instance that it would have gone on with is called not_run.
+/// Precision: if the plan leaves it open, the sample runs in f64 and in f32. If they agree, the run uses f32, and instances
+/// that miss the accuracy continue in f64. If f32 is prescribed, the estimates include the rounding error of a sample.
+///
+/// A stopped run returns what it has. Every instance that it would have continued has the status not_run.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<RunResult, EngineError> {
     let keep = MemoryJournal::default();
     match choose(planned, Course::Controlled, engine, progress)? {
@@ -177,11 +176,11 @@ pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<R
     }
 }
 
-/// Carries out what was chosen for the scene's plan: what [`run`] does once it has chosen. `keep` knows chunks that an
-/// earlier run has ended, and is told of each that this one ends.
+/// Runs the plan with the given choices; [`run`] calls this once it has chosen. `keep` provides the chunks that an earlier
+/// run finished and receives each chunk that this run finishes.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn run_chunks<'k>(
     planned: Plan,
     choices: &Choices,
@@ -211,10 +210,10 @@ pub fn run_chunks<'k>(
     Ok(all)
 }
 
-/// Runs the plan once as it is: nothing is estimated, in the arithmetic that was chosen for this `reason`.
+/// Runs the plan once without error estimates. `reason` says why it runs in the plan's arithmetic.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn once(
     mut plan: Plan,
     reason: &str,
@@ -225,7 +224,7 @@ pub fn once(
     let OrbitSolution { mut outcome, found, periods, jumps } =
         orbit::solve_first(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
-        // What no search settles is integrated to steady state, and was not.
+        // Time integration would have settled the instances that no search found; it did not run.
         let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
         waits.for_each(|one| one.status = Status::NotRun);
     }

@@ -1,23 +1,23 @@
-//! What is known of solved instances when others begin at them.
+//! States of solved instances from which others may start.
 
 use crate::engine::Finished;
 use crate::orbit::{PeriodicState, SolvedNeighbour};
 use crate::plan::Plan;
 
-/// What others may rest on of an instance.
+/// What an instance offers to others.
 #[derive(Clone, Debug, Default)]
 pub(super) enum OrbitPair {
-    /// Nothing.
+    /// Nothing is known.
     #[default]
     Unknown,
-    /// Neither of its first two runs has found a state.
+    /// Neither of its first two runs found a state.
     Vain,
     /// The states of its first two runs.
     States(Box<[SolvedNeighbour; 2]>),
 }
 
 impl OrbitPair {
-    /// The states of both.
+    /// The states of both runs.
     pub fn neighbours(&self) -> Option<&[SolvedNeighbour; 2]> {
         match self {
             Self::States(both) => Some(both),
@@ -26,11 +26,11 @@ impl OrbitPair {
     }
 }
 
-/// What an instance's guess rests on: another instance, its weight, and its weight where only the nearest count.
+/// A point of a stencil: the instance, its weight, and its weight if only the nearest count.
 pub(super) type WeightedPoint = (u32, f64, f64);
 
-/// What later instances may rest on of one, by its first two runs: a plan, its number there, its result, and its state, of which
-/// the first is not needed any more.
+/// Makes the pair from an instance's first two runs. Each is given by its plan, the number there, its result and its state.
+/// The first state is consumed.
 pub(super) fn orbit_pairs(
     (first, i, before, rough): (&Plan, u32, &Finished, Option<Box<PeriodicState>>),
     (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),

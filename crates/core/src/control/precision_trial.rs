@@ -1,4 +1,4 @@
-//! Precision: by a sample of instances in both.
+//! The choice of precision, by a sample of instances in both.
 
 use super::difference_scale::scaled_difference;
 use super::step_reduction::half_steps;
@@ -9,16 +9,16 @@ use crate::orbit;
 use crate::plan::{Plan, Precision};
 use serde::{Deserialize, Serialize};
 
-/// What a trial found.
+/// The precision of a run, with the result of its trial.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub(super) struct PrecisionChoice {
     pub precision: Precision,
-    /// Whether instances that f32 does not serve go on in f64.
+    /// Whether instances that f32 does not serve continue in f64.
     pub mixed: bool,
-    /// Largest effect of rounding in the sample, on the scale of accuracy; NaN where none was tried.
+    /// Largest effect of rounding in the sample, on the scale of accuracy. NaN without a trial.
     pub rounding: f64,
     pub reason: String,
-    /// What the engine had to say of the sample's runs.
+    /// Messages of the engine from the sample's runs.
     #[serde(skip)]
     pub notes: Vec<String>,
 }
@@ -34,13 +34,13 @@ impl PrecisionChoice {
         }
     }
 
-    /// For `count` instances that have all run so far as chosen.
+    /// Arithmetic of `count` instances that have all run as chosen so far.
     pub fn arithmetic(&self, count: usize) -> Arithmetic {
         Arithmetic { of: vec![self.precision; count], rounding: self.rounding, reason: self.reason.clone() }
     }
 }
 
-/// In f64, for a plan whose instances mostly begin at their neighbours' states.
+/// f64, for a plan whose instances mostly start from their neighbours' states.
 pub(super) fn for_neighbours(plan: &Plan) -> PrecisionChoice {
     PrecisionChoice::settled(
         plan,
@@ -48,8 +48,8 @@ pub(super) fn for_neighbours(plan: &Plan) -> PrecisionChoice {
     )
 }
 
-/// Whether `plan`, of which `stepped` need steps, is to run in f32. Its sample runs in both with the bases chosen and
-/// the steps of its first estimate.
+/// Decides whether `plan`, whose instances `stepped` need steps, runs in f32. The sample runs in both with the chosen bases
+/// and the steps of the first estimate.
 pub(super) fn choose(
     plan: &Plan,
     stepped: &[u32],
@@ -100,16 +100,16 @@ pub(super) fn choose(
     Ok(PrecisionChoice { precision, mixed: precision == Precision::F32, rounding, reason, notes })
 }
 
-/// What rounding costs a run in f32.
+/// Rounding error of a run in f32.
 pub(super) struct RoundingCost {
-    /// The most in a sample, and what it adds to the estimate of each instance; none where it was stopped on the way.
+    /// Largest error in the sample, and the addition to each instance's estimate. None if stopped on the way.
     pub told: Option<(f64, Vec<f64>)>,
-    /// What a user should know of how it went.
+    /// Messages for the user.
     pub notes: Vec<String>,
 }
 
-/// What rounding costs a run that was told to be in f32: a sample runs once more in f64, with the same bases and steps. An
-/// instance that is not in it takes the larger difference of its neighbours there.
+/// Estimates the rounding error of a run with prescribed f32. A sample runs once more in f64, with the same bases and steps.
+/// Any other instance takes the larger difference of its neighbours in the sample.
 pub(super) fn cost_of_rounding(
     run: &RunResult,
     engine: &dyn Engine,
@@ -149,7 +149,7 @@ pub(super) fn cost_of_rounding(
     Ok(RoundingCost { told: Some((rounding, added)), notes })
 }
 
-/// How far rounding moves a result. What f32 does not call steady goes on in f64 and costs time alone.
+/// How far rounding moves a result. Motion that f32 does not call steady continues in f64, which costs only time.
 fn rounding_difference(plan: &Plan, i: u32, single: &Finished, double: &Finished) -> f64 {
     match (single.status, double.status) {
         (Status::Ok, Status::Ok) => scaled_difference(plan, i, single, double),

@@ -1,11 +1,11 @@
-//! Weights by which the values at scattered points give the value between them: radial functions r^3 with a linear part,
-//! through the nearest points alone (Wendland, Scattered Data Approximation, 2005, section 8.5).
+//! Interpolation weights of scattered points: radial functions r^3 with a linear part, through the nearest points alone
+//! (Wendland, Scattered Data Approximation, 2005, section 8.5).
 
-/// Weights beyond this in sum of their sizes: the points are no ground for a guess between them.
+/// Largest sum of absolute weights. With more, the points do not support a prediction.
 const MAX_WEIGHT_SUM: f64 = 8.0;
 
-/// Weights of points, given by their coordinates, for the value at `at`; they sum to one. None where the points lie so that
-/// they do not tell.
+/// Weights of points, given by their coordinates, for the value at `at`; they sum to one. None if the points do not determine
+/// it.
 pub(super) fn weights(at: &[f64], points: &[&[f64]]) -> Option<Vec<f64>> {
     let (count, dimensions) = (points.len(), at.len());
     let square = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
@@ -18,7 +18,7 @@ pub(super) fn weights(at: &[f64], points: &[&[f64]]) -> Option<Vec<f64>> {
         square * square.sqrt()
     };
     let size = count + dimensions + 1;
-    // Row after row, each with its right side.
+    // The matrix by rows, with the right side at the end of each row.
     let wide = size + 1;
     let mut rows = vec![0.0; size * wide];
     for i in 0..count {
@@ -42,8 +42,8 @@ pub(super) fn weights(at: &[f64], points: &[&[f64]]) -> Option<Vec<f64>> {
     (size < MAX_WEIGHT_SUM && (sum - 1.0).abs() < 1e-6).then_some(all)
 }
 
-/// The solution of so many linear equations, row after row with its right side last, by elimination with partial
-/// pivoting in place; none where they have none.
+/// Solves `size` linear equations, given by rows with the right side last, by elimination in place with partial pivoting.
+/// None if the matrix is singular.
 fn solve_dense(mut rows: Vec<f64>, size: usize) -> Option<Vec<f64>> {
     let wide = size + 1;
     for k in 0..size {
@@ -73,7 +73,7 @@ fn solve_dense(mut rows: Vec<f64>, size: usize) -> Option<Vec<f64>> {
     Some(all)
 }
 
-/// The nearest points' weights by the inverse square of their distance.
+/// Weights by the inverse square of the distance, from squared distances; they sum to one.
 pub(super) fn by_distance(squares: &[f64]) -> Vec<f64> {
     let weight = |square: &f64| 1.0 / square.max(1e-24);
     let all: f64 = squares.iter().map(weight).sum();
@@ -88,7 +88,7 @@ mod tests {
         (0..20).map(|n| [n * n % 7, n * n * n % 11, n * 5 % 13].map(|x| f64::from(x) / 10.0)).collect()
     }
 
-    /// Truth: what is linear is met exactly, and at a point its own value is.
+    /// Truth: linear functions are exact, and at a point its own value is.
     #[test]
     fn lines_are_held_and_points_met() {
         let all = points();

@@ -1,4 +1,4 @@
-//! What the reference engine makes of instances whose motion a stepped engine has seen.
+//! Results of the reference engine for instances that a stepped engine has run.
 
 use super::{Arithmetic, ChunkRun, RunResult, step_reduction};
 use crate::engine::{
@@ -10,11 +10,11 @@ use crate::plan::{Plan, Precision, SectionState};
 use crate::scene::{Start, Steady};
 use rayon::prelude::*;
 
-/// A run by the reference engine. States that the scene wants searched for are the reference's own next to those that
-/// the CPU engine finds.
+/// A run by the reference engine. If the scene wants a search, the reference finds its own state near the one that the CPU
+/// engine found.
 ///
 /// # Errors
-/// What the engines say.
+/// Those of the engines.
 pub fn by_reference(
     plan: &Plan,
     reference: &Reference,
@@ -29,7 +29,7 @@ pub fn by_reference(
         false => orbit::solve(&plan, &[], reference, progress)?,
     };
     if search {
-        // What the CPU engine found is not the reference's word, but where it found no set-point.
+        // The reference replaces the CPU engine's results, except where no set-point was found.
         let held = |i: &u32| outcome.results[*i as usize].status != Status::NoSetpoint;
         let stepped: Vec<u32> = plan.stepped().into_iter().filter(held).collect();
         let truths = match progress.stopped() {
@@ -60,8 +60,8 @@ pub fn by_reference(
     })
 }
 
-/// The states that the CPU engine finds by the same way as a controlled run, so that of two it is the same one; the plan
-/// takes the gaps that hold its set-points.
+/// Searches with the CPU engine in the way of a controlled run, so that both find the same of two states. The plan takes the
+/// gaps that hold its set-points.
 fn by_search(plan: &mut Plan, progress: &Progress) -> Result<OrbitSolution, EngineError> {
     let (engine, stepped) = (Cpu::default(), plan.stepped());
     let mut fine = plan.clone().in_precision(Precision::F64);
@@ -83,16 +83,16 @@ fn by_search(plan: &mut Plan, progress: &Progress) -> Result<OrbitSolution, Engi
     Ok(settled)
 }
 
-/// Where an instance is in its periodic motion, if that is known.
+/// Section state of an instance in its periodic motion, if known.
 pub(super) type KnownSections<'a> = &'a (dyn Fn(u32) -> Option<SectionState> + Sync);
 
-/// As these states tell.
+/// The section states of these orbits.
 pub(super) fn known_sections(found: &OrbitTable) -> impl Fn(u32) -> Option<SectionState> + Sync + '_ {
     |instance| found.get(instance as usize).map(|state| state.section)
 }
 
-/// Where these instances are in their periodic motion: as found, or else as the stepped engine leaves them at the
-/// end of the run; none for runs from rest, whose beginning counts.
+/// Section states of these instances in their periodic motion: those found, or else those at the end of a run of the stepped
+/// engine. None for runs from rest, whose start matters.
 fn stations(
     plan: &Plan,
     instances: &[u32],
@@ -115,26 +115,26 @@ fn stations(
     Ok(instances.iter().map(|i| known(*i).or_else(|| end(*i))).collect())
 }
 
-/// The reference engine, and who is told of each instance that it has redone.
+/// The reference engine, with a callback for each finished instance.
 pub(super) struct ReferenceSolver<'a> {
     pub reference: &'a Reference,
-    /// Told of an instance of the plan and what has become of it.
+    /// Called with an instance of the plan and its result.
     pub told: &'a (dyn Fn(u32, &Finished) + Sync),
 }
 
 impl<'a> ReferenceSolver<'a> {
-    /// Nobody is told.
+    /// A solver without a callback.
     pub fn of(reference: &'a Reference) -> Self {
         Self { reference, told: &|_, _| () }
     }
 }
 
-/// What is said of an instance next to whose state the reference finds none.
+/// Result of an instance near whose state the reference finds none.
 const NO_REFERENCE: Finished = Finished { measured: Measured::NONE, status: Status::NotSteady };
 
-/// The reference's results of these instances: their periodic states next to where the stepped engine was; where that
-/// has none, a whole run if it is to `wait`, and else the word that it is not steady. Runs from rest are whole ones.
-/// Contact time is measured, whether the plan wants it or not.
+/// The reference's results for these instances: their periodic states near where the stepped engine was. If there is none,
+/// the instance runs whole if `wait` is set, and else is not steady. Runs from rest are whole. Contact time is always
+/// measured.
 pub(super) fn reference_solutions(
     plan: &Plan,
     wait: bool,
@@ -146,7 +146,7 @@ pub(super) fn reference_solutions(
     let waits = wait || plan.run.start == Start::Rest;
     let told = |i: u32, found: Option<&Finished>| match found {
         Some(one) if one.status != Status::NotRun => (judge.told)(i, one),
-        // Who was stopped on the way has not looked everywhere.
+        // A stopped search has not looked everywhere.
         None if !waits && !progress.stopped() => (judge.told)(i, &NO_REFERENCE),
         _ => (),
     };
@@ -161,8 +161,8 @@ pub(super) fn reference_solutions(
     Ok(near.into_iter().map(|one| one.or_else(|| whole.next()).unwrap_or(lost)).collect())
 }
 
-/// The reference's periodic states of these instances next to where the stepped engine was; none where it finds none or
-/// the beginning counts.
+/// The reference's periodic states of these instances near where the stepped engine was. None if there is none, or the start
+/// matters.
 fn near(
     (plan, instances): (&Plan, &[u32]),
     known: KnownSections,
@@ -173,7 +173,7 @@ fn near(
     let stations = stations(plan, instances, known, progress)?;
     let part = with_contact(plan, instances);
     progress.task("periodic states", instances.len() as u64);
-    // In their order: a run that is stopped has done the first ones.
+    // Keep the order: a stopped run has done the first ones.
     let mut near = vec![None; instances.len()];
     let done: Vec<(usize, Option<Finished>)> = stations
         .iter()
@@ -214,24 +214,24 @@ fn whole(
     instances.par_iter().enumerate().map(one).collect()
 }
 
-/// These instances alone, with the contact time measured.
+/// The plan of these instances, with contact time measured.
 fn with_contact(plan: &Plan, instances: &[u32]) -> Plan {
     let mut part = plan.part(instances);
     part.wants.contact = true;
     part
 }
 
-/// How the reference came to a result.
+/// How the reference reached a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReferenceStart {
     /// By the run that the scene describes.
     Run,
-    /// As its own periodic state next to where the run ended or what its search found.
+    /// By its own periodic state near the end of the run or the state found.
     State,
 }
 
 impl ReferenceStart {
-    /// In a few words.
+    /// A few words for the user.
     pub fn words(self) -> &'static str {
         match self {
             Self::Run => "run as the scene says",
@@ -240,13 +240,13 @@ impl ReferenceStart {
     }
 }
 
-/// What the reference makes of these instances of a run, to be held against it: of a scene that waits the whole run, or,
-/// where that does not settle, the periodic state next to where the run ended; of one that searches the periodic state
-/// next to the one found, or, where there is none, the whole run. Points of a curve have no run of their own: where the
-/// curve has led is all that the reference can begin at.
+/// The reference's results for these instances, to compare with a run. For a scene that integrates, the reference does the
+/// whole run and, if that does not settle, finds the periodic state near the run's end. For a scene that searches, it finds
+/// the periodic state near the run's and, if there is none, does the whole run. Points of a curve have no run of their own:
+/// the reference can only start from the curve's states.
 ///
 /// # Errors
-/// What the engines say.
+/// Those of the engines.
 pub fn beside(
     run: &RunResult,
     chosen: &[u32],
@@ -289,21 +289,21 @@ pub fn beside(
     Ok(first.into_iter().map(last).map(|one| one.unwrap_or(not_run)).collect())
 }
 
-/// Whether the tip touches the sample, where the contact time was measured.
+/// Whether the tip touches the sample. Contact time must have been measured.
 pub fn touches(one: &Finished) -> bool {
     one.measured.contact_time > 0.0
 }
 
-/// What an oscillator or two in place of modes far faster than the contact cost at the most: the largest of random levers
-/// that were redone with all modes (one of 0.23 N/m on 33 GPa, JKR, asked for 1e-4). Where less is asked for, more modes are
-/// left to them: it is no larger share of the accuracy.
+/// Largest error from replacing modes far faster than the contact by an oscillator or two, found on random levers redone with
+/// all modes (0.23 N/m on 33 GPa, JKR, requested accuracy 1e-4). At a looser accuracy more modes are replaced, so the error
+/// is bounded by a share of the accuracy.
 const MAX_REDUCED_FLEXIBILITY: f64 = 4e-5;
 const REDUCED_FLEXIBILITY_SHARE: f64 = 0.4;
-/// Largest distance to the periodic state that the reference's steps allow, in tolerances of theirs.
+/// Largest distance from the periodic state that the reference's steps allow, in units of their tolerance.
 const MAX_TRUNCATION_MODES: f64 = 100.0;
 
-/// What the reference itself may be off by, at the most: the modes that it leaves out give way to the contact like a spring
-/// of their flexibility in series with it, unless they are many enough to be an oscillator; and its steps have a tolerance.
+/// Upper bound of the reference's own error. Truncated modes act like a spring of their flexibility in series with the
+/// contact, unless there are enough of them for an oscillator. Its steps have a tolerance.
 pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
     let case = plan.case(instance as u32);
     let left = dropped_flexibility(plan.driven(instance as u32), &case.contact, case.gap);
@@ -312,8 +312,8 @@ pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f6
     if error.is_finite() { error.clamp(MAX_TRUNCATION_MODES * TOLERANCE, most) } else { f64::NAN }
 }
 
-/// About what it costs to leave out `flexibility` (m/N) of the tip: it is a spring in series with the contact, as stiff as
-/// that is at the deepest indentation measured, or else expected.
+/// Approximate error from omitting `flexibility` (m/N) of the tip: a spring in series with the contact. The contact's
+/// stiffness is that at the deepest indentation measured or, without one, expected.
 pub(super) fn gives_way(plan: &Plan, instance: usize, measured: &Measured, flexibility: f64) -> f64 {
     let contact = plan.contact(instance as u32);
     let depth = match measured.indentation_max.is_nan() {

@@ -1,4 +1,4 @@
-//! Refinement: each instance runs again as long as its estimate asks for it.
+//! Refinement: each instance runs again as long as its estimate demands it.
 
 use super::decision::{InstanceSummary, Next, Refinement, next};
 use super::difference_scale::{is_fast, remaining_error_factor, scaled_difference};
@@ -11,9 +11,9 @@ use crate::plan::{Plan, Precision};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Runs the plan with a quarter and with half of its steps, and then those of `stepped` again whose estimates ask for it. Where the
-/// choice of precision says so, what f32 does not bring to the accuracy goes on in f64: rounding does not fall with the
-/// steps.
+/// Runs the plan with a quarter and with half of its steps, then repeats those of `stepped` whose estimates are too large. If
+/// the precision is mixed, instances that miss the accuracy in f32 continue in f64, because more steps do not reduce
+/// rounding.
 pub(super) fn run(
     plan: Plan,
     stepped: &[u32],
@@ -41,7 +41,7 @@ pub(super) fn run(
     refining.end(stepped, doubted)
 }
 
-/// Instances by what they need next.
+/// Instances grouped by what they need next.
 #[derive(Default)]
 struct Groups {
     double: Vec<u32>,
@@ -54,7 +54,7 @@ impl Groups {
         self.double.is_empty() && self.more_steps.is_empty() && self.richer.is_empty()
     }
 
-    /// In the order of their numbers.
+    /// All of them, sorted by number.
     fn all(&self) -> Vec<u32> {
         let mut all = [&self.double[..], &self.more_steps, &self.richer].concat();
         all.sort_unstable();
@@ -62,12 +62,12 @@ impl Groups {
     }
 }
 
-/// A run while it is refined.
+/// A run under refinement.
 struct RefinementRun<'a> {
     now: ChunkRun,
-    /// By instance.
+    /// Estimate of each instance.
     known: Vec<Refinement>,
-    /// Whether instances that f32 does not serve go on in f64, and what rounding costs those that it does.
+    /// Whether instances that f32 does not serve continue in f64, and the rounding error of those that stay in f32.
     mixed: bool,
     rounding: f64,
     engine: &'a dyn Engine,
@@ -88,7 +88,7 @@ impl<'a> RefinementRun<'a> {
         Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
     }
 
-    /// What each of these needs next.
+    /// Groups these instances by what they need next.
     fn groups(&self, stepped: &[u32]) -> Groups {
         let mut groups = Groups::default();
         let mut wants_richer = Vec::new();
@@ -125,7 +125,7 @@ impl<'a> RefinementRun<'a> {
         self.now.arithmetic.of[i as usize] == Precision::F32
     }
 
-    /// Runs each group as it needs. More steps in f32 are tried once where f64 may go on from there.
+    /// Runs each group. In a mixed run, more steps stay in f32 in the first round only.
     fn carry_out(&mut self, groups: &Groups, first_round: bool) -> Result<(), EngineError> {
         let by_precision = |instances: &[u32], single_stays: bool| -> (Vec<u32>, Vec<u32>) {
             instances.iter().copied().partition(|i| self.is_single(*i) && single_stays)
@@ -139,7 +139,7 @@ impl<'a> RefinementRun<'a> {
         self.again(&double_richer, Next::RicherBasis, Precision::F64)
     }
 
-    /// Runs these instances again and takes in what came of it.
+    /// Runs these instances again and takes their results.
     fn again(&mut self, instances: &[u32], what: Next, precision: Precision) -> Result<(), EngineError> {
         if instances.is_empty() || self.progress.stopped() {
             return Ok(());
@@ -152,15 +152,15 @@ impl<'a> RefinementRun<'a> {
         };
         let near = orbit::gather(&self.now.found, instances);
         let settled = orbit::solve_again(&mut other, &near, self.engine, self.progress)?;
-        // What is cut short has told nothing: the results before it stay.
+        // A run that was cut short is dropped: the earlier results stay.
         if !self.progress.stopped() {
             self.take(instances, what, &other, settled);
         }
         Ok(())
     }
 
-    /// Takes in another run, of these instances alone: by the difference to the last one it estimates, then it stands for
-    /// that.
+    /// Takes another run of these instances. Its difference to the last run gives the estimate; then it replaces the last
+    /// run.
     fn take(&mut self, instances: &[u32], what: Next, other: &Plan, settled: OrbitSolution) {
         let OrbitSolution { outcome, mut found, periods, .. } = settled;
         let mut taken = HashMap::new();
@@ -189,7 +189,7 @@ impl<'a> RefinementRun<'a> {
         self.now.outcome.notes.extend(outcome.notes);
     }
 
-    /// The estimate of an instance whose other run, number `there` of its plan, is so far from its last.
+    /// Updates the estimate of instance `i`. Its other run, number `there` of that plan, differs by `apart`.
     fn estimate(&mut self, (other, there): (&Plan, u32), i: u32, what: Next, apart: f64, result: &Finished) {
         let n = i as usize;
         let (known, policy) = (&mut self.known[n], &other.policy);
@@ -206,7 +206,7 @@ impl<'a> RefinementRun<'a> {
                 known.of_modes = remaining_error_factor(other, there) * apart + unbent;
             }
             Next::Double => {
-                // The same steps in another precision teach nothing of the steps: that is still to come.
+                // The same steps in another precision say nothing about the step error: the next round estimates it.
                 if result.status == Status::Ok {
                     known.unsplit = None;
                     self.now.estimates[n] = f64::INFINITY;
@@ -218,7 +218,7 @@ impl<'a> RefinementRun<'a> {
         (self.now.truncation[n], self.now.estimates[n]) = (known.of_modes, known.error());
     }
 
-    /// The run as it is now. Those that were in doubt after the first two runs are tried with a start moved a little.
+    /// Ends the run. Instances that were in doubt after the first two runs are tested with a slightly shifted start.
     fn end(self, stepped: &[u32], mut doubted: Vec<u32>) -> Result<ChunkRun, EngineError> {
         let Self { mut now, mixed, rounding, engine, progress, .. } = self;
         for &i in stepped {
@@ -240,7 +240,7 @@ impl<'a> RefinementRun<'a> {
 }
 
 impl ChunkRun {
-    /// Before anything is refined: the run so far, with its estimates and the part of them that modes left out have.
+    /// A run before refinement, with its estimates and their truncation parts.
     pub(super) fn new(
         plan: Plan,
         OrbitSolution { outcome, found, periods, jumps }: OrbitSolution,
@@ -264,7 +264,7 @@ impl ChunkRun {
         }
     }
 
-    /// Adds to an estimate what waiting may still change: an instance that was left before it had settled for good.
+    /// Adds the change that further integration may bring to an instance that left before it settled completely.
     pub(super) fn add_unsettled(&mut self, i: u32) {
         let n = i as usize;
         let found = self.found.get(n).and_then(Option::as_ref).is_some_and(|state| state.is_solved());
@@ -283,8 +283,8 @@ mod tests {
     use crate::scene::Scene;
     use std::path::Path;
 
-    /// Bases that a sample vouches for and that leave out what a stiff sample moves: one mode, then two oscillators.
-    /// Truth is a far richer basis with far more steps.
+    /// The sample accepts these bases, but they lack what a stiff sample excites: one mode, then two oscillators. Truth: a
+    /// far richer basis with far more steps.
     #[test]
     fn a_lever_that_is_too_poor_for_one_instance_is_seen_by_its_own_difference() {
         let text = include_str!("../../../../tests/hard/sample_1_tpa.toml");
@@ -304,7 +304,7 @@ mod tests {
         let poorer = SmallerBasis::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
         let (alike, apart) = (run(None), run(Some(poorer)));
         let asked = scene.run.accuracy;
-        // By steps alone nothing is seen of it.
+        // Steps alone do not show the error.
         assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));
         assert!(error(&apart) < asked && apart.estimates[0] < asked, "{:e}", error(&apart));
         assert!(error(&apart) < 3.0 * apart.estimates[0], "{:e} {:e}", error(&apart), apart.estimates[0]);

@@ -1,4 +1,4 @@
-//! Instances that make no grid: how near they are to one another in scaled quantities, and what is guessed from the nearest.
+//! Instances without a grid: their distances in scaled quantities, and predictions from the nearest ones.
 
 use super::kd_tree::KdTree;
 use super::orbit_pair::{OrbitPair, WeightedPoint};
@@ -8,29 +8,29 @@ use crate::kernel::LENGTH;
 use crate::plan::Plan;
 use rayon::prelude::*;
 
-/// Depths of the tree whose instances are coarse points: one in 2^SCOUTED of all, at least 2^FEWEST.
+/// Coarse points are the tree's top: one in 2^COARSE_EXPONENT instances, at least about 2^MIN_COARSE_EXPONENT.
 const COARSE_EXPONENT: u32 = 7;
 const MIN_COARSE_EXPONENT: u32 = 6;
-/// Neighbours that a guess rests on, at least and for each dimension.
+/// Points of a stencil: a constant, and for each dimension.
 const STENCIL_POINTS: (usize, usize) = (4, 2);
-/// Instances next to one, at one of whose states it may begin where no search finds its own.
+/// Number of neighbours from whose states an instance may start if no search finds its own.
 const ADJACENT_POINTS: usize = 4;
-/// Modes of an instrument that are compared: what is faster follows from the same lever.
+/// Modes of an instrument that count for distance. Faster ones follow from the same lever.
 const DISTANCE_MODES: usize = 4;
-/// Instances of two laws are so many spreads apart.
+/// Distance between instances of two laws, in spreads.
 const OTHER_LAW_DISTANCE: f64 = 20.0;
-/// Quantities that vary together to this share of themselves are one.
+/// Two quantities that differ by no more than this, root mean square in spreads, count as one.
 const SAME_QUANTITY_SPREAD: f64 = 1e-3;
-/// Quantities that vary by less of themselves are the same for all.
+/// A quantity whose relative spread is no larger counts as constant.
 const QUANTITY_ROUNDING: f64 = 1e-9;
 
 /// The instances of a block.
 pub(super) struct ScatteredHierarchy {
     dimensions: usize,
-    /// Instance after instance, in spreads.
+    /// Scaled coordinates, instance after instance, in spreads.
     coordinates: Vec<f64>,
     tree: KdTree,
-    /// Depths of the coarse points.
+    /// Depths of the tree that hold the coarse points.
     scouted: u32,
 }
 
@@ -64,13 +64,13 @@ impl ScatteredHierarchy {
         &self.coordinates[instance as usize * self.dimensions..][..self.dimensions]
     }
 
-    /// The instances next to this one.
+    /// The neighbours of an instance.
     pub fn adjacent(&self, instance: u32) -> Vec<u32> {
         let near = self.tree.nearest(self.coordinates(instance), self.tree.depth(), ADJACENT_POINTS + 1);
         near.into_iter().map(|one| one.0).filter(|other| *other != instance).take(ADJACENT_POINTS).collect()
     }
 
-    /// The nearest solved instances that move as the very nearest does, with their weights. None where these are too few.
+    /// The nearest solved instances in the same regime as the very nearest, with their weights. Empty if there are too few.
     pub fn support(&self, level: usize, instance: u32, solved: &[OrbitPair]) -> Vec<WeightedPoint> {
         let (at, least) = (self.coordinates(instance), self.dimensions + 2);
         let near = self.tree.nearest(
@@ -94,8 +94,8 @@ impl ScatteredHierarchy {
     }
 }
 
-/// What decides how an instance moves, in units of its own lever and swing: the law's constants, the gap, and how the
-/// instrument's modes lie to the drive. Positive quantities as logarithms.
+/// The quantities that determine an instance's motion, in units of its lever and amplitude: the law's constants, the gap, and
+/// the modes relative to the drive. Positive quantities are logarithms.
 fn quantities(plan: &Plan, instance: u32) -> Vec<f64> {
     let (case, driven) = (plan.case(instance), plan.driven(instance));
     let (free, instrument) = (&driven.free, &driven.instrument);
@@ -111,13 +111,13 @@ fn quantities(plan: &Plan, instance: u32) -> Vec<f64> {
     all
 }
 
-/// Of a positive number; of 0 and what has no logarithm, 0.
+/// Logarithm of the absolute value; 0 if that is not finite.
 fn logarithm(value: f64) -> f64 {
     let logarithm = value.abs().ln();
     if logarithm.is_finite() { logarithm } else { 0.0 }
 }
 
-/// The quantities that vary, in units of their spread, each once.
+/// The quantities that vary, each once, in units of their spread.
 fn distinct(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let most = rows.iter().map(Vec::len).max().unwrap_or(0);
     let count = rows.len().max(1) as f64;
@@ -180,8 +180,8 @@ mod tests {
         Plan::new(&scene, Precision::F64).expect("the scene can be planned")
     }
 
-    /// Truth: Poisson's ratio and the modulus act through one number; of a lever on its resonance, whose motion is in units
-    /// of its own stiffness and period, only the quality factor is left, whatever its frequency.
+    /// Truth: Poisson's ratio and the modulus act through one number. For a lever at resonance in units of its own stiffness
+    /// and period, only the quality factor is left, whatever its frequency.
     #[test]
     fn quantities_that_act_as_one_are_one() {
         let frequency = r#""instrument.cantilever.frequency" = { distribution = "uniform", from = "200 kHz", to = "400 kHz" }"#;
@@ -189,7 +189,7 @@ mod tests {
             r#""instrument.cantilever.quality_factor" = { distribution = "uniform", from = 100, to = 400 }"#;
         let dimensions = |levers: &str| ScatteredHierarchy::new(&plan(levers)).dimensions;
         assert_eq!([dimensions(""), dimensions(frequency)], [2, 2]);
-        // The resonance is not quite the mode's own frequency, and how far it is off follows from the quality factor.
+        // The resonance differs slightly from the mode's own frequency. The quality factor determines by how much.
         assert!([3, 4].contains(&dimensions(quality)), "{}", dimensions(quality));
     }
 

@@ -1,4 +1,4 @@
-//! Searches from many places, piece by piece: what a piece finds is written down, and what is known is not searched for.
+//! Searches from many starts, piece by piece. Each piece is stored when done, and stored results are not searched for again.
 
 use super::chunk::ChunkJournal;
 use super::followup::{FollowupKey, FollowupKind, FollowupResult};
@@ -8,26 +8,26 @@ use crate::plan::{Plan, SectionState};
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
-/// About how long a piece takes: a run that is killed loses no more.
+/// Target time of a piece: a killed run loses about this much.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(5);
-/// Instances of the first piece for each thread: slow ones take a tenth of a second.
+/// Size of the first piece for each thread. Slow instances take a tenth of a second.
 const FIRST_SEARCHES_PER_THREAD: usize = 64;
-/// By how much a piece may be larger than the one before.
+/// Largest growth from one piece to the next.
 const MAX_SIZE_GROWTH: f64 = 4.0;
 
-/// A result and its state; none where a run that was stopped has left the question open.
+/// A result and its state. None if a stopped run has not searched.
 pub(super) type FoundOrbit = Option<(Finished, Option<Box<PeriodicState>>)>;
 
-/// Searches for the states of a part of the plan: these of its instances.
+/// Searches for the states of these instances, whose plan is given.
 type FollowupSearch<'a> = &'a dyn Fn(&Plan, &[u32]) -> Result<OrbitSolution, EngineError>;
 
-/// Who searches, and what is known already.
+/// The engine of the searches, and the journal of earlier ones.
 pub(super) struct CheckpointedSearch<'a> {
     pub engine: &'a dyn Engine,
     pub progress: &'a Progress,
     keep: &'a dyn ChunkJournal,
     size: Cell<usize>,
-    /// What a user should know of how it went.
+    /// Messages for the user.
     pub notes: RefCell<Vec<String>>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> CheckpointedSearch<'a> {
         Self { engine, progress, keep, size: Cell::new(size), notes: RefCell::default() }
     }
 
-    /// The states of all of a plan's instances that are found from these places; see [`orbit::solve_from_sections`].
+    /// Searches for the state of each of the plan's instances from its start; see [`orbit::solve_from_sections`].
     pub fn solve_from_sections(
         &self,
         plan: &Plan,
@@ -55,7 +55,7 @@ impl<'a> CheckpointedSearch<'a> {
         })
     }
 
-    /// Those that are found from the lever at rest; see [`orbit::solve_from_rest`].
+    /// Searches from the lever at rest; see [`orbit::solve_from_rest`].
     pub fn solve_from_rest(&self, plan: &Plan) -> Result<Vec<FoundOrbit>, EngineError> {
         let questions: Vec<FollowupKey> =
             plan.instances().map(|i| FollowupKey::new(FollowupKind::FromRest, plan, i, None)).collect();
@@ -65,7 +65,7 @@ impl<'a> CheckpointedSearch<'a> {
         })
     }
 
-    /// Answers a question about each of the plan's instances: as it is known, or by `search` for some of them.
+    /// Answers a question about each of the plan's instances, from the journal or by `search`.
     fn answer(
         &self,
         plan: &Plan,
@@ -85,7 +85,7 @@ impl<'a> CheckpointedSearch<'a> {
             let part = plan.part(piece);
             let OrbitSolution { outcome, found: states, .. } = search(&part, piece)?;
             if self.progress.stopped() {
-                // Who was stopped on the way has not looked everywhere.
+                // A stopped search has not looked everywhere.
                 break;
             }
             self.notes.borrow_mut().extend(outcome.notes);
@@ -100,7 +100,7 @@ impl<'a> CheckpointedSearch<'a> {
                 self.progress.stop();
             }
             for (i, (one, state)) in piece.iter().zip(outcome.results.into_iter().zip(states)) {
-                // Nobody asks for the map's Jacobian there again.
+                // The Jacobian is not needed again.
                 let state =
                     state.map(|state| Box::new(PeriodicState { jacobian: Jacobian::Unknown, ..*state }));
                 found[*i as usize] = Some((one, state));
@@ -117,7 +117,7 @@ impl<'a> CheckpointedSearch<'a> {
     }
 }
 
-/// How many instances take about as long as a piece may, after so many have taken this long.
+/// Size of the next piece, given the size and the duration of the last.
 fn next_size(count: usize, lasted: Duration) -> usize {
     let factor = CHECKPOINT_INTERVAL.as_secs_f64() / lasted.as_secs_f64().max(1e-3);
     ((count as f64 * factor.clamp(1.0 / MAX_SIZE_GROWTH, MAX_SIZE_GROWTH)) as usize).max(1)

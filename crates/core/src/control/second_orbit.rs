@@ -8,31 +8,31 @@ use crate::orbit::PeriodicState;
 pub struct SecondOrbit {
     pub instance: u32,
     pub finished: Finished,
-    /// Modulus of the period map's largest multiplier there.
+    /// Modulus of the largest multiplier of the period map.
     pub multiplier: f64,
-    /// Error of its worst observable, on its scale: infinite where it could not be told; NaN where nobody asked.
+    /// Error of the worst observable, on its scale. Infinite if it could not be determined; NaN if it was not estimated.
     pub estimate: f64,
-    /// Steps per period with which it was measured.
+    /// Steps per period of the measurement.
     pub steps: u32,
 }
 
-/// Second states, and how they were come by.
+/// Second states, and how they were found.
 #[derive(Clone, Debug, Default)]
 pub struct SecondOrbits {
-    /// By instance number.
+    /// Sorted by instance number.
     pub orbits: Vec<SecondOrbit>,
-    /// How many of them the searches from rest found; the rest were followed from neighbours.
+    /// Number of states that searches from rest found. The others were followed from neighbours.
     pub from_rest: usize,
-    /// Searches from neighbours' states, and those that found another state.
+    /// Number of searches from neighbours' states, and number of these that found another state.
     pub tried: usize,
     pub followed: usize,
     /// Whether there were neighbours to follow.
     pub grid: bool,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
 }
 
-/// A state beside the first that was found, and where it is.
+/// A second state, with its result and its orbit.
 #[derive(Clone, Debug)]
 pub(super) struct SecondState {
     pub finished: Finished,

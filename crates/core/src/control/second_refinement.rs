@@ -1,4 +1,4 @@
-//! How well second states are known: with half of the steps, with a richer basis, and finer where that is too little.
+//! Error estimates of second states: with half of the steps, with a richer basis, and with more steps if necessary.
 
 use super::RunResult;
 use super::difference_scale::scaled_difference;
@@ -10,12 +10,11 @@ use crate::orbit::{self, PeriodicState};
 use crate::plan::{Plan, STEPS_MAX, SectionState};
 use std::collections::{BTreeMap, HashMap};
 
-/// The second states with their errors estimated. Each is measured again with half of its steps and, where there is one,
-/// with the next richer basis, both searched for from where it is. What stays above the aim has its steps doubled, as the
-/// first states have. A state that another number of steps or another basis does not have has an infinite estimate.
+/// Second states with error estimates. Each is searched for again from its orbit with half of its steps and, if there is one,
+/// with the next richer basis. If the error stays above the aim, its steps are doubled, as for first states. The estimate is
+/// infinite if the state does not exist with other steps or another basis.
 ///
-/// Nothing is estimated of instances whose first states have no estimate. What a run that was stopped has not brought to its
-/// end is called not run.
+/// If a first state has no estimate, neither has the second. A stopped run leaves unfinished states as not_run.
 pub(super) fn estimated(
     run: &RunResult,
     seconds: BTreeMap<u32, SecondState>,
@@ -65,7 +64,7 @@ struct SecondRefinement {
     places: Vec<PeriodicState>,
     of_steps: Vec<f64>,
     of_modes: Vec<f64>,
-    /// Whether something of it was left undone.
+    /// Whether some of its work was skipped.
     open: Vec<bool>,
 }
 
@@ -112,7 +111,7 @@ impl SecondRefinement {
         Ok(())
     }
 
-    /// Takes a state as another plan has it.
+    /// Takes the state that another plan gives.
     fn put(&mut self, n: usize, finished: Finished, place: PeriodicState) {
         let other = &mut self.others[n];
         (other.finished, other.multiplier, other.steps) = (finished, place.floquet.multiplier, place.steps);
@@ -127,8 +126,8 @@ impl SecondRefinement {
         self.of_steps[n] + self.of_modes[n]
     }
 
-    /// The states of these instances as another plan has them, which is of them alone, and how far they are from what is
-    /// known; none where it has no such state, or nobody has looked.
+    /// Searches for the states of these instances with another plan, which has these instances only. Returns their distance
+    /// from the known states. None if there is no such state, or the search was skipped.
     fn again(
         &mut self,
         plan: &Plan,
@@ -158,8 +157,8 @@ impl SecondRefinement {
     }
 }
 
-/// A state's number, how far it is from what was known, and what and where it is now.
+/// Number of a state, distance from the known one, and the new result and orbit.
 type RefinedOrbit = (usize, Option<(f64, Finished, Box<PeriodicState>)>);
 
-/// A state that moves by more than this with its steps is another one, on the scales of the accuracy.
+/// Largest change with the steps, on the scales of accuracy, of what still counts as the same state.
 const SAME_ORBIT_SHARE: f64 = 0.1;

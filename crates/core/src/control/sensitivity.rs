@@ -6,8 +6,8 @@ use crate::observe::Status;
 use crate::plan::{Plan, SectionState};
 use crate::scene::Start;
 
-/// Marks those of `instances` whose waited results a tiny change of the start moves by more than the accuracy asked
-/// for, where they would count as ok.
+/// Marks those of `instances` that are ok but whose integrated results a tiny change of the start moves by more than the
+/// requested accuracy.
 pub(super) fn mark(
     plan: &Plan,
     instances: &[u32],

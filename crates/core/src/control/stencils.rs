@@ -1,54 +1,54 @@
-//! Solved instances of a sweep, and what they say of the ones between them.
+//! Starts of searches from solved instances of a sweep.
 
 use super::hierarchy::Hierarchy;
 use super::orbit_pair::{OrbitPair, WeightedPoint};
 use crate::orbit::{OnFailure, PeriodicState, SolvedNeighbour, Stencil, StencilPoint, StencilStart};
 use rayon::prelude::*;
 
-/// Of some instances of a block what their searches may begin at.
+/// Starts for some instances of a block.
 pub(super) struct Stencils<'a> {
-    /// By instance of the whole block.
+    /// The solved instances of the whole block.
     solved: &'a [OrbitPair],
     support: Support,
 }
 
-/// What instances rest on, by their number in the chunk.
+/// The support of each instance, by its number in the piece.
 enum Support {
-    /// Nothing: these are searched for.
+    /// None: these instances are searched for.
     Coarse,
-    /// Solved ones on a line, or around them.
+    /// Solved instances on a line or around the instance.
     Lines { lines: Vec<Vec<WeightedPoint>>, scattered: bool },
-    /// Any of those next to them.
+    /// Any solved neighbour.
     Neighbours(Vec<Vec<u32>>),
-    /// Nothing else has led to them: they are integrated to steady state.
+    /// None: nothing has led to these instances, so they are integrated to steady state.
     Integrate,
 }
 
 impl<'a> Stencils<'a> {
-    /// For instances that are searched for.
+    /// Starts for coarse points.
     pub fn coarse(solved: &'a [OrbitPair]) -> Self {
         Self { solved, support: Support::Coarse }
     }
 
-    /// For these instances of a level of the block.
+    /// Starts for these instances of a level of the block.
     pub fn level((order, level): (&Hierarchy, usize), instances: &[u32], solved: &'a [OrbitPair]) -> Self {
         let lines = instances.par_iter().map(|i| order.support(level, *i, solved)).collect();
         Self { solved, support: Support::Lines { lines, scattered: order.scattered() } }
     }
 
-    /// For instances that no search has found.
+    /// Starts for instances that no search has found.
     pub fn each(order: &Hierarchy, instances: &[u32], solved: &'a [OrbitPair]) -> Self {
         let beside = instances.par_iter().map(|i| order.adjacent(*i)).collect();
         Self { solved, support: Support::Neighbours(beside) }
     }
 
-    /// For instances that nothing else has led to.
+    /// Starts for instances that need time integration.
     pub fn integrated(solved: &'a [OrbitPair]) -> Self {
         Self { solved, support: Support::Integrate }
     }
 
-    /// What becomes of those that are not found, in the first run and in the second. Much begins at coarse points: for these searches are
-    /// repeated. Nothing is integrated to steady state before all else is known.
+    /// What happens after a failed search, in the first run and in the second. Searches for coarse points are repeated,
+    /// because many others depend on them. Time integration waits until all else is known.
     pub fn on_failure(&self) -> [OnFailure; 2] {
         match self.support {
             Support::Coarse => [OnFailure::RetryLater; 2],
@@ -57,12 +57,12 @@ impl<'a> Stencils<'a> {
         }
     }
 
-    /// Whether all that is found begins at neighbours.
+    /// Whether every state that is found starts from neighbours.
     pub fn all_start_from_neighbours(&self) -> bool {
         matches!(self.support, Support::Neighbours(_))
     }
 
-    /// For the first run of each of these instances of the chunk: where its neighbours' first runs lead to.
+    /// Starts of the first run of these instances of the piece, from the first runs of their neighbours.
     pub fn first_run(&self, instances: &[u32]) -> Vec<StencilStart<'a>> {
         let hint = |weighted: &WeightedPoint, [first, _]: &'a [SolvedNeighbour; 2]| {
             stencil_point(weighted, first, None)
@@ -78,7 +78,7 @@ impl<'a> Stencils<'a> {
         instances.iter().map(of).collect()
     }
 
-    /// For the second run: from the instance's own state in the first, by how far the two are apart at its neighbours.
+    /// Starts of the second run: the instance's own state of the first run, shifted by the difference at its neighbours.
     pub fn second_run(&self, found: &[Option<&'a PeriodicState>]) -> Vec<StencilStart<'a>> {
         let hint = |weighted: &WeightedPoint, [first, second]: &'a [SolvedNeighbour; 2]| {
             stencil_point(weighted, second, Some(first))
@@ -86,13 +86,13 @@ impl<'a> Stencils<'a> {
         let of = |(i, own): (usize, &Option<&'a PeriodicState>)| match (&self.support, *own) {
             (_, None) => StencilStart::Skip,
             (Support::Lines { lines, scattered }, own) => self.start(&lines[i], own, *scattered, hint),
-            // Next to its own state.
+            // The search starts at its own state.
             (Support::Coarse | Support::Neighbours(_) | Support::Integrate, Some(_)) => StencilStart::None,
         };
         found.iter().enumerate().map(of).collect()
     }
 
-    /// Where a line leads to.
+    /// The start that a stencil gives.
     fn start(
         &self,
         stencil: &[WeightedPoint],
@@ -107,21 +107,19 @@ impl<'a> Stencils<'a> {
         }
     }
 
-    /// Whether all of the nearest on a line were searched for in vain: then its own search would be, too, before all else
-    /// that may lead to it is known.
+    /// Whether no search found the nearest points of a line. The instance's own search would fail as well, so it waits.
     fn all_failed(&self, line: &[WeightedPoint]) -> bool {
         let mut nearest = line.iter().filter(|one| one.2 != 0.0);
         nearest.all(|one| matches!(self.solved[one.0 as usize], OrbitPair::Vain))
     }
 
-    /// The solved ones of these.
+    /// Those of these instances that are solved.
     fn solved_points(&self, some: &[u32]) -> impl Iterator<Item = &'a [SolvedNeighbour; 2]> {
         let solved = self.solved;
         some.iter().filter_map(move |i| solved[*i as usize].neighbours())
     }
 
-    /// The neighbours of a line; where one of the farther ones is not known, the nearest two. None where one of these
-    /// is not.
+    /// The neighbours on a line, or the nearest two if a farther one is unknown. None if one of these is unknown.
     fn line<T>(
         &self,
         line: &[WeightedPoint],

@@ -2,13 +2,13 @@
 
 use crate::plan::Plan;
 
-/// With half of the plan's steps, which are on the safe side.
+/// Halves the plan's steps, which are on the safe side.
 pub(super) fn half_steps(plan: Plan) -> Plan {
     let fewest = 2 * plan.policy.fewest_steps;
     plan.with_steps(|steps| (steps / 2).max(fewest))
 }
 
-/// With a quarter of the plan's steps, for the first estimate.
+/// Quarters the plan's steps, for the first estimate.
 pub(super) fn quarter_steps(plan: Plan) -> Plan {
     half_steps(plan).with_steps(|steps| steps / 2)
 }

@@ -1,4 +1,4 @@
-//! A chunk of a run as bytes and back: every number by its bits, column by column.
+//! A chunk of a run as bytes: every number by its bits, column by column.
 
 use super::column_codec::{self, ByteReader, CodecRow};
 use crate::control::{ChunkMeta, CompactOrbit, InstanceRecord};
@@ -7,14 +7,14 @@ use crate::observe::{Measured, Status};
 use crate::periodic::Floquet;
 use crate::plan::{BasisRule, Precision, Resolution, SectionState};
 
-/// Modes that a section state has room for.
+/// Number of modes in a section state.
 const MODES: usize = SectionState::FREE.x.len();
-/// Numbers of a result and its state; of an instance's own, and with what a search from rest found.
+/// Columns of a result with its state; of an instance; and of an instance with its search from rest.
 pub(super) const STATE_COLUMNS: usize = (Measured::WIDTH + 1) + (1 + 8 + 2 * MODES);
 const OWN_COLUMNS: usize = STATE_COLUMNS + 8 + 3;
 pub(super) const RECORD_COLUMNS: usize = OWN_COLUMNS + STATE_COLUMNS;
 
-// Where numbers of an instance stand among its own; what is measured comes first.
+// Columns of an instance. Measured quantities come first.
 pub(super) const STATUS: usize = Measured::WIDTH;
 pub(super) const ESTIMATE: usize = STATUS + 1;
 pub(super) const PERIODS: usize = ESTIMATE + 2;
@@ -28,7 +28,7 @@ pub(super) const MULTIPLIER: usize = FOUND + 3;
 /// Bytes before the entries of the columns.
 pub(super) const HEADER_BYTES: usize = 8 + 4 + 4 + 4;
 
-/// A chunk and its number as bytes: what is said of it as a whole, and its instances. Its notes come last.
+/// A chunk and its number as bytes: properties of the whole, then its instances, then its notes.
 pub fn to_bytes(
     number: usize,
     about: &ChunkMeta,
@@ -46,14 +46,14 @@ pub fn to_bytes(
     if count > 0 {
         fill(&instance(0), CodecRow(&mut first));
     }
-    // Without searches from rest their columns are the same for all.
+    // Without searches from rest their columns are constant.
     let width = if *from_rest { RECORD_COLUMNS } else { OWN_COLUMNS };
     column_codec::write(&mut bytes, (first, width), count, |n, row| fill(&instance(n), row));
     bytes.extend(notes.as_bytes());
     bytes
 }
 
-/// Notes as one line each, without empty ones: a driver's words may be many lines.
+/// Notes as one line each, without empty ones. A driver's message may have many lines.
 pub(super) fn lines<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let line = |note: &str| -> Vec<String> {
         note.split(['\n', '\r']).filter(|part| !part.is_empty()).map(str::to_owned).collect()
@@ -61,17 +61,17 @@ pub(super) fn lines<'a>(notes: impl Iterator<Item = &'a str>) -> Vec<String> {
     notes.map(|note| line(note).join(" ")).filter(|note| !note.is_empty()).collect()
 }
 
-/// What the first bytes of a chunk tell.
+/// The header of a chunk.
 pub(super) struct ChunkHeader {
     pub number: usize,
-    /// Whether it is whole, was searched for, is of curves, was searched for from rest.
+    /// Whether it is whole, was searched for, has curves, and was searched for from rest.
     pub flags: [bool; 4],
     pub count: usize,
-    /// How long its notes are.
+    /// Length of its notes in bytes.
     pub notes: usize,
 }
 
-/// What these first bytes tell; none where they are no chunk's.
+/// Reads the header. None if these bytes are not that of a chunk.
 pub(super) fn chunk_header(bytes: &[u8]) -> Option<ChunkHeader> {
     let mut rest = ByteReader(bytes);
     let number = usize::try_from(rest.whole(8)?).ok()?;
@@ -83,7 +83,7 @@ pub(super) fn chunk_header(bytes: &[u8]) -> Option<ChunkHeader> {
     Some(ChunkHeader { number, flags, count: rest.whole(4)? as usize, notes: rest.whole(4)? as usize })
 }
 
-/// The number of the chunk that the bytes hold, and how many instances it has.
+/// Number of the chunk in these bytes, and its number of instances.
 pub fn number(bytes: &[u8]) -> Option<(usize, usize)> {
     let mut rest = ByteReader(bytes);
     let number = rest.whole(8)?;
@@ -104,7 +104,7 @@ fn rule(one: BasisRule) -> [u64; 3] {
     }
 }
 
-/// An instance's numbers, by their bits: all, or its own where there is no room for more.
+/// Fills a row with an instance's bits. The search from rest is left out if there is no room.
 fn fill(one: &InstanceRecord, mut row: CodecRow) {
     let InstanceRecord { finished, estimate, left_out, periods, jump, .. } = one;
     let InstanceRecord { neighbour_started, precision, fineness, state, from_rest, .. } = one;
@@ -123,10 +123,10 @@ fn fill(one: &InstanceRecord, mut row: CodecRow) {
     put_orbit((from_rest.as_ref().map(|rest| &rest.1), like), &mut row);
 }
 
-/// Steps and the rule of a basis as numbers.
+/// Steps and basis rule as numbers.
 type BasisKey = [u64; 4];
 
-/// Of a state that is told by itself.
+/// Key for a state that is stored on its own.
 pub(super) const NO_BASIS_KEY: BasisKey = [0; 4];
 
 fn lever(steps: u32, of: BasisRule) -> BasisKey {
@@ -134,7 +134,7 @@ fn lever(steps: u32, of: BasisRule) -> BasisKey {
     [u64::from(steps), kind, size, count]
 }
 
-/// Where two differ, bit by bit; of that and one of them, the other.
+/// Exclusive or. Applied to the result and one of the two, it gives the other.
 fn apart(one: BasisKey, other: BasisKey) -> BasisKey {
     std::array::from_fn(|n| one[n] ^ other[n])
 }
@@ -144,8 +144,8 @@ pub(super) fn finish(one: &Finished, row: &mut CodecRow) {
     row.put([one.status as u64]);
 }
 
-/// A state; zeros where there is none. Most states were found with the steps and the basis of their instance, from which
-/// `like` they are told.
+/// Writes a state, or zeros if there is none. Steps and basis are stored relative to `like`, those of the instance, because
+/// most states have the same.
 pub(super) fn put_orbit((state, like): (Option<&CompactOrbit>, BasisKey), row: &mut CodecRow) {
     let Some(place) = state else { return row.put([0; 1 + 8 + 2 * MODES]) };
     let CompactOrbit { floquet: spectrum, steps, rule: of, .. } = place;
@@ -158,7 +158,7 @@ pub(super) fn put_orbit((state, like): (Option<&CompactOrbit>, BasisKey), row: &
     row.part::<MODES>(u);
 }
 
-/// The instance that these are the numbers of; none where they can be no instance's.
+/// The instance with these numbers. None if they are invalid.
 pub(super) fn record(numbers: &mut impl Iterator<Item = u64>) -> Option<InstanceRecord> {
     let finished = of_finished(numbers)?;
     let (estimate, left_out) = (f64::from_bits(numbers.next()?), f64::from_bits(numbers.next()?));
@@ -204,7 +204,7 @@ fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
     }
 }
 
-/// A state, if there is one; see [`put_orbit`].
+/// Reads a state, if there is one; see [`put_orbit`].
 pub(super) fn compact_orbit(
     numbers: &mut impl Iterator<Item = u64>,
     like: BasisKey,
@@ -239,7 +239,7 @@ mod tests {
         mixed ^ (mixed >> 31)
     }
 
-    /// Any bits that the numbers of an instance can have, NaN of every kind among them.
+    /// Any bits that the numbers of an instance can have, every kind of NaN included.
     fn any(state: &mut u64) -> InstanceRecord {
         let mut number = || f64::from_bits(draw(state));
         let mut measured = Measured { phase: number(), gap: number(), contacts: number(), ..Measured::NONE };
@@ -275,7 +275,7 @@ mod tests {
         to_bytes(number, about, instances.len(), |n| instances[n].clone())
     }
 
-    /// A chunk from all of its bytes.
+    /// Reads a chunk from all of its bytes.
     fn read(bytes: &[u8], number: usize, count: usize) -> Option<(ChunkMeta, Vec<InstanceRecord>)> {
         let source =
             |range: Range<usize>| bytes.get(range).map(<[u8]>::to_vec).ok_or_else(|| "cut off".to_owned());
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// Marks and counts are those of the instances, and a column is read without the others.
+    /// Flags and counts are those of the instances, and a column is read without the others.
     #[test]
     fn columns_are_read_alone() {
         let one = portion(70, 5);
@@ -330,7 +330,7 @@ mod tests {
         assert!(marks.iter().zip(&one.1).all(|(mark, one)| mark.precision() == one.precision));
     }
 
-    /// No bit of a column or of what comes before them turns over unnoticed, once it is asked for.
+    /// A flipped bit is noticed in any column or header that is read.
     #[test]
     fn every_bit_counts() {
         let bytes = written(0, &portion(3, 2));
@@ -342,7 +342,7 @@ mod tests {
         }
     }
 
-    /// Many lines of a driver, empty ones, none: each note is one line, and the same after any number of journeys.
+    /// Many lines of a driver, empty ones, none: each note is one line, and stays so after any number of round trips.
     #[test]
     fn notes_come_back_one_line_each() {
         let notes = ["refused:\n\n  two\r\nthree\n", "", "\n\n", "a", "b\r"].map(str::to_owned).to_vec();
@@ -352,14 +352,14 @@ mod tests {
         assert_eq!(back.0.notes, ["refused:   two three", "a", "b"]);
         let again = read(&written(0, &back), 0, 1).expect("it is whole");
         assert_eq!(again.0.notes, back.0.notes);
-        // Empty lines in bytes that somebody else has written are no notes.
+        // Empty lines in bytes from elsewhere are no notes.
         let mut bytes = written(0, &(ChunkMeta { notes: vec!["abcd".into()], ..about }, one.1));
         let place = bytes.windows(4).position(|four| four == b"abcd").expect("it is there");
         bytes[place + 1..place + 4].fill(b'\n');
         assert_eq!(read(&bytes, 0, 1).expect("it is whole").0.notes, ["a"]);
     }
 
-    /// Whatever the bytes are, nothing panics and nothing large is asked for.
+    /// Whatever the bytes are, nothing panics and nothing allocates much memory.
     #[test]
     fn damaged_bytes_are_no_portion_or_another_one() {
         let bytes = written(0, &portion(30, 1));

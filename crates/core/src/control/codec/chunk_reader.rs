@@ -1,4 +1,4 @@
-//! A chunk in its bytes: of these the columns are read that are asked for.
+//! Reads a chunk from its bytes, one column at a time.
 
 use super::chunk_codec::{self, ESTIMATE, FOUND, JUMP, MULTIPLIER, PERIODS, RECORD_COLUMNS, STEPS};
 use super::column_codec::{ByteColumn, CHECKSUM_BYTES, ColumnEntry, ENTRY_BYTES, entries};
@@ -8,13 +8,13 @@ use crate::plan::{Precision, Resolution};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Reads bytes of a chunk.
+/// Reads a range of a chunk's bytes.
 pub(in crate::control) type ByteSource<'a> = dyn Fn(Range<usize>) -> Result<Vec<u8>, String> + Sync + 'a;
 
 /// Bytes before the columns.
 const HEADER_AND_ENTRIES: usize = chunk_codec::HEADER_BYTES + RECORD_COLUMNS * ENTRY_BYTES + CHECKSUM_BYTES;
 
-/// A chunk whose beginning was read; a column is when it is first asked for.
+/// A chunk whose header was read. A column is read at first use.
 pub(in crate::control) struct ChunkReader<'a> {
     source: &'a ByteSource<'a>,
     number: usize,
@@ -27,10 +27,10 @@ pub(in crate::control) struct ChunkReader<'a> {
 }
 
 impl<'a> ChunkReader<'a> {
-    /// Of the chunk of this number and so many instances.
+    /// Opens the chunk of this number and this many instances.
     ///
     /// # Errors
-    /// In words, why it cannot be read; it is no such chunk.
+    /// Says why it cannot be read, or that the bytes are another chunk.
     pub fn of(source: &'a ByteSource<'a>, number: usize, count: usize) -> Result<Self, String> {
         let head = source(0..HEADER_AND_ENTRIES)?;
         let of_head = || {
@@ -45,12 +45,12 @@ impl<'a> ChunkReader<'a> {
         Ok(Self { source, number, count, flags, notes, entries, columns, failed: OnceLock::new() })
     }
 
-    /// How many bytes it has.
+    /// Length in bytes.
     pub fn length(&self) -> usize {
         self.notes.end
     }
 
-    /// What is said of it as a whole.
+    /// Properties of the chunk as a whole.
     pub fn meta(&self) -> Option<ChunkMeta> {
         let [whole, searched, curves, from_rest] = self.flags;
         let notes = (self.source)(self.notes.clone()).ok()?;
@@ -58,12 +58,12 @@ impl<'a> ChunkReader<'a> {
         Some(ChunkMeta { whole, searched, curves, from_rest, notes })
     }
 
-    /// Why a column that was asked for could not be read.
+    /// Why a column could not be read.
     pub fn failure(&self) -> Option<&str> {
         self.failed.get().map(String::as_str)
     }
 
-    /// A column; zeros where it cannot be read, which [`ChunkReader::failure`] tells.
+    /// A column, or zeros if it cannot be read; see [`ChunkReader::failure`].
     pub fn column(&self, number: usize) -> ByteColumn<'_> {
         let entry = &self.entries[number];
         if entry.is_one() {
@@ -85,12 +85,12 @@ impl<'a> ChunkReader<'a> {
         if entry.is_of(&bytes) { Ok(bytes) } else { Err(damaged(self.number)) }
     }
 
-    /// All that is known of an instance; none where its numbers can be no instance's.
+    /// The record of an instance. None if its numbers are invalid.
     pub fn ended(&self, n: usize) -> Option<InstanceRecord> {
         chunk_codec::record(&mut (0..RECORD_COLUMNS).map(|column| self.column(column).get(n)))
     }
 
-    /// What was measured of an instance.
+    /// Measurements of an instance.
     pub fn measured(&self, n: usize) -> Measured {
         Measured::of_numbers(&std::array::from_fn(|column| self.float(column, n)))
     }
@@ -100,7 +100,7 @@ impl<'a> ChunkReader<'a> {
         f64::from_bits(self.column(column).get(n))
     }
 
-    /// Those of a column.
+    /// All numbers of a column.
     pub fn floats(&self, column: usize) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.count);
         self.column(column).each(self.count, |_, bits| all.push(f64::from_bits(bits)));
@@ -112,27 +112,27 @@ impl<'a> ChunkReader<'a> {
         self.floats(ESTIMATE)
     }
 
-    /// The same of an instance.
+    /// Estimated error of one instance.
     pub fn estimate(&self, n: usize) -> f64 {
         self.float(ESTIMATE, n)
     }
 
-    /// The periods of an instance's last run.
+    /// Periods of an instance's last run.
     pub fn periods(&self, n: usize) -> u32 {
         self.column(PERIODS).get(n) as u32
     }
 
-    /// Whether its curve's state was not reached continuously.
+    /// Whether the curve jumped to this instance's state.
     pub fn jump(&self, n: usize) -> bool {
         self.column(JUMP).get(n) == 1
     }
 
-    /// Its steps per period.
+    /// Steps per period of an instance.
     pub fn steps(&self, n: usize) -> u32 {
         self.column(STEPS).get(n) as u32
     }
 
-    /// The steps, gaps and rules of the bases of all; none where they can be no instances'.
+    /// Steps, gaps and basis rules of all instances. None if they are invalid.
     pub fn fineness(&self) -> Option<Vec<Resolution>> {
         let columns: [ByteColumn; 5] = std::array::from_fn(|n| self.column(STEPS + n));
         (0..self.count)
@@ -140,7 +140,7 @@ impl<'a> ChunkReader<'a> {
             .collect()
     }
 
-    /// The moduli of their maps' largest multipliers; NaN where no state was found, or waiting found it.
+    /// Moduli of the largest multipliers of the period maps. NaN if no state was found, or time integration found it.
     pub fn multipliers(&self) -> Vec<f64> {
         let (found, mut all) = (self.column(FOUND), self.floats(MULTIPLIER));
         found.each(self.count, |n, found| {
@@ -151,8 +151,7 @@ impl<'a> ChunkReader<'a> {
         all
     }
 
-    /// What is held of each instance in memory, and how many began at their neighbours' states; none where they can be no
-    /// instances'.
+    /// Flags of each instance, and how many started from their neighbours' states. None if they are invalid.
     pub fn flags(&self, accuracy: f64) -> Option<(Vec<InstanceFlags>, usize)> {
         let mut measured = vec![false; self.count];
         for number in 0..Measured::WIDTH {

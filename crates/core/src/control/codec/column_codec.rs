@@ -1,22 +1,22 @@
-//! Rows of numbers as bytes and back, column by column, so that one column can be read alone.
+//! Rows of numbers as bytes, column by column, so that a column can be read alone.
 //!
-//! First comes an entry for each column: how many bytes each of its numbers takes (1), and the CRC-32 of all of them (8, the
-//! lowest first); or 0 and the number that all rows have. Then the CRC-32 of all bytes so far (4), then the columns.
+//! Each column has an entry: the bytes of each of its numbers (1), and the CRC-32 of all of them (8, the lowest first); or 0
+//! and the number that all rows share. The CRC-32 of all bytes so far (4) follows, then the columns.
 
 use std::ops::Range;
 
-/// A row of numbers, filled from its beginning.
+/// A row of numbers, filled from the start.
 pub(super) struct CodecRow<'a>(pub &'a mut [u64]);
 
 impl CodecRow<'_> {
-    /// Puts the next ones in; what has no room is left out.
+    /// Appends these numbers if all of them fit.
     pub fn put<const N: usize>(&mut self, numbers: [u64; N]) {
         if let Some((places, rest)) = std::mem::take(&mut self.0).split_first_chunk_mut() {
             (*places, self.0) = (numbers, rest);
         }
     }
 
-    /// The bits of these, at most `N` of them, and as many zeros as there are fewer.
+    /// Appends the bits of at most `N` numbers, then zeros up to `N`.
     pub fn part<const N: usize>(&mut self, numbers: &[f64]) {
         if let Some((places, rest)) = std::mem::take(&mut self.0).split_first_chunk_mut::<N>() {
             *places = [0; N];
@@ -25,21 +25,21 @@ impl CodecRow<'_> {
         }
     }
 
-    /// The same by their bits.
+    /// Appends numbers by their bits.
     pub fn floats<const N: usize>(&mut self, numbers: [f64; N]) {
         self.put(numbers.map(f64::to_bits));
     }
 }
 
-/// Bytes of a column's entry, and of the sum behind all of them.
+/// Bytes of a column's entry, and of the checksum after all entries.
 pub(super) const ENTRY_BYTES: usize = 9;
 pub(super) const CHECKSUM_BYTES: usize = 4;
 
-/// Rows that are filled before their columns are gone through.
+/// Rows that are filled before their columns are read.
 const TILE_ROWS: usize = 32;
 
-/// Writes so many rows, which `fill` fills in. `first` is the first one, from whose `varying` first columns alone the others may
-/// differ.
+/// Writes `count` rows, which `fill` provides. `first` is the first row. The others may differ from it only in the first
+/// `varying` columns.
 pub(super) fn write<const W: usize>(
     bytes: &mut Vec<u8>,
     (first, varying): ([u64; W], usize),
@@ -64,7 +64,7 @@ pub(super) fn write<const W: usize>(
     bytes[end..][..CHECKSUM_BYTES].copy_from_slice(&sum);
 }
 
-/// The columns of these rows; a column that is of one number is empty.
+/// The columns of these rows. A column of one number is empty.
 fn columns<const W: usize>(
     (first, varying): ([u64; W], usize),
     count: usize,
@@ -74,7 +74,7 @@ fn columns<const W: usize>(
     let mut tile = vec![first; TILE_ROWS.min(count)];
     for from in (0..count).step_by(TILE_ROWS) {
         let rows = &mut tile[..TILE_ROWS.min(count - from)];
-        // Most columns are of one number.
+        // Most columns have one number only.
         let mut differ = [0; W];
         for (n, row) in rows.iter_mut().enumerate() {
             fill(from + n, CodecRow(&mut row[..varying]));
@@ -97,7 +97,7 @@ fn columns<const W: usize>(
     columns
 }
 
-/// Appends numbers, each in as few bytes as serve for all; how many these are, and their sum.
+/// Appends numbers, each in as few bytes as suffice for all. Returns that width and their checksum.
 fn append(column: &[u64], bytes: &mut Vec<u8>) -> (u8, u64) {
     let (at, any) = (bytes.len(), column.iter().fold(0, |any, number| any | number));
     let width = (8 - any.leading_zeros() / 8).max(1) as usize;
@@ -108,16 +108,16 @@ fn append(column: &[u64], bytes: &mut Vec<u8>) -> (u8, u64) {
     (width as u8, u64::from(crc32fast::hash(&bytes[at..])))
 }
 
-/// What is known of a column before it is read.
+/// The entry of a column.
 #[derive(Clone, Debug)]
 pub(super) struct ColumnEntry {
     width: usize,
     word: u64,
-    /// Where its numbers lie behind the entries.
+    /// Range of its numbers after the entries.
     pub range: Range<usize>,
 }
 
-/// The entries of so many columns of so many rows, which with their sum end the bytes; none where they are not what was written.
+/// Reads the entries of columns with `count` rows. Entries and checksum end the bytes. None if the bytes are damaged.
 pub(super) fn entries(bytes: &[u8], columns: usize, count: usize) -> Option<Vec<ColumnEntry>> {
     let (told, sum) = bytes.split_last_chunk::<CHECKSUM_BYTES>()?;
     if crc32fast::hash(told).to_le_bytes() != *sum {
@@ -134,24 +134,24 @@ pub(super) fn entries(bytes: &[u8], columns: usize, count: usize) -> Option<Vec<
 }
 
 impl ColumnEntry {
-    /// Whether all rows have the number that the entry tells.
+    /// Whether all rows share the number in the entry.
     pub fn is_one(&self) -> bool {
         self.width == 0
     }
 
-    /// Whether these bytes of numbers are what was written.
+    /// Whether these are the bytes that were written.
     pub fn is_of(&self, bytes: &[u8]) -> bool {
         bytes.len() == self.range.len() && (self.is_one() || u64::from(crc32fast::hash(bytes)) == self.word)
     }
 
-    /// The column whose numbers are these bytes.
+    /// The column with these bytes.
     pub fn column<'a>(&self, bytes: &'a [u8]) -> ByteColumn<'a> {
         if self.is_one() { ByteColumn::All(self.word) } else { ByteColumn::Each(self.width, bytes) }
     }
 }
 
-/// The columns of so many rows, where they lie, with the beginning of the bytes up to their sum; none where the bytes are not
-/// what was written. What follows is left.
+/// Reads columns of `count` rows. `head` bytes precede the entries. Advances `bytes` past the columns. None if the bytes are
+/// damaged.
 pub(super) fn read<'a>(
     (bytes, head): (&mut &'a [u8], usize),
     columns: usize,
@@ -169,7 +169,7 @@ pub(super) fn read<'a>(
     entries.iter().map(column).collect()
 }
 
-/// A column of numbers: one that all rows have, or each in so many bytes.
+/// A column: one number for all rows, or numbers of a fixed width in bytes.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::control) enum ByteColumn<'a> {
     All(u64),
@@ -177,7 +177,7 @@ pub(in crate::control) enum ByteColumn<'a> {
 }
 
 impl ByteColumn<'_> {
-    /// The number of a row.
+    /// The number in a row.
     pub fn get(&self, row: usize) -> u64 {
         match *self {
             Self::All(value) => value,
@@ -185,7 +185,7 @@ impl ByteColumn<'_> {
         }
     }
 
-    /// Shows the numbers of so many rows, one after the other.
+    /// Shows the numbers of the first `count` rows in order.
     pub fn each(&self, count: usize, mut show: impl FnMut(usize, u64)) {
         match *self {
             Self::All(value) => (0..count).for_each(|n| show(n, value)),
@@ -200,7 +200,7 @@ impl ByteColumn<'_> {
     }
 }
 
-/// Bytes that are still to be read.
+/// Bytes still to be read.
 pub(super) struct ByteReader<'a>(pub &'a [u8]);
 
 impl<'a> ByteReader<'a> {
@@ -210,13 +210,13 @@ impl<'a> ByteReader<'a> {
         Some(taken)
     }
 
-    /// A whole number of so many bytes.
+    /// An unsigned integer of `width` bytes.
     pub fn whole(&mut self, width: usize) -> Option<u64> {
         self.take(width).map(little)
     }
 }
 
-/// A number of at most eight bytes, the lowest first.
+/// Reads at most eight bytes as an integer, the lowest first.
 fn little(bytes: &[u8]) -> u64 {
     if let Ok(all) = bytes.try_into() {
         return u64::from_le_bytes(all);

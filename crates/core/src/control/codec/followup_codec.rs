@@ -1,17 +1,17 @@
-//! What was asked of single instances after the run, and its answers, as bytes and back.
+//! Follow-up questions and their answers as bytes.
 
 use super::chunk_codec::{NO_BASIS_KEY, STATE_COLUMNS, compact_orbit, finish, of_finished, put_orbit};
 use super::column_codec::{self, ByteColumn, ByteReader, CodecRow};
 use crate::control::{AuditBudget, FollowupKey, FollowupKind, FollowupResult};
 
-/// Numbers of a question, and of it with its answer.
+/// Columns of a question, and of a question with its answer.
 const KEY_COLUMNS: usize = 3;
 const RESULT_COLUMNS: usize = KEY_COLUMNS + STATE_COLUMNS;
 
-/// Bytes that tell how many there are.
+/// Bytes of the number of answers.
 const COUNT_BYTES: usize = 4;
 
-/// Answers as bytes.
+/// Writes answers.
 pub fn to_bytes(all: &[(FollowupKey, FollowupResult)]) -> Vec<u8> {
     let mut bytes = (all.len() as u32).to_le_bytes().to_vec();
     let mut first = [0; RESULT_COLUMNS];
@@ -32,11 +32,11 @@ pub fn keys(bytes: &[u8]) -> Option<Vec<FollowupKey>> {
     (0..count).map(|n| asked(columns[0].get(n), columns[1].get(n), columns[2].get(n))).collect()
 }
 
-/// The columns of answers, and how many answers there are; none where the bytes are no answers.
+/// The columns of answers, and the number of answers. None if the bytes are invalid.
 fn columns(mut bytes: &[u8]) -> Option<(Vec<ByteColumn<'_>>, usize)> {
     let count = ByteReader(bytes).whole(COUNT_BYTES)? as usize;
     let columns = column_codec::read((&mut bytes, COUNT_BYTES), RESULT_COLUMNS, count)?;
-    // Where all numbers are the same, the bytes do not tell how many there could be.
+    // If all columns are constant, the bytes do not bound the count.
     let same = columns.iter().all(|column| matches!(column, ByteColumn::All(_)));
     (bytes.is_empty() && !(same && count > 1)).then_some((columns, count))
 }
@@ -57,7 +57,7 @@ pub fn from_bytes(bytes: &[u8]) -> Option<Vec<FollowupResult>> {
     (0..count).map(one).collect()
 }
 
-/// Numbers that answer a question, as bytes.
+/// Writes numbers that answer a question.
 pub fn numbers_to_bytes(question: &FollowupKey, numbers: &[f64]) -> Vec<u8> {
     let mut bytes = vec![question.kind as u8];
     bytes.extend(question.instance.to_le_bytes());
@@ -66,14 +66,14 @@ pub fn numbers_to_bytes(question: &FollowupKey, numbers: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// A question, and the bytes of the numbers that answer it.
+/// Splits the bytes into the question and the numbers that answer it.
 fn parted(bytes: &[u8]) -> Option<(FollowupKey, &[u8])> {
     let mut rest = ByteReader(bytes);
     let question = asked(rest.whole(1)?, rest.whole(4)?, rest.whole(8)?)?;
     Some((question, rest.0))
 }
 
-/// The question that the bytes of numbers answer.
+/// The question that numbers answer.
 pub fn numbers_key(bytes: &[u8]) -> Option<FollowupKey> {
     parted(bytes).map(|(question, _)| question)
 }
@@ -84,12 +84,12 @@ pub fn numbers_from_bytes(bytes: &[u8]) -> Option<Vec<f64>> {
     rest.is_empty().then(|| whole.iter().map(|number| f64::from_le_bytes(*number)).collect())
 }
 
-/// An audit's time as bytes.
+/// Writes an audit's time.
 pub fn budget_to_bytes(AuditBudget { limit, spent }: AuditBudget) -> Vec<u8> {
     [limit, spent].iter().flat_map(|seconds| seconds.to_le_bytes()).collect()
 }
 
-/// An audit's time from its bytes; none where it is no time.
+/// Reads an audit's time. None if it is invalid.
 pub fn budget_from_bytes(bytes: &[u8]) -> Option<AuditBudget> {
     let (limit, spent) = bytes.split_first_chunk::<8>()?;
     let (limit, spent) = (f64::from_le_bytes(*limit), f64::from_le_bytes(spent.try_into().ok()?));
@@ -143,7 +143,7 @@ mod tests {
             assert_eq!(all.iter().map(row).collect::<Vec<_>>(), back.iter().map(row).collect::<Vec<_>>());
             assert!((0..bytes.len()).all(|end| from_bytes(&bytes[..end]).is_none()));
         }
-        // More of them than there are bytes, for which no memory is asked.
+        // The count exceeds the bytes, so no memory is allocated for it.
         assert!(keys(&[255; 40]).is_none() && from_bytes(&[255; 40]).is_none());
     }
 

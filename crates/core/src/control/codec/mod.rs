@@ -1,4 +1,4 @@
-//! What a run writes down, as bytes and back: chunks, and what is asked of single instances after them.
+//! The stored bytes of a run: chunks, and answers to follow-up questions.
 
 mod chunk_codec;
 mod chunk_reader;
