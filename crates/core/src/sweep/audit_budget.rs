@@ -1,4 +1,4 @@
-//! Which instances a sweep has redone by the reference engine, and how long that may take.
+//! The choice of instances for the audit, and its time limits.
 
 use super::Audit;
 use crate::control::{self, AuditBudget, AuditedInstance, ChunkJournal, JournaledRun};
@@ -6,17 +6,17 @@ use crate::engine::{EngineError, Progress};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What an audit takes of the stepping's time. README and the command line's help tell it, as they tell [`AUDIT_SECONDS`].
+/// Share of the stepping time that an audit takes. README and the command line's help state it, and [`AUDIT_SECONDS`].
 pub const AUDIT_SHARE: f64 = 0.1;
-/// What it takes after a short run, s.
+/// Time of an audit after a short run, s.
 pub const AUDIT_SECONDS: f64 = 0.25;
-/// In which one core redoes an instance at best, s.
+/// Shortest time in which one core redoes an instance, s.
 const REDO_SECONDS: f64 = 0.05;
-/// The longest that it looks for one instance that touches the sample, s.
+/// Longest time to look for one instance that touches the sample, s.
 pub const CONTACT_SEARCH_SECONDS: f64 = 60.0;
 
-/// As many instances as asked for; else those that are done when its time is over, and at least one that touches the
-/// sample, where the run has one. `stepping` is what the run took, s. Of a run that was stopped before, what is known.
+/// Redoes the requested number of instances; else those that fit into the time limit, and at least one that touches the
+/// sample, if any does. `stepping` is the time of the run, s. For a stopped run, returns the instances already redone.
 pub(super) fn redo(
     asked: Audit,
     run: &JournaledRun,
@@ -39,8 +39,7 @@ pub(super) fn redo(
     }
 }
 
-/// What a run that goes on has redone before counts, as does the time that it took; so it ends about where one that nobody
-/// disturbs does.
+/// Instances and time of an earlier, interrupted audit count. The audit thus ends about where an undisturbed one does.
 fn by_time(
     run: &JournaledRun,
     stepping: f64,
@@ -82,11 +81,11 @@ fn by_time(
     Ok(done)
 }
 
-/// How often it is written down what was spent.
+/// Interval between records of the time spent.
 const WRITE_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Does `work`, which is stopped when its time is over or the run is; `tell` hears now and then, and at the end, how long it
-/// has taken.
+/// Does `work` and stops it at the time limit or with the run. Calls `tell` with the elapsed time at intervals and at the
+/// end.
 fn within<T>(
     (limit, tell): (Duration, &(dyn Fn(Duration) + Sync)),
     progress: &Progress,

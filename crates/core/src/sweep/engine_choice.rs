@@ -1,12 +1,12 @@
-//! Which engine is taken, in words.
+//! The automatic choice of the engine, for messages.
 
-/// Why an engine was taken that was not named.
+/// The reason for an engine that the user did not name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EngineChoice {
-    /// The CPU: so short a run is done before a GPU is ready.
+    /// The CPU: a run this short is done before a GPU is ready.
     Short,
-    /// The CPU: of a search there is too little to step for a GPU to be ahead.
+    /// The CPU: a search has too few steps for a GPU to be faster.
     Searched,
     /// The CPU: there is no GPU.
     NoGpu,
@@ -14,8 +14,8 @@ pub enum EngineChoice {
     NoDouble(String),
     /// The only GPU adapter is a software driver, which computes on the processor.
     Software,
-    /// One GPU of several of its kind, which have these indices.
+    /// One of several GPUs of the same kind, which have these indices.
     OneOf(Vec<usize>),
-    /// All GPUs of one kind; others, which are told, are left out.
+    /// All GPUs of one kind. These others are not used.
     Without(Vec<String>),
 }

@@ -1,4 +1,4 @@
-//! Which engine a sweep takes, and why.
+//! The choice of a sweep's engine.
 
 use super::{Backend, EngineChoice, Error, Observer, Options};
 #[cfg(feature = "gpu")]
@@ -11,13 +11,13 @@ use crate::plan::Plan;
 use crate::plan::Precision;
 use crate::scene::Steady;
 
-/// Instance-steps below which the CPU is done before a GPU is ready.
+/// With fewer instance-steps the CPU is done before a GPU is ready.
 const GPU_MIN_INSTANCE_STEPS: u64 = 200_000_000;
-/// Accuracy asked for down to which f32 serves: its rounding shows at a tenth of it.
+/// Least accuracy for f32: rounding is visible at a tenth of it.
 #[cfg(feature = "gpu")]
 const F32_MIN_ACCURACY: f64 = 1e-3;
 
-/// The engine asked for; sets the plan's precision where it was left to the engine.
+/// The requested engine. Sets the plan's precision if that is left to the engine.
 pub(super) fn engine(
     options: &Options,
     plan: &mut Plan,
@@ -42,7 +42,7 @@ pub(super) fn engine(
     }
 }
 
-/// GPUs that were asked for, by name or as any.
+/// The requested GPUs, by name or any.
 #[cfg(feature = "gpu")]
 fn named(
     options: &Options,
@@ -80,7 +80,7 @@ fn gpu(options: &Options, wanted: Option<&str>, plan: &mut Plan) -> Result<Gpu, 
     Ok(gpu)
 }
 
-/// Tells of others of its kind.
+/// Reports the other GPUs of its kind.
 #[cfg(feature = "gpu")]
 fn others(gpu: &Gpu, observer: &dyn Observer) {
     if let Some(kind) = alike(&adapters()).into_iter().find(|kind| kind.contains(&gpu.report().index)) {
@@ -88,7 +88,7 @@ fn others(gpu: &Gpu, observer: &dyn Observer) {
     }
 }
 
-/// Tells which real GPUs are of another kind than those that were asked for.
+/// Reports real GPUs of another kind than the requested ones.
 #[cfg(feature = "gpu")]
 fn unused_kinds(gpu: &Gpu, observer: &dyn Observer) {
     let mut others = adapters();

@@ -1,4 +1,4 @@
-//! A sweep from its plan to its results, phase after phase.
+//! Executes a sweep from its plan to its results, phase by phase.
 
 use super::planned_sweep::PlannedSweep;
 use super::sweep_phase::MissingPhases;

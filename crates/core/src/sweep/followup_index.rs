@@ -1,4 +1,4 @@
-//! What journals know of the questions that are asked once all chunks have ended.
+//! An index of the follow-up answers in journals.
 
 use crate::control::{
     AuditBudget, FollowupKey, FollowupKind, FollowupResult, answers_from_bytes, budget_from_bytes, keys,
@@ -7,20 +7,20 @@ use crate::control::{
 use crate::store::{Journal, RecordKind};
 use std::collections::HashMap;
 
-/// Where a record is: its journal and its number there.
+/// Number of a journal, and of a record in it.
 type RecordNumber = (usize, usize);
 
-/// Where the answers are.
+/// Where the answers are stored.
 #[derive(Debug, Default)]
 pub(super) struct FollowupIndex {
-    /// The record, and which of its answers.
+    /// Record of each answer, and its place there.
     answers: HashMap<FollowupKey, (RecordNumber, usize)>,
     numbers: HashMap<FollowupKey, RecordNumber>,
     pub allowance: Option<AuditBudget>,
 }
 
 impl FollowupIndex {
-    /// Takes up a record that is no chunk.
+    /// Adds a record that is not a chunk.
     pub fn take(&mut self, place: RecordNumber, kind: RecordKind, bytes: &[u8]) {
         match kind {
             RecordKind::Answers => {
@@ -33,7 +33,7 @@ impl FollowupIndex {
         }
     }
 
-    /// How many answers there are.
+    /// Number of answers.
     pub fn len(&self) -> usize {
         self.answers.len() + self.numbers.len()
     }

@@ -1,4 +1,4 @@
-//! How long a run will take here, from some of its instances that are run.
+//! Forecast of a run's time on this machine, from runs of some instances.
 
 use super::{Error, Recipe, Silent, Sweep};
 use crate::control::{self, MemoryJournal};
@@ -7,24 +7,24 @@ use crate::scene::{Axis, Layout, Scene, Steady};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// Instances that are run each by itself, spread over all.
+/// Instances, spread over all, that run without neighbours.
 const SAMPLE_INSTANCES: usize = 48;
-/// Instances of a sweep whose instances begin at one another's states: a part of it as dense as the whole.
+/// Instances of a part that is as dense as the whole, for a sweep whose instances start from one another's states.
 const DENSE_INSTANCES: usize = 2048;
-/// Fewer instances of a design make no such part.
+/// A smaller sweep gives no such part.
 const MIN_INSTANCES: usize = 4096;
-/// Time after which trials are stopped.
+/// Time after which the forecast stops.
 const MAX_FORECAST_TIME: Duration = Duration::from_secs(10);
-/// What comes on top of stepping: the audit's tenth.
+/// Whole time relative to stepping: the audit adds a tenth.
 const AUDIT_FACTOR: f64 = 1.1;
 
-/// What some instances tell of the time of all.
+/// Forecast from some instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// Instances that were run, and what that took, s.
+    /// Number of instances that ran, and their time, s.
     pub tried: usize,
     pub seconds: f64,
-    /// Expected time of the whole run, s; none where the trials were stopped, since they took too long.
+    /// Expected time of the whole run, s. None if the forecast was stopped because it took too long.
     pub expected: Option<f64>,
 }
 
@@ -36,12 +36,12 @@ struct CostSample {
 }
 
 impl Sweep {
-    /// Runs some instances and tells how long a run of all takes: some spread over all, each by itself; where instances begin at
-    /// one another's states a dense part of the sweep as well, of which the price is corrected by how much dearer the spread
-    /// ones are than its own.
+    /// Runs some instances and forecasts the time of a whole run. One sample is spread over all instances, without
+    /// neighbours. If instances start from one another's states, a dense part of the sweep runs, too. Its time is scaled by
+    /// the ratio of the spread sample to a sample of the part.
     ///
     /// # Errors
-    /// As [`Sweep::run`].
+    /// Those of [`Sweep::run`].
     pub fn forecast(&self) -> Result<Forecast, Error> {
         let progress = Progress::default();
         let start = Instant::now();
@@ -67,7 +67,7 @@ impl Sweep {
         Ok(Forecast { tried, seconds, expected: expected.filter(|_| !progress.stopped()) })
     }
 
-    /// How many instances were run, and the expected time.
+    /// Number of instances that ran, and the expected time.
     fn time_sample(&self, progress: &Progress) -> Result<(usize, Option<f64>), Error> {
         let whole = |price: CostSample| AUDIT_FACTOR * (price.choices + price.each * self.scene.len() as f64);
         let cold = self.clone().cold(true);
@@ -86,7 +86,7 @@ impl Sweep {
         Ok((count + of_part + of_few, Some(whole(price))))
     }
 
-    /// What a scene's instances cost, run as this sweep's are, and how many there are.
+    /// Time of a scene's instances with this sweep's options, and their number.
     fn time_scene(&self, scene: Scene, progress: &Progress) -> Result<(CostSample, usize), Error> {
         let count = scene.len();
         let course = Recipe::course(&self.options, &scene);
@@ -103,7 +103,7 @@ impl Sweep {
     }
 }
 
-/// The scene with every so many of its values, until there are no more instances than these; curves stay whole.
+/// Thins out the scene's values until at most `most` instances are left. Curves stay whole.
 fn thin(scene: &Scene, most: usize) -> Scene {
     let mut small = scene.clone();
     let curve = match small.sweep.curve {
@@ -130,7 +130,7 @@ fn thin(scene: &Scene, most: usize) -> Scene {
     small
 }
 
-/// A part from the middle of the scene's sweep, as dense as that; none where its instances do not begin at one another's states.
+/// A part from the middle of the sweep, as dense as the whole. None if instances do not start from one another's states.
 fn part(scene: &Scene, most: usize) -> Option<Scene> {
     let alone =
         scene.run.steady == Steady::Wait || scene.sweep.curve.is_some() || scene.base.approach.held.is_some();
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// A million, of which a part is as dense, and few are spread evenly; a design; curves, which stay whole.
+    /// A million instances, with a dense part and a few spread evenly; a design; curves, which stay whole.
     #[test]
     fn parts_are_dense_and_samples_spread() {
         let scene = |swept: &str| {

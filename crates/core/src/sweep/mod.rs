@@ -66,31 +66,31 @@ use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
-/// Which engine steps the instances.
+/// The engine that steps the instances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// A real GPU where there is one and the run is integrated and long enough for it, else the CPU.
+    /// A real GPU if there is one and the run integrates long enough to profit from it, else the CPU.
     #[default]
     Auto,
-    /// Any GPU adapter, a software driver too.
+    /// Any GPU adapter, even a software driver.
     Gpu,
     Cpu,
-    /// Adaptive, contact events located: slow and exact.
+    /// Adaptive steps with located contact events: slow and exact.
     Reference,
 }
 
-/// How many instances are redone by the reference engine after the run.
+/// How many instances the reference engine redoes after the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Audit {
     /// As many as a tenth of the run's time allows, or [`AUDIT_SECONDS`], and at least one that touches the sample.
     #[default]
     Auto,
-    /// So many.
+    /// This many.
     Instances(u32),
     None,
 }
 
-/// A scene, and how it is to be run.
+/// A scene with its run options.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     scene: Scene,
@@ -114,7 +114,7 @@ struct Options {
 }
 
 impl Sweep {
-    /// With error control, a default audit, the precision chosen by a trial, on all cores or a GPU.
+    /// A sweep with error control, a default audit and a trial of precision, on all cores or a GPU.
     pub fn new(scene: Scene) -> Self {
         let options = Options {
             backend: Backend::Auto,
@@ -131,43 +131,43 @@ impl Sweep {
         Self { scene, options, prepared: None, progress: Arc::default() }
     }
 
-    /// Which engine.
+    /// Sets the engine.
     #[must_use]
     pub fn backend(mut self, backend: Backend) -> Self {
         self.options.backend = backend;
         self
     }
 
-    /// The GPU adapter of this index or part of a name, several of one kind with commas between them, or `all` of the best
-    /// one's kind; none leaves the choice to the run. No result hangs on how many there are.
+    /// Sets the GPU adapter by its index or part of its name, several of one kind separated by commas, or `all` of the best
+    /// one's kind. None leaves the choice to the run. Results do not depend on the number of devices.
     #[must_use]
     pub fn device(mut self, device: Option<String>) -> Self {
         self.options.device = device;
         self
     }
 
-    /// Arithmetic of the inner loop; none leaves it to a trial of both.
+    /// Sets the arithmetic of the inner loop. None leaves it to a trial of both.
     #[must_use]
     pub fn precision(mut self, precision: Option<Precision>) -> Self {
         self.options.precision = precision;
         self
     }
 
-    /// The numbers that error control decides by, in place of [`Policy::STANDARD`]; the results carry them.
+    /// Sets the numbers of error control in place of [`Policy::STANDARD`]. The results carry them.
     #[must_use]
     pub fn policy(mut self, policy: Policy) -> Self {
         self.options.policy = policy;
         self
     }
 
-    /// Threads of the whole run: planning, stepping, audit, recording. None is all that the caller's pool has.
+    /// Sets the threads of the whole run: planning, stepping, audit, recording. None uses the caller's pool.
     #[must_use]
     pub fn threads(mut self, threads: Option<usize>) -> Self {
         self.options.threads = threads;
         self
     }
 
-    /// Steps per drive period for every instance; none leaves them to the scene and the plan.
+    /// Sets the steps per drive period of every instance. None leaves them to the scene and the plan.
     #[must_use]
     pub fn steps_per_period(mut self, steps: Option<u32>) -> Self {
         if steps.is_some() {
@@ -176,78 +176,77 @@ impl Sweep {
         self
     }
 
-    /// Whether errors are estimated and what is too large done again; else each instance runs once as planned.
+    /// Sets whether errors are estimated and instances refined. If not, each instance runs once as planned.
     #[must_use]
     pub fn estimate(mut self, estimate: bool) -> Self {
         self.options.estimate = estimate;
         self
     }
 
-    /// Whether each instance's periodic state is searched for from its own free oscillation, whatever its neighbours in
-    /// the sweep have; else a large sweep's searches begin at their neighbours' states.
+    /// Sets whether each search starts from the instance's own free oscillation. If not, the searches of a large sweep start
+    /// from their neighbours' states.
     #[must_use]
     pub fn cold(mut self, cold: bool) -> Self {
         self.options.cold = cold;
         self
     }
 
-    /// What is redone by the reference engine.
+    /// Sets the audit by the reference engine.
     #[must_use]
     pub fn audit(mut self, audit: Audit) -> Self {
         self.options.audit = audit;
         self
     }
 
-    /// Instances that are taken to their ends together, and written down together; none leaves that to the run. No result
-    /// hangs on it.
+    /// Sets the number of instances that run and are stored together. None leaves it to the run. Results do not depend on it.
     #[must_use]
     pub fn portion(mut self, instances: Option<usize>) -> Self {
         self.options.portion = instances;
         self
     }
 
-    /// By choices that were made before, in place of its own.
+    /// Runs with choices made before.
     #[must_use]
     pub fn prepared(mut self, prepared: Option<Recipe>) -> Self {
         self.prepared = prepared.or(self.prepared);
         self
     }
 
-    /// As the run that chose was told: its kind of engine, its precision, its steps, whether errors are estimated.
+    /// Takes engine, precision, steps and error control from the run that made these choices.
     #[must_use]
     pub fn told_as(mut self, prepared: &Recipe) -> Self {
         prepared.put_into(&mut self.options, &mut self.scene);
         self.prepared(Some(prepared.clone()))
     }
 
-    /// How the program that runs it was called: attribute `command_line` of its results.
+    /// Sets attribute `command_line` of the results: how the program was called.
     #[must_use]
     pub fn command_line(mut self, text: String) -> Self {
         self.options.command_line = text;
         self
     }
 
-    /// How far the run is, from any thread; [`Progress::stop`] ends it early.
+    /// Progress of the run, from any thread. [`Progress::stop`] ends the run early.
     pub fn progress(&self) -> Arc<Progress> {
         Arc::clone(&self.progress)
     }
 
-    /// Watched and stopped by a progress of the caller's.
+    /// Uses the caller's progress to watch and stop the run.
     #[must_use]
     pub fn watched_by(mut self, progress: &Arc<Progress>) -> Self {
         self.progress = Arc::clone(progress);
         self
     }
 
-    /// The scene, with what was changed of it.
+    /// The scene with its changes.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// What a run would do, and by which engine.
+    /// The plan of a run, and its engine.
     ///
     /// # Errors
-    /// An instrument that cannot be reduced, or a device that is not there.
+    /// The instrument cannot be reduced, or the device does not exist.
     pub fn plan(&self, observer: &dyn Observer) -> Result<(Plan, Box<dyn Engine>), Error> {
         let precision = self.options.precision.unwrap_or(Precision::F64);
         let mut plan = Plan::new(&self.scene, precision).map_err(|error| error.in_scene(&self.scene))?;
@@ -258,47 +257,46 @@ impl Sweep {
         Ok((plan, engine))
     }
 
-    /// Runs it.
+    /// Runs the sweep.
     ///
     /// # Errors
-    /// See [`Error`]. A run that is stopped once some instances are done gives these: [`SweepOutcome::missing`] says what
-    /// they lack.
+    /// See [`Error`]. A run that is stopped after some instances returns these; [`SweepOutcome::missing`] says what they
+    /// lack.
     pub fn run(&self) -> Result<SweepOutcome, Error> {
         self.run_with(&Silent)
     }
 
-    /// Runs it, and tells the observer.
+    /// Runs the sweep and reports to the observer.
     ///
     /// # Errors
-    /// As [`Sweep::run`].
+    /// Those of [`Sweep::run`].
     pub fn run_with(&self, observer: &dyn Observer) -> Result<SweepOutcome, Error> {
         let memory = MemoryJournal::default();
         let of_all = |run: &mut PlannedSweep| run.run_all(&memory);
         self.watched(observer, || self.execute(observer, &memory, &of_all)?.gathered())
     }
 
-    /// Chooses what a run of the scene needs: bases, first steps, precision, size of chunks.
+    /// Makes the choices for a run of the scene: bases, first steps, precision, chunk size.
     ///
     /// # Errors
-    /// As [`Sweep::run`].
+    /// Those of [`Sweep::run`].
     pub fn prepare(&self, observer: &dyn Observer) -> Result<Recipe, Error> {
         self.watched(observer, || self.begun(observer)?.recipe())
     }
 
-    /// Runs it by way of a journal: what that knows is not run again, and what ends is written there. All of it is in memory
-    /// then.
+    /// Runs with a journal, which provides earlier results and stores new ones. All results are then loaded into memory.
     ///
     /// # Errors
-    /// As [`Sweep::run`]; choices of another run; what the journal's disk says.
+    /// Those of [`Sweep::run`]; the journal has other choices; its disk fails.
     #[cfg(feature = "hdf5")]
     pub fn run_kept(&self, keeper: &RunJournal, observer: &dyn Observer) -> Result<SweepOutcome, Error> {
         self.run_into(keeper, observer)?.gathered()
     }
 
-    /// [`Sweep::run_kept`], of which a few bytes of each instance lie in memory: the rest is in the journal.
+    /// Runs like [`Sweep::run_kept`], but memory holds only a few bytes for each instance; the journal has the rest.
     ///
     /// # Errors
-    /// As [`Sweep::run_kept`].
+    /// Those of [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn run_into<'k>(
         &self,
@@ -310,10 +308,10 @@ impl Sweep {
         keeper.failure().map_or(done, Err)
     }
 
-    /// Runs a share of it, into the journal alone; true if all of it has ended.
+    /// Runs one share into its journal. True if the share is complete.
     ///
     /// # Errors
-    /// As [`Sweep::run_kept`].
+    /// Those of [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn run_share(&self, keeper: &RunJournal, observer: &dyn Observer) -> Result<bool, Error> {
         self.watched(observer, || {
@@ -322,19 +320,19 @@ impl Sweep {
         })
     }
 
-    /// What a journal knows, as results that are not whole; nothing is run.
+    /// Results of what a journal holds, without running anything.
     ///
     /// # Errors
-    /// As [`Sweep::run_kept`].
+    /// Those of [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn looked_into(&self, keeper: &RunJournal) -> Result<SweepOutcome, Error> {
         self.look_into(keeper)?.gathered()
     }
 
-    /// [`Sweep::looked_into`], of which a few bytes of each instance lie in memory.
+    /// Works like [`Sweep::looked_into`], but memory holds only a few bytes for each instance.
     ///
     /// # Errors
-    /// As [`Sweep::run_kept`].
+    /// Those of [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn look_into<'k>(&self, keeper: &'k RunJournal) -> Result<JournaledOutcome<'k>, Error> {
         self.execute(&Silent, keeper, &|run| {
@@ -344,7 +342,7 @@ impl Sweep {
         })
     }
 
-    /// Does it on as many threads as asked for, and tells the observer how far the run is while it lasts.
+    /// Does the work on the requested threads and reports its progress to the observer.
     fn watched<T: Send>(
         &self,
         observer: &dyn Observer,
@@ -367,7 +365,7 @@ impl Sweep {
         })?
     }
 
-    /// Planned, on an engine.
+    /// Plans the sweep for an engine.
     fn begun(&self, observer: &dyn Observer) -> Result<PlannedSweep<'_>, Error> {
         let course = Recipe::course(&self.options, &self.scene);
         let (mut plan, engine) = self.plan(observer)?;

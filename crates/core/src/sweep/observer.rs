@@ -1,26 +1,25 @@
-//! What a sweep tells while it runs.
+//! The interface by which a sweep reports while it runs.
 
 use super::EngineChoice;
 use crate::engine::{Engine, ProgressPhase as Stage};
 use crate::plan::Plan;
 use std::ops::ControlFlow;
 
-/// Told what a sweep does. Every method does nothing unless it is written.
+/// Receives reports of a sweep. Every method does nothing by default.
 pub trait Observer: Sync {
-    /// An engine was taken that was not named, and why.
+    /// The run chose an engine that the user did not name.
     fn chosen(&self, _choice: &EngineChoice) {}
 
     /// The plan is made; stepping begins.
     fn planned(&self, _plan: &Plan, _engine: &dyn Engine) {}
 
-    /// How far it is, some twenty times a second, from another thread. A break ends the run early; what is complete is
-    /// kept.
+    /// Progress, about twenty times a second, from another thread. A break ends the run early; finished work is kept.
     fn progress(&self, _stage: &Stage) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
 
-/// Nobody listens.
+/// An observer that ignores everything.
 #[derive(Clone, Copy, Debug)]
 pub struct Silent;
 

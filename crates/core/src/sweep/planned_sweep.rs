@@ -1,4 +1,4 @@
-//! A sweep between its plan and its results: what is chosen for it, and how its instances are taken to their ends.
+//! A sweep between its plan and its results: its choices, and the runs of its instances.
 
 #[cfg(feature = "hdf5")]
 use super::RunJournal;
@@ -9,7 +9,7 @@ use crate::control::{self, Choices, ChunkJournal, Course, JournaledRun};
 use crate::engine::Engine;
 use crate::plan::Plan;
 
-/// A sweep that is planned.
+/// A planned sweep.
 pub(super) struct PlannedSweep<'a> {
     pub sweep: &'a Sweep,
     pub course: Course,
@@ -18,7 +18,7 @@ pub(super) struct PlannedSweep<'a> {
 }
 
 impl PlannedSweep<'_> {
-    /// What is chosen for it.
+    /// Makes its choices.
     pub fn recipe(&self) -> Result<Recipe, Error> {
         let Sweep { scene, options, progress, .. } = self.sweep;
         let why = if options.precision.is_some() { "as told" } else { "nothing to choose it by" };
@@ -31,7 +31,7 @@ impl PlannedSweep<'_> {
         Ok(Recipe::new(scene, options, (self.engine.device(), self.engine.kind()), choices))
     }
 
-    /// The instances, by choices that were made before or that are made now.
+    /// Runs the instances with earlier choices or new ones.
     pub fn run_all<'k>(&mut self, keep: &'k dyn ChunkJournal) -> Result<JournaledRun<'k>, Error> {
         let sweep = self.sweep;
         match &sweep.prepared {
@@ -50,7 +50,7 @@ impl PlannedSweep<'_> {
         prepared.check(&self.sweep.scene, &self.sweep.options, &self.engine.kind(), anyway)
     }
 
-    /// By these choices. The plan goes into what becomes of it: nothing is left of it here.
+    /// Runs with these choices. This consumes the plan.
     pub fn run_by<'k>(
         &mut self,
         prepared: &Recipe,
@@ -62,14 +62,14 @@ impl PlannedSweep<'_> {
         Ok(control::run_chunks(plan, &prepared.choices, keep, engine, progress)?)
     }
 
-    /// The choices in a journal, which the run's own are to be.
+    /// The choices in a journal.
     #[cfg(feature = "hdf5")]
     pub fn journal_recipe<'k>(&self, keeper: &'k RunJournal) -> Result<&'k Recipe, Error> {
         let none = || Error::Prepared { what: "the journal holds no choices".into() };
         keeper.prepared().ok_or_else(none)
     }
 
-    /// The instances, by way of a journal.
+    /// Runs the instances with a journal.
     #[cfg(feature = "hdf5")]
     pub fn run_journaled<'k>(&mut self, keeper: &'k RunJournal) -> Result<JournaledRun<'k>, Error> {
         let (chosen, sweep) = (&mut None, self.sweep);

@@ -1,4 +1,4 @@
-//! What was chosen for a scene once, as text: a run that is given it does what the run does that chose it.
+//! The choices for a scene as text. A run with this text repeats the run that made the choices.
 
 use super::{Backend, Error, Options};
 use crate::control::{Choices, Course};
@@ -6,11 +6,11 @@ use crate::plan::Policy;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// The version of the text.
+/// Version of the text format.
 const FORMAT: u32 = 1;
 
-/// What was chosen for a scene, and of which scene, by what and with which options: as [`Sweep::prepare`](super::Sweep::prepare)
-/// gives it.
+/// The choices for a scene, with the scene, program, options and device they belong to.
+/// [`Sweep::prepare`](super::Sweep::prepare) makes them.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Recipe {
     format: u32,
@@ -18,18 +18,18 @@ pub struct Recipe {
     program: String,
     /// CRC-32 of the scene's text and of every number that it sweeps.
     scene_sum: String,
-    /// What the user told beside the scene.
+    /// Options of the user beside the scene.
     options: RecipeOptions,
-    /// The device, and what its last bits hang on.
+    /// The device, and the kind of engine, which determines the last bits.
     device: String,
     engine: String,
-    /// Where the scene was read from, and its text.
+    /// File of the scene, and its text.
     pub(super) scene_file: String,
     scene: String,
     pub(super) choices: Choices,
 }
 
-/// Options of a run that move its results.
+/// Options of a run that affect its results.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 struct RecipeOptions {
     course: Course,
@@ -54,7 +54,7 @@ impl RecipeOptions {
         Self { course, precision: precision.into(), steps_per_period: steps, policy }
     }
 
-    /// In words.
+    /// The options as text.
     fn words(&self) -> String {
         let Self { course, precision, steps_per_period, policy } = self;
         let course = match course {
@@ -66,7 +66,7 @@ impl RecipeOptions {
     }
 }
 
-/// The CRC-32 of a scene's text and of every number that it sweeps, which may come from another file.
+/// CRC-32 of a scene's text and of every number that it sweeps, which may come from another file.
 fn sum(scene: &Scene) -> String {
     let mut sum = crc32fast::Hasher::new();
     sum.update(scene.source.as_bytes());
@@ -77,7 +77,7 @@ fn sum(scene: &Scene) -> String {
     format!("{:08x}", sum.finalize())
 }
 
-/// This program, as [`Recipe`] names it.
+/// Name of this program in a [`Recipe`].
 fn program() -> String {
     format!("afmsweep {} ({})", env!("CARGO_PKG_VERSION"), crate::record::SOURCE_REVISION)
 }
@@ -102,23 +102,23 @@ impl Recipe {
         }
     }
 
-    /// How each instance is taken to its result where the options say so.
+    /// How the options want each instance to get its result.
     pub(super) fn course(options: &Options, scene: &Scene) -> Course {
         RecipeOptions::of(options, scene).course
     }
 
-    /// The text that [`Recipe::from_toml`] reads.
+    /// Writes the text for [`Recipe::from_toml`].
     ///
     /// # Errors
-    /// None that is known.
+    /// None is known.
     pub fn to_toml(&self) -> Result<String, Error> {
         toml::to_string(self).map_err(|error| Error::Prepared { what: error.to_string() })
     }
 
-    /// What [`Recipe::to_toml`] has written.
+    /// Reads the text of [`Recipe::to_toml`].
     ///
     /// # Errors
-    /// It is another text, or was written by another version of the program.
+    /// The text is something else, or another version of the program wrote it.
     pub fn from_toml(text: &str) -> Result<Self, Error> {
         let wrong = |what: String| Error::Prepared { what };
         #[derive(Deserialize)]
@@ -135,7 +135,7 @@ impl Recipe {
         toml::from_str(text).map_err(|error| wrong(format!("these choices are spoilt: {}", place(error))))
     }
 
-    /// The device of the run that chose.
+    /// The device of the run that made the choices.
     pub fn device(&self) -> &str {
         &self.device
     }
@@ -145,10 +145,10 @@ impl Recipe {
         &self.scene
     }
 
-    /// The scene, read again: from its file where that still says the same.
+    /// Reads the scene again, with the files that it names.
     ///
     /// # Errors
-    /// The scene cannot be read, or reads a file that says something else now.
+    /// The scene cannot be read, or a file that it reads has changed.
     pub fn scene(&self) -> Result<Scene, Error> {
         let path = std::path::Path::new(&self.scene_file);
         let scene = Scene::parse(path, &self.scene)?;
@@ -160,7 +160,7 @@ impl Recipe {
         }
     }
 
-    /// Engine, precision and steps of the run that chose, as options of a sweep have them.
+    /// Sets engine, precision and steps as in the run that made the choices.
     pub(super) fn put_into(&self, options: &mut Options, scene: &mut Scene) {
         use crate::plan::Precision;
         let all = [Precision::F32, Precision::F64];
@@ -174,8 +174,8 @@ impl Recipe {
         scene.run.steps_per_period = self.options.steps_per_period.parse().ok();
     }
 
-    /// Refuses what was chosen for another scene, with other options or by another version of the program; and, unless
-    /// `anyway`, for an engine whose last bits are others.
+    /// Refuses choices made for another scene, with other options or by another version of the program, or for an engine with
+    /// other last bits. `anyway` accepts another version or engine.
     pub(super) fn check(
         &self,
         scene: &Scene,
@@ -212,7 +212,7 @@ impl Recipe {
         Ok(())
     }
 
-    /// Whether two were chosen at once: what shares of one run are told by.
+    /// Whether both come from the same choice. Shares of one run are recognised by it.
     pub fn is_of_one_run_with(&self, other: &Self) -> bool {
         let bare = |one: &Self| Self { device: String::new(), scene_file: String::new(), ..one.clone() };
         let text = |one: &Self| bare(one).to_toml().ok();

@@ -1,4 +1,4 @@
-//! The journal of a run: what of its chunks is known, and what it writes down.
+//! The journal of a run: its known chunks, and the file for new ones.
 
 use super::followup_index::FollowupIndex;
 use super::{Error, Recipe};
@@ -11,19 +11,19 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::{ControlFlow, Range};
 use std::sync::{Mutex, PoisonError};
 
-/// A share of a run: the chunks whose numbers leave this rest.
+/// A share of a run: the chunks whose numbers leave the remainder `number - 1` on division by `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
-    /// From 1.
+    /// Counts from 1.
     pub number: usize,
     pub of: usize,
 }
 
 impl Share {
-    /// All of it.
+    /// The whole run.
     pub const ALL: Self = Self { number: 1, of: 1 };
 
-    /// Whether a chunk is in it.
+    /// Whether the share has a chunk.
     pub fn has(self, portion: usize) -> bool {
         portion % self.of == self.number - 1
     }
@@ -35,24 +35,24 @@ impl std::fmt::Display for Share {
     }
 }
 
-/// What a run knows of chunks before it begins, and where it writes down those that end.
+/// The chunks that a run knows before it starts, and the file to which it writes new ones.
 #[derive(Debug)]
 pub struct RunJournal {
     share: Share,
-    /// In how many shares the chunks that are known were run.
+    /// Number of shares in which the known chunks were run.
     divided: usize,
     anyway: bool,
-    /// Whether what is not known is to be run.
+    /// Whether unknown chunks are to be run.
     runs: bool,
-    /// What the header of its own journal says first; none where that is begun.
+    /// First line for the header of its own journal. None if the journal exists.
     begins: Option<String>,
     journals: Vec<Journal>,
-    /// Of each chunk that is known the journal and its record there; the last one counts.
+    /// Journal and record of each known chunk. Of several records the last one counts.
     chunks: BTreeMap<usize, ChunkRecord>,
     followups: FollowupIndex,
     recipe: Option<Recipe>,
     file: Mutex<Option<RunFile>>,
-    /// Where the bytes of chunks are that have ended since.
+    /// Where the file has the chunks of this run.
     fresh: Mutex<HashMap<usize, Range<u64>>>,
     failed: Mutex<Option<Error>>,
 }
@@ -66,14 +66,14 @@ struct ChunkRecord {
     instances: usize,
 }
 
-/// Bytes of a chunk that tell its number and how many instances it has.
+/// Bytes of a chunk that hold its number and its number of instances.
 const CHUNK_HEADER_BYTES: u64 = 16;
 
 impl RunJournal {
-    /// Of a run into `file`; what `earlier` has is gone on with, on another kind of engine only `anyway`.
+    /// Opens the journal of a run into `file`, which continues `earlier`. `anyway` allows another kind of engine.
     ///
     /// # Errors
-    /// The journal is of another share, or spoilt.
+    /// The journal belongs to another share or is damaged.
     pub fn of_run(
         file: RunFile,
         earlier: Option<Journal>,
@@ -94,10 +94,10 @@ impl RunJournal {
         Ok(keeper)
     }
 
-    /// Of chunks that were run before, in so many shares, and are only to be put together.
+    /// Opens journals of this many shares to join their chunks.
     ///
     /// # Errors
-    /// Journals of different runs, or spoilt ones.
+    /// The journals belong to different runs, or one is damaged.
     pub fn of_journals(journals: Vec<Journal>, share: Share) -> Result<Self, Error> {
         let (mut known, mut recalled, mut given) = (BTreeMap::new(), FollowupIndex::default(), None);
         for (n, journal) in journals.iter().enumerate() {
@@ -114,7 +114,7 @@ impl RunJournal {
                 let (_, bytes) = journal.beginning(r, CHUNK_HEADER_BYTES).map_err(unread)?;
                 let Some((number, instances)) = portion_number(&bytes) else { continue };
                 let whole = kind == RecordKind::Portion;
-                // What was not whole does not stand for what is.
+                // A partial chunk never replaces a whole one.
                 if whole || !known.get(&number).is_some_and(|known: &ChunkRecord| known.whole) {
                     known.insert(number, ChunkRecord { journal: n, record: r, whole, instances });
                 }
@@ -137,11 +137,11 @@ impl RunJournal {
         })
     }
 
-    /// Of shares that are put together into `file`, whose journal has what is found once they are: second states, audit,
-    /// waveforms. What an `earlier` merge of the same shares has found is gone on with.
+    /// Opens shares to join them into `file`. Its journal stores what follows: second states, audit, waveforms. An `earlier`
+    /// merge of the same shares is continued.
     ///
     /// # Errors
-    /// As [`RunJournal::of_journals`].
+    /// Those of [`RunJournal::of_journals`].
     pub fn of_merge(
         shares: Vec<Journal>,
         share: Share,
@@ -169,28 +169,28 @@ impl RunJournal {
         Ok(keeper)
     }
 
-    /// With what was run on another kind of engine, if `anyway` says so.
+    /// Sets whether results of another kind of engine are accepted.
     #[must_use]
     pub fn on_any_engine(self, anyway: bool) -> Self {
         Self { anyway, ..self }
     }
 
-    /// What the journal says that was chosen.
+    /// The choices in the journal.
     pub fn prepared(&self) -> Option<&Recipe> {
         self.recipe.as_ref()
     }
 
-    /// How many chunks are known.
+    /// Number of whole chunks that are known.
     pub fn known_portions(&self) -> usize {
         self.chunks.values().filter(|known| known.whole).count()
     }
 
-    /// How many answers are known to what is asked once all chunks have ended: second states, audit, waveforms.
+    /// Number of known answers to questions after the chunks: second states, audit, waveforms.
     pub fn known_answers(&self) -> usize {
         self.followups.len()
     }
 
-    /// How many of these its own journal knows, where that is of a merge.
+    /// Number of records in the journal of a merge; 0 without one.
     pub fn known_later(&self) -> usize {
         self.journals.last().filter(|last| is_of_merge(last.header())).map_or(0, |last| last.kinds().count())
     }
@@ -204,7 +204,7 @@ impl RunJournal {
         self.share
     }
 
-    /// The shares of whose chunks some are neither known nor to be run.
+    /// The shares with chunks that are neither known nor to be run.
     pub(super) fn missing_shares(&self, division: &Chunking) -> Vec<usize> {
         if self.runs {
             return Vec::new();
@@ -220,7 +220,7 @@ impl RunJournal {
         shares
     }
 
-    /// Begins the journal, where there is none yet.
+    /// Begins the journal if there is none yet.
     pub(super) fn begin(&self, prepared: &Recipe, command_line: &str) -> Result<(), Error> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match (file.as_mut(), &self.begins) {
@@ -229,7 +229,7 @@ impl RunJournal {
         }
     }
 
-    /// Writes a record down, if there is a file for it.
+    /// Writes a record if there is a file for it.
     fn append(&self, kind: RecordKind, bytes: &[u8]) -> ControlFlow<(), Option<Range<u64>>> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         match file.as_mut().map(|file| file.append(kind, bytes)).transpose() {
@@ -245,12 +245,12 @@ impl RunJournal {
         self.append(kind, bytes).map_continue(|_| ())
     }
 
-    /// What went wrong with the journal, if something did.
+    /// The error of the journal, if there was one.
     pub(super) fn failure(&self) -> Option<Error> {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// The file that it writes to, which is to be finished.
+    /// The file it writes to, which the caller must finish.
     pub fn into_file(self) -> Option<RunFile> {
         self.file.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
@@ -269,7 +269,7 @@ impl ChunkJournal for RunJournal {
         self.runs && self.share.has(number)
     }
 
-    /// Bytes that tell of another number of instances are none of this chunk: no memory is asked for by their word.
+    /// Bytes with another number of instances are not this chunk. The check keeps damaged bytes from claiming memory.
     fn known(&self, number: usize, instances: usize) -> Option<Vec<u8>> {
         let known = self.chunks.get(&number).filter(|known| known.instances == instances)?;
         self.journals.get(known.journal)?.record(known.record).ok().map(|(_, bytes)| bytes)
@@ -331,33 +331,33 @@ fn unread(what: String) -> Error {
     Error::Prepared { what: format!("a journal cannot be read: {what}") }
 }
 
-/// The header of a journal that begins with this line, which this command writes.
+/// Header of a journal that begins with this line and is written by this command.
 fn header(prepared: &Recipe, first: &str, command_line: &str) -> Result<String, Error> {
     let command = command_line.replace(char::is_control, " ");
     Ok(format!("{first}\n# by {command}\n{}", prepared.to_toml()?))
 }
 
-/// What the journal of a merge begins with.
+/// First words of a merge's journal.
 const MERGE: &str = "# merge of ";
 
 fn merge_line(shares: usize) -> String {
     format!("{MERGE}{shares}")
 }
 
-/// Whether a header is that of a merge's journal.
+/// Whether this is the header of a merge's journal.
 pub fn is_of_merge(header: &str) -> bool {
     header.starts_with(MERGE)
 }
 
-/// The command that a header names.
+/// The command in a header.
 pub fn command_of(header: &str) -> &str {
     header.lines().find_map(|line| line.strip_prefix("# by ")).unwrap_or_default()
 }
 
-/// What a header says.
+/// Reads a header.
 ///
 /// # Errors
-/// It is of another version of the program.
+/// It was written by another version of the program, or names no share.
 pub fn read_header(text: &str) -> Result<(Recipe, Share), Error> {
     let share = || {
         let (number, of) = text.lines().next()?.strip_prefix("# share ")?.split_once('/')?;

@@ -1,4 +1,4 @@
-//! Why a sweep gave no results.
+//! Errors of a sweep.
 
 use super::SweepPhase;
 use crate::engine::EngineError;
@@ -6,34 +6,34 @@ use crate::scene::SceneError;
 #[cfg(feature = "hdf5")]
 use crate::store::StoreError;
 
-/// Why a sweep gave no results.
+/// The reason why a sweep has no results.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The scene cannot be read, or cannot be run; it says where.
+    /// The scene cannot be read or run. The error says where.
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// The results file.
+    /// The results file failed.
     #[cfg(feature = "hdf5")]
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// A GPU was asked for, and this build has no GPU engine.
+    /// A GPU was requested, and this build has no GPU engine.
     #[error("this build has no GPU engine: it was made without the feature gpu")]
     NoGpuEngine,
-    /// What was chosen cannot be taken.
+    /// The choices cannot be used.
     #[error("{what}")]
     Prepared { what: String },
-    /// What was chosen, and what has been run, is an engine's whose last bits are others.
+    /// The choices and earlier results come from an engine with other last bits.
     #[error(
         "the run was begun on another kind of engine ({theirs}; here: {ours}): its bits would be of both; --resume=anyway goes on all the same"
     )]
     OtherEngine { theirs: String, ours: String },
-    /// Shares of a run that are not there, or not whole: by their numbers.
+    /// These shares of a run are missing or incomplete.
     #[error("portions of these shares are missing: {}", words(.shares))]
     Missing { shares: Vec<usize> },
-    /// Stopped before any instance was done.
+    /// The run was stopped before any instance was done.
     #[error("stopped in the {}, before any instance was done", .0.word())]
     Stopped(SweepPhase),
 }

@@ -1,4 +1,4 @@
-//! What a sweep leaves: its results, and what is known of them.
+//! The outcome of a sweep: its results, and summaries of them.
 
 use super::sweep_phase::MissingPhases;
 use super::{Error, SweepPhase};
@@ -11,23 +11,23 @@ use crate::scene::Scene;
 use crate::store::Results;
 use std::time::Instant;
 
-/// A sweep that was run, with all its results in memory.
+/// A finished sweep, with all its results in memory.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct SweepOutcome {
     /// Everything that a results file holds.
     pub results: Results,
-    /// What is known of the errors.
+    /// A summary of the errors.
     pub verdict: ErrorSummary,
     /// The run itself: plan, measurements, estimates, periodic states.
     pub run: RunResult,
-    /// Second periodic states, where the scene asks for them.
+    /// Second periodic states, if the scene requests them.
     pub others: Option<SecondOrbits>,
-    /// Where the contact laws are used outside their assumptions, in words.
+    /// Messages about contact laws used outside their assumptions.
     pub warnings: Vec<String>,
-    /// What was not done because the run was stopped: nothing of a whole run.
+    /// Phases that a stop has cut off. Empty for a whole run.
     pub missing: Vec<SweepPhase>,
-    /// Instance-steps taken: trials, searches and estimates among them, audits not.
+    /// Instance-steps taken, with trials, searches and estimates but without audits.
     pub steps_taken: u64,
     /// Planning, s: instruments, drives, contacts, the choice of an engine.
     pub planning: f64,
@@ -36,10 +36,10 @@ pub struct SweepOutcome {
     pub rate: f64,
 }
 
-/// A sweep that was run, with its chunks where they are kept: of each instance a few bytes lie in memory. See [`SweepOutcome`].
+/// A finished sweep whose chunks stay in storage; memory holds a few bytes for each instance. See [`SweepOutcome`].
 #[non_exhaustive]
 pub struct JournaledOutcome<'k> {
-    /// Everything that a results file holds but the numbers over all instances.
+    /// Contents of the results file except the numbers over all instances.
     pub frame: FileFrame,
     warned: LawWarnings,
     pub verdict: ErrorSummary,
@@ -55,15 +55,15 @@ pub struct JournaledOutcome<'k> {
 }
 
 impl JournaledOutcome<'_> {
-    /// The numbers over all instances, which are read where they are kept: one variable after the other.
+    /// The numbers over all instances, read from storage one variable at a time.
     pub fn numbers(&self) -> RecordVariables<'_> {
         RecordVariables::of_run(&self.frame, (&self.run, &self.warned), self.others.as_ref())
     }
 
-    /// The results file in memory. `path` only serves messages.
+    /// The results file in memory. `path` serves only for messages.
     ///
     /// # Errors
-    /// What is kept cannot be read.
+    /// Stored chunks cannot be read.
     #[cfg(feature = "hdf5")]
     pub fn laid_out(&self, path: &std::path::Path) -> Result<crate::store::Hdf5Image, Error> {
         let results = &self.frame.results;
@@ -71,10 +71,10 @@ impl JournaledOutcome<'_> {
         Ok(crate::store::laid_out(results, &self.numbers(), scene, path)?)
     }
 
-    /// All of it in memory.
+    /// Loads everything into memory.
     ///
     /// # Errors
-    /// What is kept cannot be read.
+    /// Stored chunks cannot be read.
     pub fn gathered(self) -> Result<SweepOutcome, Error> {
         let unread = |unread: crate::store::Unread| EngineError::Unread { why: unread.0 };
         let results = self.frame.results.clone().with_numbers(&self.numbers()).map_err(unread)?;
@@ -95,15 +95,15 @@ impl JournaledOutcome<'_> {
     }
 }
 
-/// What the phases of a run have left.
+/// What the phases of a run have produced.
 pub(super) struct PhaseResults<'k, 's> {
     pub scene: &'s Scene,
     pub run: JournaledRun<'k>,
-    /// Instance-steps of it and of the second states.
+    /// Instance-steps of the run and of the second states.
     pub taken: u64,
     pub others: Option<SecondOrbits>,
     pub audited: Vec<AuditedInstance>,
-    /// By the reference engine.
+    /// Whether the reference engine made the run.
     pub exact: bool,
     pub estimated: bool,
     /// The first plan, as JSON.
@@ -111,7 +111,7 @@ pub(super) struct PhaseResults<'k, 's> {
     pub command_line: String,
 }
 
-/// Results of the phases, waveforms and spectra last. `start`: when the run began, and the seconds of its planning and stepping.
+/// Adds waveforms and spectra to the phases' results. The second argument: start, seconds of planning and stepping.
 pub(super) fn collect<'k>(
     done: PhaseResults<'k, '_>,
     (start, planning, stepping): (Instant, f64, f64),
@@ -140,7 +140,7 @@ pub(super) fn collect<'k>(
     frame.estimated(control::basis(&run.plan, estimated, exact));
     let request = scene.output.waveforms.as_ref();
     frame.results.waveforms = missing.phase((SweepPhase::Waveforms, request.is_some()), progress, || {
-        // Of a run that was stopped they would be begun anew.
+        // After a stop they would start from scratch.
         let request = request.filter(|_| !progress.stopped());
         request.map(|request| record::waveforms_kept(&run, request, keep)).transpose()
     })?;

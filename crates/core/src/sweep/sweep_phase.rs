@@ -1,10 +1,10 @@
-//! What a sweep does, in its order, and what of it was not done.
+//! The phases of a sweep, and those that a run has not done.
 
 use crate::control::{InstanceFlags, JournaledRun};
 use crate::engine::Progress;
 use crate::observe::Status;
 
-/// What a sweep does, in its order. The words stand in the results file, as `incomplete_phase` and `missing`.
+/// The phases of a sweep, in order. Their words are in the results file, as `incomplete_phase` and `missing`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SweepPhase {
     Planning,
@@ -20,7 +20,7 @@ pub enum SweepPhase {
 }
 
 impl SweepPhase {
-    /// Its name in the results file and in messages.
+    /// Name of the phase in the results file and in messages.
     pub fn word(self) -> &'static str {
         match self {
             Self::Planning => "planning",
@@ -34,13 +34,12 @@ impl SweepPhase {
     }
 }
 
-/// What a sweep has not done. Once something is missing, so is all that comes after it.
+/// Phases that a sweep has not done. If one is missing, so are all later ones.
 #[derive(Debug, Default)]
 pub(super) struct MissingPhases(pub Vec<SweepPhase>);
 
 impl MissingPhases {
-    /// What of the instances themselves is missing; to be asked once they have run. Where nothing stopped the run, that is a
-    /// fault of the program.
+    /// Missing phases of the instances, after their run. If nothing stopped the run, a missing phase is a bug.
     pub fn of(run: &JournaledRun) -> Self {
         let any = |what: &dyn Fn(&InstanceFlags) -> bool| run.marks().iter().any(what);
         let mut missing = Vec::new();
@@ -53,8 +52,8 @@ impl MissingPhases {
         Self(missing)
     }
 
-    /// Does a phase that was asked for; one that was stopped on the way or before, when it only finds what is known of it, is
-    /// missing.
+    /// Does a phase if it is requested. A phase that was stopped is missing; if it was stopped before, it only collects what
+    /// is already known.
     pub fn phase<T: Default, E>(
         &mut self,
         (phase, wanted): (SweepPhase, bool),
@@ -71,7 +70,7 @@ impl MissingPhases {
         Ok(done)
     }
 
-    /// As the file says it.
+    /// Names of the missing phases for the file.
     pub fn words(&self) -> Vec<&'static str> {
         self.0.iter().map(|phase| phase.word()).collect()
     }
