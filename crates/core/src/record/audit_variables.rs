@@ -1,4 +1,4 @@
-//! What is known of errors: estimates, audits and what they amount to.
+//! Estimates, audits and their verdict in the results file.
 
 use super::observables;
 use crate::control::{AuditedInstance, ErrorSummary};
@@ -6,8 +6,8 @@ use crate::observe::Status;
 use crate::plan::Plan;
 use crate::store::{Attribute, AuditTable, Flags, Results, Variable};
 
-/// Adds group `audit`, the reference's values and the run's errors, where instances were redone, and to the root what
-/// audits and estimates amount to.
+/// Adds group `audit`, with the reference's values and the run's errors, if instances were redone. Adds the summary of audits
+/// and estimates to the root.
 pub fn audit(results: &mut Results, plan: &Plan, audited: &[AuditedInstance], verdict: &ErrorSummary) {
     let largest = verdict.worst.map_or(f64::NAN, |worst| worst.error);
     for (name, value) in [
@@ -29,7 +29,7 @@ fn group(plan: &Plan, audited: &[AuditedInstance]) -> Option<AuditTable> {
     }
     let truths = || audited.iter().map(|one| one.reference);
     let mut variables = observables(plan, truths());
-    // The root says on what errors count.
+    // The root states the error scales.
     variables.iter_mut().for_each(|variable| variable.error_scale.clear());
     let blind = audited.iter().map(|one| one.truncation).collect();
     variables.push(one("reference_error", "what the reference itself may be off by, at the most", blind));

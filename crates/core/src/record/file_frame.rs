@@ -8,18 +8,18 @@ use crate::plan::{Plan, Precision};
 use crate::scene::{Layout, Scene, Steady};
 use crate::store::{Attribute, Flags, Results};
 
-/// Everything a results file holds but the numbers over all instances, and which numbers these are.
+/// The contents of a results file except the numbers over all instances, and a list of these numbers.
 #[derive(Clone, Debug)]
 pub struct FileFrame {
-    /// Variables, flags, status and steps are empty.
+    /// Its variables, flags, status and steps are empty.
     pub results: Results,
-    /// Of each variable and each flag what it holds.
+    /// What each variable and each flag holds.
     pub(super) variables: Vec<InstanceVariable>,
     pub(super) flags: Vec<InstanceFlag>,
 }
 
 impl FileFrame {
-    /// Of a run of the plan, which came to so many instance-steps.
+    /// The frame of a run of the plan with this many instance-steps.
     pub(super) fn new(scene: &Scene, (plan, instance_steps): (&Plan, u64), facts: &Facts) -> Self {
         let list = scene.sweep.layout == Layout::List;
         let results = Results {
@@ -68,14 +68,14 @@ impl FileFrame {
         frame
     }
 
-    /// Adds variable `error_estimate`, with what it rests on as its comment.
+    /// Adds variable `error_estimate`, with a comment on how the estimates were made.
     pub(crate) fn estimated(&mut self, basis: String) {
         self.push(InstanceVariable::Estimate);
         self.results.comments.push((InstanceVariable::Estimate.variable().name, basis));
     }
 
-    /// Adds `branch`, `multiplier` and `periods_stepped` of a run that searched, the flag `jump` of curves, and the group
-    /// `other_branch` if second states were looked for.
+    /// Adds `branch`, `multiplier` and `periods_stepped` for a run that searched, the flag `jump` for curves, and the group
+    /// `other_branch` if second states were requested.
     pub(crate) fn searched(&mut self, plan: &Plan, curves: bool, others: bool) {
         if plan.run.steady != Steady::Search {
             return;
@@ -99,7 +99,7 @@ impl FileFrame {
         self.flags.push(code);
     }
 
-    /// Which flag has this name.
+    /// Place and flags of this name.
     pub fn flag_named(&self, name: &str) -> Option<(usize, &Flags)> {
         self.results.flags.iter().enumerate().find(|(_, flags)| flags.name == name)
     }

@@ -1,4 +1,4 @@
-//! What is known of all instances, some of them after the other.
+//! Access to the data of all instances, group by group.
 
 use crate::contact::{Contact, Law};
 use crate::control::{Arithmetic, ChunkView, JournaledRun};
@@ -9,17 +9,17 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
-/// Where it is known.
+/// The source of the data.
 #[derive(Clone, Copy)]
 pub(super) enum InstanceRows<'a> {
-    /// A run's chunks.
+    /// The chunks of a run.
     Run(&'a JournaledRun<'a>),
-    /// A plan that was run once as it is.
+    /// A plan that ran once.
     Plain { plan: &'a Plan, finished: &'a ResultColumns, arithmetic: &'a Arithmetic },
 }
 
 impl<'a> InstanceRows<'a> {
-    /// How many instances there are.
+    /// Number of instances.
     pub fn count(&self) -> usize {
         match self {
             Self::Run(run) => run.len(),
@@ -27,7 +27,7 @@ impl<'a> InstanceRows<'a> {
         }
     }
 
-    /// The plan of all instances; of a run the one before anything was refined.
+    /// The plan of all instances, for a run that before refinement.
     pub fn plan(&self) -> &'a Plan {
         match self {
             Self::Run(run) => &run.plan,
@@ -35,7 +35,7 @@ impl<'a> InstanceRows<'a> {
         }
     }
 
-    /// One code per instance.
+    /// Status code of each instance.
     pub fn statuses(&self) -> Vec<u8> {
         match self {
             Self::Run(run) => run.marks().iter().map(|mark| mark.status() as u8).collect(),
@@ -43,7 +43,7 @@ impl<'a> InstanceRows<'a> {
         }
     }
 
-    /// Shows all instances; of those of a run nothing but what their plan and marks tell, where no more `is_read`.
+    /// Shows all instances. Without `is_read`, instances of a run come with their plan and flags alone.
     pub fn each(&self, is_read: bool, show: &mut dyn FnMut(&[u32], &RowView)) -> Result<(), EngineError> {
         match *self {
             Self::Run(run) if !is_read => {
@@ -62,7 +62,7 @@ impl<'a> InstanceRows<'a> {
         }
     }
 
-    /// So many numbers of each instance in the order of the instances, of `of` in that of those shown; see [`InstanceRows::each`].
+    /// Numbers of all instances in their order, `width` for each. `of` gives those of a group; see [`InstanceRows::each`].
     pub fn column<T: Copy + Default>(
         &self,
         (width, is_read): (usize, bool),
@@ -82,9 +82,9 @@ impl<'a> InstanceRows<'a> {
     }
 }
 
-/// Some instances, by their numbers among these.
+/// A group of instances, numbered within the group.
 pub(super) enum RowView<'a> {
-    /// With their plan, once it is asked for.
+    /// A chunk, with its plan once it is needed.
     Piece(&'a ChunkView<'a>, OnceLock<Box<Plan>>),
     Plain {
         plan: &'a Plan,
@@ -94,7 +94,7 @@ pub(super) enum RowView<'a> {
 }
 
 impl RowView<'_> {
-    /// The plan of them, as it was carried out.
+    /// The plan of these instances as they ran.
     pub fn plan(&self) -> &Plan {
         match self {
             Self::Piece(piece, plan) => plan.get_or_init(|| Box::new(piece.plan())),
@@ -110,7 +110,7 @@ impl RowView<'_> {
         }
     }
 
-    /// The law of its contact.
+    /// Law of the contact of an instance.
     pub fn law(&self, n: usize) -> Law {
         match self {
             Self::Piece(piece, _) => piece.compact(n).law(),
@@ -118,7 +118,7 @@ impl RowView<'_> {
         }
     }
 
-    /// Tabor's parameter of its contact.
+    /// Tabor's parameter of the contact of an instance.
     pub fn tabor(&self, n: usize) -> f64 {
         match self {
             Self::Piece(piece, _) => piece.compact(n).tabor(),
@@ -126,7 +126,7 @@ impl RowView<'_> {
         }
     }
 
-    /// What was measured of it.
+    /// Measurements of an instance.
     pub fn measured(&self, n: usize) -> Measured {
         match self {
             Self::Piece(piece, _) => piece.measured(n),
@@ -134,7 +134,7 @@ impl RowView<'_> {
         }
     }
 
-    /// What became of it, in a word.
+    /// Status of an instance.
     pub fn status(&self, n: usize) -> Status {
         match self {
             Self::Piece(piece, _) => piece.status(n),
@@ -142,7 +142,7 @@ impl RowView<'_> {
         }
     }
 
-    /// The arithmetic of its last run.
+    /// Arithmetic of an instance's last run.
     pub fn precision(&self, n: usize) -> Precision {
         match self {
             Self::Piece(piece, _) => piece.precision(n),
@@ -150,7 +150,7 @@ impl RowView<'_> {
         }
     }
 
-    /// How many they are.
+    /// Number of instances in the group.
     pub fn count(&self) -> usize {
         match self {
             Self::Piece(piece, _) => piece.instances.len(),
@@ -158,12 +158,12 @@ impl RowView<'_> {
         }
     }
 
-    /// What `of` says of each.
+    /// Calls `of` for each instance.
     pub fn map<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         (0..self.count()).into_par_iter().map(of).collect()
     }
 
-    /// The numbers of an observable, those of an instance after those of the one before.
+    /// Numbers of an observable, instance after instance.
     pub fn observed(&self, observable: Observable) -> Vec<f64> {
         let (count, width) = (self.count(), observable.width());
         let mut rows = vec![f64::NAN; count * width];
@@ -184,7 +184,7 @@ impl RowView<'_> {
         rows
     }
 
-    /// Their steps per period.
+    /// Steps per period of each instance.
     pub fn steps(&self) -> Vec<u32> {
         let of = |n: usize| match self {
             Self::Piece(piece, _) => piece.steps(n),
@@ -193,27 +193,27 @@ impl RowView<'_> {
         (0..self.count()).map(of).collect()
     }
 
-    /// What only a run with its chunks knows.
+    /// Data that only a run with chunks has.
     fn of_run<T: Clone>(&self, of: impl FnOnce(&ChunkView) -> Vec<T>, none: T) -> Vec<T> {
         if let Self::Piece(piece, _) = self { of(piece) } else { vec![none; self.count()] }
     }
 
-    /// Their estimated errors.
+    /// Estimated error of each instance.
     pub fn estimates(&self) -> Vec<f64> {
         self.of_run(|piece| piece.estimates(), f64::NAN)
     }
 
-    /// The moduli of their maps' largest multipliers.
+    /// Modulus of the largest multiplier of each instance's period map.
     pub fn multipliers(&self) -> Vec<f64> {
         self.of_run(|piece| piece.multipliers(), f64::NAN)
     }
 
-    /// The periods of their last runs.
+    /// Periods of each instance's last run.
     pub fn periods(&self) -> Vec<u32> {
         self.of_run(|piece| (0..self.count()).map(|n| piece.periods(n)).collect(), 0)
     }
 
-    /// Whether their curves' states were not reached continuously.
+    /// For each instance, whether its curve jumped to its state.
     pub fn jumps(&self) -> Vec<bool> {
         self.of_run(|piece| (0..self.count()).map(|n| piece.jump(n)).collect(), false)
     }

@@ -1,4 +1,4 @@
-//! The variables and flags over all instances, each a line of what it is and how it follows.
+//! The variables and flags over all instances: their names, units and sources.
 
 use super::instance_rows::RowView;
 use super::warnings::WARNINGS;
@@ -8,14 +8,14 @@ use crate::observe::{Observable, Status};
 use crate::plan::Precision;
 use crate::store::{Flags, Variable};
 
-/// What the codes of the flag `branch` mean.
+/// Meanings of the codes of the flag `branch`.
 pub const BRANCHES: [&str; 3] = ["none", "attractive", "repulsive"];
 
-/// What the codes of the flag `jump` mean.
+/// Meanings of the codes of the flag `jump`.
 pub const JUMPS: [&str; 2] = ["continuous", "jump"];
 
-/// The branch of a tapping point, by its mean force: attractive below zero, repulsive above (Garcia & San Paulo,
-/// Phys. Rev. B 60 (1999) 4961); none without a steady state or a force.
+/// Branch of a tapping point, by the sign of its mean force: negative is attractive, positive repulsive (Garcia & San Paulo,
+/// Phys. Rev. B 60 (1999) 4961). 0 without a steady state or a force.
 pub(super) fn branch(status: Status, force: f64) -> u8 {
     match status {
         status if status.is_steady() && force < 0.0 => 1,
@@ -24,12 +24,12 @@ pub(super) fn branch(status: Status, force: f64) -> u8 {
     }
 }
 
-/// What a variable holds of each instance.
+/// A variable over all instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum InstanceVariable {
     Observable(Observable),
     Tabor,
-    /// The scale of what is lost and of the virial, where one of them was asked for.
+    /// Scale of dissipation and virial, if one of them is requested.
     DriveWork,
     Estimate,
     Multiplier,
@@ -37,7 +37,7 @@ pub(super) enum InstanceVariable {
 }
 
 impl InstanceVariable {
-    /// The variable, empty.
+    /// The variable without data.
     pub fn variable(self) -> Variable {
         let (name, units, long_name) = match self {
             Self::Observable(observable) => {
@@ -80,17 +80,17 @@ impl InstanceVariable {
         }
     }
 
-    /// How many numbers each instance has.
+    /// Numbers for each instance.
     pub fn width(self) -> usize {
         if let Self::Observable(observable) = self { observable.width() } else { 1 }
     }
 
-    /// Whether it tells more than the plan does.
+    /// Whether it needs more than the plan.
     pub fn is_read(self) -> bool {
         self != Self::Tabor
     }
 
-    /// Those of some instances.
+    /// Its values for a group of instances.
     pub fn of(self, some: &RowView) -> Vec<f64> {
         let work = |n: usize| match some.measured(n) {
             measured if measured.phase.is_nan() => f64::NAN,
@@ -107,7 +107,7 @@ impl InstanceVariable {
     }
 }
 
-/// What a flag says of each instance.
+/// A flag over all instances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum InstanceFlag {
     Law,
@@ -118,7 +118,7 @@ pub(super) enum InstanceFlag {
 }
 
 impl InstanceFlag {
-    /// The flags, empty.
+    /// The flags without data.
     pub fn flags(self) -> Flags {
         let words = |all: &[&str]| -> Vec<String> { all.iter().map(|word| (*word).to_owned()).collect() };
         let (name, long_name, meanings) = match self {
@@ -149,12 +149,12 @@ impl InstanceFlag {
         }
     }
 
-    /// Whether it tells more than the plan and the marks of a run do.
+    /// Whether it needs more than the plan and the flags in memory.
     pub fn is_read(self) -> bool {
         matches!(self, Self::Branch | Self::Jump)
     }
 
-    /// Those of some instances; warnings are known elsewhere.
+    /// Its values for a group of instances. Warnings come from elsewhere.
     pub fn of(self, some: &RowView) -> Vec<u8> {
         let precision = |n: usize| u8::from(some.precision(n) == Precision::F64);
         match self {

@@ -1,4 +1,4 @@
-//! From a finished run to the plain data of its results file.
+//! Turns a finished run into the plain data of its results file.
 
 mod audit_variables;
 mod file_frame;
@@ -33,42 +33,42 @@ pub use waveforms::{waveforms, waveforms_kept};
 /// The revision of the sources that the program was built from: `git describe`, or `unknown` outside a repository.
 pub const SOURCE_REVISION: &str = env!("AFMSWEEP_REVISION");
 
-/// What is known of a run beside its numbers.
+/// Facts about a run beside its numbers.
 #[derive(Clone, Debug)]
 pub struct Facts {
     pub device: String,
-    /// Planning and stepping, s.
+    /// Time of planning and stepping, s.
     pub wall_time: f64,
-    /// Instance-steps taken: trials, searches and estimates among them, audits not.
+    /// Instance-steps taken, with trials, searches and estimates but without audits.
     pub steps_taken: u64,
-    /// Instance-steps per second of the stepping.
+    /// Instance-steps per second of stepping.
     pub rate: f64,
-    /// Share of the instances whose results began at their neighbours' states.
+    /// Share of the instances whose results come from searches started at their neighbours' states.
     pub neighbour_started: f64,
     /// The plan as JSON.
     pub plan: String,
-    /// How the program was called; of a library, that it is one.
+    /// How the program was called, or that a library ran it.
     pub command_line: String,
     pub arithmetic: Arithmetic,
 }
 
-/// What one look at all instances of a run tells.
+/// Warnings and steps of all instances, from one pass over the run.
 ///
 /// # Errors
-/// What is kept of a chunk cannot be read.
+/// A stored chunk cannot be read.
 pub fn warned(scene: &Scene, run: &JournaledRun) -> Result<LawWarnings, EngineError> {
     LawWarnings::of(scene, &InstanceRows::Run(run))
 }
 
-/// The results file of a run of the plan but for the numbers over all instances.
+/// The results file of a run of the plan, without the numbers over all instances.
 pub fn frame(scene: &Scene, (plan, warned): (&Plan, &LawWarnings), facts: &Facts) -> FileFrame {
     FileFrame::new(scene, (plan, warned.instance_steps), facts)
 }
 
-/// Everything the results file holds of a plan that was run once as it is, waveforms and spectra apart.
+/// The contents of the results file of a plan that ran once, without waveforms and spectra.
 ///
 /// # Errors
-/// None that is known.
+/// None is known.
 pub fn results(
     scene: &Scene,
     plan: &Plan,
@@ -82,13 +82,13 @@ pub fn results(
     frame.results.clone().with_numbers(&numbers).map_err(|unread| EngineError::Unread { why: unread.0 })
 }
 
-/// Paths of the quantities that the scene does not give, single words; `none` where it gives all.
+/// Paths of the quantities that the scene does not set, separated by spaces. `none` if it sets all.
 fn from_preset(scene: &Scene) -> String {
     let paths: Vec<String> = scene.from_preset().into_iter().map(|(path, _)| path).collect();
     if paths.is_empty() { "none".to_owned() } else { paths.join(" ") }
 }
 
-/// Attribute `design`: what the samples follow from, as JSON.
+/// Attribute `design`: what determines the samples, as JSON.
 fn design(scene: &Scene) -> Option<String> {
     let design = scene.drawn.design.as_deref()?;
     let ends = |values: &[f64]| {
@@ -116,7 +116,7 @@ fn coordinate(axis: &crate::scene::Axis) -> Coordinate {
     }
 }
 
-/// The plan's observables of some instances.
+/// The plan's observables of these instances.
 fn observables(plan: &Plan, results: impl Iterator<Item = Finished> + Clone) -> Vec<Variable> {
     let count = results.clone().count();
     let one = |observable: &Observable| {
@@ -130,8 +130,8 @@ fn observables(plan: &Plan, results: impl Iterator<Item = Finished> + Clone) -> 
     plan.observables.iter().map(one).collect()
 }
 
-/// Whether a run has done all it was asked for: attribute `complete`, and in a file that lacks something
-/// `incomplete_phase`, in which the run was stopped, and `missing`, that and all phases after it.
+/// Attributes on what a run has done: `complete`, and if something is missing `incomplete_phase`, where the run was stopped,
+/// and `missing`, that phase and all after it.
 pub fn complete(missing: &[&str]) -> Vec<(String, Attribute)> {
     let number = |value| ("complete".to_owned(), Attribute::Number(value));
     match missing {
@@ -144,7 +144,7 @@ pub fn complete(missing: &[&str]) -> Vec<(String, Attribute)> {
     }
 }
 
-/// Static curves of the first eight instances with waveforms; one contact once.
+/// Static curves of the first eight instances with waveforms. Equal contacts appear once.
 fn force_curves(scene: &Scene, plan: &Plan) -> Vec<ForceCurve> {
     let Some(request) = &scene.output.waveforms else { return Vec::new() };
     let mut seen: Vec<Contact> = Vec::new();

@@ -1,17 +1,17 @@
-//! What a search for periodic states adds to the file.
+//! Variables of second periodic states.
 
 use super::instance_variables::{InstanceFlag, InstanceVariable, branch};
 use crate::control::SecondOrbit;
 use crate::plan::Plan;
 use crate::store::{BranchTable, NO_STATE};
 
-/// What variables hold of second states.
+/// The variables of second states.
 fn numbers(plan: &Plan) -> impl Iterator<Item = InstanceVariable> {
     let observables = plan.observables.iter().map(|one| InstanceVariable::Observable(*one));
     observables.chain([InstanceVariable::Estimate, InstanceVariable::Multiplier])
 }
 
-/// Second states over all instances, empty.
+/// Second states over all instances, without data.
 pub(super) fn second_states(plan: &Plan) -> BranchTable {
     BranchTable {
         variables: numbers(plan).map(InstanceVariable::variable).collect(),
@@ -20,7 +20,7 @@ pub(super) fn second_states(plan: &Plan) -> BranchTable {
     }
 }
 
-/// Second states of some instances of a plan, as numbers over all.
+/// Second states of some instances of a plan, spread over all instances.
 pub(super) struct SecondVariables<'a> {
     pub plan: &'a Plan,
     pub others: &'a [SecondOrbit],
@@ -33,7 +33,7 @@ impl SecondVariables<'_> {
         all
     }
 
-    /// The numbers of a variable, by its place.
+    /// Values of the variable of this number.
     pub fn variable(&self, number: usize) -> Option<Vec<f64>> {
         let number = numbers(self.plan).nth(number)?;
         Some(match number {

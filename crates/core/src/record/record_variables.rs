@@ -1,4 +1,4 @@
-//! The numbers of a results file over all instances, one variable after the other.
+//! The numbers of a results file over all instances, one variable at a time.
 
 use super::file_frame::FileFrame;
 use super::instance_rows::InstanceRows;
@@ -27,7 +27,7 @@ impl<'a> RecordVariables<'a> {
         Self { frame, rows, warned, others }
     }
 
-    /// Of a run that has this frame.
+    /// The numbers of a run with this frame.
     pub fn of_run(
         frame: &'a FileFrame,
         (run, warned): (&'a crate::control::JournaledRun<'a>, &'a LawWarnings),

@@ -1,8 +1,8 @@
 //! Spectra of chosen instances: harmonics of the drive in one steady period.
 //!
-//! The fundamental of the travel is what the observables have: that of the samples. Every further harmonic of it is what the
-//! same harmonic of the force does to the instrument, which is linear: `X_n = C(n omega) F_n` with all of its modes, those
-//! too that the steps leave out because the force hardly feels them.
+//! The fundamental of the travel is that of the observables, computed from samples. Any other harmonic follows from the same
+//! harmonic of the force, because the instrument is linear: `X_n = C(n omega) F_n`. `C` contains all modes, even those that
+//! the steps leave out because the force hardly excites them.
 
 use super::waveforms::gathered;
 use crate::control::JournaledRun;
@@ -18,20 +18,20 @@ use std::f64::consts::{PI, TAU};
 /// Most harmonics of an instance.
 const MAX_HARMONIC: u32 = 1024;
 
-/// Computes the spectra of these instances of a plan that was run. `found` holds the periodic states that were found, by
-/// instance, or nothing: the spectrum is then that of the run's last period.
+/// Computes the spectra of these instances of a plan that ran. `found` has the periodic states by instance. Without a state,
+/// the spectrum is that of the run's last period.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn spectra(plan: &Plan, found: &OrbitTable, instances: &[usize]) -> Result<Spectra, EngineError> {
     let places: Vec<u32> = instances.iter().map(|&instance| instance as u32).collect();
     spectra_of((plan, found), &places, instances)
 }
 
-/// [`spectra`] of a run.
+/// Computes the [`spectra`] of a run.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn spectra_of_run(run: &JournaledRun, instances: &[usize]) -> Result<Spectra, EngineError> {
     let (some, places) = gathered(run, instances)?;
     spectra_of((&some.plan, &some.found), &places, instances)
@@ -74,19 +74,19 @@ fn spectra_of(
     })
 }
 
-/// Phasors of one harmonic against that multiple of the drive's phase: `z = Im(Z exp(i n (omega t)))`.
+/// Phasors of one harmonic, relative to that multiple of the drive's phase: `z = Im(Z exp(i n (omega t)))`.
 struct Harmonic {
     tip: Complex<f64>,
     deflection: Complex<f64>,
     force: Complex<f64>,
 }
 
-/// Lag of a phasor, degree; nothing has none.
+/// Lag of a phasor, degree. NaN for zero.
 fn phase(phasor: Complex<f64>) -> f64 {
     if phasor.norm() == 0.0 { f64::NAN } else { lag(phasor.arg()) }
 }
 
-/// Of an instance, up to a quarter of its steps.
+/// Harmonics of an instance, up to a quarter of its steps.
 fn harmonics(plan: &Plan, instance: u32, from: Option<&SectionState>) -> Result<Vec<Harmonic>, EngineError> {
     let driven = plan.driven(instance);
     let steps = plan.steps(instance);
@@ -104,14 +104,14 @@ fn harmonics(plan: &Plan, instance: u32, from: Option<&SectionState>) -> Result<
     let one = |n: u32| {
         let [mut travel, mut mean, mut moment] = [Complex::new(0.0, 0.0); 3];
         for (j, sample) in (0u64..).zip(&trace.samples) {
-            // Reduced in whole numbers, so that the angle is exact for any harmonic.
+            // Whole numbers keep the angle exact for any harmonic.
             let turn = turns[((u64::from(n) * (2 * j + 1)) % u64::from(2 * steps)) as usize];
             travel += turn * sample.travel;
             mean += turn * sample.force;
             moment += turn * sample.moment;
         }
         let own = Complex::from_polar(2.0 / f64::from(steps), -f64::from(n) * trace.phase) * Complex::i();
-        // A mean over a step has lost by its turn, and a force that acts late in its step lags.
+        // The mean over a step reduces the harmonic, and a force that acts late in its step lags.
         let half = PI * f64::from(n) / f64::from(steps);
         let force = mean * (half / half.sin()) + moment * Complex::new(0.0, -2.0 * half);
         harmonic(driven, n, travel * own, force * own)
@@ -119,7 +119,7 @@ fn harmonics(plan: &Plan, instance: u32, from: Option<&SectionState>) -> Result<
     Ok(orders.map(one).collect())
 }
 
-/// With the travel of the fundamental, and what the force makes of all others.
+/// The fundamental has this travel; any other harmonic follows from the force.
 fn harmonic(driven: &Driven, n: u32, travel: Complex<f64>, force: Complex<f64>) -> Harmonic {
     if n == 1 {
         return Harmonic { tip: travel, deflection: driven.free.deflection(travel), force };

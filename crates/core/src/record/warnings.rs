@@ -9,7 +9,7 @@ use crate::plan::Plan;
 use crate::scene::{Cases, Params, Scene};
 use rayon::prelude::*;
 
-/// Words for the bits of `contact_warnings`.
+/// Names of the bits of `contact_warnings`.
 pub const WARNINGS: [&str; 5] =
     ["law_does_not_fit", "between_laws", "adhesion_left_out", "large_strain", "rigid_tip"];
 
@@ -23,17 +23,17 @@ fn bit(warning: &Warning) -> u8 {
     }
 }
 
-/// What one look at all instances tells, and no journal: the warnings of each, and what its steps come to.
+/// What one pass over all instances gives and no journal stores: warnings of each, and the number of steps.
 #[derive(Clone, Debug)]
 pub struct LawWarnings {
-    /// Of each instance its warnings as bits, at the largest indentation measured or else expected; empty where none has any.
+    /// Warning bits of each instance, at the largest indentation measured or else expected. Empty if there are none.
     pub bits: Vec<u8>,
     /// Steps of all instances in all periods.
     pub instance_steps: u64,
 }
 
 impl LawWarnings {
-    /// Of all instances.
+    /// Collects the warnings of all instances.
     pub(super) fn of(scene: &Scene, rows: &InstanceRows) -> Result<Self, EngineError> {
         let (mut bits, mut steps) = (vec![0; rows.count()], 0);
         let cases = Cases::of(scene);
@@ -56,7 +56,7 @@ impl LawWarnings {
         Ok(Self { bits, instance_steps: steps * u64::from(rows.plan().run.periods) })
     }
 
-    /// How many instances have each warning of [`WARNINGS`], and the first one's own words.
+    /// For each of [`WARNINGS`], how many instances have it, and the message of the first.
     pub(crate) fn lines(&self, scene: &Scene, run: &JournaledRun) -> Result<Vec<String>, EngineError> {
         let mut lines = Vec::new();
         for (number, word) in WARNINGS.iter().enumerate() {
@@ -79,8 +79,7 @@ impl LawWarnings {
     }
 }
 
-/// Largest indentation of an instance, m: measured; none where it was measured and there was no contact;
-/// else what the plan expects.
+/// Largest indentation of an instance, m: the measured one, none if the measurement found no contact, else the expected one.
 fn depth(some: &RowView, n: usize, measured: f64) -> Option<f64> {
     match measured.is_nan() {
         false => Some(measured),

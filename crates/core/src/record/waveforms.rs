@@ -10,13 +10,12 @@ use crate::store::Waveforms;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Computes the waveforms a scene asks for: the last periods of the run, from a zero of the
-/// drive's phase on. Time counts from the start of the run, or, where that is arbitrary (a start
-/// in steady motion), from the first sample. `found` holds the periodic states that were found, by instance, or
-/// nothing.
+/// Computes the waveforms that a scene requests: the last periods of the run, from a zero of the drive's phase on. Time
+/// counts from the start of the run or, for a start in steady motion, from the first sample. `found` has the periodic states
+/// by instance; it may be empty.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn waveforms(
     plan: &Plan,
     found: &OrbitTable,
@@ -26,10 +25,10 @@ pub fn waveforms(
     waveforms_of((plan, found), &places, request, &MemoryJournal::default())
 }
 
-/// [`waveforms`] of a run; what `keep` knows is not computed again, and it is told of each instance's.
+/// Computes the [`waveforms`] of a run. `keep` provides known ones and receives each new one.
 ///
 /// # Errors
-/// What the engine says.
+/// Those of the engine.
 pub fn waveforms_kept(
     run: &JournaledRun,
     request: &WaveformRequest,
@@ -39,7 +38,7 @@ pub fn waveforms_kept(
     waveforms_of((&some.plan, &some.found), &places, request, keep)
 }
 
-/// Some instances of a run, and where each of them is among these.
+/// Loads these instances of a run. Returns the place of each among the loaded ones.
 pub(super) fn gathered(run: &JournaledRun, wanted: &[usize]) -> Result<(RunResult, Vec<u32>), EngineError> {
     let all: Vec<u32> = wanted.iter().map(|&instance| instance as u32).collect();
     let mut instances = all.clone();
@@ -50,7 +49,7 @@ pub(super) fn gathered(run: &JournaledRun, wanted: &[usize]) -> Result<(RunResul
     Ok((run.some(&instances)?, places))
 }
 
-/// Those of the instances at these places of a plan, which are the ones asked for.
+/// The waveforms of the requested instances, which are at these places of the plan.
 fn waveforms_of(
     (plan, found): (&Plan, &OrbitTable),
     places: &[u32],
@@ -71,7 +70,7 @@ fn waveforms_of(
                 return Ok(known);
             }
             let rows = instance_rows(plan, i as usize, from, request)?;
-            // What went wrong is known to whoever keeps it, and nothing more is to be done here.
+            // The journal keeps its own error, and there is nothing more to do here.
             let _ = keep.numbered(&question, &rows.numbers());
             Ok(rows)
         })
@@ -84,7 +83,7 @@ fn waveforms_of(
         all.indentation.push(rows.indentation);
         all.force.push(rows.force);
     }
-    // One shared axis where the drive is the same for all.
+    // One shared time axis if the drive is the same for all.
     let shared = times.windows(2).all(|pair| pair[0] == pair[1]);
     if shared {
         times.truncate(1);
@@ -101,20 +100,20 @@ struct WaveformRows {
     force: Vec<f64>,
 }
 
-/// Samples of a waveform.
+/// Number of samples of a waveform.
 fn samples(request: &WaveformRequest) -> usize {
     request.samples_per_period as usize * request.periods as usize
 }
 
 impl WaveformRows {
-    /// All of them, one after the other.
+    /// All rows, one after the other.
     fn numbers(&self) -> Vec<f64> {
         [&self.time, &self.tip_travel, &self.actuator_top, &self.indentation, &self.force]
             .map(|row| &row[..])
             .concat()
     }
 
-    /// Back from these; none where they are not as many.
+    /// Reads [`WaveformRows::numbers`] back. None if the count is wrong.
     fn of(numbers: &[f64], request: &WaveformRequest) -> Option<Self> {
         let count = samples(request);
         if numbers.len() != 5 * count {
@@ -141,7 +140,7 @@ fn instance_rows(
     let driven = plan.driven(instance as u32);
     let free = &driven.free;
     let rest = plan.run.start == Start::Rest;
-    // One period beyond the run, because the drive's zero lies between two of the run's periods.
+    // One period beyond the run, because the drive's zero lies between two of its periods.
     let trace = trace(plan, instance, from, plan.run.periods + 1, request.periods + 2)?;
     let length = TAU / free.omega;
     let run_start = f64::from(plan.run.periods - request.periods);
@@ -161,14 +160,14 @@ fn instance_rows(
         let cycles = sample as f64 / f64::from(request.samples_per_period);
         let time = (run_start + zero + cycles) * length;
         let between = trace.at(time);
-        // Steady free motion, by the drive's own phase.
+        // Steady free motion at the drive's own phase.
         let angle = free.omega * time + trace.phase;
         let steady = |phasor: nalgebra::Complex<f64>| phasor.re * angle.sin() + phasor.im * angle.cos();
         let steady_rate = (free.tip.re * angle.cos() - free.tip.im * angle.sin()) * free.omega;
         let (mut travel, mut rate) = (steady(free.tip) + between.beyond, steady_rate + between.rate);
         let mut top = steady(free.top) + between.top;
         if rest {
-            // The first half step of a run from rest lies before the first sample.
+            // A run from rest has a first half step before the first sample.
             if time < trace.begin() {
                 (travel, rate) = free.tip_from_rest(&driven.instrument, time, &none);
             }
