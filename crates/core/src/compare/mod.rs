@@ -1,4 +1,4 @@
-//! Results of one instance side by side: errors on the scales on which `[run] accuracy` counts.
+//! Errors of one result of an instance against another, on the scales of `[run] accuracy`.
 
 mod ranking;
 mod scales;
@@ -15,12 +15,12 @@ pub fn numbers(observable: Observable, measured: &Measured) -> Vec<f64> {
     row
 }
 
-/// How far `ours` is from `truth` in one observable, on its scale; of several harmonics the largest.
+/// Error of `ours` against `truth` in one observable, on its scale. For several harmonics, the largest.
 pub fn error(observable: Observable, ours: &Measured, truth: &Measured, scales: &Scales) -> f64 {
     error_of(observable, &numbers(observable, ours), truth, scales)
 }
 
-/// The same for [`numbers`] that come from elsewhere.
+/// Error like [`error`], for [`numbers`] from another source.
 pub fn error_of(observable: Observable, ours: &[f64], truth: &Measured, scales: &Scales) -> f64 {
     let theirs = numbers(observable, truth);
     let first = |row: &[f64]| *row.first().unwrap_or(&f64::NAN);
@@ -31,7 +31,7 @@ pub fn error_of(observable: Observable, ours: &[f64], truth: &Measured, scales: 
         Scale::WorkOrItself => scales.work.max(first(&theirs).abs()),
         Scale::One => 1.0,
         Scale::Shift => scales.shift,
-        // Without a travel there is no phase.
+        // Without travel there is no phase.
         Scale::Phase => return turn(first(ours), first(&theirs)) * share(truth.harmonics[0], scales),
         Scale::DeflectionPhase => {
             return turn(first(ours), first(&theirs)) * share(truth.deflection_amplitude, scales);
@@ -48,17 +48,17 @@ pub fn error_of(observable: Observable, ours: &[f64], truth: &Measured, scales: 
     if difference == 0.0 { 0.0 } else { difference / scale }
 }
 
-/// How far two angles in degree are apart, rad.
+/// Distance between two angles in degree, rad.
 fn turn(ours: f64, theirs: f64) -> f64 {
     ((ours - theirs + 180.0).rem_euclid(360.0) - 180.0).to_radians().abs()
 }
 
-/// An amplitude as a share of the free one, at most 1.
+/// Ratio of an amplitude to the free one, at most 1.
 fn share(amplitude: f64, scales: &Scales) -> f64 {
     (amplitude / scales.length).min(1.0)
 }
 
-/// The largest of these observables' errors; what is no number counts as infinite.
+/// Largest error of these observables. NaN counts as infinite.
 pub fn worst(observables: &[Observable], ours: &Measured, truth: &Measured, scales: &Scales) -> f64 {
     observables.iter().map(|observable| error(*observable, ours, truth, scales)).fold(0.0, largest)
 }

@@ -1,11 +1,11 @@
-//! Which instances to look at more closely.
+//! The choice of instances for a closer look.
 
 use crate::plan::Plan;
 
-/// Instance numbers, at most `count` of those that are stepped (of a plan that steps none, of all), in order: for each half of them, from
-/// opposite ends, the softest and stiffest, stickiest and most remote contacts, and others at random.
+/// At most `count` instances, in order, of those that are stepped, or of all if none is. Half of them are extreme: the
+/// softest and stiffest, stickiest and most remote contacts. The others are random.
 ///
-/// The choice hangs on the plan and `seed` alone.
+/// The choice depends on the plan and `seed` alone.
 pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
     let stepped = plan.stepped();
     let among = if stepped.is_empty() { plan.instances().collect() } else { stepped };
@@ -14,8 +14,7 @@ pub fn choose(plan: &Plan, count: usize, seed: u64) -> Vec<u32> {
     chosen
 }
 
-/// The same of the instances `among`, those at random and the extreme ones by turns: what is left undone at the end is of
-/// both.
+/// Chooses like [`choose`], from `among`. Random and extreme instances alternate, so a stopped audit has some of both.
 pub fn ranked(plan: &Plan, among: &[u32], count: usize, seed: u64) -> Vec<u32> {
     let mut ranking = Ranking::default();
     if among.len() > count {
@@ -24,7 +23,7 @@ pub fn ranked(plan: &Plan, among: &[u32], count: usize, seed: u64) -> Vec<u32> {
     ranking.chosen((among.len(), &|place| among[place]), count, seed)
 }
 
-/// What instances are told apart by.
+/// Quantities whose extremes are chosen.
 const KEYS: [fn(&Plan, u32) -> f64; 4] = [
     |plan, i| plan.expected_depth(i),
     |plan, i| plan.contact(i).modulus,
@@ -32,15 +31,15 @@ const KEYS: [fn(&Plan, u32) -> f64; 4] = [
     |plan, i| plan.case(i).gap,
 ];
 
-/// The most extreme instances of those that were offered, in any order.
+/// The most extreme of the instances that were offered, in any order.
 #[derive(Clone, Debug, Default)]
 pub struct Ranking {
-    /// By each key the least one, and the greatest: of equal ones the first and the last.
+    /// For each key the least and the greatest instance. Of equal ones, these are the first and the last.
     extremes: [Option<[(f64, u32); 2]>; KEYS.len()],
 }
 
 impl Ranking {
-    /// Looks at an instance, which is number `n` of the plan.
+    /// Considers an instance, which is number `n` of the plan.
     pub fn offer(&mut self, instance: u32, plan: &Plan, n: u32) {
         for (extremes, key) in self.extremes.iter_mut().zip(KEYS) {
             let one = (key(plan, n), instance);
@@ -55,7 +54,7 @@ impl Ranking {
         }
     }
 
-    /// `count` instances of so many, which `at` numbers in their order; all where there are no more.
+    /// Chooses `count` of `all` instances, which `at` gives by their place; all if there are no more.
     pub fn chosen(&self, (all, at): (usize, &dyn Fn(usize) -> u32), count: usize, seed: u64) -> Vec<u32> {
         if all <= count {
             return (0..all).map(at).collect();
@@ -69,7 +68,7 @@ impl Ranking {
         let extreme = chosen.len();
         let mut state = seed;
         while chosen.len() < count {
-            // SplitMix64 (Steele, Lea & Flood 2014): enough to pick by.
+            // SplitMix64 (Steele, Lea & Flood 2014), good enough for this choice.
             state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut mixed = state;
             mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! The scales of an instance.
+//! The error scales of an instance.
 
 use crate::observe::{Measured, Observable};
 use crate::plan::{Driven, Plan};
@@ -6,30 +6,30 @@ use crate::scene::Start;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// What errors count on.
+/// Scales that errors are divided by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
-    /// Amplitude, harmonics and indentation: the free tip amplitude, m.
+    /// Scale of amplitude, harmonics and indentation: the free tip amplitude, m.
     pub length: f64,
-    /// Forces: the largest of either sign, N. A graze shallower than lengths are accurate to has no force
-    /// to speak of, so it is at least the elastic one at that depth.
+    /// Scale of forces: the largest of either sign, N. It is at least the elastic force at the depth to which lengths are
+    /// accurate, because a shallower graze has no significant force.
     pub force: f64,
-    /// Dissipation and virial: work of the drive in a period, with or without the sample, or the loss,
-    /// whichever is largest, J. From rest no period is like the next: what the largest force could do over
-    /// the free swing. NaN where none of them was asked for.
+    /// Scale of dissipation and virial: work of the drive in a period, with or without the sample, or the loss, whichever is
+    /// largest, J. Runs from rest have no typical period and use the largest force times the free amplitude. NaN if none of
+    /// these is requested.
     pub work: f64,
-    /// What an error of the whole free amplitude in the fundamental makes of the resonance's shift, to first order, Hz.
+    /// Shift of the resonance, to first order, that an error of the whole free amplitude in the fundamental makes, Hz.
     pub shift: f64,
 }
 
 impl Scales {
-    /// Of an instance whose true measurements are `truth`.
+    /// Scales of an instance with the true measurements `truth`.
     pub fn of(plan: &Plan, instance: usize, truth: &Measured) -> Self {
         let case = plan.case(instance as u32);
         let driven = plan.driven(instance as u32);
         let length = driven.free_amplitude();
         let graze = case.contact.law().elastic_force(plan.run.accuracy * length);
-        // What was not asked for is NaN, which max leaves aside.
+        // Quantities that were not requested are NaN, which max ignores.
         let force = graze.max(truth.force_max.abs()).max(truth.force_min.abs());
         let swing = force * length;
         let works = [Observable::Dissipation, Observable::Virial];
@@ -42,14 +42,14 @@ impl Scales {
                 drive_work(driven, driven.free.tip).abs().max(tapping.abs()).max(truth.dissipation.abs())
             }
         };
-        // Without any damping nothing works on anything.
+        // Without damping there is no work.
         let work = if work > 0.0 || !asked { work } else { swing };
         Self { length, force, work, shift: shift(driven, truth) }
     }
 }
 
-/// See [`Scales::shift`]: `(f/f0)^2 = 1 - Re((1 - z0/z)/C)/k`, z and z0 being the tip's fundamental with and without the
-/// sample, C the compliance, so a small error d of z makes at most `f0^2 |z0 d/z^2|/(2 f k |C|)` of f.
+/// Computes [`Scales::shift`] from `(f/f0)^2 = 1 - Re((1 - z0/z)/C)/k`. z and z0 are the tip's fundamental with and without
+/// the sample, C is the compliance. A small error d of z changes f by at most `f0^2 |z0 d/z^2|/(2 f k |C|)`.
 fn shift(driven: &Driven, truth: &Measured) -> f64 {
     let (frequency, stiffness) = driven.free.first_mode;
     let left = truth.harmonics[0] / driven.free_amplitude();
@@ -57,13 +57,13 @@ fn shift(driven: &Driven, truth: &Measured) -> f64 {
     of_free / (left * left * (1.0 + truth.frequency_shift / frequency))
 }
 
-/// The fundamental of the tip's travel, of which the travel is the imaginary part times exp(i omega t), m.
+/// Fundamental of the tip's travel, m: the travel is the imaginary part of it times exp(i omega t).
 fn tip(measured: &Measured) -> Complex<f64> {
     Complex::from_polar(measured.harmonics[0], -measured.phase.to_radians())
 }
 
-/// Work of the drive in a period (J) where the fundamental of the tip's travel is `tip`: that tells the
-/// fundamental of the contact force, since the instrument is linear, and the drive works with no other.
+/// Work of the drive in a period (J) if the fundamental of the tip's travel is `tip`. It determines the fundamental of the
+/// contact force, because the instrument is linear, and the drive works with no other harmonic.
 fn drive_work(driven: &Driven, tip: Complex<f64>) -> f64 {
     let (free, instrument) = (&driven.free, &driven.instrument);
     let omega = free.omega;
@@ -77,7 +77,7 @@ fn drive_work(driven: &Driven, tip: Complex<f64>) -> f64 {
         .collect();
     let moves: Complex<f64> = instrument.modes.iter().zip(&response).map(|(mode, z)| z * mode.tip).sum();
     let force = (tip - free.tip) / moves;
-    // What is driven through the base counts by its acceleration, -omega^2 level.
+    // A drive through the base counts by its acceleration, -omega^2 level.
     let per_level = if instrument.moving_base { -omega * omega } else { 1.0 };
     let moved: f64 = (instrument.modes.iter().zip(&free.modes).zip(&response))
         .map(|((mode, steady), response)| mode.drive * (steady + response * force).im)
