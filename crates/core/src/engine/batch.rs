@@ -1,4 +1,4 @@
-//! As many instances as are stepped side by side, on their way through a run together.
+//! Instances that are stepped side by side through a run.
 
 use super::checkpoint::InstanceCheckpoint;
 use super::kernel_constants::{LeverTable, Member, constants};
@@ -7,21 +7,21 @@ use crate::kernel::{Decay, LENGTH, Real, RunSums, Span, Stepper, Wants, Wave};
 use crate::plan::SectionState;
 use crate::scene::{Run, Start};
 
-/// Constants, state, and what has been measured so far, in rows of a number for each instance.
+/// Constants, state and sums so far, in rows of one number per instance.
 pub(super) struct Batch<E> {
     stepper: Stepper<E>,
     constants: Vec<E>,
     state: Vec<E>,
     sums: Vec<E>,
-    /// Of each member, whether its state is still a number.
+    /// By member: whether its state is still finite.
     finite: Vec<bool>,
     /// Drive periods done.
     done: u32,
 }
 
 impl<E: Real> Batch<E> {
-    /// Up to [`Stepper::width`] members, each where it was saved after `done` periods; the last one also fills the places
-    /// left over.
+    /// Up to [`Stepper::width`] members, each from its checkpoint after `done` periods. The last one also fills the lanes left
+    /// over.
     pub fn new(
         stepper: &Stepper<E>,
         members: &[Member],
@@ -85,7 +85,7 @@ impl<E: Real> Batch<E> {
             self.done += if decay.is_none() && self.done < seen {
                 self.stepper.coast(constants, state, &waves[0], seen.min(end) - self.done)
             } else {
-                // Before the measured part only what judges steadiness is kept.
+                // Before the measured part only the sums that judge steadiness are kept.
                 let measured = self.done >= warm;
                 let until = if measured { end } else { warm.min(end) };
                 let span = Span {
@@ -97,7 +97,7 @@ impl<E: Real> Batch<E> {
                 };
                 self.stepper.measure(constants, state, &mut self.sums, &span)
             };
-            // Beyond f32 counts as no number, so that both precisions and a shader agree on it.
+            // A number beyond f32 counts as not finite, so that both precisions and a shader agree on it.
             for row in self.state.chunks_exact(self.stepper.width) {
                 for (finite, value) in self.finite.iter_mut().zip(row) {
                     *finite &= (value.lane(0) as f32).is_finite();
@@ -106,7 +106,7 @@ impl<E: Real> Batch<E> {
         }
     }
 
-    /// Where member `lane` stands.
+    /// The section state of member `lane`.
     pub fn station(&self, lane: usize) -> SectionState {
         let modes = self.stepper.modes;
         let mut state = lane_of(&self.state, self.stepper.width, lane);
@@ -117,7 +117,7 @@ impl<E: Real> Batch<E> {
         station
     }
 
-    /// What has been measured of each member, with `steps` steps a period.
+    /// The sums of each member, with `steps` steps a period.
     pub fn sums(&self, run: &Run, steps: u32) -> Vec<Sums> {
         let sums = |(lane, finite): (usize, &bool)| {
             let mut run_sums = RunSums::new();
@@ -128,18 +128,18 @@ impl<E: Real> Batch<E> {
         self.finite.iter().enumerate().map(sums).collect()
     }
 
-    /// Members.
+    /// Number of members.
     pub fn members(&self) -> usize {
         self.finite.len()
     }
 }
 
-/// Puts an instance's numbers into its place of the rows.
+/// Writes an instance's numbers to its lane of the rows.
 fn put<E: Real>(rows: &mut [E], width: usize, lane: usize, numbers: impl Iterator<Item = f64>) {
     rows.chunks_exact_mut(width).zip(numbers).for_each(|(row, number)| row[lane] = E::element(number));
 }
 
-/// An instance's numbers out of the rows.
+/// Reads an instance's numbers from its lane of the rows.
 fn lane_of<E: Real>(rows: &[E], width: usize, lane: usize) -> impl Iterator<Item = f64> {
     rows.chunks_exact(width).map(move |row| row[lane].lane(0))
 }

@@ -1,5 +1,5 @@
-//! Instances of one law, number of modes and number of steps: their constants, made once, and their periods, stepped as many
-//! side by side as a lane holds.
+//! The period map of instances of one law, number of modes and number of steps. Their constants are made once, and their
+//! periods are stepped side by side, as many as a lane holds.
 
 use super::kernel_constants::{free, gap_and_law, lever, lever_key, member};
 use super::kernel_dispatch::{TangentReal, stepper};
@@ -12,14 +12,14 @@ use crate::plan::{Case, Class, Plan, SectionState, Shape};
 use crate::scene::Start;
 use std::collections::HashMap;
 
-/// Where an instance begins a period.
+/// The start of an instance's period.
 #[derive(Clone, Copy)]
 pub(super) struct MapStart<'a> {
-    /// Travels of the kept modes and rates over their angular frequencies; what is not there is at rest.
+    /// Travels of the kept modes and rates over their angular frequencies; missing modes are at rest.
     pub x: &'a [f64],
     pub u: &'a [f64],
     pub touching: bool,
-    /// What these are divided by to be in kernel units.
+    /// Divisor that converts these to kernel units.
     pub unit: f64,
 }
 
@@ -33,16 +33,16 @@ impl<'a> MapStart<'a> {
 pub(super) struct BatchMap {
     pub stepper: Stepper<f64>,
     pub tangent: Tangent<f64>,
-    /// Modes of each instance, those filled up not among them.
+    /// Modes of each instance, without padding.
     modes: usize,
     /// By harmonic.
     waves: Vec<Vec<Wave<f64>>>,
-    /// Levers that differ, and which of them each row has.
+    /// The distinct levers, and by row the index of its lever.
     levers: Vec<Lever>,
     lever_of: Vec<u32>,
-    /// Of each row its number in the plan, and what it is there.
+    /// By row: its number in the plan, and its case.
     cases: Vec<(u32, Case)>,
-    /// Of each row the free motion's numbers, the gap and the law's constants, so many.
+    /// By row: the free motion's numbers, the gap and the law's constants, `own` numbers in all.
     own: usize,
     rows: Vec<f64>,
     /// Cosine and sine of half a step.
@@ -51,19 +51,19 @@ pub(super) struct BatchMap {
     none_yet: Vec<f64>,
 }
 
-/// Rows of a number for each instance side by side, as the kernel takes them.
+/// Rows of one number per instance side by side, in the kernel's layout.
 pub(super) struct Buffers {
     width: usize,
-    /// Those of the lever stay as they are where all have one.
+    /// The lever's constants do not change if all instances share the lever.
     constants: Vec<f64>,
     state: Vec<f64>,
     sums: Vec<f64>,
-    /// Travel beyond the free motion where each begins, kernel units.
+    /// Travel beyond the free motion at each start, kernel units.
     travel: Vec<f64>,
 }
 
 impl BatchMap {
-    /// Of these instances of the plan, which all have so many steps, this law and so many modes.
+    /// The map of these instances of the plan, which all have this shape.
     pub fn new(
         plan: &Plan,
         (steps, law, modes): Shape,
@@ -75,7 +75,7 @@ impl BatchMap {
         let count = instances.len();
         let (mut levers, mut known, mut lever_of) = (Vec::new(), HashMap::new(), Vec::with_capacity(count));
         let (mut cases, mut rows) = (Vec::with_capacity(count), Vec::new());
-        // Most have the lever of the one before.
+        // Most instances have the lever of the one before.
         let mut last = None;
         for i in instances {
             let (case, driven) = member(plan, i);
@@ -141,8 +141,7 @@ impl BatchMap {
         }
     }
 
-    /// Puts up to as many starts as are stepped side by side into the rows: their places in a list, `places`, and their
-    /// instances' rows here.
+    /// Writes up to a batch of starts to the rows; `places` gives their indices in a list, and their instances' rows here.
     pub fn gather<'a>(
         &self,
         places: &[(usize, u32)],
@@ -151,7 +150,7 @@ impl BatchMap {
     ) {
         let (width, modes, motion) = (rows.width, self.stepper.modes, self.levers[0].motion.len());
         for lane in 0..width {
-            // The last one fills the places left over.
+            // The last one fills the lanes left over.
             let (start, row) = places[lane.min(places.len() - 1)];
             if self.levers.len() > 1 {
                 self.put_lever(lane, &self.levers[self.lever_of[row as usize] as usize], rows);
@@ -170,7 +169,7 @@ impl BatchMap {
         }
     }
 
-    /// Takes them on.
+    /// Steps the rows through these periods.
     pub fn after(&self, periods: u32, rows: &mut Buffers) {
         let mut done = 0;
         while done < periods {
@@ -178,7 +177,7 @@ impl BatchMap {
         }
     }
 
-    /// Takes these through a period, and tells the Jacobian of each.
+    /// Steps the rows through a period and returns the Jacobian of each.
     pub fn slopes(&self, least: &[f64], (rows, room): (&mut Buffers, &mut Room<f64>)) -> Vec<Box<[f64]>> {
         let mut slopes = Vec::with_capacity(least.len());
         let Buffers { constants, state, .. } = rows;
@@ -188,7 +187,7 @@ impl BatchMap {
         slopes
     }
 
-    /// Takes those that were gathered through one measured period.
+    /// Steps the gathered rows through one measured period.
     pub fn measure(&self, places: &[(usize, u32)], plan: &Plan, rows: &mut Buffers) {
         let (width, modes) = (rows.width, self.stepper.modes);
         for lane in 0..width {
@@ -205,7 +204,7 @@ impl BatchMap {
         self.stepper.measure(&rows.constants, &mut rows.state, &mut rows.sums, &span);
     }
 
-    /// Tells where the instance in a lane is; see [`section_state::put`].
+    /// Reads the state of the instance in a lane; see [`section_state::put`].
     pub fn put(
         &self,
         lane: usize,
@@ -217,14 +216,14 @@ impl BatchMap {
         section_state::put((self.modes, self.stepper.modes), number, place, unit)
     }
 
-    /// What was measured of the instance in a lane; its row here comes with it.
+    /// The measurement of the instance in a lane, whose row here is `row`.
     pub fn finished(&self, (lane, row): (usize, u32), finite: bool, plan: &Plan, rows: &Buffers) -> Finished {
         let mut run_sums = RunSums::new();
         let numbers = rows.sums.chunks_exact(rows.width).skip(3).map(|row| row[lane]);
         run_sums.places().zip(numbers).for_each(|(place, value)| *place = value);
         let (i, case) = &self.cases[row as usize];
         let sums = Sums::new(run_sums, finite, 1, case.steps);
-        // Of no change, however large, anything is left: of one period nothing could be said.
+        // With an infinite `least_change` no change counts against the state: one period alone cannot tell.
         let case = Case { least_change: Some(f64::INFINITY), ..*case };
         finish(&sums, &case, plan.driven(*i), &plan.run, plan.wants)
     }

@@ -1,5 +1,5 @@
-//! Searches that begin where something is known of the period map: from each place one measured period, and from where that
-//! leads a step of Broyden's method to the next place, until one is a periodic state.
+//! Searches by Broyden's method, from predictions with an approximate Jacobian. One measured period gives the residual, and a
+//! step leads to the next state, until one is periodic.
 
 use super::return_map::{CpuReturnMap, MapPassage};
 use super::{EngineError, Finished, ProfileSection, Progress};
@@ -8,49 +8,47 @@ use crate::kernel::{LENGTH, Rounding};
 use crate::plan::Plan;
 use rayon::prelude::*;
 
-/// Most instances that one thread takes along together: the more, the fewer of a processor's lanes are empty in the last rounds.
+/// Most instances in one thread's batch: the more, the fewer of a processor's lanes are empty in the last rounds.
 pub const INSTANCES_PER_BATCH: usize = 2048;
 
-/// Where periodic states of some instances are expected, and what is thought of the period map there.
+/// Predicted periodic states of some instances, and approximate Jacobians there.
 #[derive(Clone, Debug)]
 pub struct Predictions {
-    /// How many numbers each state has: travels of as many modes as [`state_modes`](crate::kernel::broyden::state_modes) tells,
-    /// then their rates over angular frequencies; what an instance lacks is at rest.
+    /// Numbers of each state: travels of as many modes as [`state_modes`](crate::kernel::broyden::state_modes) says, then
+    /// their rates over angular frequencies. Modes that an instance lacks are at rest.
     pub numbers: usize,
-    /// The longest step that need not be taken, and the largest bound on the distance of a state that is found; in units of
+    /// Longest step that need not be taken, and largest error bound of a state that counts as found; in units of
     /// [`Prediction::scale`].
     pub near: f64,
     pub sure: f64,
     pub all: Vec<Prediction>,
-    /// The expected states, m, one after the other; after the search where it has led.
+    /// The predicted states, m, one after the other; after the search, the states reached.
     pub places: Vec<f64>,
-    /// The resolvents (I - J)^-1, column by column, one after the other; after the search as it
-    /// was corrected on the way.
+    /// The resolvents (I - J)^-1, column by column, one after the other; after the search, with Broyden's updates.
     pub undoes: Vec<f64>,
 }
 
-/// An instance whose state is expected somewhere.
+/// An instance with a predicted state.
 #[derive(Clone, Copy, Debug)]
 pub struct Prediction {
-    /// Of the plan.
+    /// Number in the plan.
     pub instance: u32,
-    /// Whether tip and sample are in contact where a period begins; under a law with a memory, where it ends, too.
+    /// Whether the tip touches where a period begins; under a law with memory also where it ends.
     pub touching: bool,
-    /// Length of a state that is not small, m.
+    /// Length unit of a state, m.
     pub scale: f64,
 }
 
-/// What became of a guess.
+/// The end of a search from a prediction.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction {
-    /// On where the last period has led to another place yet.
+    /// `On` if the last period has led to yet another state.
     pub phase: Phase,
     /// Periods stepped.
     pub periods: u32,
-    /// The last period measured, where the state that it began at was found; whether that is steady is not judged by how it
-    /// changes.
+    /// The last measured period, if the state at its start is found. Its steadiness is not judged by its change.
     pub finished: Finished,
-    /// Whether that period ends in contact; false where no state was found.
+    /// Whether that period ends in contact; false if no state was found.
     pub touching: bool,
 }
 
@@ -60,42 +58,42 @@ impl Correction {
         Self { phase: Phase::On, periods: 0, finished: Finished::NOT_RUN, touching: false };
 }
 
-/// What became of guesses, in their order.
+/// The ends of searches, in the order of the predictions.
 #[derive(Clone, Debug)]
 pub struct Corrections {
     pub all: Vec<Correction>,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
 }
 
 impl Predictions {
-    /// None yet, of states of so many numbers.
+    /// No predictions yet, for states of `numbers` numbers.
     pub fn new(numbers: usize, near: f64, sure: f64) -> Self {
         Self { numbers, near, sure, all: Vec::new(), places: Vec::new(), undoes: Vec::new() }
     }
 
-    /// Makes room for so many more.
+    /// Reserves memory for `count` more.
     pub fn reserve(&mut self, count: usize) {
         self.all.reserve(count);
         self.places.reserve(count * self.numbers);
         self.undoes.reserve(count * self.numbers * self.numbers);
     }
 
-    /// Adds one, with its state, m, and the resolvent there.
+    /// Adds a prediction, with its state, m, and the resolvent there.
     pub fn push(&mut self, guessed: Prediction, place: &[f64], undoes: &[f64]) {
         self.all.push(guessed);
         self.places.extend_from_slice(place);
         self.undoes.extend_from_slice(undoes);
     }
 
-    /// Adds others, of as many numbers.
+    /// Adds others of the same size.
     pub fn append(&mut self, mut others: Self) {
         self.all.append(&mut others.all);
         self.places.append(&mut others.places);
         self.undoes.append(&mut others.undoes);
     }
 
-    /// The n-th one's state, m.
+    /// The state of the n-th prediction, m.
     pub fn place(&self, n: usize) -> &[f64] {
         &self.places[n * self.numbers..][..self.numbers]
     }
@@ -106,12 +104,12 @@ impl Predictions {
         &self.undoes[n * size..][..size]
     }
 
-    /// The goal of one, in the kernel's units.
+    /// The tolerances of a prediction, in the kernel's units.
     pub(super) fn goal(&self, guessed: &Prediction) -> Goal<f64> {
         Goal { scale: guessed.scale / LENGTH, near: self.near, sure: self.sure }
     }
 
-    /// Some of them alone.
+    /// A selection of the predictions.
     #[cfg(feature = "gpu")]
     pub(super) fn some(&self, which: &[u32]) -> Self {
         let mut some = Self::new(self.numbers, self.near, self.sure);
@@ -120,7 +118,7 @@ impl Predictions {
     }
 }
 
-/// Takes guesses to their ends on the processor; `plan` is that of their instances.
+/// Runs the searches to their ends on the processor; `plan` holds their instances.
 pub(super) fn all(
     plan: &Plan,
     guesses: &mut Predictions,
@@ -142,7 +140,7 @@ pub(super) fn all(
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().reduce(join).unwrap_or_default())
 }
 
-/// Guesses that one thread takes along.
+/// Predictions of one thread.
 struct BroydenBatch<'a> {
     plan: &'a Plan,
     numbers: usize,

@@ -1,4 +1,4 @@
-//! Where an instance is between two periods: what it takes to go on elsewhere.
+//! The checkpoint of an instance between two periods, from which a run can continue elsewhere.
 
 use crate::kernel::{MODES_MAX, RunSums};
 
@@ -12,6 +12,6 @@ pub(super) struct InstanceCheckpoint {
     pub last: [f64; 2],
     pub touched: f64,
     pub run_sums: RunSums<f64>,
-    /// False once the state was no number at the end of a period.
+    /// False if the state was not finite at the end of a period.
     pub finite: bool,
 }

@@ -17,20 +17,20 @@ use crate::plan::{Class, Driven, Plan, Precision, StartState};
 use crate::scene::Start;
 use rayon::prelude::*;
 
-/// Takes all threads that it is called on, see [`super::on_threads`].
+/// Uses all threads of the pool that calls it, see [`super::on_threads`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpu {
-    /// Rounds every product and every sum, as the shader does on a driver that is told to, and searches as it does: the same bits
-    /// on any processor, at a third of the speed or less. Otherwise sums of products round once where the
-    /// processor can; the bits are then the same for all its instruction sets that fuse.
+    /// Rounds every product and every sum, as the shader does on a strict driver, and searches as it does: the same bits on
+    /// any processor, at a third of the speed or less. Otherwise sums of products round once where the processor can; the bits
+    /// are then the same for all its instruction sets that fuse.
     pub strict: bool,
 }
 
-/// Steps between two looks at the progress; samples of decaying free motion tabulated at a time.
+/// Steps between two checks of the progress; samples of decaying free motion tabulated at a time.
 const BLOCK: usize = 1 << 18;
 
-/// The processor's name, where the system tells it, or its architecture, and the vector instructions used of it: they
-/// make a difference of two to four times in speed.
+/// The processor's name, or its architecture if the system does not give it, and its vector instructions in use, which change
+/// the speed by two to four times.
 pub fn processor() -> String {
     let name = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
@@ -64,7 +64,7 @@ impl Engine for Cpu {
         Ok(outcome)
     }
 
-    /// What a chunk does on one thread is hidden behind the others.
+    /// The other chunks hide what a chunk does on one thread.
     fn portions(&self) -> (usize, usize) {
         (1 << 14, 4 * rayon::current_num_threads())
     }
@@ -101,7 +101,7 @@ impl Engine for Cpu {
         Ok(Corrections { all, notes: Vec::new() })
     }
 
-    /// As devices do it. Otherwise rounds side by side take fewer Jacobians, and differences where these cost less.
+    /// As on devices. Otherwise rounds on the host need fewer Jacobians, and use differences where these cost less.
     fn searches(&self) -> bool {
         self.strict
     }
@@ -123,13 +123,13 @@ impl Engine for Cpu {
     }
 }
 
-/// Where the instances of a class begin, if not at the run's start; in their order there.
+/// The initial states of a class's instances, in order, if not the run's start.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Resume<'a> {
-    /// As a device left them after so many periods.
+    /// Checkpoints of a device after so many periods.
     #[cfg(feature = "gpu")]
     Saved(&'a [InstanceCheckpoint], u32),
-    /// Where the plan says: by instance of the plan, and which instances they are.
+    /// The plan's starts, by its instances, and the numbers of these instances.
     Starts(&'a [StartState], &'a [u32]),
 }
 
@@ -144,7 +144,7 @@ impl Resume<'_> {
     }
 }
 
-/// Runs a class from its start, or from where it was left. Results in the order of the class' instances.
+/// Runs a class from its start, or from `from`. Results are in the order of the class's instances.
 pub(super) fn resume(
     plan: &Plan,
     class: &Class,
@@ -229,7 +229,7 @@ fn steady<E: Real>(
     progress: &Progress,
 ) -> Vec<Ended> {
     let steps = waves[0].len();
-    // In blocks, so that a long run tells how far it is and can be stopped.
+    // In blocks, so that a long run reports its progress and can be stopped.
     let block = (BLOCK / steps).max(1) as u32;
     while done < plan.run.periods {
         if progress.stopped() {
@@ -297,7 +297,7 @@ pub(super) fn decays<E: Real>(driven: &Driven, steps: u32, first: u64, count: us
             skip[index] = true;
         }
     }
-    // One sample more on either side: the acceleration is a difference of speeds.
+    // One more sample on either side: the acceleration is a difference of speeds.
     let begin = first as f64 - 0.5;
     let rows =
         driven.free.transient_table(&driven.instrument, MotionPlace::Tip, &skip, begin, step, count + 2);

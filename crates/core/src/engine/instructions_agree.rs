@@ -1,4 +1,4 @@
-//! The same bits from every set of instructions that fuses, by whole runs.
+//! All instruction sets that fuse give the same bits in whole runs.
 
 use super::{Finished, Progress, cpu};
 use crate::kernel::{Law, Rounding};
@@ -67,7 +67,7 @@ steps_per_period = {}
                 let what = format!("{law}, {modes} modes, {}", precision.name());
                 let (fused, strict) = (run(&plan, best), run(&plan, Rounding::STRICT));
                 assert!(fused == run(&plan, best.least()), "{what}");
-                // Where nothing can be fused there is one rounding only.
+                // Without fused operations there is one rounding only.
                 assert_eq!(fused == strict, best == Rounding::STRICT, "{what}");
             }
         }

@@ -1,4 +1,4 @@
-//! What the kernel is given of an instance: its constants and its state at the run's start, in the kernel's units.
+//! An instance's constants and initial state, in the kernel's units.
 
 use super::checkpoint::InstanceCheckpoint;
 use super::start;
@@ -29,12 +29,12 @@ pub(super) fn member(plan: &Plan, instance: u32) -> Member<'_> {
     (plan.case(instance), plan.driven(instance))
 }
 
-/// The lever of an instance for its step, filled up to `modes`.
+/// The lever of an instance for its step, padded to `modes`.
 pub(super) fn lever((case, driven): Member, modes: usize) -> Lever {
     Lever::new(&driven.kept.flow(), step_length(driven, case.steps), modes)
 }
 
-/// The levers of instances that have as many steps each, by basis and angular frequency of their drive.
+/// The levers of instances with equally many steps, by basis and angular frequency of their drive.
 pub(super) struct LeverTable(HashMap<(usize, u64), Lever>);
 
 impl LeverTable {
@@ -51,7 +51,7 @@ impl LeverTable {
     }
 }
 
-/// What tells the levers of instances with as many steps apart: drives that differ in level alone share their basis.
+/// The key of a lever among instances with equally many steps: drives that differ only in level share their basis.
 pub(super) fn lever_key(driven: &Driven) -> (usize, u64) {
     (Arc::as_ptr(&driven.kept) as usize, driven.free.omega.to_bits())
 }
@@ -69,12 +69,12 @@ pub(super) fn gap_and_law((case, driven): Member) -> impl Iterator<Item = f64> {
     std::iter::once(case.gap / LENGTH).chain(law)
 }
 
-/// What the motion depends on, in the order of [`crate::kernel::Stepper`].
+/// Constants of the motion, in the order of [`crate::kernel::Stepper`].
 pub(super) fn motion(member: Member, lever: &Lever, start: Start) -> impl Iterator<Item = f64> {
     lever.motion.iter().copied().chain(free(member, start)).chain(gap_and_law(member))
 }
 
-/// All constants, those that make work of the motion last.
+/// All constants; those for the work come last.
 pub(super) fn constants(member: Member, lever: &Lever, start: Start) -> impl Iterator<Item = f64> {
     motion(member, lever, start).chain(lever.energy.iter().copied())
 }

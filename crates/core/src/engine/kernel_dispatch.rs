@@ -1,10 +1,10 @@
-//! What is compiled for a class.
+//! The compiled kernel of a class.
 
 use super::EngineError;
 use crate::kernel::{MODES_MAX, Real, Rounding, Stepper, Tangent, strict_tangent, tangent};
 use crate::plan::Class;
 
-/// What steps a class.
+/// The stepper of a class.
 ///
 /// # Errors
 /// No modes, or more than the kernel can step.
@@ -12,9 +12,9 @@ pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Step
     E::stepper(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
 }
 
-/// Numbers in which Jacobians of periods are told.
+/// Numbers in which Jacobians of periods are computed.
 pub(super) trait TangentReal: Real {
-    /// What tells the Jacobians of a class's periods; in f32 where every operation rounds, whatever `rounding` says.
+    /// Computes the Jacobians of a class's periods; in f32 every operation rounds, whatever `rounding` is.
     ///
     /// # Errors
     /// As [`stepper`].

@@ -1,4 +1,4 @@
-//! From the sums over periods to measurements in SI units, and whether they can be trusted.
+//! Converts sums over periods to measurements in SI units, and judges whether they can be trusted.
 
 use super::Finished;
 use super::kernel_constants::force_scale;
@@ -10,22 +10,21 @@ use crate::plan::{Case, Driven};
 use crate::scene::{Run, Start};
 use nalgebra::Complex;
 
-/// One instance's run sums in f64, and whether its state stayed a number.
+/// One instance's run sums in f64, and whether its state stayed finite.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
-    /// False once the state is no number any more, or beyond f32's range.
+    /// False once the state is not finite, or beyond f32's range.
     pub finite: bool,
     periods: f64,
     steps: f64,
     run_sums: RunSums<f64>,
 }
 
-/// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer
-/// than about four steps and the result is not to be trusted.
+/// Stiffness at the deepest indentation, in units of the step, above which a contact lasts fewer than about four steps and the
+/// result cannot be trusted.
 const UNRESOLVED_SHARE: f64 = 0.7;
 
-/// What is left to come of an instance that does not have as many contacts in each measured period may be this share of what
-/// is allowed others.
+/// If the measured periods differ in their contacts, the remaining change may be only this share of what is allowed otherwise.
 const UNEVEN_SHARE: f64 = 1e-2;
 
 /// A force that moves the tip by less than this share of its free amplitude is rounding.
@@ -38,15 +37,15 @@ impl Sums {
         Self { finite, periods, steps: periods * f64::from(steps), run_sums }
     }
 
-    /// Largest change (m) of the fundamental, of the latest ones and of those into a measured period.
+    /// Largest change (m) of the fundamental, among the latest ones and those into a measured period.
     fn change(&self) -> f64 {
         self.run_sums.changes.iter().copied().fold(self.run_sums.largest, f64::max) * LENGTH
     }
 }
 
-/// How far the fundamental (m) still is from where it will end, by its latest change (m) and what is known of
-/// the period map, or else the slowest kept mode's decay over a period: a geometric series of changes no longer
-/// than that.
+/// Bound on the distance (m) of the fundamental from its final value. It follows from its latest change (m) and
+/// `least_change`, or else from the slowest kept mode's decay over a period: a geometric series of changes no longer than
+/// that.
 fn unsettled(change: f64, least_change: Option<f64>, driven: &Driven) -> f64 {
     if let Some(share) = least_change {
         return if change == 0.0 { 0.0 } else { change / share };
@@ -61,11 +60,11 @@ fn unsettled(change: f64, least_change: Option<f64>, driven: &Driven) -> f64 {
     if change == 0.0 { 0.0 } else { change / decay.min(1.0) }
 }
 
-/// Whether what such a change leaves to come is within the accuracy asked for, after so many contacts in the measured periods.
+/// Whether the remaining change is within the requested accuracy, after `contacts` contacts in the measured periods.
 ///
-/// A state with the drive's period has as many contacts in each of them. One that touches the sample in every second period
-/// alone is another state, though its fundamental may hardly tell: it has to be much nearer to rest than any other, as a
-/// tip is that grazes the sample.
+/// A state with the drive's period has equally many contacts in each of them. A state that touches only in every second period
+/// is another one, though its fundamental may hardly show it. So it must be much closer to rest than any other, as a tip is
+/// that grazes the sample.
 pub(super) fn settled(
     change: f64,
     contacts: f64,
@@ -75,14 +74,14 @@ pub(super) fn settled(
 ) -> bool {
     // The scale of accuracy for amplitudes: the free amplitude, or, without a drive, a femtometre.
     let scale = driven.free_amplitude().max(1e-15);
-    // A change that is no number leaves it to the state to say so.
+    // A change that is NaN is left to the check of the state.
     let left = unsettled(change, least_change, driven);
     let uneven = contacts % f64::from(run.measure) != 0.0;
     left <= if uneven { UNEVEN_SHARE } else { 1.0 } * run.accuracy * scale || left.is_nan()
 }
 
-/// The first period whose fundamental counts: the one before the first whose change is judged, which are the last four
-/// and every measured one.
+/// The first period whose fundamental counts: the one before the first judged change. The last four changes and every measured
+/// one are judged.
 pub(super) fn first_seen(run: &Run) -> u32 {
     run.periods.saturating_sub(run.measure.max(4)).saturating_sub(1)
 }
@@ -138,7 +137,7 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
     }
 }
 
-/// Whether a steady state beyond the reach of its free oscillation is just that: the sample pushes by no more than rounding.
+/// Whether a steady state beyond the reach of its free oscillation is just that: the sample's force is only rounding.
 fn is_free(measured: &Measured, case: &Case, driven: &Driven) -> bool {
     let amplitude = driven.free_amplitude();
     let force = UNFELT_FORCE_SHARE * amplitude / driven.free.compliance.norm();
@@ -166,7 +165,7 @@ pub(super) fn finish_free(gap: f64, driven: &Driven, wants: Wants) -> Finished {
     Finished { measured, status: Status::Ok }
 }
 
-/// What follows from the fundamental of the tip's travel, its amplitude apart.
+/// Sets all that follows from the fundamental of the tip's travel, except its amplitude.
 pub(super) fn fundamental(measured: &mut Measured, travel: Complex<f64>, driven: &Driven) {
     let deflection = driven.free.deflection(travel);
     measured.phase = lag(travel.arg());
@@ -193,7 +192,7 @@ fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> St
     Status::Ok
 }
 
-/// Where the tip went.
+/// Extremes and contact events of the tip's motion.
 fn passed(run_sums: &RunSums<f64>) -> Passed {
     let sums = &run_sums.sums;
     Passed {

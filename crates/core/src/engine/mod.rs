@@ -1,4 +1,4 @@
-//! What steps a plan: engines behind one small trait.
+//! Engines, which step plans, behind one small trait.
 
 mod batch;
 mod batch_map;
@@ -48,7 +48,7 @@ pub trait Engine: Send + Sync {
     /// Name of the device, for the results file.
     fn device(&self) -> String;
 
-    /// What its last bits hang on: two engines of one kind give the same.
+    /// What the last bits of results depend on: two engines of one kind give the same.
     fn kind(&self) -> String {
         self.device()
     }
@@ -58,13 +58,13 @@ pub trait Engine: Send + Sync {
         true
     }
 
-    /// Whether it can begin where a plan says.
+    /// Whether it can start at a plan's starts.
     fn resumes(&self) -> bool {
         true
     }
 
-    /// Of a run of very many instances, how many are taken to their ends together, and how many such chunks at once:
-    /// enough to keep the device busy, and of what only the way there needs no more is held.
+    /// Chunk size in a run of very many instances, and number of chunks in flight: large enough to fill the device, small
+    /// enough for memory.
     fn portions(&self) -> (usize, usize) {
         (1 << 17, 1)
     }
@@ -74,21 +74,21 @@ pub trait Engine: Send + Sync {
         false
     }
 
-    /// Devices of one kind, of which a small run keeps one busy.
+    /// Devices of one kind, one of which a small run keeps busy.
     fn devices(&self) -> usize {
         1
     }
 
-    /// Which of several devices took how much so far, in words; none where there is one.
+    /// The share of each device in the work so far, in words; `None` for a single device.
     fn dealt(&self) -> Option<String> {
         None
     }
 
-    /// The return map of these instances, to be asked again and again; none where the engine has no quicker way to
-    /// one than to run a plan each time.
+    /// The return map of these instances, for repeated use; `None` if the engine has no faster way than to run a plan each
+    /// time.
     ///
     /// # Errors
-    /// What the engine says.
+    /// Returns the engine's error.
     fn return_map(
         &self,
         _plan: &Plan,
@@ -97,17 +97,16 @@ pub trait Engine: Send + Sync {
         Ok(None)
     }
 
-    /// Whether it tells Jacobians of periods, [`Engine::slopes`].
+    /// Whether it computes Jacobians of periods, [`Engine::slopes`].
     fn tells_slopes(&self) -> bool {
         false
     }
 
-    /// Steps one period of each instance of a plan, from steady free motion on from where the plan says, and tells its Jacobian; of
-    /// that about as much may be left out as `least` says, by instance. Nothing is told by an engine that leaves Jacobians to
-    /// differences.
+    /// Steps one period of each instance of a plan, in steady free motion from the plan's starts, and computes its Jacobian.
+    /// It may drop terms of about the size `least`, by instance. An engine that leaves Jacobians to differences returns none.
     ///
     /// # Errors
-    /// What the engine says.
+    /// Returns the engine's error.
     fn slopes(
         &self,
         plan: &Plan,
@@ -117,12 +116,12 @@ pub trait Engine: Send + Sync {
         Ok(PeriodJacobians::none(plan))
     }
 
-    /// Takes each of these guesses at periodic states of instances of the plan to its end, in f64: one measured period after
-    /// another, each from where a step from the last one has led, [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most. It is
-    /// stepped with the plan's steps, from steady free motion. An engine without a way of its own leaves this to the CPU.
+    /// Searches for periodic states from these predictions by Broyden's method, in f64: one measured period after another,
+    /// [`ROUNDS`](crate::kernel::broyden::ROUNDS) at most, with the plan's steps and in steady free motion. An engine without
+    /// its own implementation leaves this to the CPU.
     ///
     /// # Errors
-    /// What the engine says.
+    /// Returns the engine's error.
     fn broyden(
         &self,
         plan: &Plan,
@@ -132,17 +131,17 @@ pub trait Engine: Send + Sync {
         Cpu::default().broyden(plan, guesses, progress)
     }
 
-    /// Whether it takes searches to their ends by itself, [`Engine::newton`].
+    /// Whether it runs whole searches itself, [`Engine::newton`].
     fn searches(&self) -> bool {
         false
     }
 
-    /// Takes a search of each instance of the plan to its end by Newton's steps, in the plan's precision, from where the plan says:
-    /// one period with its Jacobian after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. Nothing is searched for by an
-    /// engine that leaves rounds to those who ask for them.
+    /// Searches for the state of each instance of the plan by Newton's method, in the plan's precision and from its starts:
+    /// one period with its Jacobian after another, [`ROUNDS`](crate::kernel::newton::ROUNDS) at most. An engine that leaves
+    /// the rounds to its callers searches for none.
     ///
     /// # Errors
-    /// What the engine says.
+    /// Returns the engine's error.
     fn newton(
         &self,
         plan: &Plan,
@@ -165,7 +164,7 @@ pub enum EngineError {
     TooManyModes { modes: usize, most: usize },
     #[error("the plan keeps no mode for an instance: the tip force does not move this tip")]
     NoModes,
-    /// The system does not give them.
+    /// The system does not provide them.
     #[error("{threads} threads could not be started: {why}")]
     Threads { threads: usize, why: String },
     #[cfg(feature = "gpu")]
@@ -177,18 +176,18 @@ pub enum EngineError {
     Starts,
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
-    /// What was written down of a chunk.
+    /// The record of a chunk.
     #[error("what was written down of the run cannot be read again: {why}")]
     Unread { why: String },
 }
 
-/// What a run yields, by instance.
+/// The results of a run, by instance.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub results: Vec<Finished>,
-    /// Where each ended, if the plan says where they start; none where nothing was stepped.
+    /// The end state of each if the plan sets the starts; `None` where nothing was stepped.
     pub ends: Vec<Option<Box<SectionState>>>,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
 }
 
@@ -200,7 +199,7 @@ impl Outcome {
         Self { results: vec![Finished::NOT_RUN; count], ends, notes: Vec::new() }
     }
 
-    /// Takes in what became of these instances.
+    /// Stores the results of these instances.
     fn put(&mut self, instances: &[u32], ended: Vec<Ended>) {
         for (instance, one) in instances.iter().zip(ended) {
             self.results[*instance as usize] = one.finished;

@@ -1,5 +1,5 @@
-//! Searches by Newton's steps, from where instances stand: one period with its Jacobian after another, each from where a step from
-//! the last one has led, until one is a periodic state.
+//! Searches by Newton's method: one period with its Jacobian after another, each from the state that the last step reached,
+//! until one is periodic.
 
 use super::period_jacobian::{begun, ended, of_class};
 use super::return_map::{CpuReturnMap, MapPassage};
@@ -10,39 +10,39 @@ use crate::kernel::{LENGTH, Lane, Room, Rounding};
 use crate::plan::{Plan, Precision, SectionState, StartState};
 use rayon::prelude::*;
 
-/// Instances that one thread takes along together.
+/// Instances in one thread's batch.
 const INSTANCES_PER_BATCH: usize = 256;
 
-/// How the instances of a plan are searched for.
+/// Options of the searches for a plan's instances.
 #[derive(Clone, Debug)]
 pub struct NewtonStarts {
-    /// The longest step of Newton's that leads to a state, in units of [`NewtonStart::scale`]; and the same where the map is too rough
-    /// for that.
+    /// Newton's tolerance on the step, in units of [`NewtonStart::scale`], and the tolerance where the map is too rough for
+    /// that.
     pub near: f64,
     pub enough: f64,
     /// By instance of the plan.
     pub all: Vec<NewtonStart>,
 }
 
-/// How an instance is.
+/// Options of an instance's search.
 #[derive(Clone, Copy, Debug)]
 pub struct NewtonStart {
-    /// Length of a state that is not small, m.
+    /// Length unit of a state, m.
     pub scale: f64,
-    /// Time that the first step stands for, periods; of infinitely many it is Newton's step.
+    /// Pseudo-time of the first step, periods; infinite for a full Newton step.
     pub time: f64,
-    /// About as much as may be left out of Jacobians.
+    /// Approximate size of terms that Jacobians may drop.
     pub least: f64,
 }
 
-/// What became of a search.
+/// The end of a search.
 #[derive(Clone, Debug)]
 pub struct NewtonResult {
-    /// On where so many periods were too few.
+    /// `On` if the periods did not suffice.
     pub phase: Phase,
     /// Periods stepped.
     pub periods: u32,
-    /// The state that was found, and the Jacobian of the last period, which began next to it.
+    /// The state found, and the Jacobian of the last period, which began close to it.
     pub found: Option<PeriodJacobian>,
 }
 
@@ -51,36 +51,36 @@ impl NewtonResult {
     pub const NOT_RUN: Self = Self { phase: Phase::On, periods: 0, found: None };
 }
 
-/// What became of searches, by instance of the plan.
+/// The ends of searches, by instance of the plan.
 #[derive(Clone, Debug)]
 pub struct NewtonResults {
     pub all: Vec<NewtonResult>,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
 }
 
 impl NewtonResults {
-    /// Before anything is searched for.
+    /// Before any search.
     pub fn none(plan: &Plan) -> Self {
         Self { all: vec![NewtonResult::NOT_RUN; plan.len()], notes: Vec::new() }
     }
 }
 
 impl NewtonStarts {
-    /// What one looks for, in the kernel's units.
+    /// The tolerances of an instance, in the kernel's units.
     pub(super) fn aim<E: Lane<Element = E>>(&self, instance: u32) -> Aim<E> {
         let scale = self.all[instance as usize].scale / LENGTH;
         Aim { scale: E::splat(scale), near: E::splat(self.near), enough: E::splat(self.enough) }
     }
 }
 
-/// The state that a search from `start` has come to, by its numbers in the kernel's units: travels, then rates.
+/// The state that a search from `start` has reached, from its numbers in the kernel's units: travels, then rates.
 pub(super) fn state(start: &SectionState, numbers: usize, number: impl Fn(usize) -> f64) -> SectionState {
     let touching = f64::from(u8::from(start.touching));
     ended(start, numbers / 2, |row| if row < numbers { number(row) } else { touching })
 }
 
-/// Takes searches of these instances to their ends on the processor, in their order and in the plan's precision.
+/// Runs the searches of these instances to their ends on the processor, in order and in the plan's precision.
 pub(super) fn all(
     plan: &Plan,
     instances: &[u32],
@@ -105,13 +105,13 @@ pub(super) fn all(
     Ok(parts.collect::<Result<Vec<_>, EngineError>>()?.concat())
 }
 
-/// A search on its way.
+/// A search in progress.
 struct Iterate<E> {
-    /// Of the plan.
+    /// Number in the plan.
     instance: u32,
     start: SectionState,
     steps: u32,
-    /// Whether contact is a memory of the past.
+    /// Whether contact depends on the past.
     remembers: bool,
     least: f64,
     aim: Aim<E>,
@@ -149,12 +149,12 @@ impl<E: Lane<Element = E>> Iterate<E> {
         }
     }
 
-    /// Where the next period begins, in the kernel's units.
+    /// The start of the next period, in the kernel's units.
     fn from(&self) -> Vec<f64> {
         self.place.iter().zip(&self.stride).map(|(place, stride)| (*place + *stride).lane(0)).collect()
     }
 
-    /// Takes in where a period has led, and its Jacobian.
+    /// Handles the end of a period and its Jacobian.
     fn arrive(&mut self, end: &[f64], (touching, finite): (bool, bool), slope: Box<[f64]>) {
         let numbers = |list: &[f64]| list.iter().map(|value| E::element(*value)).collect::<Vec<E>>();
         let same = !self.remembers || touching == self.start.touching;
@@ -170,8 +170,8 @@ impl<E: Lane<Element = E>> Iterate<E> {
     }
 }
 
-/// Takes searches that one thread has to their ends: `period` takes those under way, by their numbers among all, through a
-/// period with its Jacobian.
+/// Runs a thread's searches to their ends: `period` takes those in progress, given by index, through a period with its
+/// Jacobian.
 fn run<E: Lane<Element = E>>(
     mut all: Vec<Iterate<E>>,
     progress: &Progress,
@@ -183,7 +183,7 @@ fn run<E: Lane<Element = E>>(
             break;
         }
         if round > 0 {
-            // One period of each was foreseen with the plan.
+            // One period of each is already expected with the plan.
             progress.foresee(left.iter().map(|n| u64::from(all[*n].steps)).sum());
         }
         period(&mut all, &left)?;
@@ -212,7 +212,7 @@ fn in_f64(
     map.sloping((&mut passing, &least), room, ended, progress);
 }
 
-/// The same in f32. Numbers of f32 come back from metres as they were.
+/// The same in f32. Numbers of f32 come back from metres unchanged.
 fn in_f32(
     plan: &Plan,
     all: &mut [Iterate<f32>],

@@ -9,36 +9,36 @@ use crate::plan::{Class, Plan, Precision, SectionState};
 use crate::scene::Start;
 use rayon::prelude::*;
 
-/// Where a period ends, and its Jacobian.
+/// The end of a period, and its Jacobian.
 #[derive(Clone, Debug)]
 pub struct PeriodJacobian {
     pub end: SectionState,
-    /// Column by column: travels, then rates, of the kept modes; by each travel, then by each rate.
+    /// Column by column: travels, then rates, of the kept modes, with respect to each travel, then to each rate.
     pub slope: Box<[f64]>,
 }
 
 /// Periods of a plan's instances with their Jacobians.
 #[derive(Clone, Debug)]
 pub struct PeriodJacobians {
-    /// By instance; none where the run was stopped.
+    /// By instance; `None` if the run was stopped.
     pub all: Vec<Option<PeriodJacobian>>,
-    /// What a user should know of how it went: one line each.
+    /// Messages for the user, one line each.
     pub notes: Vec<String>,
 }
 
 impl PeriodJacobians {
-    /// Before anything is told.
+    /// Before any period.
     pub fn none(plan: &Plan) -> Self {
         Self { all: vec![None; plan.len()], notes: Vec::new() }
     }
 
-    /// Takes in what these instances have.
+    /// Stores the results of these instances.
     pub(super) fn put(&mut self, instances: &[u32], told: Vec<Option<PeriodJacobian>>) {
         instances.iter().zip(told).for_each(|(instance, one)| self.all[*instance as usize] = one);
     }
 }
 
-/// Where an instance that began at `start` is, by the kernel's numbers: see [`put`].
+/// The end state of an instance that started at `start`, from the kernel's numbers: see [`put`].
 pub(super) fn ended(start: &SectionState, modes: usize, number: impl Fn(usize) -> f64) -> SectionState {
     let mut end = *start;
     let (touching, finite) = put((modes, modes), number, (&mut end.x, &mut end.u), LENGTH);
@@ -52,7 +52,7 @@ pub(super) fn kept((own, all): (usize, usize), at: impl Fn(usize, usize) -> f64)
     numbers().flat_map(|column| numbers().map(|row| at(row, column)).collect::<Vec<_>>()).collect()
 }
 
-/// Periods of a class, in its order, from where the plan says. `least` is by instance of the plan.
+/// Periods of a class, in its order, from the plan's starts. `least` is by instance of the plan.
 ///
 /// # Errors
 /// No modes, or more than the kernel can step.
@@ -91,7 +91,7 @@ fn of<E: TangentReal + Default>(
     Ok(told.flatten().collect())
 }
 
-/// What periods of a class have in common.
+/// What periods of a class share.
 struct Periods<'a, E> {
     plan: &'a Plan,
     /// By instance of the plan.
@@ -102,7 +102,7 @@ struct Periods<'a, E> {
 }
 
 impl<E: TangentReal> Periods<'_, E> {
-    /// Of up to as many instances as are stepped side by side; the last one fills the places left over.
+    /// Periods of up to a batch of instances; the last one fills the lanes left over.
     fn side_by_side(&self, some: &[u32], room: &mut Room<E>) -> Vec<Option<PeriodJacobian>> {
         let Self { plan, tangent, .. } = self;
         let (width, modes) = (tangent.width, tangent.modes);
@@ -133,7 +133,7 @@ impl<E: TangentReal> Periods<'_, E> {
     }
 }
 
-/// The constants, 0, or the states, 1, of instances in rows of a number for each of `width`.
+/// The constants (`which` = 0) or the states (1) of instances, in rows of `width` numbers.
 fn rows<E: TangentReal>(numbers: &[[Vec<f64>; 2]], which: usize, width: usize) -> Vec<E> {
     let count = numbers.first().map_or(0, |one| one[which].len());
     let mut rows = Vec::with_capacity(count * width);
@@ -144,7 +144,7 @@ fn rows<E: TangentReal>(numbers: &[[Vec<f64>; 2]], which: usize, width: usize) -
     rows
 }
 
-/// Where the plan lets an instance begin.
+/// The start that the plan gives an instance.
 pub(super) fn begun(plan: &Plan, instance: u32) -> SectionState {
     let starts = plan.starts.as_ref();
     starts.and_then(|starts| starts.get(instance as usize)).map_or(SectionState::FREE, |start| start.section)

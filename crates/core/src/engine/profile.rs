@@ -1,13 +1,13 @@
-//! What the threads of a run are busy with.
+//! The kinds of work of a run's threads.
 
-/// A kind of work whose time is counted, of all threads together.
+/// A kind of work whose time is summed over all threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProfileSection {
     /// Stepping through periods on a processor.
     Steps,
-    /// Making what the kernel is given of instances.
+    /// Making the kernel's constants of instances.
     Constants,
-    /// Guesses, steps and bounds of searches.
+    /// Predictions, steps and bounds of searches.
     Algebra,
 }
 

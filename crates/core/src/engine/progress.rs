@@ -1,22 +1,22 @@
-//! How far a run is, phase by phase, and whether it should stop: shared with whoever shows it.
+//! Progress of a run, phase by phase, and the request to stop; shared with its display.
 
 use super::ProfileSection;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// What a run is doing, and how far that is.
+/// The present phase of a run, and its progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgressPhase {
     /// Counts phases: another number is another phase.
     pub number: u64,
     /// As `run: search`.
     pub name: String,
-    /// From 0 to 1; none where nobody knows how much there is to do. More work may turn up on the way, so it may fall.
+    /// From 0 to 1; `None` if the amount of work is unknown. More work may turn up on the way, so it may fall.
     pub share: Option<f64>,
 }
 
-/// How far a run is, and whether it should stop.
+/// Progress of a run, and the request to stop.
 #[derive(Debug, Default)]
 pub struct Progress {
     counts: Arc<Counts>,
@@ -27,26 +27,26 @@ pub struct Progress {
 struct Counts {
     steps: AtomicU64,
     expected: AtomicU64,
-    /// Nanoseconds by kind of work, of all threads together.
+    /// Nanoseconds by kind of work, summed over threads.
     busy: [AtomicU64; ProfileSection::ALL.len()],
-    /// Pieces of the phase that are done, where it is counted in pieces.
+    /// Completed pieces of the phase, if it is counted in pieces.
     done: AtomicU64,
-    /// Whether a phase goes on whatever the work within it says of itself.
+    /// Whether a phase is held, and ignores what the work within it reports.
     held: AtomicBool,
     now: Mutex<Now>,
 }
 
-/// The phase that goes on.
+/// The present phase.
 #[derive(Debug, Default)]
 struct Now {
     number: u64,
-    /// What the parts of the stage are called in turn, the last name for all further ones.
+    /// Names of the stage's parts in turn, the last one for all further parts.
     names: &'static [&'static str],
     part: usize,
     task: String,
-    /// Steps done and expected when it began.
+    /// Steps done and expected at its start.
     from: (u64, u64),
-    /// Pieces to be done; 0 where steps tell.
+    /// Pieces to be done; 0 if it is counted in steps.
     pieces: u64,
 }
 
@@ -56,22 +56,22 @@ impl Progress {
         self.counts.steps.load(Ordering::Relaxed)
     }
 
-    /// Instance-steps to be done, as far as known.
+    /// Instance-steps expected, as far as known.
     pub fn expected(&self) -> u64 {
         self.counts.expected.load(Ordering::Relaxed)
     }
 
-    /// Counts instance-steps as to be done.
+    /// Adds expected instance-steps.
     pub fn foresee(&self, steps: u64) {
         self.counts.expected.fetch_add(steps, Ordering::Relaxed);
     }
 
-    /// Counts instance-steps as done.
+    /// Adds completed instance-steps.
     pub fn add(&self, steps: u64) {
         self.counts.steps.fetch_add(steps, Ordering::Relaxed);
     }
 
-    /// Does some work of this kind and counts its time.
+    /// Runs work of this kind and adds its time.
     pub fn timed<T>(&self, of: ProfileSection, work: impl FnOnce() -> T) -> T {
         let begun = Instant::now();
         let done = work();
@@ -80,28 +80,27 @@ impl Progress {
         done
     }
 
-    /// How long all threads together were at it, s.
+    /// Time spent on it by all threads together, s.
     pub fn seconds(&self, of: ProfileSection) -> f64 {
         self.counts.busy[of as usize].load(Ordering::Relaxed) as f64 * 1e-9
     }
 
-    /// Asks the run to end early; what is complete is kept.
+    /// Asks the run to end early; complete results are kept.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the run was asked to end.
+    /// Whether someone asked the run to end.
     pub fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// For work that may be stopped alone: it counts here, too.
+    /// For work that may be stopped alone; its counts are shared.
     pub fn fork(&self) -> Self {
         Self { counts: Arc::clone(&self.counts), stop: AtomicBool::new(false) }
     }
 
-    /// Begins a stage of the run. Its parts are called by these names in turn, by the last one and a number where
-    /// there are more.
+    /// Begins a stage of the run. Its parts have these names in turn; further ones have the last name and a number.
     pub fn stage(&self, names: &'static [&'static str]) {
         self.begin(0, |now| (now.names, now.part, now.task) = (names, 0, String::new()));
     }
@@ -111,20 +110,20 @@ impl Progress {
         self.begin(0, |now| (now.part, now.task) = (now.part + 1, String::new()));
     }
 
-    /// Begins a task of the part, of so many pieces (see [`Progress::done`]); of 0 where steps tell how far it is.
+    /// Begins a task of the part, of `pieces` pieces (see [`Progress::done`]), or 0 to count steps.
     pub fn task(&self, name: impl Into<String>, pieces: u64) {
         self.begin(pieces, |now| now.task = name.into());
     }
 
-    /// Counts pieces of the task as done.
+    /// Adds completed pieces of the task.
     pub fn done(&self, pieces: u64) {
         if !self.counts.held.load(Ordering::Relaxed) {
             self.counts.done.fetch_add(pieces, Ordering::Relaxed);
         }
     }
 
-    /// Begins a phase of so many pieces that goes on until what is given back is dropped, for work whose parts run
-    /// side by side: what they say of themselves is passed over.
+    /// Begins a phase of `pieces` pieces that lasts until the returned guard is dropped, for work whose parts run side by
+    /// side. What the parts report is ignored.
     pub fn hold(&self, names: &'static [&'static str], pieces: u64) -> HeldPhase<'_> {
         self.begin(pieces, |now| (now.names, now.part, now.task) = (names, 0, String::new()));
         self.counts.held.store(true, Ordering::Relaxed);
@@ -142,7 +141,7 @@ impl Progress {
         self.counts.done.store(0, Ordering::Relaxed);
     }
 
-    /// What is being done.
+    /// The present phase.
     pub fn phase(&self) -> ProgressPhase {
         let now = self.counts.now.lock().unwrap_or_else(PoisonError::into_inner);
         let part = now.part.max(1);
@@ -163,12 +162,12 @@ impl Progress {
     }
 }
 
-/// A phase that goes on whatever the work within it says of itself.
+/// A phase that ignores what the work within it reports.
 #[derive(Debug)]
 pub struct HeldPhase<'a>(&'a Progress);
 
 impl HeldPhase<'_> {
-    /// Counts its pieces as done.
+    /// Adds completed pieces of it.
     pub fn done(&self, pieces: u64) {
         self.0.counts.done.fetch_add(pieces, Ordering::Relaxed);
     }

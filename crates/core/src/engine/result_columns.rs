@@ -1,14 +1,14 @@
-//! Results of very many instances, column by column: a number that all have in common takes no place.
+//! Results of very many instances by column. A number that is the same for all takes no memory per instance.
 
 use super::Finished;
 use crate::observe::{Measured, Observable, Status};
 
-/// What became of instances, by their numbers. See [`Finished`].
+/// Results of instances, by number. See [`Finished`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultColumns {
     statuses: Vec<Status>,
     columns: [Column; Measured::WIDTH],
-    /// Which numbers are held; the others are NaN whatever is set.
+    /// Which numbers are stored; the others read as NaN.
     held: WantedColumns,
 }
 
@@ -20,14 +20,14 @@ enum Column {
 }
 
 impl ResultColumns {
-    /// So many instances that were not run.
+    /// `count` instances that were not run.
     pub fn not_run(count: usize) -> Self {
         let none = Finished::NOT_RUN.measured.numbers().map(f64::to_bits);
         let held = WantedColumns([true; Measured::WIDTH]);
         Self { statuses: vec![Status::NotRun; count], columns: none.map(Column::All), held }
     }
 
-    /// The same; of what is measured whether it was asked for or not, only what these observables are made of is held.
+    /// The same. Numbers that are always measured are stored only if these observables need them.
     pub fn of_observables(count: usize, asked: &[Observable]) -> Self {
         Self { held: WantedColumns::by(asked), ..Self::not_run(count) }
     }
@@ -37,12 +37,12 @@ impl ResultColumns {
         self.statuses.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no instances.
     pub fn is_empty(&self) -> bool {
         self.statuses.is_empty()
     }
 
-    /// What became of an instance.
+    /// The result of an instance.
     pub fn get(&self, instance: usize) -> Finished {
         let mut numbers = [f64::NAN; Measured::WIDTH];
         for (number, column) in numbers.iter_mut().zip(&self.columns) {
@@ -54,7 +54,7 @@ impl ResultColumns {
         Finished { measured: Measured::of_numbers(&numbers), status: self.statuses[instance] }
     }
 
-    /// Says what became of an instance.
+    /// Sets the result of an instance.
     pub fn set(&mut self, instance: usize, finished: &Finished) {
         let count = self.len();
         let numbers = finished.measured.numbers().into_iter().zip(self.held.0);
@@ -73,28 +73,28 @@ impl ResultColumns {
         self.statuses[instance] = finished.status;
     }
 
-    /// One word for each instance.
+    /// The status of each instance.
     pub fn statuses(&self) -> &[Status] {
         &self.statuses
     }
 
-    /// Says how good an instance's numbers are.
+    /// Sets the status of an instance.
     pub fn set_status(&mut self, instance: usize, status: Status) {
         self.statuses[instance] = status;
     }
 
-    /// What became of all of them, in their order.
+    /// All results, in order.
     pub fn iter(&self) -> impl Iterator<Item = Finished> + Clone + '_ {
         (0..self.len()).map(|instance| self.get(instance))
     }
 }
 
-/// Which numbers of a measurement somebody may ask for.
+/// Which numbers of a measurement are needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WantedColumns([bool; Measured::WIDTH]);
 
 impl WantedColumns {
-    /// The numbers of which observables are made, and those by which branches, contacts and scales of errors are told.
+    /// The numbers in these observables, and those that determine branches, contacts and scales of errors.
     pub fn by(asked: &[Observable]) -> Self {
         let mut wanted = Measured::of_numbers(&[1.0; Measured::WIDTH]);
         let mut drop_unless = |of: &[Observable], number: &dyn Fn(&mut Measured) -> &mut f64| {
@@ -116,7 +116,7 @@ impl WantedColumns {
         Self(wanted.numbers().map(|number| !number.is_nan()))
     }
 
-    /// A measurement without the others.
+    /// The measurement with only these numbers.
     pub fn only(self, measured: &Measured) -> Measured {
         let mut numbers = measured.numbers();
         numbers.iter_mut().zip(self.0).for_each(|(number, wanted)| {
@@ -140,7 +140,7 @@ impl From<&[Finished]> for ResultColumns {
 mod tests {
     use super::*;
 
-    /// Every bit comes back, of numbers that are no numbers too; instances that nobody set are not run.
+    /// Every bit comes back, also of NaNs; instances that were never set are not run.
     #[test]
     fn columns_give_back_what_was_set() {
         let odd = f64::from_bits(0xfff8_0000_0000_0001);
@@ -161,7 +161,7 @@ mod tests {
         assert_eq!((columns.len(), bits(ResultColumns::not_run(1).get(0))), (3, bits(Finished::NOT_RUN)));
     }
 
-    /// Whatever is asked for comes back; what is measured in any case and was not asked for does not.
+    /// Every requested number comes back; numbers that are always measured but were not requested do not.
     #[test]
     fn what_was_asked_for_is_held() {
         let numbers: [f64; Measured::WIDTH] = std::array::from_fn(|n| n as f64);

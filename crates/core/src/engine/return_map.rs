@@ -1,5 +1,4 @@
-//! Where instances are some periods later, on the CPU: their constants are made once, and periods stepped from any
-//! place, again and again.
+//! The period map on the CPU: constants of instances are made once, and periods are stepped from any state, again and again.
 
 use super::batch_map::{BatchMap, Buffers, MapStart};
 use super::period_jacobian::PeriodJacobian;
@@ -8,13 +7,12 @@ use crate::kernel::{LENGTH, Room, Rounding};
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
-/// The map that takes an instance's place at the start of a period of its drive to the one some periods later, with
-/// the plan's steps and in f64.
+/// Maps an instance's state at the start of a drive period to the state some periods later, with the plan's steps and in f64.
 pub trait ReturnMap: Send + Sync {
-    /// Where each of `starts` (a number in the list of instances that the map was made for, and a place) is after
-    /// `periods`; none where the run was stopped.
+    /// The states `periods` later, for `starts` of (index in the list of the map's instances, state); `None` where the run was
+    /// stopped.
     ///
-    /// This is done on the calling thread: callers have many lists.
+    /// It runs on the calling thread: callers have many lists.
     fn after(
         &self,
         starts: &[(u32, SectionState)],
@@ -22,8 +20,8 @@ pub trait ReturnMap: Send + Sync {
         progress: &Progress,
     ) -> Vec<Option<SectionState>>;
 
-    /// Where each of these is after one period, and how that changes with where it begins; none where the run was stopped.
-    /// `room` is for the work, to be used again.
+    /// The states one period later, with the Jacobian of the period; `None` where the run was stopped. `room` is memory for
+    /// reuse.
     fn sloped(
         &self,
         starts: &[JacobianStart],
@@ -32,51 +30,51 @@ pub trait ReturnMap: Send + Sync {
     ) -> Vec<Option<PeriodJacobian>>;
 }
 
-/// An instance on its way through one period, measured or with its Jacobian.
+/// An instance during one period, measured or with its Jacobian.
 #[derive(Debug)]
 pub(super) struct MapPassage<'a> {
-    /// A number in the list of instances that the map was made for.
+    /// Index in the list of the map's instances.
     pub instance: u32,
-    /// Travels of the kept modes where it begins, then where it ends, and as many rates over the modes' angular frequencies,
-    /// kernel units; what lies beyond its modes stays.
+    /// Travels of the kept modes at the start, then at the end, and as many rates over the modes' angular frequencies, kernel
+    /// units. Numbers beyond its modes do not change.
     pub state: &'a mut [f64],
     pub touching: bool,
-    /// Whether all numbers of the end are numbers.
+    /// Whether the end is finite.
     pub finite: bool,
 }
 
 impl MapPassage<'_> {
-    /// Where it begins.
+    /// Its start.
     fn place(&self) -> MapStart<'_> {
         let (x, u) = self.state.split_at(self.state.len() / 2);
         MapStart { x, u, touching: self.touching, unit: 1.0 }
     }
 
-    /// Takes in where it is, in a lane of the rows.
+    /// Reads its state from a lane of the rows.
     fn put(&mut self, table: &BatchMap, lane: usize, rows: &Buffers) {
         let (x, u) = self.state.split_at_mut(self.state.len() / 2);
         (self.touching, self.finite) = table.put(lane, (x, u), 1.0, rows);
     }
 }
 
-/// Where the Jacobian of a period is asked for.
+/// The start of a period whose Jacobian is needed.
 #[derive(Clone, Copy, Debug)]
 pub struct JacobianStart {
-    /// A number in the list of instances that the map was made for.
+    /// Index in the list of the map's instances.
     pub instance: u32,
     pub station: SectionState,
-    /// What may be left out of the Jacobian, about.
+    /// Approximate size of terms that the Jacobian may drop.
     pub least: f64,
 }
 
 pub(super) struct CpuReturnMap {
     tables: Vec<BatchMap>,
-    /// By instance, its table and its row there.
+    /// By instance: its table and its row there.
     places: Vec<(u32, u32)>,
 }
 
 impl CpuReturnMap {
-    /// Instances that are alike are stepped side by side in the order in which they come.
+    /// Instances of one shape are stepped side by side, in order.
     pub fn new(plan: &Plan, instances: &[u32], rounding: Rounding) -> Result<Self, EngineError> {
         let mut places = vec![(0, 0); instances.len()];
         let mut alike = BTreeMap::<_, Vec<(usize, u32)>>::new();
@@ -93,9 +91,8 @@ impl CpuReturnMap {
 }
 
 impl CpuReturnMap {
-    /// Takes each of these through one period and measures it; `plan` is the one that the map was made for. `ended` is told where
-    /// each one ends, and asks of those that it wants what was measured. Whether they are steady is not judged. A run that was
-    /// stopped leaves the others where they are.
+    /// Measures one period of each of these; `plan` is that of the map. Calls `ended` with each end and a function that
+    /// returns the measurement if needed. It does not judge steadiness. A stopped run leaves the others unchanged.
     pub fn measured(
         &self,
         plan: &Plan,
@@ -124,9 +121,8 @@ impl CpuReturnMap {
         }
     }
 
-    /// Takes each of these through one period in f64 and tells its Jacobian, of which about as much may be left out as the number
-    /// beside it says. `ended` is told where each one ends, and its Jacobian, column by column. A run that was stopped leaves the
-    /// others where they are.
+    /// Steps each of these through one period in f64 with its Jacobian, which may drop terms of about the size in `least`.
+    /// Calls `ended` with each end and its Jacobian, column by column. A stopped run leaves the others unchanged.
     pub fn sloping(
         &self,
         (passing, least): (&mut [MapPassage], &[f64]),
@@ -156,7 +152,7 @@ impl CpuReturnMap {
         }
     }
 
-    /// The starts of each table that has any: their places in the list, and their rows there.
+    /// The starts of each table that has any: their indices in the list, and their rows there.
     fn by_table<'a>(
         &'a self,
         instances: impl Iterator<Item = u32> + Clone + 'a,
@@ -226,7 +222,7 @@ impl ReturnMap for CpuReturnMap {
     }
 }
 
-/// Where the instance in a lane is, that began at `start`.
+/// The end state of the instance in a lane that started at `start`.
 fn end(table: &BatchMap, lane: usize, start: &SectionState, rows: &Buffers) -> SectionState {
     let mut end = *start;
     let (touching, finite) = table.put(lane, (&mut end.x, &mut end.u), LENGTH, rows);

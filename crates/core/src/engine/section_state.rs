@@ -1,4 +1,4 @@
-//! Between a plan's section states and the kernel's units.
+//! Converts a plan's section states to and from the kernel's units.
 
 use super::checkpoint::InstanceCheckpoint;
 use super::kernel_constants::member;
@@ -8,7 +8,7 @@ use crate::plan::{Case, Driven, Plan, SectionState};
 use crate::scene::Start;
 use std::f64::consts::PI;
 
-/// Where these instances start, if the plan says so.
+/// Checkpoints at the plan's starts of these instances, if it sets them.
 #[cfg(feature = "gpu")]
 pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<InstanceCheckpoint>> {
     let starts = plan.starts.as_ref()?;
@@ -32,25 +32,25 @@ pub(super) fn checkpoint(plan: &Plan, instance: u32, station: &SectionState) -> 
     }
 }
 
-/// Cosine and sine of the phase half a step into a period of so many steps.
+/// Cosine and sine of the phase half a step into a period of `steps` steps.
 pub(super) fn half_step(steps: u32) -> (f64, f64) {
     let half = PI / f64::from(steps);
     (half.cos(), half.sin())
 }
 
-/// Indentation half a step into a period where the tip is so far beyond its free motion, kernel units.
+/// Indentation half a step into a period, where the tip is `beyond` its free motion, kernel units.
 pub(super) fn indentation(case: &Case, driven: (&Driven, Start), half: (f64, f64), beyond: f64) -> f64 {
     -(rest_indentation(case, driven, half) + beyond)
 }
 
-/// How far from the sample free motion is there, kernel units; `half` is [`half_step`] of the case's steps.
+/// Distance of free motion from the sample there, kernel units; `half` is [`half_step`] of the case's steps.
 pub(super) fn rest_indentation(case: &Case, (driven, start): (&Driven, Start), half: (f64, f64)) -> f64 {
     let (cosine, sine) = start::amplitudes(driven, start);
     (case.gap + (cosine * half.0 + sine * half.1)) / LENGTH
 }
 
-/// Puts travels and rates of an instance's `own` modes, in units of so many of the kernel's, by its numbers: those of `all` modes
-/// that are stepped, then contact. Tells whether there is contact, and whether all of its own are numbers: beyond f32 counts as none.
+/// Writes travels and rates of an instance's `own` modes, times `unit`, from its kernel numbers: those of `all` stepped modes,
+/// then contact. Returns whether it touches, and whether its own numbers are finite, that is within f32's range.
 pub(super) fn put(
     (own, all): (usize, usize),
     number: impl Fn(usize) -> f64,
@@ -65,7 +65,7 @@ pub(super) fn put(
     (number(2 * all) > 0.0, finite)
 }
 
-/// Where an instance was left.
+/// The section state of a checkpoint.
 #[cfg(feature = "gpu")]
 pub(super) fn section_state(saved: &InstanceCheckpoint) -> SectionState {
     SectionState {

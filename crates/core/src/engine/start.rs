@@ -1,4 +1,4 @@
-//! Where a run starts: the drive's phase at its first step and the free motion from there.
+//! The start of a run: the drive's phase at its first step, and the free motion from there.
 
 use crate::kernel::{Real, Wave};
 use crate::plan::Driven;
@@ -6,8 +6,8 @@ use crate::scene::Start;
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// The drive's phase at the run's first instant, rad: zero from rest; in steady free motion the
-/// moment when the tip is farthest from the sample.
+/// The drive's phase at the run's first instant, rad: zero from rest; in steady free motion the moment when the tip is
+/// farthest from the sample.
 pub(super) fn phase(driven: &Driven, start: Start) -> f64 {
     match start {
         Start::Rest => 0.0,
@@ -23,7 +23,7 @@ pub(super) fn amplitudes(driven: &Driven, start: Start) -> (f64, f64) {
     }
 }
 
-/// Phasor of harmonic `n` against the drive's sine, from the amplitudes against the run's phase.
+/// Phasor of harmonic `n` relative to the drive's sine, from the amplitudes relative to the run's phase.
 pub(super) fn phasor(cosine: f64, sine: f64, n: usize, phase: f64) -> Complex<f64> {
     Complex::new(sine, cosine) * Complex::from_polar(1.0, -(n as f64) * phase)
 }

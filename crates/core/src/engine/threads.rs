@@ -1,14 +1,13 @@
-//! How many threads a run has.
+//! The number of threads of a run.
 
 use super::EngineError;
 
-/// Does `work`, and all that it starts, on so many threads; without a number on as many as there are cores.
+/// Runs `work`, and all that it starts, on this many threads; without a number on the caller's, by default one per core.
 ///
-/// Planning, stepping, audits and recording all take the threads they are called on: this is the one place that says
-/// how many there are.
+/// Planning, stepping, audits and recording all use the threads of their caller: only this function sets their number.
 ///
 /// # Errors
-/// The system has no such threads to give.
+/// The system cannot provide the threads.
 pub fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
@@ -19,7 +18,7 @@ pub fn on_threads<T: Send>(
     Ok(pool.install(work))
 }
 
-/// The calling thread's share of the machine, in words.
+/// The number of the calling pool's threads, in words.
 pub(super) fn described() -> String {
     match rayon::current_num_threads() {
         1 => "1 thread".into(),

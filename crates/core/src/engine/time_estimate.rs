@@ -1,4 +1,4 @@
-//! How long a plan will take here.
+//! Estimates the run time of a plan here.
 
 use super::{Engine, EngineError, Progress};
 use crate::plan::{Class, Plan};
@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 /// Instances tried per class, and steps tried in all.
 const SAMPLE_INSTANCES: usize = 64;
 const SAMPLE_STEPS: f64 = 2e6;
-/// Time tried.
+/// Least time of the trial.
 const MIN_SAMPLE_TIME: Duration = Duration::from_millis(40);
 
 /// Time (s) the plan takes on `engine`, from a trial of a few instances over a few periods.
 ///
-/// The trial is a plan of those instances alone: what an engine does once for every instance of a plan would
-/// otherwise be taken for the stepping of a few, and grow with the square of their number.
+/// The trial is a plan of those instances alone. Otherwise, work that an engine does once for every instance would count as
+/// stepping of a few, and grow with the square of their number.
 ///
 /// # Errors
 /// The engine cannot run the trial.
@@ -23,7 +23,7 @@ pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
     }
     let mut classes = plan.classes();
     classes.retain(|class| class.steps > 0);
-    // The few of a class keep one device busy.
+    // The few instances of a class keep one device busy.
     let busy = engine.devices().min(classes.len()).max(1);
     let few = |class: Class| {
         let every = class.instances.len().div_ceil(SAMPLE_INSTANCES);
@@ -35,7 +35,7 @@ pub fn estimate(plan: &Plan, engine: &dyn Engine) -> Result<f64, EngineError> {
     trial.run.periods = ((SAMPLE_STEPS / per_period) as u32).clamp(1, plan.run.periods);
     let share = u64::from(trial.run.periods) * u64::from(plan.run.measure) / u64::from(plan.run.periods);
     trial.run.measure = (share as u32).clamp(1, trial.run.periods);
-    // The first run starts the threads; then as often as it takes to outlast the clock's grain.
+    // The first run starts the threads. Later runs repeat until they outlast the clock's resolution.
     engine.run(&trial, &Progress::default())?;
     let start = Instant::now();
     let mut runs = 0.0;

@@ -32,8 +32,8 @@ pub struct TraceSample {
     pub indentation: f64,
     /// Mean force over the step, N.
     pub force: f64,
-    /// First moment of the force about the middle of the step, time in steps, beyond a 12th of the force's change over
-    /// it, N: what tells a force that acts early or late from one that changes evenly.
+    /// First moment of the force about the middle of the step, time in steps, beyond a 12th of the force's change over it, N.
+    /// It tells a force that acts early or late from one that changes evenly.
     pub moment: f64,
     /// Travel of the rod's top beyond its steady free motion by the kept modes, m.
     pub top: f64,
@@ -43,8 +43,8 @@ pub struct TraceSample {
 
 /// Steps `instance` through `periods` drive periods and keeps the last `keep` of them.
 ///
-/// The same kernel as the run in f64; instances that need no steps are traced with 64 a period. Where the
-/// instance has a periodic state, `from`, the kept part starts there and nothing before it is stepped.
+/// It uses the kernel of the run in f64; instances that need no steps are traced with 64 a period. If the instance has a
+/// periodic state, `from`, the kept part starts there and nothing before it is stepped.
 pub fn trace(
     plan: &Plan,
     instance: usize,
@@ -105,10 +105,10 @@ impl Trace {
         (self.first as f64 + 0.5) * self.step
     }
 
-    /// Travel beyond the steady free motion (m) and its rate (m/s), the rod top's part (m) and contact,
-    /// at `time` s since the run's start, between the first and the last sample.
+    /// Travel beyond the steady free motion (m) and its rate (m/s), the rod top's part (m) and contact, at `time` s since the
+    /// run's start, between the first and the last sample.
     ///
-    /// Travel follows a cubic through four samples, so it keeps the samples' order of accuracy.
+    /// Travel follows a cubic through four samples, so it has the samples' order of accuracy.
     pub fn at(&self, time: f64) -> Between {
         let place = (time - self.begin()) / self.step;
         let last = self.samples.len().saturating_sub(4);
@@ -117,7 +117,7 @@ impl Trace {
         let window = &self.samples[base..(base + 4).min(self.samples.len())];
         let (beyond, rate) = cubic(window.iter().map(|sample| sample.beyond), s);
         let (top, _) = cubic(window.iter().map(|sample| sample.top), s);
-        // A sample speaks for the step around it: its memory at the start is the last one's.
+        // A sample stands for the step around it; the contact at that step's start is that of the sample before.
         let here = (place.round().max(0.0) as usize).min(self.samples.len() - 1);
         let was = self.samples[here.saturating_sub(1)].touching;
         Between {
@@ -130,7 +130,7 @@ impl Trace {
     }
 }
 
-/// What [`Trace::at`] finds between samples.
+/// The values of [`Trace::at`] between samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Between {
     /// Tip travel beyond the steady free motion, m, and its rate, m/s.

@@ -1,13 +1,13 @@
-//! Tapping on a sample that takes no energy, in closed form: where a search for a branch begins.
+//! Tapping on a sample that takes no energy, in closed form. A search for a branch starts here.
 
 use super::orbit_transfer;
 use crate::kernel::MODES_MAX;
 use crate::plan::{KeptMode, Plan, SectionState};
 use nalgebra::Complex;
 
-/// The motion with this share of the free amplitude where the sample takes no energy. Its force is then in phase with the
-/// travel, `F = kappa z`, and with the compliance C at the drive `z = z0/(1 - C kappa)`: two real kappa give the share, one
-/// below zero, of a force that pushes where the tip is nearest, and one above.
+/// The motion that keeps `share` of the free amplitude while the sample takes no energy. Its force is then in phase with the
+/// travel, `F = kappa z`, and with the compliance C at the drive `z = z0/(1 - C kappa)`. Two real kappa give the share: a
+/// negative one, for a force that pushes where the tip is nearest, and a positive one.
 pub(super) fn conservative_orbit(plan: &Plan, instance: u32, share: f64, repulsive: bool) -> SectionState {
     let driven = plan.driven(instance);
     let compliance = driven.free.compliance;
@@ -16,7 +16,7 @@ pub(super) fn conservative_orbit(plan: &Plan, instance: u32, share: f64, repulsi
     let kappa = (cosine + if repulsive { -root } else { root }) / size;
     let beyond = driven.free.tip / (1.0 - compliance * kappa) - driven.free.tip;
     let mut station = SectionState::free(plan, instance);
-    // The mode that answers the drive most has all of it.
+    // The mode that answers the drive most takes the whole motion.
     let far = |mode: &KeptMode| (mode.omega / driven.free.omega).ln().abs();
     let modes = &driven.kept.modes[..driven.kept.modes.len().min(MODES_MAX)];
     let nearest = (0..modes.len()).min_by(|a, b| far(&modes[*a]).total_cmp(&far(&modes[*b])));

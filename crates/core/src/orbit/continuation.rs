@@ -1,4 +1,4 @@
-//! Curves: periodic states followed from point to point, many curves side by side.
+//! Continuation along curves: periodic states followed from point to point, many curves side by side.
 
 use super::initial_guess::{CurvePrediction, InitialGuess};
 use super::search_batch::{self, BatchSolution};
@@ -9,53 +9,53 @@ use crate::kernel::MODES_MAX;
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
-/// How far the state may move in one step, in free amplitudes: what moves farther may have left its branch.
+/// Largest change of the state in one step, in free amplitudes. A state that moves farther may have left its branch.
 const MAX_STATE_CHANGE: f64 = 0.08;
-/// Least step, as a share of the way from a point to the next: where none so short succeeds the branch has ended.
+/// Smallest step, as a share of the distance between two points. The branch has ended if even this step fails.
 const DS_MIN: f64 = 1.0 / 64.0;
-/// Most evaluations of a step's search, and Jacobians taken anew.
+/// Evaluations and new Jacobians that the search of one step may take.
 const MAX_EVALUATIONS_AND_JACOBIANS: (u32, u32) = (80, 10);
-/// Most steps between two points.
+/// Steps that may be tried between two points.
 const MAX_STEPS: u32 = 200;
-/// A step's prediction goes no farther than so many of the last steps.
+/// Longest extrapolation, in lengths of the last step. Beyond it a step starts from the last state.
 const MAX_EXTRAPOLATION: f64 = 4.0;
 
 /// The states along the curves of a plan.
 pub(super) struct CurveStates {
-    /// By instance: where its search or its waiting begins; none where nothing is known.
+    /// By instance: the start of its search or integration; `None` where no state is known.
     pub states: Vec<Option<PeriodicState>>,
-    /// By instance: whether the state was not reached continuously from the point before.
+    /// By instance: whether its state was not reached continuously from the point before.
     pub jumps: Vec<bool>,
     /// By instance.
     pub periods: Vec<u32>,
     pub notes: Vec<String>,
 }
 
-/// A curve on its way.
+/// A curve that is being followed.
 #[derive(Default)]
 struct CurveProgress {
-    /// Its instances in the order in which they are followed.
+    /// Its instances in the order of continuation.
     points: Vec<u32>,
-    /// The last point at which a state is known, and the one before if the branch is the same.
+    /// The last point with a known state, and the point before it if both are on one branch.
     last: Option<(u32, PeriodicState)>,
     before: Option<(u32, PeriodicState)>,
 }
 
-/// A curve between two of its points.
+/// A step of a curve between two of its points.
 struct ContinuationStep {
-    /// Its number.
+    /// The curve's number.
     curve: usize,
     from: u32,
     to: u32,
-    /// How far it has come, the state there, and the next step, as shares of the way.
+    /// The position reached and the next step, as shares of the distance between the points, and the state there.
     reached: f64,
     state: PeriodicState,
     length: f64,
-    /// Periods of its searches.
+    /// Periods that its searches took.
     periods: u32,
 }
 
-/// Follows the curves of the plan from their first points, which begin at the free oscillation.
+/// Follows the plan's curves. Each first point starts at the free oscillation.
 pub(super) fn continue_curves(
     plan: &Plan,
     engine: &dyn Engine,
@@ -73,11 +73,11 @@ pub(super) fn continue_curves(
     Ok(all.done)
 }
 
-/// How many of the jumps that a run with other steps met, with the states `before`, stand elsewhere by this plan's steps, with
-/// which states were `found`: the branch has ended before, or goes on to the point that is marked.
+/// Counts the jumps that move under this plan's steps. A run with other steps met `jumps` and the states `before`; this plan's
+/// states are `found`. A jump has moved if the branch ends before it, or continues to the marked point.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn jumps_moved(
     plan: &Plan,
     jumps: &[bool],
@@ -116,9 +116,9 @@ pub fn jumps_moved(
     Ok(moved + tried - all.steps(going)?.len())
 }
 
-/// Puts marks of jumps where this plan's states jump: a mark between two that are near each other goes to the nearest point that is
-/// far from the one before it and has none. Where there is no such point, a slow passage by the end of a branch, cut short,
-/// has looked like a jump.
+/// Moves marks of jumps to where this plan's states jump. A mark between two states that are near each other goes to the
+/// nearest unmarked point that is far from the one before it. If there is none, the mark was a slow passage by the end of a
+/// branch, cut short, and is removed.
 pub fn locate_jumps(plan: &Plan, jumps: &mut [bool], found: &[Option<Box<PeriodicState>>]) {
     let state = |i: u32| found.get(i as usize)?.as_deref();
     let joined =
@@ -141,7 +141,7 @@ pub fn locate_jumps(plan: &Plan, jumps: &mut [bool], found: &[Option<Box<Periodi
     }
 }
 
-/// The plan's curves, each with its points in their order.
+/// The plan's curves, each with its points in order.
 fn curves(plan: &Plan) -> Vec<CurveProgress> {
     let mut by_number: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();
     if let Some(curves) = plan.ensemble.curves {
@@ -157,7 +157,7 @@ fn curves(plan: &Plan) -> Vec<CurveProgress> {
     by_number.into_values().map(curve).collect()
 }
 
-/// Curves while they are followed.
+/// The continuation of all curves.
 struct Continuation<'a> {
     plan: &'a Plan,
     engine: &'a dyn Engine,
@@ -202,8 +202,8 @@ impl<'a> Continuation<'a> {
         self.settle(starts)
     }
 
-    /// Steps to the next points, shorter where a whole one leads nowhere. Where even the shortest does, the branch has
-    /// ended: these come back.
+    /// Steps to the next points, and halves a step that fails. Returns the curves whose shortest step fails: their branch has
+    /// ended.
     fn steps(&mut self, mut left: Vec<ContinuationStep>) -> Result<Vec<ContinuationStep>, EngineError> {
         let mut ended = Vec::new();
         for _ in 0..MAX_STEPS {
@@ -235,8 +235,8 @@ impl<'a> Continuation<'a> {
         Ok(ended)
     }
 
-    /// Where a step, instance `i` of its plan, looks for its end: a whole one by the secant through the last two points,
-    /// a shorter one where it stands.
+    /// The predictor of a step, which is instance `i` of `part`. A whole step extrapolates the secant through the last two
+    /// points; a shorter one starts from its last state.
     fn predicted(&self, part: &Plan, i: u32, one: &ContinuationStep) -> SectionState {
         let here = period_map::transfer_section(part, i, &one.state);
         let before = self.curves[one.curve].before.as_ref().filter(|_| one.length >= 1.0);
@@ -245,7 +245,7 @@ impl<'a> Continuation<'a> {
         extrapolated(here, &period_map::transfer_section(part, i, before), strides)
     }
 
-    /// Where waiting at these points would lead from these states: searched for as that does, or integrated to steady state.
+    /// Finds the states to which the motion from these states settles, by search or by integration.
     fn settle(&mut self, starts: Vec<(usize, u32, PeriodicState, u32)>) -> Result<(), EngineError> {
         if starts.is_empty() || self.progress.stopped() {
             return Ok(());
@@ -265,7 +265,7 @@ impl<'a> Continuation<'a> {
         Ok(())
     }
 
-    /// Searches next to these places, and nowhere else.
+    /// Searches near these predictions only.
     fn search(
         &mut self,
         part: &Plan,
@@ -286,7 +286,7 @@ impl<'a> Continuation<'a> {
         Ok(searched)
     }
 
-    /// A curve has come to its next point.
+    /// Records that a curve has reached its next point.
     fn accept(&mut self, curve: usize, point: u32, state: PeriodicState, jumped: bool, periods: u32) {
         let i = point as usize;
         let curve = &mut self.curves[curve];
@@ -302,17 +302,17 @@ pub(super) fn free_orbit(plan: &Plan, i: u32) -> PeriodicState {
     integrated_orbit(plan, i, SectionState::free(plan, i))
 }
 
-/// What is known of a state that was not searched for.
+/// The state of an instance that no search has found: its Jacobian and multiplier are unknown.
 pub(super) fn integrated_orbit(plan: &Plan, i: u32, station: SectionState) -> PeriodicState {
     PeriodicState { section: station, ..PeriodicState::unknown(plan.steps(i), &plan.driven(i).kept) }
 }
 
-/// The last state of a branch that has ended, which is not to be searched on: its Jacobian leads nowhere.
+/// The last state of a branch that has ended, without its Jacobian, which leads nowhere.
 pub(super) fn branch_end(state: PeriodicState) -> PeriodicState {
     PeriodicState { jacobian: Jacobian::Unknown, ..state }
 }
 
-/// How many times the way from the first to the second of these points it is from the second to the third.
+/// The distance from the second to the third point over that from the first to the second; 0 beyond `MAX_EXTRAPOLATION`.
 fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
     let place = |i: u32| {
         let free = &plan.driven(i).free;
@@ -324,8 +324,8 @@ fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
     if ratio > 0.0 && ratio <= MAX_EXTRAPOLATION { ratio } else { 0.0 }
 }
 
-/// Whether the state of instance `i` is within so many free amplitudes of another; in gaps where that is more and the free
-/// oscillation does not feel the sample.
+/// Whether two states of instance `i` are within `most` free amplitudes of each other. The unit is the gap where that is
+/// larger and the free oscillation does not feel the sample.
 fn is_near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
     let amplitude = plan.driven(i).free_amplitude();
     let scale = if plan.is_free(i) { amplitude.max(plan.case(i).gap) } else { amplitude };
@@ -335,7 +335,7 @@ fn is_near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, mo
     ) <= most * scale
 }
 
-/// Where the way from `there` to `here` leads after so many more of it.
+/// Extrapolates the step from `there` to `here` by `strides` times its length.
 pub(super) fn extrapolated(here: SectionState, there: &SectionState, strides: f64) -> SectionState {
     let mut station = here;
     for k in 0..MODES_MAX {
@@ -345,13 +345,13 @@ pub(super) fn extrapolated(here: SectionState, there: &SectionState, strides: f6
     station
 }
 
-/// How far two places of an instance are apart, m.
+/// Distance between two section states of an instance, m.
 pub(super) fn section_distance(a: &SectionState, b: &SectionState) -> f64 {
     let square = |k: usize| (a.x[k] - b.x[k]).powi(2) + (a.u[k] - b.u[k]).powi(2);
     (0..MODES_MAX).map(square).sum::<f64>().sqrt()
 }
 
-/// Where waiting would lead each instance of a plan from its state: searched for as that does, or integrated to steady state.
+/// Finds the states to which each instance's motion settles, by search, or by integration where that fails.
 pub(super) fn settled_states(
     plan: &Plan,
     from: &[&PeriodicState],

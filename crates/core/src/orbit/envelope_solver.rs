@@ -1,4 +1,4 @@
-//! What goes to rest so slowly that waiting takes thousands of periods is followed in steps of many.
+//! Motions that need thousands of periods to settle are followed by their envelope, in steps of many periods.
 
 use super::OrbitSolution;
 use super::initial_guess::InitialGuess;
@@ -12,34 +12,34 @@ use crate::plan::{Plan, SectionState};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Paces of fewer periods are no longer than following takes.
+/// Motions that decay within fewer periods are faster to integrate.
 const MIN_DECAY_PERIODS: u32 = 384;
-/// Most evaluations for an instance: so many, or the pace over this where that is more. Each takes as long as a few periods.
+/// Evaluations for an instance: the first number, or, if more, the decay periods over the second; each takes a few periods.
 const MAX_EVALUATIONS: (u32, u32) = (96, 16);
 
-/// Whether motions of this pace are followed.
+/// Whether motions with these decay periods are followed.
 pub(super) fn is_slow(pace: u32) -> bool {
     pace >= MIN_DECAY_PERIODS
 }
 
-/// Evaluations that following an instance of this pace may take.
+/// Evaluations allowed for an instance with these decay periods.
 pub(super) fn max_evaluations(pace: u32) -> u32 {
     MAX_EVALUATIONS.0.max(pace / MAX_EVALUATIONS.1)
 }
 
 /// An instance to be followed.
 pub(super) struct EnvelopeStart {
-    /// Of the plan.
+    /// Number in the plan.
     pub instance: u32,
     pub section: SectionState,
-    /// Periods in which free motion fades.
+    /// Periods in which free motion decays.
     pub decay_periods: u32,
-    /// Most evaluations.
+    /// Evaluations that remain.
     pub max_evaluations: u32,
 }
 
-/// Follows these instances, and searches where they come to rest; what is found goes into `settled`. Tells
-/// how many evaluations each has taken: none on an engine that tells no Jacobians.
+/// Follows these instances and searches where they settle; writes the states it finds to `settled`. Returns the evaluations of
+/// each instance: 0 on an engine without Jacobians.
 pub(super) fn follow_and_search(
     plan: &Plan,
     from: &[EnvelopeStart],
@@ -77,7 +77,7 @@ pub(super) fn follow_and_search(
     Ok(taken)
 }
 
-/// Takes some of these to where they come, each with its number among them.
+/// Follows these slots to their ends. Returns each with its number.
 fn follow(
     map: &PeriodMap,
     from: &[EnvelopeStart],
@@ -111,7 +111,7 @@ fn follow(
         let sloped = map.after_with_jacobian(&starts, &mut room)?;
         map.progress.timed(ProfileSection::Algebra, || {
             for ((slot, one), end) in open.iter_mut().zip(sloped) {
-                // An answer is of use where it is numbers, in the same contact as before.
+                // An end is usable if it is finite and in the same contact as the start.
                 let remembers = map.plan.law(*slot).has_memory();
                 let same = |end: &SectionState| !remembers || end.touching == touching(*slot);
                 let useful = end.filter(|sloped| sloped.end.finite && same(&sloped.end));
@@ -126,7 +126,7 @@ fn follow(
     Ok(all)
 }
 
-/// Where the kept modes have these travels, then rates.
+/// The section state with these numbers: travels of the kept modes, then rates.
 fn station(numbers: &DVector<f64>, touching: bool) -> SectionState {
     let (x, u) = numbers.as_slice().split_at(numbers.len() / 2);
     let mut station = SectionState { touching, ..SectionState::FREE };

@@ -1,57 +1,57 @@
-//! Where searches begin, and where they leave what they do not find.
+//! Initial guesses of searches, and the instances that searches leave without a state.
 
 use super::PeriodicState;
 use super::period_map::{rest_state, transfer_section};
 use crate::plan::{Plan, SectionState};
 
-/// Periods stepped before a search begins, and after one in vain before the next. The first few are past the beginning
-/// of contact, and before the beats that follow it, in which no step is of use.
+/// Periods integrated before each search in turn, and whether a search follows. The first few periods lie past the first
+/// contact and before the beats that follow it, in which no Newton step helps.
 const WARM_UP_PERIODS: [(u32, bool); 3] = [(3, true), (32, true), (128, true)];
-/// The same where no search follows before the motion has been looked at.
+/// The same where the motion is examined before any search.
 const DEFERRED_WARM_UP_PERIODS: [(u32, bool); 1] = [(64, false)];
 
-/// Where searches begin.
+/// The initial guess of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum InitialGuess<'a> {
-    /// At rest.
+    /// The lever at rest.
     AtRest,
-    /// At states of the same instances with other steps or levers, and where there is none at the free oscillation.
+    /// States of the same instances with other steps or levers; the free oscillation where there is none.
     States(&'a [Option<&'a PeriodicState>]),
-    /// The same, but that the search is not repeated from later places; and these repetitions, from the places where the
-    /// first search began.
+    /// `StatesOnce`: the same guesses, but one search only. `Retry`: the repeated searches, from the states where the first
+    /// one started.
     StatesOnce(&'a [Option<&'a PeriodicState>]),
     Retry(&'a [SectionState]),
-    /// At states with other steps or levers alone. What has none, and is like others that were searched for in vain, is
-    /// stepped on for a while.
+    /// States with other steps or levers. An instance without one resembles others whose search failed, so it is integrated
+    /// for a while first.
     StatesOrDefer(&'a [Option<&'a PeriodicState>]),
-    /// At these places, by instance, to which their motion has led.
+    /// By instance: section states that integration has reached.
     Integrated(&'a [SectionState]),
-    /// At these places, by instance, which are thought to be next to a state.
+    /// By instance: section states that are expected to be close to a periodic state.
     Points(&'a [SectionState]),
-    /// The same, but that nothing else is looked for.
+    /// The same, without a search from elsewhere when this one fails.
     PointsOnly(&'a [SectionState]),
-    /// At states that a curve has led to. Where one leads to no other, the search begins there as at a free oscillation.
+    /// States reached along a curve. Where a search from one fails, the next starts there as from a free oscillation.
     CurveStates(&'a [Option<&'a PeriodicState>]),
-    /// At places that a curve's last states lead to: what is not next to them is not looked for.
+    /// Predictions from a curve's last states; the search looks for states near them only.
     CurvePoints(CurvePrediction<'a>),
 }
 
-/// How a curve goes on, by instance.
+/// The predictor of a continuation step, by instance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurvePrediction<'a> {
     /// The last states.
     pub states: &'a [Option<&'a PeriodicState>],
-    /// Where the next ones are expected.
+    /// The predicted section states.
     pub places: &'a [SectionState],
-    /// Most evaluations, and Jacobians taken anew, of which each takes as many as a state has numbers.
+    /// Evaluations, and new Jacobians at one evaluation per number of a state, that a search may take.
     pub max_evaluations: (u32, u32),
-    /// Whether a state is taken as it is met: of its spectrum it is only known what updates of the last Jacobian tell. Empty
-    /// where none is.
+    /// Whether a converged state is accepted without a new Jacobian, so that its multiplier comes from updates of the last
+    /// one. Empty if no state is.
     pub accept_unverified: &'a [bool],
 }
 
 impl InitialGuess<'_> {
-    /// A state of the instance with other steps or another lever.
+    /// The instance's state with other steps or another lever, if its Jacobian is known.
     pub fn state(&self, instance: u32) -> Option<&PeriodicState> {
         match self {
             Self::States(near)
@@ -67,7 +67,7 @@ impl InitialGuess<'_> {
         }
     }
 
-    /// Periods to be stepped, and whether a search follows.
+    /// Periods to integrate, and whether a search follows.
     pub fn warm_up(&self) -> &'static [(u32, bool)] {
         match self {
             Self::CurvePoints(..) | Self::Integrated(_) | Self::PointsOnly(_) => &[],
@@ -78,7 +78,7 @@ impl InitialGuess<'_> {
         }
     }
 
-    /// Where the instance begins without one.
+    /// The start of an instance without such a state.
     pub fn point(&self, plan: &Plan, instance: u32) -> SectionState {
         match self {
             Self::States(_) | Self::StatesOnce(_) | Self::StatesOrDefer(_) => {
@@ -100,11 +100,11 @@ impl InitialGuess<'_> {
 
 /// An instance without a state.
 pub(super) struct Unconverged {
-    /// Of the plan.
+    /// Number in the plan.
     pub instance: u32,
-    /// Where it was after so many periods.
+    /// Its section state after `integrated` periods.
     pub section: SectionState,
     pub integrated: u32,
-    /// Whether it shows no sign of coming to rest.
+    /// Whether its motion shows no sign of settling.
     pub not_settling: bool,
 }

@@ -1,4 +1,4 @@
-//! One instance's search among many.
+//! The search for one instance's state within a batch.
 
 use super::PeriodicState;
 use super::initial_guess::CurvePrediction;
@@ -9,13 +9,13 @@ use crate::periodic::{Memory, NewtonOptions, PtcNewton, Size};
 use crate::plan::{Plan, SectionState};
 use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 
-/// Of a state of so many numbers those of modes that the instance has, travels, then rates; none where it has them all.
+/// Indices of the instance's own travels, then rates, among a state's `numbers`; `None` if it has all of them.
 fn moving(plan: &Plan, instance: u32, numbers: usize) -> Option<Vec<usize>> {
     let (modes, most) = (plan.driven(instance).kept.modes.len(), numbers / 2);
     (modes < most).then(|| (0..modes).chain((most..).take(modes)).collect())
 }
 
-/// The Jacobian of a state's own numbers, column by column, as that of so many, of which the others are at rest.
+/// Pads a Jacobian, given column by column, to the size of the search. The added modes are at rest.
 pub(super) fn padded<D: Size + DimName>(slope: &[f64]) -> OMatrix<f64, D, D>
 where
     DefaultAllocator: Memory<D>,
@@ -29,18 +29,18 @@ where
     all
 }
 
-/// One instance's search.
+/// The search of one instance.
 pub(super) struct InstanceSearch<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
-    /// Its number in the batch.
+    /// Number in the batch.
     pub slot: u32,
-    /// Periods stepped before.
+    /// Periods stepped before the search.
     pub periods: u32,
-    /// Where it began; contact at a period's start stays as it was there.
+    /// Initial guess. Contact at the start of a period keeps its value from here.
     pub start: SectionState,
-    /// Whether contact is a memory of the past, not what the indentation says.
+    /// Whether contact depends on the past and not on the indentation alone.
     remembers: bool,
     pub search: PtcNewton<D>,
 }
@@ -62,7 +62,7 @@ where
         }
     }
 
-    /// From a state with other steps or another lever.
+    /// Starts from a state with other steps or another lever.
     pub fn from_known(plan: &Plan, slot: u32, instance: u32, place: &PeriodicState) -> Self {
         let (remembers, options) = newton_options(plan, instance);
         let (start, slope) = transfer_with_jacobian::<D>(plan, instance, place);
@@ -71,8 +71,8 @@ where
         Self { slot, periods: 0, start, remembers, search }
     }
 
-    /// From a place that a curve leads to: the Jacobian at the curve's last point, or else without a sample, will do on the
-    /// way; the state's own tells its stability.
+    /// Starts from a curve's prediction. The Jacobian of the curve's last point, if it is known, serves on the way; stability
+    /// needs the state's own.
     pub fn along_curve(
         plan: &Plan,
         slot: u32,
@@ -104,7 +104,7 @@ where
         Self { slot, periods: 0, start, remembers, search }
     }
 
-    /// From a place that is thought to be next to a state, of whose Jacobian nothing is known.
+    /// Starts close to a state whose Jacobian is unknown.
     pub fn near(plan: &Plan, slot: u32, instance: u32, start: SectionState) -> Self {
         let (remembers, options) = newton_options(plan, instance);
         let search = PtcNewton::new(vector(&start), NewtonOptions { start_is_close: true, ..options });
@@ -117,14 +117,14 @@ where
         self.periods + self.search.evaluations()
     }
 
-    /// Takes the map's answer with its Jacobian.
+    /// Gives the search an end of a period and its Jacobian.
     pub fn tell_with_jacobian(&mut self, sloped: Option<PeriodJacobian>) {
         let answer =
             sloped.and_then(|PeriodJacobian { end, slope }| Some((self.usable(end)?, padded(&slope))));
         self.search.tell_with_jacobian(answer);
     }
 
-    /// The map's answer, if it is one: numbers, and the same contact as before.
+    /// The end of a period as a vector, if it is finite and in the same contact as the start.
     pub fn usable(&self, end: SectionState) -> Option<OVector<f64, D>> {
         let good = end.finite && (!self.remembers || end.touching == self.start.touching);
         good.then(|| vector(&end))

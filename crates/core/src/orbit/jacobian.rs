@@ -1,21 +1,21 @@
-//! What is known of a period map near a state, to first order.
+//! First-order information on a period map near a state.
 
 use crate::periodic::{Memory, Size, inverse};
 use nalgebra::{DMatrix, DefaultAllocator, DimName, OMatrix};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The map's Jacobian at a state, in one of two forms. Columns one after the other: travel of the kept modes, then rate over
-/// angular frequency, both filled up with modes at rest to the size of the search.
+/// The map's Jacobian at a state, in one of two forms, both column by column: travels of the kept modes, then rates over
+/// angular frequency, padded with modes at rest to the size of the search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Jacobian {
-    /// Nothing, or nobody asks for it any more.
+    /// Nothing is known, or no search starts here any more.
     #[default]
     Unknown,
-    /// The Jacobian.
+    /// The Jacobian J, the monodromy matrix.
     Monodromy(Box<[f64]>),
-    /// The resolvent (I - J)^-1, which takes the change of a period to Newton's step. Single precision:
-    /// it leads to states, and no result hangs on it.
+    /// The resolvent (I - J)^-1, which turns the residual of a period into a Newton step. f32 suffices: it only leads to
+    /// states, and no result depends on it.
     Resolvent(Arc<[f32]>),
 }
 
@@ -24,7 +24,7 @@ impl Jacobian {
         !matches!(self, Self::Unknown)
     }
 
-    /// Numbers of the state; none where nothing is known.
+    /// Numbers of the state; 0 if nothing is known.
     pub(super) fn size(&self) -> usize {
         match self {
             Self::Unknown => 0,
@@ -33,7 +33,7 @@ impl Jacobian {
         }
     }
 
-    /// The Jacobian; none where nothing is known.
+    /// The Jacobian; `None` if nothing is known.
     pub(super) fn monodromy(&self) -> Option<Cow<'_, [f64]>> {
         let size = self.size();
         match self {
@@ -47,7 +47,7 @@ impl Jacobian {
         }
     }
 
-    /// The inverse of one minus the Jacobian; none where nothing is known, or where a multiplier is 1.
+    /// The resolvent (I - J)^-1; `None` if nothing is known or a multiplier is 1.
     pub fn undoes(&self) -> Option<Arc<[f32]>> {
         let size = self.size();
         match self {
@@ -60,7 +60,7 @@ impl Jacobian {
         }
     }
 
-    /// The same of what nobody asks any more.
+    /// The resolvent, without a copy if it is stored as such.
     pub fn into_resolvent(self) -> Option<Arc<[f32]>> {
         match self {
             Self::Resolvent(undoes) => Some(undoes),
@@ -69,7 +69,7 @@ impl Jacobian {
     }
 }
 
-/// The inverse of one minus this Jacobian.
+/// The inverse of I minus this Jacobian.
 pub(super) fn resolvent_of<D: Size + DimName>(slope: &OMatrix<f64, D, D>) -> Option<OMatrix<f64, D, D>>
 where
     DefaultAllocator: Memory<D>,

@@ -1,5 +1,5 @@
-//! Instances whose neighbours lead nowhere together, though their states are near one another: where these move differently, a
-//! contact more or less in a period, the inverse that they hand on is no guide, and their states are one.
+//! Instances whose neighbours' states are close together but give no prediction. If the neighbours move differently, with one
+//! contact more or less in a period, their resolvents are no guide, but their states still are.
 
 use super::OrbitSolution;
 use super::initial_guess::InitialGuess;
@@ -13,18 +13,18 @@ use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, SectionState};
 use nalgebra::{DefaultAllocator, DimName};
 
-/// The nearest two lie no farther from their middle, in free amplitudes: what is farther apart may be two branches. With 0.02
-/// in place of it half as many are found so at quality factors of 1000 and 1e4.
+/// Largest distance of the two nearest states from their midpoint, in free amplitudes; beyond it they may be two branches.
+/// With 0.02 in place of it half as many are found so at quality factors of 1000 and 1e4.
 const MAX_MIDPOINT_DISTANCE: f64 = 0.1;
-/// A state lies between two where it is no farther from their middle than they are, times this.
+/// A state lies between two if its distance from their midpoint is at most this many times theirs.
 const MIDPOINT_REACH: f64 = 1.5;
 
-/// An instance, the place between its nearest neighbours' states, and how far these are from it, m.
+/// An instance, the midpoint of its two nearest neighbours' states, and their distance from it, m.
 type Midpoint = (u32, SectionState, f64);
 
 impl OrbitSolution {
-    /// What the neighbours of a hint have not led to together is searched for between the nearest two of them, by the map's own
-    /// Jacobian there, and is found if it lies between them.
+    /// Restarts instances whose stencil gave no state from the midpoint of the two nearest neighbours, with the map's own
+    /// Jacobian there. Accepts a state only if it lies between the two.
     pub(super) fn restart_at_midpoints(
         &mut self,
         plan: &Plan,
@@ -57,7 +57,7 @@ impl OrbitSolution {
     }
 }
 
-/// Instances whose states have as many numbers.
+/// Instances whose states have equally many numbers.
 struct MidpointSearch<'a> {
     plan: &'a Plan,
     some: &'a [u32],

@@ -1,4 +1,4 @@
-//! The periodic state of each instance: integrated to steady state, or searched for and then run on from.
+//! The periodic state of each instance, by integration to steady state or by a search that a run confirms.
 
 mod conservative_orbit;
 mod continuation;
@@ -49,17 +49,17 @@ use verification::{run_on, search_and_verify};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicState {
     pub section: SectionState,
-    /// What the period map does to small deviations.
+    /// Effect of the period map on small deviations.
     pub floquet: Floquet,
-    /// Steps per period with which it was found, and the lever.
+    /// Steps per period and basis of the search.
     pub steps: u32,
     pub basis: Arc<ReducedBasis>,
-    /// What is known of the period map near it; unknown where nobody is to search on from there.
+    /// The period map's Jacobian near the state; unknown if no search is to start here.
     pub jacobian: Jacobian,
 }
 
 impl PeriodicState {
-    /// At the free oscillation, with nothing known of the map there.
+    /// The free oscillation, with an unknown Jacobian.
     fn unknown(steps: u32, kept: &Arc<ReducedBasis>) -> Self {
         let spectrum = Floquet { multiplier: f64::NAN, sigma_min: f64::NAN };
         Self {
@@ -71,21 +71,21 @@ impl PeriodicState {
         }
     }
 
-    /// Whether a search found it; else waiting did.
+    /// Whether a search found it; otherwise integration did.
     pub fn is_solved(&self) -> bool {
         !self.floquet.multiplier.is_nan()
     }
 }
 
-/// A plan carried out.
+/// The result of a plan.
 #[derive(Clone, Debug)]
 pub struct OrbitSolution {
     pub outcome: Outcome,
-    /// By instance; empty where nothing was searched for, none where waiting found it or nothing did.
+    /// By instance; empty if nothing was searched for. Integration yields states only at points of curves.
     pub found: Vec<Option<Box<PeriodicState>>>,
-    /// By instance, periods stepped: those of the search, and those run on or waited.
+    /// By instance: periods stepped by searches, confirmation and integration.
     pub periods: Vec<u32>,
-    /// By instance, whether its curve's state was not reached continuously from the point before; empty without curves.
+    /// By instance: whether its curve did not reach its state continuously from the point before. Empty without curves.
     pub jumps: Vec<bool>,
 }
 
@@ -96,14 +96,14 @@ impl OrbitSolution {
     }
 }
 
-/// Runs the plan as its scene says: periods waited for, or from states searched for. `near` holds states of the
-/// same instances with other steps or levers, or nothing.
+/// Runs the plan as its scene says: integrates to steady state, or searches for periodic states. `near` holds states of the
+/// same instances with other steps or levers, or is empty.
 ///
-/// A state found is held to be one only if it is stable and, run on from, stays within the accuracy asked for (where
-/// f32 is too coarse to tell, in f64); every other instance is integrated to steady state.
+/// A state counts as found only if it is stable and a run from it stays within the requested accuracy (in f64, where f32 is
+/// too coarse to tell). Every other instance is integrated to steady state.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve(
     plan: &Plan,
     near: &[Option<&PeriodicState>],
@@ -113,10 +113,10 @@ pub fn solve(
     solve_or(plan, near, OnFailure::Integrate, engine, progress)
 }
 
-/// As [`solve`], but that nothing is waited for where states are searched for: what no search finds is left as not run.
+/// Like [`solve`], without integration after searches: instances that no search finds stay as not run.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_without_integration(
     plan: &Plan,
     near: &[Option<&PeriodicState>],
@@ -137,18 +137,17 @@ fn solve_or(
     if plan.run.steady == Steady::Wait || plan.stepped().is_empty() {
         return time_integration::integrate(plan, engine, progress);
     }
-    // What a curve or an approach leads to is not to be looked for elsewhere.
+    // A state that a curve or an approach has reached is searched for near itself only.
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { InitialGuess::CurveStates(near) } else { InitialGuess::States(near) };
     search_or_integrate(plan, begin, (&[], patience), engine, progress)
 }
 
-/// As [`solve`], but that a search begins at these states themselves, of whose Jacobians nothing need be known: it looks for the
-/// states next to them, and not for others.
+/// Like [`solve`], but each search, and the integration after it, starts at the given state, even if its Jacobian is unknown.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_near_states(
     plan: &Plan,
     states: &[Option<&PeriodicState>],
@@ -168,8 +167,8 @@ pub fn solve_near_states(
     )
 }
 
-/// The plan's instances as a search from there finds them, or where neighbours lead, one by one, if they have `leads`; what is
-/// not found is integrated to steady state, or left as not run.
+/// Searches from `begin`, then from each neighbour in `leads` alone. Instances not found are integrated to steady state or
+/// stay as not run, as `patience` says.
 fn search_or_integrate(
     plan: &Plan,
     begin: InitialGuess,
@@ -201,12 +200,11 @@ fn search_or_integrate(
     Ok(settled)
 }
 
-/// The first run of a plan: along its curves if it has some and searches, to its set-points if it has these, else each
-/// instance on its own. Other runs of the same instances go on from what this one finds. The plan's gaps become those
-/// that hold the set-points, NaN where none does.
+/// The first run of a plan: to its set-points, along its curves if it searches, or each instance by itself. Later runs of the
+/// same instances start from these states. The plan's gaps become those that hold the set-points, NaN where none does.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_first(
     plan: &mut Plan,
     engine: &dyn Engine,
@@ -234,7 +232,7 @@ pub fn solve_first(
     Ok(settled)
 }
 
-/// Curves that were stopped on their way: what each point that they have reached is like, and nothing vouches for it.
+/// Measures the points that interrupted curves have reached. Their results stay marked as not run.
 fn measure_curve_states(
     plan: &Plan,
     near: &[Option<&PeriodicState>],
@@ -244,7 +242,7 @@ fn measure_curve_states(
     let mut outcome = Outcome { ends: Vec::new(), ..Outcome::of(plan) };
     let reached: Vec<u32> = plan.instances().filter(|i| near[*i as usize].is_some()).collect();
     let states: Vec<Option<&PeriodicState>> = reached.iter().map(|i| near[*i as usize]).collect();
-    // A few periods of each: whoever stops a run waits for them.
+    // These few periods run to the end although the run is stopped.
     let on = run_on(plan.part(&reached), &states, engine, &Progress::default())?;
     for (i, finished) in reached.into_iter().zip(on.results) {
         outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
@@ -252,11 +250,11 @@ fn measure_curve_states(
     Ok(OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
 }
 
-/// Another run of the plan's instances, with other steps or bases: as [`solve`], and set-points are held again, from the plan's
+/// Runs the plan's instances again, with other steps or bases. Like [`solve`], and holds set-points again, from the plan's
 /// gaps and the states `near`.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_again(
     plan: &mut Plan,
     near: &[Option<&PeriodicState>],
@@ -271,11 +269,11 @@ pub fn solve_again(
     }
 }
 
-/// States that are found from the lever at rest in place of its free oscillation, of these instances; the others'
-/// results are not run. Of two branches of a tapping point it tends to find the one with less amplitude.
+/// Searches these instances from the lever at rest instead of its free oscillation; all others stay as not run. Of two
+/// branches of a tapping point it tends to find the one with the smaller amplitude.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_from_rest(
     plan: &Plan,
     instances: &[u32],
@@ -286,10 +284,10 @@ pub fn solve_from_rest(
     Ok(search_and_verify(plan, instances, InitialGuess::AtRest, engine, progress)?.0)
 }
 
-/// States that are found from these places, one for each instance of the plan, in place of its free oscillation.
+/// Searches from these section states, one for each instance of the plan, instead of the free oscillation.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_from_sections(
     plan: &Plan,
     places: &[SectionState],
@@ -300,11 +298,11 @@ pub fn solve_from_sections(
     Ok(search_and_verify(plan, &all, InitialGuess::Points(places), engine, progress)?.0)
 }
 
-/// States next to those of others, of one for each instance of the plan, as they are met with its steps and lever; nothing else is
-/// looked for.
+/// Searches near the states `others`, one for each instance of the plan, transferred to the plan's steps and lever, and
+/// nowhere else.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_near(
     plan: &Plan,
     others: &[&PeriodicState],
@@ -317,7 +315,7 @@ pub fn solve_near(
     Ok(search_and_verify(plan, &all, InitialGuess::PointsOnly(&places), engine, progress)?.0)
 }
 
-/// The states of these instances, for a plan of them alone; nothing where none were searched for.
+/// The states of these instances, in the order of a plan of them; empty if nothing was searched for.
 pub fn gather<'a>(
     found: &'a [Option<Box<PeriodicState>>],
     instances: &[u32],
@@ -328,7 +326,7 @@ pub fn gather<'a>(
     }
 }
 
-/// The other way: states of a plan of `instances` alone, for the plan of which they are some, and which has `count`.
+/// The reverse: places the states of a plan of `instances` in a plan of `count` instances that contains them.
 pub fn scatter<'a>(
     found: &'a [Option<Box<PeriodicState>>],
     instances: &[u32],

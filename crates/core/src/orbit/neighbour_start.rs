@@ -1,4 +1,4 @@
-//! A run whose instances begin at their neighbours' states, and what these do not lead to.
+//! Searches that start from the states of neighbours, and the fallbacks where these fail.
 
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::period_map::distance;
@@ -8,27 +8,27 @@ use super::{OrbitSolution, PeriodicState, quasi_newton, search_or_integrate};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, SectionState};
 
-/// Two states that are no farther apart, in free amplitudes, are one.
+/// Two states within this distance, in free amplitudes, are the same.
 const SAME_STATE_TOL: f64 = 1e-3;
 
-/// What becomes of an instance that no neighbour has led to its state.
+/// What happens to an instance whose neighbours have not led to its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnFailure {
-    /// One search; what that does not find is left as not run.
+    /// One search; an instance it does not find stays as not run.
     Skip,
-    /// The same, but that the search is repeated from later places.
+    /// The same, with repeated searches from later states of the motion.
     RetryLater,
-    /// What searches do not find is integrated to steady state, what is not to be searched for not before it has come to rest.
+    /// Integrates what searches do not find; searches for [`StencilStart::Skip`] only after the motion settles.
     Integrate,
 }
 
-/// As [`run`](super::solve) with `near`, but that instances with a hint begin where their neighbours lead to, or between these,
-/// or where both lead alone; they are searched for where that is no periodic state. Where each neighbour alone may lead to it,
-/// that alone is tried. What becomes of those that are not found `patience` says. Which of them began at their neighbours and
-/// ended there comes, too.
+/// Tries, for an instance with a [`StencilStart::Stencil`]: the interpolated state, the midpoint of its two nearest
+/// neighbours, each of them alone, then a search as in [`solve`](super::solve) with `near`. For [`StencilStart::EachPoint`] it
+/// tries each neighbour alone and nothing else. `patience` says what happens to the rest. Also returns, by instance, whether
+/// the interpolated start led to its state.
 ///
 /// # Errors
-/// What the engine says.
+/// Returns the engine's error.
 pub fn solve_from_neighbours(
     plan: &Plan,
     leads: &[StencilStart],
@@ -40,7 +40,7 @@ pub fn solve_from_neighbours(
     let mut settled = quasi_newton::correct(plan, leads, engine, progress)?;
     let mut led: Vec<u32> = plan.instances().filter(|i| settled.found[*i as usize].is_some()).collect();
     if plan.precision == Precision::F32 {
-        // As told: the states are known in f64, and what is measured of them is in f32.
+        // The states are known in f64, but measured in f32 as the plan asks.
         let unsure = settled.confirm_by_residual(plan, &led, engine, progress)?;
         unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
         led.retain(|i| settled.found[*i as usize].is_some());
@@ -90,9 +90,9 @@ pub fn solve_from_neighbours(
 }
 
 impl OrbitSolution {
-    /// What a search of its own has not found begins, where it has `such` a lead, at each neighbour alone: across the end of a
-    /// branch several together lead nowhere, and states are like one of them. It is where most of them lead, `least` or more, if a
-    /// search that takes the map's own Jacobian there finds that state, too; nowhere if as many lead to another.
+    /// Starts instances that have no state, and `such` a lead, from each neighbour alone: across the end of a branch an
+    /// interpolated start fails, but the state resembles one of theirs. The state that most neighbours lead to, `least` or
+    /// more and without a tie, counts if a search with the map's own Jacobian there finds it, too.
     pub(super) fn vote_of_neighbours(
         &mut self,
         plan: &Plan,
@@ -111,7 +111,7 @@ impl OrbitSolution {
         }
         let part = plan.part(&instances);
         let each: Vec<Vec<StencilPoint>> = instances.iter().map(|i| alone(*i)).collect();
-        // The states that an instance's neighbours lead to, and how many lead to each.
+        // By instance: the states that its neighbours lead to, and how many lead to each.
         let mut met: Vec<Vec<(SectionState, u32)>> = vec![Vec::new(); instances.len()];
         let apart = |i: usize, a: &SectionState, b: &SectionState| {
             distance(a, b) > SAME_STATE_TOL * part.driven(i as u32).free_amplitude().max(1e-15)
@@ -154,7 +154,7 @@ impl OrbitSolution {
         Ok(())
     }
 
-    /// Searches for instances that a brief search has not found from later places.
+    /// Repeats, from later states of the motion, the searches of instances that the first one has not found.
     pub(super) fn retry_later(
         &mut self,
         plan: &Plan,
@@ -174,7 +174,7 @@ impl OrbitSolution {
         Ok(())
     }
 
-    /// Takes in another run, of these instances alone.
+    /// Takes over the results of another run, of these instances alone.
     pub fn take(&mut self, instances: &[u32], mut other: Self) {
         for (place, i) in instances.iter().map(|i| *i as usize).enumerate() {
             self.outcome.results[i] = other.outcome.results[place];

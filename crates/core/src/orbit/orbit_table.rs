@@ -1,4 +1,4 @@
-//! Periodic states of very many instances: of each only the modes that it has, and not its map's Jacobian.
+//! Compact periodic states of very many instances: each holds only its own modes and no Jacobian.
 
 use super::{Jacobian, PeriodicState};
 use crate::kernel::MODES_MAX;
@@ -7,16 +7,16 @@ use crate::plan::{ReducedBasis, SectionState};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// States that were found, by instance. See [`PeriodicState`].
+/// States by instance. See [`PeriodicState`].
 #[derive(Clone, Debug, Default)]
 pub struct OrbitTable {
-    /// Of each instance one more than its place in `kept`; 0 where no state was found. Empty where none was searched for.
+    /// By instance: 1 + its index in `kept`, or 0 if no state was found. Empty if none was searched for.
     of: Vec<u32>,
     kept: Vec<OrbitRow>,
-    /// Of each state its travels by the modes, then the rates.
+    /// For each state: travels of its modes, then rates.
     numbers: Vec<f64>,
     bases: Vec<Arc<ReducedBasis>>,
-    /// Of each basis, by where it lies in memory, its place among them.
+    /// Index of each basis, by its address.
     known: HashMap<usize, u32>,
 }
 
@@ -28,7 +28,7 @@ struct OrbitRow {
     basis: u32,
 }
 
-/// Where a state's numbers begin, how many modes it has, whether it touches and whether it is finite, in a single word.
+/// A state's first index in `numbers`, its number of modes, and whether it touches and is finite, in one word.
 #[derive(Clone, Copy, Debug)]
 struct RowLayout(u64);
 
@@ -54,11 +54,11 @@ impl RowLayout {
     }
 }
 
-// So many modes have room in a word beside the place.
+// The word has six bits for the number of modes.
 const _: () = assert!(MODES_MAX < 64);
 
 impl OrbitTable {
-    /// Of so many instances, none of which was found yet.
+    /// A table of `count` instances without states.
     pub fn none_of(count: usize) -> Self {
         Self { of: vec![0; count], ..Self::default() }
     }
@@ -68,7 +68,7 @@ impl OrbitTable {
         self.of.is_empty()
     }
 
-    /// How many were found.
+    /// Number of states found.
     pub fn count(&self) -> usize {
         self.of.iter().filter(|place| **place > 0).count()
     }
@@ -77,12 +77,12 @@ impl OrbitTable {
         self.kept.get(self.of.get(instance)?.checked_sub(1)? as usize)
     }
 
-    /// Whether an instance's was found.
+    /// Whether the instance has a state.
     pub fn has(&self, instance: usize) -> bool {
         self.kept(instance).is_some()
     }
 
-    /// The modulus of its map's largest multiplier; NaN where none was found, or waiting found it.
+    /// Modulus of the map's largest multiplier; NaN if no search found the state.
     pub fn multiplier(&self, instance: usize) -> f64 {
         self.kept(instance).map_or(f64::NAN, |one| one.spectrum.multiplier)
     }
@@ -105,7 +105,7 @@ impl OrbitTable {
         })
     }
 
-    /// The states of these instances; nothing where nothing was searched for.
+    /// The states of these instances; empty if nothing was searched for.
     pub fn of(&self, instances: &[u32]) -> Vec<Option<PeriodicState>> {
         match self.is_empty() {
             true => Vec::new(),
@@ -113,7 +113,7 @@ impl OrbitTable {
         }
     }
 
-    /// Says what was found of an instance, of which nothing has been said before.
+    /// Stores the state of an instance that has none yet.
     pub fn put(&mut self, instance: usize, state: Option<&PeriodicState>) {
         let Some(PeriodicState { section: station, floquet: spectrum, steps, basis: kept, .. }) = state
         else {
@@ -136,7 +136,7 @@ impl OrbitTable {
         self.numbers.extend(x[..modes].iter().chain(&u[..modes]));
     }
 
-    /// All of them, each with all that it may have.
+    /// All states, in full size.
     pub fn to_vec(&self) -> Vec<Option<Box<PeriodicState>>> {
         (0..self.of.len()).map(|instance| self.get(instance).map(Box::new)).collect()
     }

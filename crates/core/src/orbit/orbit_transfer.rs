@@ -1,4 +1,4 @@
-//! A periodic state of one instance as the place where a search for another's begins.
+//! The periodic state of one instance as an initial guess for another's.
 
 use super::PeriodicState;
 use super::period_map::{distance, transfer_section};
@@ -7,20 +7,19 @@ use crate::plan::{Driven, KeptMode, Plan, SectionState};
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What misses by more free amplitudes is another state.
+/// A transfer error of more free amplitudes than this means another state.
 const MAX_TRANSFER_MISS: f64 = 0.5;
 
-/// The tip's motion at a neighbour, as instance `to` would have it: as large and as late behind the drive, but for as
-/// much larger or smaller as the sample is farther or nearer, so that the tip comes as close to it; never larger than
-/// both it and the free motion. Modes are the same if they have the same frequency or else the same number; one that the
-/// neighbour's lever lacks moves freely.
+/// Transfers the tip's motion at a neighbour to instance `to`. Phase behind the drive stays the same. The amplitude changes by
+/// the difference of the gaps, so that the tip comes as close to the sample; it never exceeds both the neighbour's and the
+/// free amplitude. Modes correspond by equal frequency, or else by number; a mode that the neighbour lacks moves freely.
 ///
-/// `from` is the plan that has the neighbour's drive and gap, its number there, and its state.
+/// `from` is the plan with the neighbour's drive and gap, its number there, and its state.
 pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) -> SectionState {
     let (plan_there, number, state) = from;
     let (there, here) = (plan_there.case(number), plan.case(to));
     let (driven_there, driven) = (plan_there.driven(number), plan.driven(to));
-    // Stations stand half a step after the top of the free swing.
+    // Section states lie half a step after the top of the free swing.
     let (before, now) = (section_angle(driven_there, state.steps), section_angle(driven, here.steps));
     let late = Complex::from_polar(1.0, now - before);
     let modes = &state.basis.modes;
@@ -52,8 +51,8 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
     station
 }
 
-/// As [`transfer_orbit`], but corrected by what carrying has missed one step earlier: `before` are states of the instance beyond `from`, of
-/// which the one counts that is nearest. Along a branch that bends, as before a tip lets go, that is the better place.
+/// Like [`transfer_orbit`], corrected by the transfer error one step earlier: `before` are states beyond `from`, and the one
+/// with the smallest error counts. This is the better guess along a branch that bends, as before pull-off.
 pub fn transfer_orbit_corrected(
     from: (&Plan, u32, &PeriodicState),
     before: &[(u32, PeriodicState)],
@@ -80,13 +79,13 @@ pub fn transfer_orbit_corrected(
     station
 }
 
-/// Phase of the drive at which an instance's periods are told.
+/// Phase of the drive at the section, where an instance's periods begin.
 pub(super) fn section_angle(driven: &Driven, steps: u32) -> f64 {
     FRAC_PI_2 - driven.free.angle + PI / f64::from(steps)
 }
 
-/// A mode's part of the free motion at that phase: travel as the imaginary part, its rate over the drive's angular
-/// frequency as the real one.
+/// A mode's part of the free motion at that phase: the imaginary part is its travel, the real part its rate over the drive's
+/// angular frequency.
 fn modal_phasor(driven: &Driven, mode: &KeptMode, angle: f64) -> Complex<f64> {
     let Some(index) = mode.index else { return Complex::ZERO };
     driven.free.modes[index] * Complex::from_polar(1.0, angle) * driven.instrument.modes[index].tip

@@ -1,4 +1,4 @@
-//! The period map of some instances, on whatever engine there is.
+//! The period map of some instances, on any engine.
 
 use super::{Jacobian, PeriodicState};
 use crate::engine::{
@@ -14,26 +14,26 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache, and where
-/// there are few so many that all threads have some.
+/// Least and most instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache.
+/// Few instances are shared among all threads.
 const INSTANCES_PER_THREAD: (u32, u32) = (8, 256);
 
-/// Modes whose motion falls by no more than this exponent in a period are slow.
+/// A mode is slow if its motion decays by at most this exponent in a period.
 const SLOW_MODE_EXPONENT: f64 = 0.3;
 
-/// Takes instances of a plan from one place to where they are some periods later, in f64.
+/// Maps section states of a plan's instances to those some periods later, in f64.
 pub(super) struct PeriodMap<'a> {
     pub plan: &'a Plan,
     instances: &'a [u32],
     engine: &'a dyn Engine,
     return_map: Option<Box<dyn ReturnMap>>,
     pub progress: &'a Progress,
-    /// What the engine had to say.
+    /// Messages of the engine.
     notes: Mutex<Vec<String>>,
 }
 
 impl<'a> PeriodMap<'a> {
-    /// Of these instances, by an engine that can compute in f64.
+    /// The map of these instances. The engine must compute in f64.
     pub fn new(
         plan: &'a Plan,
         instances: &'a [u32],
@@ -44,8 +44,7 @@ impl<'a> PeriodMap<'a> {
         Ok(Self { plan, instances, engine, return_map: quick, progress, notes: Mutex::default() })
     }
 
-    /// Does `work` for all instances: at once, or for some after the other on many threads where the engine does not
-    /// spread a list over them itself.
+    /// Runs `work` for all instances: at once if the engine spreads a list over threads itself, else in parts on many threads.
     pub fn spread<T: Send>(&self, work: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
         let count = self.instances.len() as u32;
         if self.return_map.is_none() {
@@ -58,18 +57,18 @@ impl<'a> PeriodMap<'a> {
         parts.map(|part| work(part * size..count.min((part + 1) * size))).collect()
     }
 
-    /// Counts instances whose search is over.
+    /// Counts instances whose search has ended.
     pub fn ended(&self, instances: usize) {
         self.progress.done(instances as u64);
     }
 
-    /// What the engine had to say.
+    /// Messages of the engine.
     pub fn notes(self) -> Vec<String> {
         self.notes.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where each of `starts` (a number in the list of instances, and a place) is after `periods`; none where the run
-    /// was stopped.
+    /// The section states `periods` later, for `starts` of (index in the list of instances, section state); `None` where the
+    /// run was stopped.
     pub fn after(
         &self,
         starts: &[(u32, SectionState)],
@@ -87,7 +86,7 @@ impl<'a> PeriodMap<'a> {
         Ok(outcome.ends.into_iter().map(|end| end.map(|end| *end)).collect())
     }
 
-    /// So many periods from these starts, as a plan.
+    /// A plan of `periods` periods from these starts.
     fn trial(&self, starts: impl Iterator<Item = (u32, SectionState)>, periods: u32) -> Plan {
         let (instances, places): (Vec<u32>, Vec<StartState>) =
             starts.map(|(slot, place)| (self.instances[slot as usize], StartState::from(place))).unzip();
@@ -100,13 +99,13 @@ impl<'a> PeriodMap<'a> {
 }
 
 impl PeriodMap<'_> {
-    /// Whether Jacobians can be asked for.
+    /// Whether the map can compute Jacobians.
     pub fn tells_jacobians(&self) -> bool {
         self.return_map.is_some() || self.engine.tells_slopes()
     }
 
-    /// Where each of these is after a period, and the Jacobian of that; none where the run was stopped, or where Jacobians cannot
-    /// be asked for.
+    /// The section states a period later, with the Jacobian of the period; `None` where the run was stopped or Jacobians are
+    /// not available.
     pub fn after_with_jacobian(
         &self,
         starts: &[JacobianStart],
@@ -130,12 +129,12 @@ impl PeriodMap<'_> {
 }
 
 impl PeriodMap<'_> {
-    /// Whether the engine has a way of its own to the ends of searches.
+    /// Whether the engine runs whole Newton searches itself.
     pub fn runs_newton(&self) -> bool {
         self.engine.searches()
     }
 
-    /// What searches from `starts` (a number in the list of instances, and a place) come to by the engine's own way.
+    /// Results of the engine's own Newton searches from `starts` of (index in the list of instances, section state).
     pub fn newton(
         &self,
         starts: impl Iterator<Item = (u32, SectionState)>,
@@ -149,12 +148,12 @@ impl PeriodMap<'_> {
     }
 }
 
-/// At rest but for the modes that are not kept, with the sample just there: a swing that grows from nothing.
+/// The lever at rest, apart from modes that are not kept, as the sample appears: a swing that grows from nothing.
 pub(super) fn rest_state(plan: &Plan, instance: u32) -> SectionState {
     let case = plan.case(instance);
     let driven = plan.driven(instance);
     let free = &driven.free;
-    // The run begins at the top of the free swing; section states stand half a step later.
+    // The run begins at the top of the free swing; section states lie half a step later.
     let angle = FRAC_PI_2 - free.angle + PI / f64::from(case.steps);
     let turn = Complex::from_polar(1.0, angle);
     let mut station = SectionState::FREE;
@@ -168,19 +167,19 @@ pub(super) fn rest_state(plan: &Plan, instance: u32) -> SectionState {
     station
 }
 
-/// How a state with other steps per period or another lever is met with an instance's own: section states stand half a step into
+/// Transfers a state with other steps per period or another lever to an instance's own. Section states lie half a step into
 /// the period.
 pub(super) struct BasisTransfer {
     /// Modes that both have.
     modes: Vec<ModeTransfer>,
 }
 
-/// The residual oscillator of a poorer basis swings as the mode that a richer one has in its place.
+/// A mode of both levers. The residual oscillator of a smaller basis matches the mode that replaces it in a larger one.
 struct ModeTransfer {
-    /// Its place among the instance's modes, and among the other's.
+    /// Index among the instance's modes, and among the other's.
     own: usize,
     other: usize,
-    /// What the time between the two does to it, there and back.
+    /// Free motion of the mode over the time between the two sections, forward and backward.
     there: Matrix2<f64>,
     back: Matrix2<f64>,
 }
@@ -196,11 +195,11 @@ impl BasisTransfer {
         let own_steps = f64::from(plan.steps(instance));
         let later = PI / driven.free.omega * (1.0 / own_steps - 1.0 / f64::from(steps));
         let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
-        // Modes of two levers are the same by their number.
+        // Modes of two levers are the same if their numbers are.
         let numbered = |mode: &KeptMode| {
             theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
         };
-        // Of two levers with the same modes the residual oscillators stand for the same.
+        // The residual oscillators of two levers with the same modes stand for the same motion.
         let copies = driven.kept.copies(theirs);
         let residual = |mode: &KeptMode| {
             let other = || theirs.modes.iter().position(|other| other.index.is_none());
@@ -221,7 +220,7 @@ impl BasisTransfer {
         Self { modes: own.iter().enumerate().filter_map(both).collect() }
     }
 
-    /// Puts a state from the other's numbers: travels, then rates. A mode that the other lever lacks is at rest.
+    /// Transfers the other's numbers, travels then rates, to `state`. A mode that the other lever lacks is at rest.
     pub(super) fn transfer<D: Size + DimName>(&self, theirs: &[f64], state: &mut OVector<f64, D>)
     where
         DefaultAllocator: Memory<D>,
@@ -234,7 +233,7 @@ impl BasisTransfer {
         }
     }
 
-    /// The map's Jacobian from what is known of the other's map; without a sample where nothing is.
+    /// The map's Jacobian, from that of the other's map or, if this is unknown, from the free lever.
     fn monodromy<D: Size + DimName>(
         &self,
         plan: &Plan,
@@ -251,13 +250,13 @@ impl BasisTransfer {
         slope
     }
 
-    /// Puts the map's Jacobian, or the inverse of one minus it, from the other's, column by column, over what it is without a sample:
-    /// that is left of modes that the other lever lacks.
+    /// Transfers the other's Jacobian or resolvent, column by column, into `slope`. `slope` holds that of the free lever
+    /// before, which remains for modes that the other lever lacks.
     pub(super) fn transfer_jacobian<D: Size + DimName>(&self, theirs: &[f64], slope: &mut OMatrix<f64, D, D>)
     where
         DefaultAllocator: Memory<D>,
     {
-        // There is a row and a column for each number of a state, of which many may be at rest.
+        // There is a row and a column for each number of a state; many may be at rest.
         let (modes, others) = (D::DIM / 2, theirs.len().isqrt() / 2);
         let theirs = |row: usize, column: usize| theirs[column * 2 * others + row];
         for ModeTransfer { own: k, other: j, there, .. } in &self.modes {
@@ -271,7 +270,7 @@ impl BasisTransfer {
         }
     }
 
-    /// A mode that the other lever lacks is at rest and free.
+    /// A mode that the other lever lacks is at rest, that is free.
     fn section(&self, place: &PeriodicState) -> SectionState {
         let mut moved = SectionState { touching: place.section.touching, ..SectionState::FREE };
         for ModeTransfer { own, other, there, .. } in &self.modes {
@@ -282,7 +281,7 @@ impl BasisTransfer {
     }
 }
 
-/// Where a state found with other steps per period or another lever is by the instance's own.
+/// A state found with other steps per period or another lever, as the instance's own section state.
 pub(super) fn transfer_section(plan: &Plan, instance: u32, place: &PeriodicState) -> SectionState {
     let same = Arc::ptr_eq(&plan.driven(instance).kept, &place.basis) && plan.steps(instance) == place.steps;
     if same {
@@ -292,19 +291,18 @@ pub(super) fn transfer_section(plan: &Plan, instance: u32, place: &PeriodicState
     }
 }
 
-/// How far two places are apart, m.
+/// Distance between two section states, m.
 pub(super) fn distance(a: &SectionState, b: &SectionState) -> f64 {
     let squares = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
     (squares(&a.x, &b.x) + squares(&a.u, &b.u)).sqrt()
 }
 
-/// Travel and rate of so many modes, one after the other.
+/// Travels of `modes` modes, then their rates.
 pub(super) fn section_numbers(station: &SectionState, modes: usize) -> Box<[f64]> {
     station.x[..modes].iter().chain(&station.u[..modes]).copied().collect()
 }
 
-/// A state found with other steps per period or another lever as it is met with the instance's own, and the map's Jacobian
-/// there.
+/// Transfers a state found with other steps per period or another lever to the instance's own, with the map's Jacobian there.
 pub(super) fn transfer_with_jacobian<D: Size + DimName>(
     plan: &Plan,
     instance: u32,
@@ -318,8 +316,8 @@ where
     (turned.section(place), slope)
 }
 
-/// The map's Jacobian without a sample, and its columns of modes that ring for longer than [`SLOW_MODE_EXPONENT`] says: contact changes
-/// these by more than a search can leave to its updates.
+/// The free lever's Jacobian, and its columns of slow modes (see [`SLOW_MODE_EXPONENT`]). Contact changes these columns by
+/// more than a search can leave to its updates.
 pub(super) fn free_monodromy<D: Size + DimName>(
     plan: &Plan,
     instance: u32,
@@ -344,7 +342,7 @@ where
     (slope, columns)
 }
 
-/// Travel and rate of each mode, one after the other.
+/// Travels of the modes, then their rates.
 pub(super) fn vector<D: Size + DimName>(station: &SectionState) -> OVector<f64, D>
 where
     DefaultAllocator: Memory<D>,
@@ -353,7 +351,7 @@ where
     OVector::<f64, D>::from_iterator(station.x[..modes].iter().chain(&station.u[..modes]).copied())
 }
 
-/// The other way.
+/// The reverse of [`vector`].
 pub(super) fn station<D: Size + DimName>(vector: &OVector<f64, D>, touching: bool) -> SectionState
 where
     DefaultAllocator: Memory<D>,

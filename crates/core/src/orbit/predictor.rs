@@ -1,4 +1,4 @@
-//! What solved instances of a sweep say of one between them.
+//! The predictor: an instance's state from the states of its solved neighbours.
 
 use super::period_map::vector;
 use super::stencil::{Stencil, StencilPoint};
@@ -7,15 +7,15 @@ use crate::periodic::{Memory, Size};
 use crate::plan::Plan;
 use nalgebra::{DefaultAllocator, DimName, OVector};
 
-/// Two starts for one instance, by many of its neighbours and by the nearest alone, are farther apart than this share of
-/// the free amplitude only where its neighbours are no guide.
+/// If two interpolations, from many neighbours and from the nearest alone, differ by more than this share of the free
+/// amplitude, the neighbours are no guide.
 const MAX_SPREAD: f64 = 0.02;
-/// So many times farther apart than the neighbours beyond them, the nearest two are on different branches.
+/// The two nearest neighbours are on different branches if they are this many times farther apart than those beyond them.
 const FOLD_RATIO: f64 = 4.0;
 
 impl Stencil<'_> {
-    /// What the neighbours lead to; none where they are no guide: they move differently, or say different things, or one
-    /// of them is not clearly stable.
+    /// The state that the neighbours predict. `None` if they are no guide: they move differently, disagree, or one of them is
+    /// not clearly stable.
     pub(super) fn predict<'t, D: Size + DimName>(
         &self,
         plan: &Plan,
@@ -61,8 +61,8 @@ impl Stencil<'_> {
         Some(&turns.prediction)
     }
 
-    /// Takes the neighbours' states for a guess, or how far those are from where the same ones were before, and tells how far it is
-    /// from what the nearest alone say, m.
+    /// Interpolates the neighbours' states, or their change since the run before, into the prediction. Returns the distance,
+    /// m, from the interpolation between the nearest alone.
     fn interpolate<D: Size + DimName>(
         &self,
         meets: TransferTarget,
@@ -88,8 +88,8 @@ impl Stencil<'_> {
         apart
     }
 
-    /// The place between the nearest two on a line, how far they are from it, m, and whether they touch the sample there; none
-    /// where one of the two alone does, or where the instance's own state is known.
+    /// The point between the two nearest neighbours on a line, their distance from it, m, and whether the tip touches there.
+    /// `None` if only one of the two touches, or if the instance's own state is known.
     pub(super) fn midpoint<D: Size + DimName>(
         &self,
         plan: &Plan,
@@ -115,8 +115,8 @@ impl Stencil<'_> {
         Some((middle, far, a.touching))
     }
 
-    /// Whether the nearest two are on different branches: far apart beside those beyond them; of two alone, where one is
-    /// drawn to the sample and the other is not.
+    /// Whether the two nearest are on different branches: far apart compared with those beyond them. Of two alone, one is
+    /// attracted by the sample and the other is not.
     fn crosses_fold<D: Size>(&self, states: &[OVector<f64, D>], scale: f64) -> bool
     where
         DefaultAllocator: Memory<D>,

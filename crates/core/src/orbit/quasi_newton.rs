@@ -1,4 +1,4 @@
-//! Periodic states from their neighbours': one measured period from where these lead to tells how far it still is.
+//! Periodic states by Broyden's method from neighbours' predictions: one measured period gives the residual.
 
 use super::residual::RESIDUAL_TOL;
 use super::size_dispatch::{BySize, by_size, with_size};
@@ -16,16 +16,16 @@ use crate::plan::{Plan, Precision};
 use nalgebra::{DefaultAllocator, DimName};
 use rayon::prelude::*;
 
-/// Fewest instances that one thread takes along together where there are more.
+/// Least number of instances in one thread's batch, if there are more.
 const MIN_BATCH_INSTANCES: usize = 512;
 
-/// Of so many instances how many one thread takes along together: as many as may be, while every thread has some.
+/// Batch size of a thread for `count` instances: as large as possible while every thread has a batch.
 fn batch_size(count: usize) -> usize {
     count.div_ceil(rayon::current_num_threads()).clamp(MIN_BATCH_INSTANCES, INSTANCES_PER_BATCH)
 }
 
-/// Tries to find the states of the instances that have a hint: results, states and periods of those whose hint led to
-/// one. Of the others only the periods are told; they are as not run.
+/// Corrects the predictions of instances that have a stencil. Returns results, states and periods where this converges; other
+/// instances stay as not run, and only their periods count.
 pub(super) fn correct(
     plan: &Plan,
     leads: &[StencilStart],
@@ -68,7 +68,7 @@ pub(super) fn correct(
             }
         }
     }
-    // In f32 every state is measured once more all the same.
+    // In f32 every state is measured again anyway.
     if plan.precision == Precision::F64 && !progress.stopped() {
         let unsure = settled.confirm_by_residual(plan, &anew, double, progress)?;
         settled.run_on(&plan.part(&unsure), &unsure, double, progress)?;
@@ -77,14 +77,14 @@ pub(super) fn correct(
     Ok(settled)
 }
 
-/// Guesses, what became of each, and the state that it has led to.
+/// Predictions, the correction of each, and the state it has led to.
 struct CorrectedStates {
     guessed: Vec<Prediction>,
     arrivals: Corrections,
     states: Vec<Option<Box<PeriodicState>>>,
 }
 
-/// Instances whose states have as many numbers.
+/// Instances whose states have equally many numbers.
 struct CorrectionBatch<'a> {
     plan: &'a Plan,
     some: &'a [u32],
@@ -115,15 +115,15 @@ impl BySize for CorrectionBatch<'_> {
     }
 }
 
-/// What neighbours say of instances.
+/// Predictions from neighbours.
 struct PredictedStates {
     guesses: Predictions,
-    /// Of each guess.
+    /// By prediction.
     multipliers: Vec<f64>,
 }
 
 impl CorrectionBatch<'_> {
-    /// Of all of them; none where there are none.
+    /// The predictions of all instances; `None` if there are no instances.
     fn known<D: Size + DimName>(&self) -> Option<PredictedStates>
     where
         DefaultAllocator: Memory<D>,
@@ -150,7 +150,7 @@ impl CorrectionBatch<'_> {
             guesses.reserve(some.len());
             for &i in some {
                 let hint = leads[i as usize].stencil();
-                // Of some they say nothing.
+                // The neighbours of some instances are no guide.
                 let Some(guess) = hint.and_then(|hint| hint.predict::<D>(plan, i, &mut turns)) else {
                     continue;
                 };
@@ -163,11 +163,11 @@ impl CorrectionBatch<'_> {
     }
 }
 
-/// The state that a guess has led to.
+/// The state that a prediction has led to.
 fn corrected_state(plan: &Plan, (guesses, n): (&Predictions, usize), multiplier: f64) -> Box<PeriodicState> {
     let (one, undoes) = (guesses.all[n], guesses.undoes(n));
     let norm = undoes.iter().map(|value| value * value).sum::<f64>().sqrt();
-    // A state is large: its numbers are put where it lies.
+    // A state is large, so it is filled in place.
     let (steps, kept) = (plan.steps(one.instance), &plan.driven(one.instance).kept);
     let mut state = Box::new(PeriodicState::unknown(steps, kept));
     let (x, u) = guesses.place(n).split_at(guesses.numbers / 2);

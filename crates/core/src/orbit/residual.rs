@@ -1,4 +1,4 @@
-//! One measured period from a periodic state: its result, and what its own change says of the state.
+//! One measured period from a periodic state: its result, and what its residual says of the state.
 
 use super::PeriodicState;
 use super::period_map::distance;
@@ -6,21 +6,21 @@ use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Measured;
 use crate::plan::{Plan, Precision, SectionState, StartState};
 
-/// Share of the accuracy within which the state has to be for the period to be its result, by the bound that its change
-/// gives. Forces magnify a state's error by about twenty, and the bound is some fifteen times the distance.
+/// Largest error bound of a state whose single period counts as its result, as a share of the accuracy; the bound follows from
+/// the residual. Forces magnify a state's error by about twenty, and the bound is some fifteen times the distance.
 pub(super) const RESIDUAL_TOL: f64 = 0.03;
-/// The same where the period is in f32: its rounding is in the change, and the state is not the worse for it.
+/// The same for a period in f32, whose residual includes rounding that the state itself does not have.
 const RESIDUAL_TOL_F32: f64 = 0.3;
 
-/// One measured period of each of the plan's instances from these places; where they end is told too. Whether they are
-/// steady is not judged: of one period nothing could be said but by its change.
+/// Measures one period of each of the plan's instances from these section states, and returns their ends, too. It does not
+/// judge steadiness: one period alone tells only its residual.
 pub(super) fn measure_period(
     plan: Plan,
     places: impl Iterator<Item = SectionState>,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Outcome, EngineError> {
-    // Of no change, however large, anything is left.
+    // With an infinite `least_change` no change counts against the state.
     let start = |station| StartState { section: station, least_change: Some(f64::INFINITY) };
     let mut one = plan.starting_at(places.map(start).collect());
     (one.run.periods, one.run.measure) = (1, 1);
@@ -28,16 +28,14 @@ pub(super) fn measure_period(
     engine.run(&one, progress)
 }
 
-/// How much the largest force changes, as a share of itself, where the tip stands aside by this distance (m); 0 where it does not
-/// touch.
+/// Relative change of the largest force if the tip moves by `distance` (m); 0 without contact.
 pub(super) fn force_share(plan: &Plan, instance: u32, one: &Measured, distance: f64) -> f64 {
     let force = one.force_max.abs().max(one.force_min.abs());
     let change = plan.contact(instance).stiffness(one.indentation_max, true).abs() * distance;
     if change > 0.0 { change / force } else { 0.0 }
 }
 
-/// Whether a period that leads from a state to this end bears it out: by the bound on the distance from the periodic
-/// state, and in the same contact.
+/// Whether a period from `state` to `end` confirms it: the error bound is small enough and the contact is the same.
 pub(super) fn residual_confirms(
     plan: &Plan,
     instance: u32,

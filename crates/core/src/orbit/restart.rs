@@ -1,4 +1,4 @@
-//! Another run of instances, with other steps or bases, from their own states in the run before.
+//! Another run of the instances, with other steps or bases, from their own earlier states.
 
 use super::neighbour_start::{OnFailure, solve_from_neighbours};
 use super::stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
@@ -6,8 +6,8 @@ use super::{OrbitSolution, PeriodicState};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::Plan;
 
-/// As [`solve`](super::solve): each instance that has a state in `near` begins there as at a neighbour's, with what is known of the
-/// map's Jacobian, and is searched for where that leads to none.
+/// Like [`solve`](super::solve), but an instance with a state in `near` starts from it as from a neighbour's, with its
+/// Jacobian. A search follows where this fails.
 pub(super) fn solve_from_own_states(
     plan: &Plan,
     near: &[Option<&PeriodicState>],
@@ -21,7 +21,7 @@ pub(super) fn solve_from_own_states(
     Ok(solve_from_neighbours(plan, &leads, (near, OnFailure::Integrate), engine, progress)?.0)
 }
 
-/// Where one state alone leads to.
+/// A start from one state alone.
 fn single_point(node: &SolvedNeighbour) -> StencilStart<'_> {
     Stencil::alone(StencilPoint { node, before: None, weight: 1.0, nearest: 1.0 }).into()
 }

@@ -1,4 +1,4 @@
-//! Many searches side by side: all that they ask for in one run.
+//! Many searches side by side: one run evaluates all that they ask for.
 
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::instance_search::{InstanceSearch, padded};
@@ -20,20 +20,20 @@ use nalgebra::{DefaultAllocator, DimName};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Instances searched for at a time: as many as keep the engine busy and the memory small.
+/// Instances in one batch: enough to keep the engine busy, few enough for memory.
 const BATCH_INSTANCES: usize = 8192;
-/// The same where there are many modes: a Jacobian of 24 modes has 18 kB.
+/// The same for many modes: a Jacobian of 24 modes has 18 kB.
 const BATCH_INSTANCES_MANY: usize = 1024;
-/// What the searches ended with, by instance of the plan.
+/// Ends of the searches, by instance of the plan.
 pub(super) struct BatchSolution {
     pub found: Vec<Option<Box<PeriodicState>>>,
     pub periods: Vec<u32>,
-    /// Those that were searched for from where the scene begins, in vain.
+    /// Instances whose searches from the scene's start failed.
     pub left: Vec<Unconverged>,
     pub notes: Vec<String>,
 }
 
-/// Searches for the periodic states of `stepped` by an engine that can compute in f64.
+/// Searches for the periodic states of `stepped`, on an engine that computes in f64.
 pub(super) fn solve_batches(
     plan: &Plan,
     stepped: &[u32],
@@ -76,16 +76,16 @@ pub(super) fn solve_batches(
     Ok(done)
 }
 
-/// How one instance's searches ended.
+/// The end of one instance's searches.
 struct SearchEnd {
-    /// Its number in the batch.
+    /// Number in the batch.
     slot: u32,
     periods: u32,
-    /// Its state; else how many periods on from where it began it was looked for last, and the place there.
+    /// The state; else the periods from the first start to that of the last search, and the section state there.
     state: Result<Box<PeriodicState>, (u32, SectionState)>,
 }
 
-/// Instances with as many modes each, known here by their number in the list.
+/// Instances of one size of state, numbered by their place in the list.
 #[derive(Clone, Copy)]
 struct SearchBatch<'a> {
     plan: &'a Plan,
@@ -94,7 +94,7 @@ struct SearchBatch<'a> {
     map: &'a PeriodMap<'a>,
 }
 
-/// Some of them.
+/// A range of a batch.
 struct SearchSlice<'a> {
     batch: SearchBatch<'a>,
     slots: Range<u32>,
@@ -111,7 +111,7 @@ impl BySize for SearchSlice<'_> {
     }
 }
 
-/// An instance without a state yet, the periods stepped for it so far, and where the last search began.
+/// An instance without a state yet, the periods stepped for it so far, and the start of the last search.
 type UnsolvedSlot = (u32, u32, SectionState);
 
 impl SearchBatch<'_> {
@@ -156,7 +156,7 @@ impl SearchBatch<'_> {
         left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
         let (mut waited, periods) = (0, plan.run.periods);
         for (n, &(warm, searches)) in from.warm_up().iter().enumerate() {
-            // Waiting would be cheaper.
+            // Integration to steady state is cheaper.
             if left.is_empty() || warm >= periods {
                 break;
             }
@@ -179,7 +179,7 @@ impl SearchBatch<'_> {
         Ok(done)
     }
 
-    /// So many periods on; who was stopped on the way is left out.
+    /// Integrates by `periods`; leaves out instances that were stopped.
     fn integrate_on(self, left: Vec<UnsolvedSlot>, periods: u32) -> Result<Vec<UnsolvedSlot>, EngineError> {
         let starts: Vec<_> = left.iter().map(|(slot, _, place)| (*slot, *place)).collect();
         let ends = self.map.after(&starts, periods)?.into_iter();
@@ -190,8 +190,8 @@ impl SearchBatch<'_> {
             .collect())
     }
 
-    /// Takes searches to their ends; those in vain come back. What an engine does not find by itself goes through rounds here where
-    /// no other search follows, `last`.
+    /// Runs searches to their ends and returns those that failed. If no other search follows (`last`), rounds on the host
+    /// repeat what the engine's own search does not find.
     fn run_to_end<D: Size + DimName>(
         self,
         all: Vec<Box<InstanceSearch<D>>>,
@@ -213,7 +213,7 @@ impl SearchBatch<'_> {
         Ok(lost)
     }
 
-    /// Round by round: all that they ask for, and what they make of it.
+    /// Searches round by round: evaluates all requests, then advances each search.
     fn host_rounds<D: Size + DimName>(
         self,
         mut all: Vec<Box<InstanceSearch<D>>>,
@@ -271,8 +271,8 @@ impl SearchBatch<'_> {
         Ok(lost)
     }
 
-    /// Searches as the engine does it as a whole, in f32 up to where that is sure and then in f64; what it does not find comes
-    /// back. Where another search follows, what f32 does not find is left to that.
+    /// Searches by the engine's own method, first in f32 where rounding allows, then in f64. Returns searches that failed; if
+    /// another search follows, those that fail in f32 go there directly.
     fn device_newton<D: Size + DimName>(
         self,
         mut all: Vec<Box<InstanceSearch<D>>>,
@@ -289,7 +289,7 @@ impl SearchBatch<'_> {
         let begin = |one: &InstanceSearch<D>| (one.slot, one.start, one.search.pseudo_time());
         let (which, begins): (Vec<usize>, Vec<_>) =
             (all.iter().enumerate()).filter(|(_, one)| early(one)).map(|(n, one)| (n, begin(one))).unzip();
-        // What f32 has found begins there in f64, by Newton's steps.
+        // States found in f32 are the start in f64, by full Newton steps.
         let mut next = Vec::new();
         for (n, sought) in which.into_iter().zip(self.newton_end(&begins, Precision::F32)?) {
             all[n].periods += sought.periods;
@@ -326,7 +326,7 @@ impl SearchBatch<'_> {
         Ok(left)
     }
 
-    /// What the engine's searches come to that begin so: by slot, from a place, with a first step of so many periods.
+    /// Runs the engine's Newton searches from `begins` of (slot, section state, initial pseudo-time step in periods).
     fn newton_end(
         self,
         begins: &[(u32, SectionState, f64)],

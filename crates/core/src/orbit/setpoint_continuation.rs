@@ -1,5 +1,5 @@
-//! From far away to a set-point: the sample moved nearer until the state passes what is asked for, as a slow feedback does.
-//! Many instances side by side, each with steps of its own.
+//! Continuation to a set-point: the sample moves nearer from far away until the state passes the set-point, as under a slow
+//! feedback. Many instances go side by side, each with its own steps.
 
 use super::continuation::{self, branch_end, settled_states};
 use super::initial_guess::{CurvePrediction, InitialGuess};
@@ -14,45 +14,45 @@ use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, SectionState, StartState};
 use crate::scene::ForceBranch;
 
-/// The first step and the shortest, in free amplitudes: where none so short succeeds the branch has ended.
+/// First and shortest step, in free amplitudes. The branch has ended if even the shortest step fails.
 const DS_FIRST_AMPLITUDES: f64 = 0.02;
 const DS_MIN_AMPLITUDES: f64 = 2e-3;
-/// The longest step, as a share of the gap or the free amplitude.
+/// Longest step, as a share of the gap or of the free amplitude.
 const DS_MAX_SHARE: f64 = 0.25;
-/// Most evaluations of a step's search, and Jacobians taken anew.
+/// Evaluations and new Jacobians that the search of one step may take.
 const MAX_EVALUATIONS_AND_JACOBIANS: (u32, u32) = (12, 3);
-/// The next step, over one that took no more than so many periods and Jacobians, and over one that took more or failed.
+/// Growth of the step after one that took at most so many periods and Jacobians; a costlier step shrinks.
 const DS_GROWTH: [(u32, u32, f64); 3] = [(6, 0, 2.0), (7, 1, 1.4), (12, 1, 1.0)];
 const DS_SHRINK_COSTLY: f64 = 0.6;
-/// The same over one whose end was looked at closely.
+/// Growth after a step with a close stability check, and shrinkage after a failed one.
 const DS_GROWTH_AFTER_CARE: f64 = 1.4;
 const DS_SHRINK_FAILED: f64 = 0.25;
-/// Steps of an instance, and jumps from branch to branch: a feedback that jumps more often goes round in circles.
+/// Steps of an instance, and jumps between branches. A feedback that jumps more often goes in circles.
 const MAX_STEPS: u32 = 1000;
 const MAX_JUMPS: u32 = 4;
-/// How far below the surface a set-point is looked for where the scene does not say, in free amplitudes.
+/// Largest depth below the surface, in free amplitudes, if the scene gives none.
 pub(super) const MAX_DEPTH_AMPLITUDES: f64 = 100.0;
 
-/// How an approach ended.
+/// The end of an approach.
 pub(super) enum ApproachEnd {
-    /// About where the set-point is held, m, and a state beside it.
+    /// Approximate gap of the set-point, m, and a state near it.
     Met(f64, Box<PeriodicState>),
     /// No gap holds it.
     None,
-    /// Stopped before.
+    /// Stopped before the end.
     NotRun,
 }
 
-/// What approaches led to, by instance.
+/// Results of approaches, by instance.
 pub(super) struct SetPointApproach {
     pub ends: Vec<ApproachEnd>,
-    /// Those that were not met as deep as they were looked for, and how far they were missed there.
+    /// Instances that reached the largest depth without meeting their set-points, and their residuals there.
     pub too_deep: Vec<(u32, f64)>,
     pub periods: Vec<u32>,
     pub notes: Vec<String>,
 }
 
-/// Approaches the set-points of all instances of the plan, by an engine that can compute in f64.
+/// Approaches the set-points of all instances of the plan, on an engine that computes in f64.
 pub(super) fn approach_setpoints(
     plan: &Plan,
     engine: &dyn Engine,
@@ -83,18 +83,18 @@ pub(super) fn approach_setpoints(
     Ok(all.done)
 }
 
-/// Instances while they are approached.
+/// The continuation of all instances.
 struct SetPointContinuation<'a> {
     plan: Plan,
     engine: &'a dyn Engine,
     progress: &'a Progress,
     done: SetPointApproach,
-    /// Those that did not meet the branch asked for.
+    /// Instances that did not meet the requested branch.
     astray: Vec<SetPointBranch>,
 }
 
 impl SetPointContinuation<'_> {
-    /// All instances in the state that the free oscillation leads to far from the sample.
+    /// Starts all instances far from the sample, at the state that the free oscillation settles to.
     fn start_free(&mut self) -> Result<Vec<SetPointBranch>, EngineError> {
         let stepped = self.plan.stepped();
         let free: Vec<u32> = self.plan.instances().filter(|i| self.plan.steps(*i) == 0).collect();
@@ -126,7 +126,7 @@ impl SetPointContinuation<'_> {
         Ok(begun)
     }
 
-    /// One step of each; those that come back go on.
+    /// One step of each instance. Returns those that continue.
     fn stride(&mut self, mut going: Vec<SetPointBranch>) -> Result<Vec<SetPointBranch>, EngineError> {
         let gaps: Vec<f64> = going.iter().map(SetPointBranch::next_gap).collect();
         let instances: Vec<u32> = going.iter().map(|one| one.instance).collect();
@@ -150,7 +150,7 @@ impl SetPointContinuation<'_> {
             let mut state = found[i as usize].take().filter(|found| follows(found));
             one.unsure = false;
             if let Some(met) = state.as_mut().filter(|_| !one.careful) {
-                // What is not stable by a Jacobian that is only carried is to be looked at closely.
+                // A multiplier from an updated Jacobian that is not below 1 needs a close check.
                 one.unsure = met.floquet.multiplier.is_nan() || met.floquet.multiplier >= 1.0;
                 met.floquet = PeriodicState::unknown(met.steps, &met.basis).floquet;
             }
@@ -176,7 +176,7 @@ impl SetPointContinuation<'_> {
         Ok(left_over)
     }
 
-    /// Takes those whose branch has ended to where waiting leads them.
+    /// Integrates instances whose branch has ended to the state they settle to.
     fn jump(&mut self, ended: Vec<SetPointBranch>) -> Result<Vec<SetPointBranch>, EngineError> {
         let start = |one: &SetPointBranch| (one.instance, one.next_gap(), branch_end(one.last.state.clone()));
         let starts: Vec<_> = ended.iter().map(start).collect();
@@ -186,7 +186,7 @@ impl SetPointContinuation<'_> {
             one.jumps += u32::from(jumped);
             match place.filter(|_| one.jumps <= MAX_JUMPS && one.steps < MAX_STEPS) {
                 None if self.progress.stopped() => {}
-                // The branch goes on, only that no search finds it here: it has passed the set-point as a step does.
+                // The branch continues although no search finds it here, and it has passed the set-point.
                 Some(place) if !jumped && one.last.miss * place.miss <= 0.0 => {
                     going.extend(self.accept(one, place, 0));
                 }
@@ -201,7 +201,7 @@ impl SetPointContinuation<'_> {
         Ok(going)
     }
 
-    /// Sets those that went astray on the branch that is asked for, wherever its closed form leads to a state.
+    /// Restarts instances that went astray on the requested branch, wherever its closed form leads to a state.
     fn on_the_branches(&mut self) -> Result<Vec<SetPointBranch>, EngineError> {
         let mut left = std::mem::take(&mut self.astray);
         let mut going = Vec::new();
@@ -246,7 +246,7 @@ impl SetPointContinuation<'_> {
         Ok(going)
     }
 
-    /// A step has come to this place in so many periods: whether the set-point is passed, or another step is to follow.
+    /// Takes a step to `place` in `periods` periods: ends the approach past the set-point, else chooses the next step.
     fn accept(
         &mut self,
         mut one: SetPointBranch,
@@ -277,7 +277,7 @@ impl SetPointContinuation<'_> {
             one.step = one.step.min((SETPOINT_OVERSHOOT * one.last.miss.abs() / slope).max(shortest));
         }
         one.before = Some(before);
-        // A lever that bends follows its sample down.
+        // The sample pushes a soft lever down, so gaps may become negative.
         let surface = self.plan.case(one.instance).gap.min(0.0);
         let lowest = surface - one.setpoint.deepest.unwrap_or(MAX_DEPTH_AMPLITUDES * amplitude);
         let highest = free_gap(&self.plan, one.instance) + amplitude;
@@ -291,7 +291,7 @@ impl SetPointContinuation<'_> {
         None
     }
 
-    /// Where a branch is asked for it is looked for once more by itself. Another one is better than none.
+    /// Ends a failed approach, or searches once more for a requested branch; another branch is better than none.
     fn give_up(&mut self, one: SetPointBranch) {
         if one.setpoint.branch.is_some() && !one.set {
             self.astray.push(SetPointBranch { set: true, ..one });
@@ -306,7 +306,7 @@ impl SetPointContinuation<'_> {
         self.progress.done(1);
     }
 
-    /// Where waiting leads these instances, at these gaps, from these states.
+    /// The states to which these instances settle, at these gaps, from these states.
     fn settle(
         &mut self,
         starts: &[(u32, f64, PeriodicState)],
@@ -325,7 +325,7 @@ impl SetPointContinuation<'_> {
         self.places(&part, found)
     }
 
-    /// What the states found of a part hold.
+    /// The residuals and branches of the states found of `part`.
     fn places(
         &mut self,
         part: &Plan,

@@ -1,11 +1,11 @@
-//! How far a set-point is missed.
+//! The residual of a set-point.
 
 use crate::engine::Finished;
 use crate::plan::Plan;
 use crate::scene::Held;
 
-/// How far what an instance holds is from what it is to hold, as a share of the free amplitude or of the force, of a phase in
-/// radians: above zero where the sample is to come nearer.
+/// The residual of an instance's set-point: a share of the free amplitude or of the force, for a phase in radians. It is
+/// positive where the sample is to come nearer.
 pub(super) fn setpoint_residual(plan: &Plan, instance: u32, result: &Finished) -> f64 {
     let measured = &result.measured;
     match plan.setpoint(instance).map(|setpoint| setpoint.held) {
@@ -16,7 +16,7 @@ pub(super) fn setpoint_residual(plan: &Plan, instance: u32, result: &Finished) -
             let free = &plan.driven(instance).free;
             measured.deflection_amplitude / free.deflection(free.tip).norm() - share
         }
-        // The phase moves from the free one towards it, the short way round.
+        // The phase moves from the free one towards the set-point, the short way round.
         Some(Held::Phase(degrees)) => {
             let from = |phase: f64| (phase - degrees + 180.0).rem_euclid(360.0) - 180.0;
             (from(measured.phase) * from(measured.free_phase).signum()).to_radians()

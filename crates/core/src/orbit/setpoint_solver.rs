@@ -8,17 +8,17 @@ use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::scene::Held;
 
-/// A set-point is held where it is missed by no more than this share of the accuracy.
+/// A set-point is held if its residual is at most this share of the accuracy.
 const SETPOINT_TOL_SHARE: f64 = 0.05;
-/// Gaps that are tried for one run of an instance.
+/// Gaps tried in one run of an instance.
 const MAX_SECANT_STEPS: u32 = 12;
 /// Longest step from one gap to the next, in free amplitudes.
 const MAX_GAP_STEP_AMPLITUDES: f64 = 0.05;
-/// Largest growth of a step, over the one before.
+/// Largest growth of a step, relative to the one before.
 const MAX_GAP_STEP_GROWTH: f64 = 8.0;
 
-/// The first run of a plan with set-points: each is approached from far away, then held. The way there is gone with the
-/// smallest bases; where what these lead to does not hold, with the plan's own.
+/// The first run of a plan with set-points: approaches each from far away, then holds it. The approach uses the smallest
+/// bases, and the plan's own where the set-point is not held after that.
 pub(super) fn solve_first(
     plan: &mut Plan,
     engine: &dyn Engine,
@@ -53,7 +53,7 @@ pub(super) fn solve_first(
     Ok(settled)
 }
 
-/// Says how far the set-points were that are not met as deep as they were looked for.
+/// A note on the residuals of set-points that are not met down to the largest depth.
 fn depths(settled: &OrbitSolution, too_deep: &[(u32, f64)]) -> Option<String> {
     let is_lost = |(i, _): &&(u32, f64)| settled.outcome.results[*i as usize].status == Status::NoSetpoint;
     let lost: Vec<f64> = too_deep.iter().filter(is_lost).map(|(_, miss)| *miss).collect();
@@ -66,8 +66,8 @@ fn depths(settled: &OrbitSolution, too_deep: &[(u32, f64)]) -> Option<String> {
     ))
 }
 
-/// Approaches the plan's set-points `by` a plan of the same instances, and holds them. Those that were not met deep down come
-/// with it.
+/// Approaches the plan's set-points with the plan `by` of the same instances, then holds them. Also returns those that were
+/// not met down to the largest depth.
 fn approach_and_hold(
     plan: &mut Plan,
     by: &Plan,
@@ -101,7 +101,7 @@ fn approach_and_hold(
     Ok((settled, approached.too_deep))
 }
 
-/// Another run of a plan with set-points, from gaps and states that held them with other steps or levers.
+/// Runs a plan with set-points again, from gaps and states that held them with other steps or levers.
 pub(super) fn hold_again(
     plan: &mut Plan,
     near: &[Option<&PeriodicState>],
@@ -112,10 +112,10 @@ pub(super) fn hold_again(
     hold(plan, &all, near, engine, progress)
 }
 
-/// What an instance is whose set-point no gap holds.
+/// The result of an instance whose set-point no gap holds.
 const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
 
-/// Before anything has run.
+/// The solution before any run.
 fn empty_solution(count: usize) -> OrbitSolution {
     OrbitSolution {
         outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
@@ -125,15 +125,15 @@ fn empty_solution(count: usize) -> OrbitSolution {
     }
 }
 
-/// An instance whose gap is looked for.
+/// An instance whose gap is an unknown.
 struct GapIterate {
     instance: u32,
     gap: f64,
-    /// The gap before, and by how much it missed.
+    /// The gap before, and its residual.
     before: Option<(f64, f64)>,
 }
 
-/// Holds the set-points of these instances of the plan, whose gaps become those that hold them.
+/// Holds the set-points of these instances, and writes the gaps that do so to the plan.
 fn hold(
     plan: &mut Plan,
     instances: &[u32],
@@ -143,7 +143,7 @@ fn hold(
 ) -> Result<OrbitSolution, EngineError> {
     let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
     let mut all = empty_solution(plan.len());
-    // What feels no sample holds nothing.
+    // An instance that feels no sample cannot hold a set-point.
     let none = |i: &&u32| gaps[**i as usize].is_nan() || plan.steps(**i) == 0;
     let (lost, held): (Vec<u32>, Vec<u32>) = instances.iter().partition(none);
     for i in lost {
@@ -187,20 +187,20 @@ fn hold(
         }
         left = next;
     }
-    // Those that a stop has left on their way hold nothing yet.
+    // An instance whose iteration was stopped holds nothing yet.
     left.iter().for_each(|one| all.outcome.results[one.instance as usize] = Finished::NOT_RUN);
     *plan = plan.clone().with_gaps(&gaps);
     Ok(all)
 }
 
 impl GapIterate {
-    /// The next gap: by the secant, or a likely slope.
+    /// The next gap, by the secant or by an estimated slope.
     fn next_iterate(&self, part: &Plan, i: u32, missed: f64, finished: &Finished) -> Self {
         let amplitude = part.driven(i).free_amplitude();
         let secant = |(gap, other): (f64, f64)| (missed - other) / (self.gap - gap);
         let slope = self.before.map(secant).filter(|slope| slope.is_finite() && *slope > 0.0);
         let likely = match part.setpoint(i).map(|setpoint| setpoint.held) {
-            // A tip follows its sample, and presses little more.
+            // The tip follows its sample and presses only a little more.
             Some(Held::Force(_)) => 0.15 / finished.measured.indentation_max.max(1e-3 * amplitude),
             _ => 1.0 / amplitude,
         };

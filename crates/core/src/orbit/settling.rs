@@ -1,6 +1,6 @@
-//! What searches have not found is stepped on from where the last of them began, and looked at now and then. What comes to
-//! rest is searched for again long before it has settled; what shows no sign of it is not waited for to the end. Where settling
-//! takes very long the motion is followed in long steps first (`envelope_solver.rs`).
+//! Instances without a state are integrated on from the start of their last search, and examined at checkpoints. A motion that
+//! settles is searched for again early; one that shows no sign of settling is given up. Very slow motions are first followed
+//! in long steps (`envelope_solver.rs`).
 
 use super::envelope_solver::{EnvelopeStart, follow_and_search, is_slow, max_evaluations};
 use super::initial_guess::{InitialGuess, Unconverged};
@@ -12,36 +12,35 @@ use crate::plan::{Plan, SectionState, StartState};
 use std::collections::{BTreeMap, HashSet};
 use std::f64::consts::TAU;
 
-/// Periods that a look lasts: a motion's unrest is the mean over them.
+/// Periods of a checkpoint; the drift of a motion is the mean over them.
 const CHECK_PERIODS: u32 = 8;
-/// From one look to the next the slowest mode's free motion falls by this exponent, and so many periods go by at least;
-/// what has not settled by then may be given up.
+/// Between checkpoints the slowest mode's free motion decays by this exponent, over at least so many periods. A motion that
+/// shows no sign of settling by then may be given up.
 const DECAY_EXPONENT: f64 = 2.0;
 const MIN_DECAY_PERIODS: u32 = 96;
-/// Where that is long, the first searches come after so many periods and after ever twice as many.
+/// If that takes long, the first searches come after so many periods, and each later one after twice as many.
 const FIRST_SEARCH_PERIODS: u32 = 192;
-/// Searches from looks; what none of them finds is integrated to steady state.
+/// Searches from checkpoints. An instance that none of them finds is integrated to steady state.
 const MAX_SEARCHES: usize = 4;
-/// A motion that has come to rest by less than this share from one look to the next, by the change from period to period,
-/// shows no sign of it ...
+/// A motion shows no sign of settling if its change per period exceeds this share of that at the last checkpoint ...
 const SETTLING_RATIO: f64 = 0.5;
-/// ... where it is no drift either: of a drift each change is like the one before. Of 554 instances under JKR that never
-/// settle nine in ten turn by more than 0.8 of their change.
+/// ... unless it is a drift, in which each change resembles the one before. Of 554 instances under JKR that never settle nine
+/// in ten turn by more than 0.8 of their change.
 const MAX_TURN: f64 = 0.5;
-/// What is so still, in accuracies of the free amplitude, is left to a search whatever it does: it may pass for steady.
+/// A motion this still, in accuracies of the free amplitude, is always searched for: it may pass for steady.
 const REST_TOL: f64 = 0.3;
 
-/// How a motion changes from period to period.
+/// The change of a motion from period to period.
 #[derive(Clone, Copy, Debug)]
 struct Drift {
     /// Mean change, in free amplitudes.
     change: f64,
-    /// How much the change itself changes, as a share of it.
+    /// Change of the change, as a share of it.
     turns: f64,
 }
 
 impl Drift {
-    /// Of these places, a period apart each.
+    /// The drift of section states that are one period apart.
     fn of(places: &[SectionState], amplitude: f64) -> Self {
         let numbers = |one: &SectionState| one.x.into_iter().chain(one.u).collect::<Vec<f64>>();
         let all: Vec<Vec<f64>> = places.iter().map(numbers).collect();
@@ -53,7 +52,7 @@ impl Drift {
         Self { change: mean / amplitude, turns: turned / (changes.len() - 1) as f64 / mean }
     }
 
-    /// Whether a motion that was so a while `before` will not come to rest.
+    /// Whether a motion with this drift, and the drift `before` at the last checkpoint, will not settle.
     fn is_unsettled(&self, before: &Self, accuracy: f64) -> bool {
         self.change > REST_TOL * accuracy
             && self.turns > MAX_TURN
@@ -61,16 +60,16 @@ impl Drift {
     }
 }
 
-/// One instance on its way.
+/// An instance that is being integrated.
 struct Settling {
     left: Unconverged,
-    /// At the last look at which it was judged.
+    /// Drift at the last checkpoint that judged it.
     drift: Option<Drift>,
-    /// Evaluations that following it has taken.
+    /// Evaluations spent on following it.
     evaluations: u32,
 }
 
-/// Steps these instances on and searches for them on the way; what is found goes into `settled`. What is not comes back.
+/// Integrates these instances, searches for them on the way into `settled`, and returns those without a state.
 pub(super) fn settle_and_search(
     plan: &Plan,
     left: Vec<Unconverged>,
@@ -93,7 +92,7 @@ pub(super) fn settle_and_search(
     Ok(walk.rest)
 }
 
-/// Periods from one look to the next, and whether what shows no sign of settling since the last such look is given up.
+/// Periods up to each checkpoint, and whether it gives up motions that have not settled since the last such one.
 fn checkpoints(pace: u32) -> Vec<(u32, bool)> {
     let mut all = vec![(0, true)];
     let (mut on, mut gone) = (FIRST_SEARCH_PERIODS, 0);
@@ -107,7 +106,7 @@ fn checkpoints(pace: u32) -> Vec<(u32, bool)> {
     all
 }
 
-/// Periods from an instance's look to the next, in steps of half an octave, so that many instances go together.
+/// Periods between an instance's checkpoints, in steps of half an octave, so that many instances share them.
 fn decay_periods(plan: &Plan, instance: u32) -> u32 {
     let driven = plan.driven(instance);
     let rates = driven.kept.modes.iter().map(|mode| mode.damping * mode.omega / driven.free.omega);
@@ -116,18 +115,18 @@ fn decay_periods(plan: &Plan, instance: u32) -> u32 {
     (f64::from(MIN_DECAY_PERIODS) * (0.5 * halves).exp2()) as u32
 }
 
-/// Instances that go from look to look.
+/// Instances that go from checkpoint to checkpoint.
 struct CheckpointRun<'a> {
     plan: &'a Plan,
     settled: &'a mut OrbitSolution,
     engine: &'a dyn Engine,
     progress: &'a Progress,
-    /// Those that are through with it, and have no state.
+    /// Instances that are through and have no state.
     rest: Vec<Unconverged>,
 }
 
 impl CheckpointRun<'_> {
-    /// A group that goes at one pace.
+    /// Runs a group of instances with the same decay periods.
     fn settle_group(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<(), EngineError> {
         for (on, judged) in checkpoints(pace) {
             let in_time = |one: &Settling| one.left.integrated + on + CHECK_PERIODS <= self.plan.run.periods;
@@ -153,7 +152,7 @@ impl CheckpointRun<'_> {
         self.rest.extend(some.into_iter().map(|one| one.left));
     }
 
-    /// Some periods on, and a look; whether each shows no sign of settling is told if it is `judged`.
+    /// Integrates `on` periods and a checkpoint. If `judged`, marks motions that show no sign of settling.
     fn integrate_to_checkpoint(
         &mut self,
         mut going: Vec<Settling>,
@@ -191,7 +190,7 @@ impl CheckpointRun<'_> {
         }
         let accuracy = self.plan.run.accuracy;
         for (one, track) in going.iter_mut().zip(tracks) {
-            // Who was stopped has no more places.
+            // A stopped instance has no states.
             let Some(last) = track.last() else { continue };
             let now = Drift::of(&track, self.plan.driven(one.left.instance).free_amplitude().max(1e-15));
             one.left.not_settling = !last.finite;
@@ -205,7 +204,7 @@ impl CheckpointRun<'_> {
         Ok(going)
     }
 
-    /// Follows them from where they are; those whose state is not found so come back.
+    /// Follows these instances from their present states; returns those without a periodic state.
     fn follow(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<Vec<Settling>, EngineError> {
         let from = |one: &Settling| EnvelopeStart {
             instance: one.left.instance,
@@ -220,7 +219,7 @@ impl CheckpointRun<'_> {
         Ok(going.into_iter().filter(is_open).collect())
     }
 
-    /// Searches for them from where they are; those whose state is not found come back.
+    /// Searches for these instances from their present states; returns those without a periodic state.
     fn search_from_here(&mut self, going: Vec<Settling>) -> Result<Vec<Settling>, EngineError> {
         let instances: Vec<u32> = going.iter().map(|one| one.left.instance).collect();
         let places: Vec<SectionState> = going.iter().map(|one| one.left.section).collect();
@@ -234,18 +233,18 @@ impl CheckpointRun<'_> {
     }
 }
 
-/// Instances that are integrated to steady state.
+/// Instances to integrate to steady state.
 pub(super) struct Integration {
     pub instances: Vec<u32>,
     pub periods: u32,
-    /// Where they start; none where the scene says it.
+    /// Initial states; `None` for those of the scene.
     pub starts: Option<Vec<SectionState>>,
-    /// Whether their ends are states to go on from.
+    /// Whether later searches may start at their ends.
     pub ends_are_states: bool,
 }
 
-/// What is integrated to steady state in the end: what is free of the sample, which is finished beside the others, and if the run `waits` what
-/// has no state. Those `left` are waited for from where they are; those that wander are measured there.
+/// The last integrations: instances free of the sample, and if the run `waits`, those without a state. Instances in `left`
+/// continue from their present states; those that show no sign of settling are only measured.
 pub(super) fn integrations(
     plan: &Plan,
     begin: InitialGuess,
@@ -269,7 +268,7 @@ pub(super) fn integrations(
     let mut all = vec![Integration { instances: anew, periods: plan.run.periods, starts, ends_are_states }];
     let mut groups: BTreeMap<u32, (Vec<u32>, Vec<SectionState>)> = BTreeMap::new();
     for one in left {
-        // So many at least as are measured, however few are left.
+        // At least the measured periods run, however few are left.
         let left = if one.not_settling { 0 } else { plan.run.periods - one.integrated };
         let periods = left.max(plan.run.measure + 1);
         let group = groups.entry(periods).or_default();
@@ -286,7 +285,7 @@ pub(super) fn integrations(
 }
 
 impl OrbitSolution {
-    /// Waits for some instances as told.
+    /// Integrates some instances and takes over their results.
     pub(super) fn integrate(
         &mut self,
         plan: &Plan,
@@ -306,7 +305,7 @@ impl OrbitSolution {
         for (place, i) in wait.instances.iter().map(|i| *i as usize).enumerate() {
             self.outcome.results[i] = ran.outcome.results[place];
             self.periods[i] += ran.periods[place];
-            // Whoever goes on from here goes on with the curve's state.
+            // Later points of the curve start from this state.
             let end = ran.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
             let steady = ran.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
             self.found[i] = end
@@ -326,7 +325,7 @@ mod tests {
     use crate::scene::Scene;
     use std::path::Path;
 
-    /// Looks may have taken all but a few periods.
+    /// Checkpoints may have taken all but a few periods.
     #[test]
     fn what_is_waited_for_can_be_measured() {
         let text = r#"
@@ -360,7 +359,7 @@ mod tests {
         }
     }
 
-    /// The slowest mode's free motion has fallen as told when a motion is judged, and searches come sooner where that is long.
+    /// A motion is judged after the slowest mode's decay; searches come sooner if that is long.
     #[test]
     fn searches_come_sooner_than_judgement() {
         assert_eq!(checkpoints(96), [(0, true), (96, true), (96, true), (96, true), (96, true)]);
@@ -374,7 +373,7 @@ mod tests {
         }
     }
 
-    /// A look at a motion of which the first number is so after so many periods.
+    /// The drift of a motion whose first number is `of(n)` after n periods.
     fn look(of: impl Fn(f64) -> f64) -> Drift {
         let place = |n: u32| {
             let mut station = SectionState::FREE;

@@ -1,11 +1,11 @@
-//! Sizes of states: what is done for many numbers of modes is compiled for some, and done for the next larger of these.
+//! Sizes of states: code is compiled for some numbers of modes, and any other number uses the next larger one.
 
 use crate::kernel::broyden::STATE_MODES;
 use crate::periodic::{Memory, Size};
 use crate::plan::Plan;
 use nalgebra::{Const, DefaultAllocator, DimName};
 
-/// What is done with states of one size.
+/// Work on states of one size.
 pub(super) trait BySize {
     type Output;
 
@@ -14,7 +14,7 @@ pub(super) trait BySize {
         DefaultAllocator: Memory<D>;
 }
 
-/// Does it for so many modes, one of those that [`by_size`] tells.
+/// Runs `work` for one of the numbers of modes that [`by_size`] returns.
 pub(super) fn with_size<W: BySize>(modes: usize, work: W) -> W::Output {
     match modes {
         1 => work.run::<Const<2>>(),
@@ -29,8 +29,7 @@ pub(super) fn with_size<W: BySize>(modes: usize, work: W) -> W::Output {
     }
 }
 
-/// These instances by the number of modes that their states are taken to have, in their order. Where a lever has fewer,
-/// the others are at rest.
+/// Groups these instances by the number of modes of their padded states, in order. Modes that a lever lacks are at rest.
 pub(super) fn by_size(plan: &Plan, instances: &[u32]) -> Vec<(usize, Vec<u32>)> {
     let mut groups = STATE_MODES.map(|size| (size, Vec::new()));
     for i in instances {

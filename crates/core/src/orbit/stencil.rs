@@ -1,4 +1,4 @@
-//! A solved instance as its neighbours in a sweep see it, and which of them may lead to one between them.
+//! Solved instances as neighbours in a sweep, and the stencils that predict an instance from them.
 
 use super::PeriodicState;
 use super::period_map::section_numbers;
@@ -12,11 +12,11 @@ use std::sync::Arc;
 pub struct SolvedNeighbour {
     /// Travel of the kept modes, then rate over angular frequency, m.
     pub(super) state: Box<[f64]>,
-    /// The inverse of one minus the map's Jacobian, column by column; see [`Jacobian::Resolvent`](super::Jacobian::Resolvent).
+    /// (I - J)^-1 of the map's Jacobian J, column by column; see [`Jacobian::Resolvent`](super::Jacobian::Resolvent).
     pub(super) resolvent: Arc<[f32]>,
     pub(super) multiplier: f64,
     pub(super) touching: bool,
-    /// Whether the mean force draws the tip, and contacts in a period: where they differ, so does the motion.
+    /// Whether the mean force attracts the tip, and contacts per period: states with different counts move differently.
     pub(super) attractive: bool,
     contacts: f64,
     pub(super) law: Law,
@@ -26,7 +26,7 @@ pub struct SolvedNeighbour {
 }
 
 impl SolvedNeighbour {
-    /// Of an instance that was found steady, and the resolvent of its map; none where it was not.
+    /// The neighbour of an instance with this state and resolvent; `None` unless a search found it steady.
     pub fn new(
         (plan, instance): (&Plan, u32),
         state: &PeriodicState,
@@ -50,7 +50,7 @@ impl SolvedNeighbour {
         })
     }
 
-    /// Of an instance's own state in another run, as others never see it; none where nothing is known of the map's Jacobian there.
+    /// An instance's own state in another run, which other instances never see; `None` if its Jacobian is unknown.
     pub(super) fn of_own_state(plan: &Plan, instance: u32, state: &PeriodicState) -> Option<Self> {
         let undoes = state.jacobian.undoes().filter(|_| state.is_solved())?;
         Some(Self {
@@ -67,7 +67,7 @@ impl SolvedNeighbour {
         })
     }
 
-    /// Whether both move alike: under one law, in the same contact, as often.
+    /// Whether both move alike: under one law, in the same contact, with equally many contacts.
     pub fn same_regime(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
         let touching = self.touching == other.touching || !self.law.has_memory();
@@ -75,32 +75,32 @@ impl SolvedNeighbour {
     }
 }
 
-/// One of the neighbours that a guess is made of.
+/// One of the neighbours in a prediction.
 #[derive(Clone, Copy, Debug)]
 pub struct StencilPoint<'a> {
     pub node: &'a SolvedNeighbour,
-    /// The same instance's state with the steps and the lever of the run before, where the guess is made from the
-    /// instance's own state in that run.
+    /// The same instance's state with the steps and the lever of the run before, if the prediction starts from the instance's
+    /// own state in that run.
     pub before: Option<&'a SolvedNeighbour>,
-    /// Its weight, and the one by the nearest alone.
+    /// Its weight among all neighbours, and among the nearest alone.
     pub weight: f64,
     pub nearest: f64,
 }
 
-/// Where neighbours lead an instance.
+/// How an instance starts from its neighbours.
 #[derive(Clone, Debug)]
 pub enum StencilStart<'a> {
     Stencil(Stencil<'a>),
-    /// A search has found nothing: each of them alone may lead to it.
+    /// A search has failed; each neighbour alone may lead to the state.
     EachPoint(Vec<StencilPoint<'a>>),
     /// No search is to be tried.
     Skip,
-    /// They are no guide.
+    /// The neighbours are no guide.
     None,
 }
 
 impl<'a> StencilStart<'a> {
-    /// Each of these alone.
+    /// A start from each of these alone.
     pub fn each(nodes: impl Iterator<Item = &'a SolvedNeighbour>) -> Self {
         Self::EachPoint(
             nodes.map(|node| StencilPoint { node, before: None, weight: 1.0, nearest: 1.0 }).collect(),
@@ -114,7 +114,7 @@ impl<'a> StencilStart<'a> {
         }
     }
 
-    /// Those of which each alone may lead to it where a search does not.
+    /// Neighbours to try one by one after a search has failed.
     pub(super) fn alone(&self) -> Vec<StencilPoint<'a>> {
         match self {
             Self::Stencil(hint) if hint.own_state.is_none() => {
@@ -126,13 +126,13 @@ impl<'a> StencilStart<'a> {
     }
 }
 
-/// What is known of an instance before it is stepped.
+/// The neighbours that predict an instance's state.
 #[derive(Clone, Debug, Default)]
 pub struct Stencil<'a> {
     pub neighbours: Vec<StencilPoint<'a>>,
-    /// The instance's own state in the run before; the neighbours tell how far the two runs are apart.
+    /// The instance's own state in the run before; the neighbours give the difference between the two runs.
     pub own_state: Option<&'a PeriodicState>,
-    /// Whether the neighbours lie around it, the nearest first; else along a line, in its order.
+    /// Whether the neighbours lie around the instance, the nearest first; otherwise they lie along a line, in its order.
     pub scattered: bool,
 }
 
@@ -149,7 +149,7 @@ impl<'a> Stencil<'a> {
         Self { neighbours: vec![neighbour], own_state: None, scattered: false }
     }
 
-    /// The nearest on either side of an instance on a line; none where neighbours lie around it.
+    /// The nearest neighbour on either side along a line; `None` if the neighbours lie around the instance.
     pub(super) fn nearest_two(&self) -> Option<[StencilPoint<'a>; 2]> {
         let mut nearest = self.neighbours.iter().filter(|one| one.nearest != 0.0);
         let two = [*nearest.next()?, *nearest.next()?];

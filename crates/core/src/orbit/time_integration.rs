@@ -1,4 +1,4 @@
-//! Waiting: until an instance has settled, at most as long as the scene says.
+//! Integration to steady state: until an instance has settled, at most as long as the scene says.
 
 use super::OrbitSolution;
 use super::residual::force_share;
@@ -9,15 +9,15 @@ use crate::plan::{Plan, SectionState, StartState};
 use crate::scene::Start;
 use std::f64::consts::TAU;
 
-/// Share of the accuracy to which an instance has settled when it waits no longer.
+/// An instance that has settled to this share of the accuracy stops early.
 pub const SETTLED_SHARE: f64 = 0.03;
-/// Forces that hang so much on the motion, as a share of the accuracy, are waited for to the end.
+/// Forces that depend on the motion more strongly than this, as a share of the accuracy, need the full run.
 const MAX_FORCE_SHARE: f64 = 1.0;
-/// A look is worth its while if so much longer a run is asked for; the next looks are that much later.
+/// A checkpoint pays if the run is at least this factor longer; later checkpoints are spaced by the same factor.
 const CHECKPOINT_GROWTH: f64 = 1.5;
 
-/// Runs the plan. Where many more periods are asked for than the slowest mode takes to die out, it looks on the way which
-/// instances have settled, and leaves them at that.
+/// Runs the plan. If it asks for many more periods than the slowest mode takes to decay, instances that have settled stop at
+/// checkpoints.
 pub(super) fn integrate(
     plan: &Plan,
     engine: &dyn Engine,
@@ -53,20 +53,20 @@ pub(super) fn integrate(
     })
 }
 
-/// A plan on its way from look to look.
+/// A plan between checkpoints.
 struct IntegrationRun {
     outcome: Outcome,
-    /// Periods stepped of each instance.
+    /// By instance: periods stepped.
     periods: Vec<u32>,
-    /// Those that have not settled, and where they are.
+    /// Instances that have not settled, and their states.
     left: Vec<u32>,
     starts: Vec<StartState>,
-    /// Periods done of these.
+    /// Periods they have done.
     done: u32,
 }
 
 impl IntegrationRun {
-    /// All instances, in free oscillation or where the plan says that they start.
+    /// All instances, in free oscillation or at the plan's starts.
     fn new(plan: &Plan) -> Self {
         let free = || plan.instances().map(|i| SectionState::free(plan, i).into()).collect();
         Self {
@@ -78,7 +78,7 @@ impl IntegrationRun {
         }
     }
 
-    /// Steps those that are left until so many periods are done, and leaves those that have settled.
+    /// Steps the remaining instances to period `until`, and removes those that have settled.
     fn step(
         &mut self,
         plan: &Plan,
@@ -110,7 +110,7 @@ impl IntegrationRun {
             self.left.push(i);
             self.starts.push(end.map_or(SectionState::FREE, |end| *end).into());
             if cut_short {
-                // Who waits is not done.
+                // An unsettled instance is not done.
                 self.outcome.results[i as usize] = Finished::NOT_RUN;
             }
         }
@@ -119,8 +119,8 @@ impl IntegrationRun {
     }
 }
 
-/// Whether forces hang on more of the motion than the accuracy of amplitudes tells: where the free oscillation grazes the sample, and
-/// where a tip rests on it. What is left to settle then counts for more.
+/// Whether forces need more of the motion than the accuracy of amplitudes: where the free oscillation grazes the sample, and
+/// where a tip rests on it. The rest of the settling then matters more.
 fn needs_full_integration(plan: &Plan, i: u32, finished: &Finished) -> bool {
     let (amplitude, gap) = (plan.driven(i).free_amplitude(), plan.case(i).gap);
     let rests = finished.measured.harmonics[0] < SHALLOW_AMPLITUDES * amplitude
@@ -128,7 +128,7 @@ fn needs_full_integration(plan: &Plan, i: u32, finished: &Finished) -> bool {
     (amplitude - gap).abs() < SHALLOW_AMPLITUDES * amplitude || rests
 }
 
-/// Numbers of periods after which to look, all below the scene's.
+/// Period numbers of the checkpoints, all below the scene's periods.
 fn checkpoints(plan: &Plan) -> Vec<u32> {
     let stepped = plan.stepped();
     if plan.run.start == Start::Rest || stepped.is_empty() {
@@ -139,7 +139,7 @@ fn checkpoints(plan: &Plan) -> Vec<u32> {
         let rate = |damping: f64, omega: f64| TAU * damping * omega / driven.free.omega;
         let slowest = driven.kept.modes.iter().map(|mode| rate(mode.damping, mode.omega));
         let slowest = slowest.fold(f64::INFINITY, f64::min);
-        // The change into a period has to fall to this share of the free amplitude.
+        // The change per period has to fall to this share of the free amplitude.
         let change = SETTLED_SHARE * plan.run.accuracy * slowest.min(1.0);
         -change.ln() / slowest
     };

@@ -1,4 +1,4 @@
-//! How near a search is to come, and what is stable without a doubt.
+//! Tolerances of searches, and bounds for stability.
 
 use crate::kernel::Attraction;
 use crate::periodic::NewtonOptions;
@@ -7,48 +7,47 @@ use std::f64::consts::TAU;
 
 /// Evaluations after which a search gives up.
 const MAX_NEWTON_EVALUATIONS: u32 = 300;
-/// Distance to the periodic state that is aimed at, and that is near enough where the map is rough, as shares of the
-/// accuracy asked for.
+/// Newton's tolerance on the distance to the periodic state, and the tolerance that suffices where the map is rough, as shares
+/// of the requested accuracy.
 const NEWTON_TOL_SHARE: f64 = 1e-3;
 const FALLBACK_TOL_SHARE: f64 = 0.1;
-/// Differences, in units of the free amplitude, that make the map's Jacobian on the way and at the end: jumps of the
-/// contact make it rough.
+/// Finite-difference steps for the map's Jacobian, on the way and at the end, in free amplitudes. Jumps of the contact make
+/// the map rough.
 const FD_STEPS_SMOOTH: (f64, Option<f64>) = (1e-6, None);
 const FD_STEPS_ROUGH: (f64, Option<f64>) = (3e-5, Some(3e-4));
 
-/// Distance to a state up to which a search may go in f32, and what is near enough there where the map is rough; and what f32 leaves
-/// of a number in a period, about.
+/// Tolerance of a search in f32, the one that suffices there where the map is rough, and the approximate rounding of a number
+/// in one period of f32.
 pub(super) const NEWTON_TOL_F32: f64 = 1e-3;
 pub(super) const FALLBACK_TOL_F32: f64 = 1e-2;
 const PERIOD_ROUNDING_F32: f64 = 5e-7;
 
-/// See [`stable_below_fd`]: the share, and its least and largest value.
+/// The share in [`stable_below`], and the limits on the bounds of it and of [`stable_below_fd`].
 const STABILITY_DOUBT_SHARE: f64 = 0.35;
 const STABLE_BELOW_RANGE: (f64, f64) = (0.99, 0.999);
 
-/// See [`jacobian_columns`]: where the law acts in some steps of a period, and where it acts in all.
+/// See [`jacobian_columns`]: for a law that acts in some steps of a period, and for one that acts in all.
 const JACOBIAN_COST_COLUMNS: (usize, usize) = (3, 12);
 
 /// See [`jacobian_drop_tol`].
 const JACOBIAN_DROP_SHARE: f64 = 0.02;
 
-/// Below which multiplier a state is stable without a doubt: where so large a share is left of the distance to 1 that the
-/// free lever's largest multiplier has. One-sided differences are good to a thousandth.
+/// The bound for multipliers by one-sided differences, which are good to a thousandth.
 fn stable_below_fd(plan: &Plan, instance: u32) -> f64 {
     stable_below(plan, instance).min(STABLE_BELOW_RANGE.1)
 }
 
-/// The same for multipliers that are known well.
+/// Stable without doubt is a multiplier below this: 1 - multiplier is at least 35 % of the free lever's.
 pub(super) fn stable_below(plan: &Plan, instance: u32) -> f64 {
     (1.0 - STABILITY_DOUBT_SHARE * (1.0 - free_multiplier(plan, instance))).max(STABLE_BELOW_RANGE.0)
 }
 
-/// Length of a state that is not small, m.
+/// Length unit of a state, positive even without amplitude, m.
 pub(super) fn scale(plan: &Plan, instance: u32) -> f64 {
     plan.driven(instance).free_amplitude().max(1e-15)
 }
 
-/// The distance to the periodic state that is aimed at, in units of that.
+/// Newton's tolerance on the distance to the periodic state, in units of [`scale`].
 pub(super) fn newton_tol(plan: &Plan) -> f64 {
     NEWTON_TOL_SHARE * plan.run.accuracy
 }
@@ -58,17 +57,17 @@ pub(super) fn fallback_tol(plan: &Plan) -> f64 {
     FALLBACK_TOL_SHARE * plan.run.accuracy
 }
 
-/// What may be left out of a period's Jacobian: so small a share of the distance to 1 that the free lever's largest multiplier has.
+/// Terms of a period's Jacobian below this may be dropped: a small share of 1 minus the free lever's largest multiplier.
 pub(super) fn jacobian_drop_tol(plan: &Plan, instance: u32) -> f64 {
     JACOBIAN_DROP_SHARE * (1.0 - free_multiplier(plan, instance))
 }
 
-/// Whether a search may begin in f32: what its rounding comes to at a fixed point is less than the distance that it may leave.
+/// Whether a search may begin in f32: rounding at a fixed point stays below the tolerance there.
 pub(super) fn starts_in_f32(plan: &Plan, instance: u32) -> bool {
     PERIOD_ROUNDING_F32 < 0.5 * NEWTON_TOL_F32 * (1.0 - free_multiplier(plan, instance))
 }
 
-/// How many columns of a Jacobian by differences take as long as the Jacobian by tangents.
+/// Number of finite-difference columns that cost as much as the whole Jacobian by tangents.
 pub(super) fn jacobian_columns(plan: &Plan, instance: u32) -> usize {
     match plan.law(instance).attraction() {
         Attraction::Distant => JACOBIAN_COST_COLUMNS.1,
@@ -83,7 +82,7 @@ fn free_multiplier(plan: &Plan, instance: u32) -> f64 {
     driven.kept.modes.iter().map(left).fold(0.0, f64::max)
 }
 
-/// Whether contact is a memory, and how a search for the instance's state goes about.
+/// Whether contact depends on the past, and the options of a search for the instance's state.
 pub(super) fn newton_options(plan: &Plan, instance: u32) -> (bool, NewtonOptions) {
     let case = plan.case(instance);
     let remembers = case.contact.law.has_memory();

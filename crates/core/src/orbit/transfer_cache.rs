@@ -1,4 +1,4 @@
-//! How the states of solved instances are met by one between them that has other steps, another lever or another drive.
+//! Transfers of solved instances' states to an instance with other steps, another lever or another drive.
 
 use super::jacobian::resolvent_of;
 use super::period_map::{BasisTransfer, free_monodromy};
@@ -8,39 +8,39 @@ use crate::plan::{Drive, Driven, Plan, ReducedBasis};
 use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 use std::sync::Arc;
 
-/// Where an instance's state is expected, the resolvent there, and its largest multiplier.
+/// The predicted state of an instance, the resolvent there, and the largest multiplier.
 pub(super) struct StatePrediction<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     pub state_for: OVector<f64, D>,
-    /// The inverse of one minus the map's Jacobian.
+    /// (I - J)^-1 of the map's Jacobian J.
     pub resolvent: OMatrix<f64, D, D>,
     pub multiplier: f64,
     pub touching: bool,
 }
 
-/// How states are met by instances of other steps, levers and drives: few kinds of both, each pair worked out once. And room
-/// for the guess of one instance after the other.
+/// Transfers between steps, levers and drives, each pair computed once because there are few, and buffers for the prediction
+/// of one instance after the other.
 pub(super) struct TransferCache<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     cached: Vec<CachedTransfer<D>>,
-    /// What was found out by the very levers, in which most are alike.
+    /// Results by the address of the levers, which serve most look-ups.
     lookups: Vec<TransferLookup>,
-    /// Of each neighbour of an instance, and of what is known of it before, how its state is met.
+    /// For each neighbour of an instance, and for its state in the run before: the transfer.
     pub transfers: Vec<[Option<usize>; 2]>,
     pub states: Vec<OVector<f64, D>>,
-    /// Neighbours with one transfer, and their resolvents, added up, one after the other.
+    /// Neighbours with the same transfer, and the sums of their resolvents, one after the other.
     transfer_sums: Vec<TransferSum>,
     sums: Vec<f64>,
-    /// Their resolvents, transferred.
+    /// Their transferred resolvents.
     transferred_resolvent: OMatrix<f64, D, D>,
     pub prediction: StatePrediction<D>,
 }
 
-/// Beyond so many pairs, and so many by their levers in memory, they are forgotten: every instance has a lever of its own.
+/// Pairs, and look-ups by address, beyond which the cache is cleared: each instance may have its own lever.
 const MAX_TRANSFERS: usize = 64;
 const MAX_LOOKUPS: usize = 16;
 
@@ -52,11 +52,11 @@ where
     target: (Arc<ReducedBasis>, u32),
     drive: Arc<Drive>,
     transfer: BasisTransfer,
-    /// The inverse of one minus the Jacobian without a sample.
+    /// (I - J)^-1 of the free lever.
     free_resolvent: OMatrix<f64, D, D>,
 }
 
-/// A pair by its levers in memory: none where the state is met as it is.
+/// A pair by the address of its levers; `None` if the state needs no transfer.
 struct TransferLookup {
     source: (Arc<ReducedBasis>, u32),
     target: (Arc<ReducedBasis>, u32),
@@ -64,7 +64,7 @@ struct TransferLookup {
     transfer: Option<usize>,
 }
 
-/// Neighbours that are met by one pair and have as many numbers: their share together, and where their sums begin.
+/// Neighbours with the same transfer and equally many numbers: the sum of their weights, and the first index of their sum.
 struct TransferSum {
     transfer: usize,
     share: f64,
@@ -72,7 +72,7 @@ struct TransferSum {
     count: usize,
 }
 
-/// An instance that states are met by.
+/// An instance to which states are transferred.
 #[derive(Clone, Copy)]
 pub(super) struct TransferTarget<'a> {
     plan: &'a Plan,
@@ -110,7 +110,7 @@ where
         }
     }
 
-    /// How a state with such steps and such a lever is met by an instance: the number of its pair, none where as it is.
+    /// The transfer to an instance of a state with these steps and this lever; `None` if it needs none.
     pub fn transfer_of(
         &mut self,
         meets: TransferTarget,
@@ -137,7 +137,7 @@ where
         pair
     }
 
-    /// The number of the pair of levers, which is worked out where it is not known.
+    /// The index of the pair of levers, which is computed if it is new.
     fn pair(
         &mut self,
         TransferTarget { plan, instance, steps, driven }: TransferTarget,
@@ -150,7 +150,7 @@ where
                 && same_modes(&turn.source.0, theirs.0)
         };
         self.cached.iter().rposition(fits).unwrap_or_else(|| {
-            // A lever that rings for ever has no resolvent: what is transferred to it is no guide.
+            // A lever without damping has no resolvent, so a transfer to it predicts nothing.
             let free = resolvent_of(&free_monodromy::<D>(plan, instance).0);
             self.cached.push(CachedTransfer {
                 source: (Arc::clone(theirs.0), theirs.1),
@@ -163,7 +163,7 @@ where
         })
     }
 
-    /// Begins with an instance: how it meets each of these.
+    /// Begins with an instance: finds the transfer of each neighbour.
     pub fn prepare(&mut self, meets: TransferTarget, neighbours: &[StencilPoint]) {
         if self.cached.len() >= MAX_TRANSFERS {
             self.cached.clear();
@@ -180,7 +180,7 @@ where
         }
     }
 
-    /// Puts a node's state with an instance's steps, lever and free amplitude.
+    /// Writes a node's state, transferred to the instance's steps and lever and scaled to its free amplitude.
     pub fn state(
         &self,
         meets: TransferTarget,
@@ -196,7 +196,7 @@ where
         }
     }
 
-    /// Puts a state that is met so, without its free amplitude.
+    /// Writes a transferred state without scaling it to the free amplitude.
     pub fn transfer_state(&self, theirs: &[f64], met: Option<usize>, state: &mut OVector<f64, D>) {
         match met {
             None => state.copy_from_slice(theirs),
@@ -204,8 +204,7 @@ where
         }
     }
 
-    /// The resolvent of an instance from those of its neighbours, each so often: those with one transfer are added up
-    /// and transferred once.
+    /// The weighted sum of the neighbours' resolvents. Those with the same transfer are added first and transferred once.
     pub fn sum_resolvents(&mut self, neighbours: &[StencilPoint]) {
         let all = &mut self.prediction.resolvent;
         all.fill(0.0);
@@ -245,7 +244,7 @@ where
     }
 }
 
-/// Whether two bases have the same modes; those of levers that are scaled copies stand at the same phase.
+/// Whether two bases have the same modes. Levers that are scaled copies have the same section phase.
 fn same_modes(a: &Arc<ReducedBasis>, b: &Arc<ReducedBasis>) -> bool {
     Arc::ptr_eq(a, b) || a.copies(b)
 }

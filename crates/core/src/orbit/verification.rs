@@ -1,23 +1,23 @@
-//! What searches find, measured: by one period that bears the state out, or by some that are run on from it.
+//! Measures the states that searches find: by one period that confirms the state, or by some that continue from it.
 
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::{OrbitSolution, PeriodicState, gather, residual, search_batch};
 use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
 use crate::plan::{Plan, Precision, SectionState, StartState};
 
-/// Periods that are run on from a state that one period does not bear out, and measured but for the first: in a periodic
-/// state a few are as good as many, and a period's change counts four periods long, but the first one's is not known.
+/// Periods that continue from a state that one period does not confirm; all but the first are measured. A few are as good as
+/// many in a periodic state. Steadiness needs the changes of four periods, and that of the first is unknown.
 const CONFIRM_PERIODS: u32 = 5;
 
-/// A force is vague where so many times the accuracy of it hangs on what the bound on the state's distance leaves open. The
-/// bound is some fifteen times the distance.
+/// A force is vague if the error bound of the state leaves it uncertain by this many accuracies. The bound is some fifteen
+/// times the distance.
 const VAGUE_FORCE_ACCURACIES: f64 = 5.0;
-/// Only forces of tips that move or sink in by less than this, in free amplitudes, may be vague.
+/// Only tips that move or indent by less than this, in free amplitudes, may have vague forces.
 pub(super) const SHALLOW_AMPLITUDES: f64 = 0.02;
-/// Vague forces are searched for to this share of the accuracy.
+/// States with vague forces are searched for to this share of the accuracy.
 const FORCE_TOL_SHARE: f64 = 1e-3;
 
-/// What a search finds and running on confirms, with its forces as well known as its travel; and what it has not found.
+/// Searches for states and confirms them, with forces as accurate as travel. Also returns instances without a state.
 pub(super) fn search_and_verify(
     plan: &Plan,
     instances: &[u32],
@@ -30,7 +30,7 @@ pub(super) fn search_and_verify(
     Ok((settled, left))
 }
 
-/// The same, but that a state counts as found by its travel alone.
+/// The same, with a state confirmed by its travel alone.
 fn search_by_travel(
     plan: &Plan,
     instances: &[u32],
@@ -59,7 +59,7 @@ fn search_by_travel(
     };
     let rough = left(&settled);
     if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
-        // A weakly damped state drifts in f32 by more than it may.
+        // Rounding in f32 lets a weakly damped state drift too far.
         settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
     }
     left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
@@ -67,8 +67,8 @@ fn search_by_travel(
 }
 
 impl OrbitSolution {
-    /// Measures one period of each of the states found of `chosen`, and takes it for the result where its own change
-    /// bears the state out. The others come back.
+    /// Measures one period of each of the states found of `chosen`, and takes it as the result where its residual confirms the
+    /// state. Returns the others.
     pub(super) fn confirm_by_residual(
         &mut self,
         plan: &Plan,
@@ -102,8 +102,8 @@ impl OrbitSolution {
         Ok(unsure)
     }
 
-    /// Under a law without memory contact follows from where the tip is: a periodic state begins in that in which its period
-    /// ends. Says so of a state, and whether its contacts, which were counted from another, are to be counted anew.
+    /// Contact follows from the tip's position under a law without memory, so a periodic state begins in the contact in which
+    /// its period ends. Corrects the state, and returns whether its contacts need a new count.
     pub(super) fn recount_contacts(&mut self, plan: &Plan, i: u32, touching: bool) -> bool {
         let state = self.found[i as usize].as_mut().filter(|state| state.section.touching != touching);
         let Some(state) = state.filter(|_| !plan.law(i).has_memory()) else { return false };
@@ -111,8 +111,8 @@ impl OrbitSolution {
         plan.wants.contact
     }
 
-    /// Searches once more, and closer, for states whose forces hang on more of their travel than was searched for: where a tip rests,
-    /// they are small differences of large ones.
+    /// Searches more closely for states whose forces depend on more digits of the travel than were found. Forces on a resting
+    /// tip are small differences of large numbers.
     pub(super) fn tighten_vague_forces(
         &mut self,
         plan: &Plan,
@@ -146,7 +146,7 @@ impl OrbitSolution {
         Ok(())
     }
 
-    /// Whether what the bound on a state's distance leaves open is much of its forces.
+    /// Whether the error bound of the state leaves much of its forces uncertain.
     fn is_vague(&self, plan: &Plan, i: u32) -> bool {
         let result = &self.outcome.results[i as usize];
         let (one, amplitude) = (&result.measured, plan.driven(i).free_amplitude());
@@ -158,7 +158,7 @@ impl OrbitSolution {
                 > VAGUE_FORCE_ACCURACIES
     }
 
-    /// Runs on from the states found of these instances, of which the plan is, and measures them.
+    /// Continues from the states found of `instances`, which make up `plan`, and measures them.
     pub(super) fn run_on(
         &mut self,
         plan: &Plan,
@@ -179,7 +179,7 @@ impl OrbitSolution {
     }
 }
 
-/// These instances in the order of their classes: neighbours are alike, and searched for together.
+/// Orders these instances by class, so that similar ones are searched for together.
 pub(super) fn class_order(plan: &Plan, instances: &[u32]) -> Vec<u32> {
     plan.part(instances).by_class().into_iter().map(|place| instances[place as usize]).collect()
 }

@@ -1,67 +1,66 @@
-//! The slow motion of a map that is repeated very often, followed in steps of many periods.
+//! Follows the slow motion of a map that is repeated very often, in steps of many periods.
 //!
-//! Where the map is as good as linear, so many of its periods are one matrix: from x, which the map moves by c and where its
-//! Jacobian is J, the place after N periods is x + (1 + J + ... + J^(N-1)) c, and the map moves that by J^N c. A step takes as
-//! many periods as this serves, and what the map really moves its end by tells whether it did: the exponential
-//! Rosenbrock-Euler method (Hochbruck & Ostermann, Acta Numerica 19 (2010) 209) for a difference equation. What turns or
-//! fades fast costs nothing, however long the slow motion lasts.
+//! N periods of a nearly linear map are one matrix. From x, with residual c and Jacobian J, they lead to x + (1 + J + ... +
+//! J^(N-1)) c, where the residual is J^N c. A step takes as many periods as this holds for, and the residual at its end shows
+//! whether it did: the exponential Rosenbrock-Euler method (Hochbruck & Ostermann, Acta Numerica 19 (2010) 209) for a
+//! difference equation. Motions that turn or fade fast cost nothing, however long the slow motion lasts.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A step's end may be off by so large a share of the step ...
+/// Allowed error of a step's end, as a share of the step ...
 const STEP_ERROR_SHARE: f64 = 0.15;
-/// ... or by so many scales, whichever is more.
+/// ... or in scales, whichever is larger.
 const STEP_ERROR_SCALES: f64 = 1e-9;
 /// Longest step, in scales.
 const MAX_STEP_SCALES: f64 = 0.3;
-/// Doublings of a step's periods: at first, and how many more one may have than the one before it.
+/// Doublings of a step's periods: in the first step, and how many a step may have more than the one before.
 const FIRST_DOUBLINGS: u32 = 2;
 const MAX_MORE_DOUBLINGS: u32 = 3;
-/// Most doublings.
+/// Most doublings of a step.
 const MAX_DOUBLINGS: u32 = 40;
-/// A motion has come to rest where a step for so long leaves less than this of any deviation.
+/// The motion has settled if a step over the decay periods leaves less than this share of any deviation.
 const FADED_SHARE: f64 = 0.5;
-/// After so many evaluations or more, steps are of no use that have not taken so many periods as their square over this.
+/// From so many evaluations on, following is useless if its periods are below their square over the second number.
 const USELESS_EVALUATIONS: (u32, u64) = (8, 32);
 
-/// What became of it.
+/// How following ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EnvelopeEnd {
-    /// Next to a fixed point to which waiting would lead.
+    /// Close to a fixed point to which the repeated map leads.
     Settled,
-    /// Nowhere: the map has no number there, no step serves, or all evaluations are spent.
+    /// The map is undefined, no step succeeds, or all evaluations are spent.
     Failed,
 }
 
-/// What it is told.
+/// Options of an [`Envelope`].
 #[derive(Clone, Copy, Debug)]
 pub struct EnvelopeOptions {
-    /// Length of a state that is not small.
+    /// Typical length of a state.
     pub scale: f64,
-    /// Periods in which free motion fades.
+    /// Periods in which free motion decays.
     pub decay_periods: u32,
     /// Most evaluations.
     pub max_evaluations: u32,
 }
 
-/// A step on its way: where it ends, and what the map moves that by if it is linear.
+/// A step that awaits its evaluation: its end, and the residual there if the map is linear.
 #[derive(Clone, Debug)]
 struct EnvelopeStep {
     doublings: u32,
     step: DVector<f64>,
     predicted: DVector<f64>,
-    /// What becomes of a steady push over so many periods.
+    /// Effect of a constant push over the step's periods: 1 + J + ... + J^(N-1).
     sum: DMatrix<f64>,
-    /// Whether so many periods leave next to nothing of any deviation.
+    /// Whether the step leaves next to nothing of any deviation.
     fades: bool,
 }
 
-/// A motion that is followed.
+/// A motion that is being followed.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     options: EnvelopeOptions,
     state: DVector<f64>,
-    /// By how much the map moves it, and the map's Jacobian there.
+    /// The residual at the state, and the map's Jacobian there.
     change: DVector<f64>,
     jacobian: DMatrix<f64>,
     next_step: Option<EnvelopeStep>,
@@ -71,7 +70,7 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// From `state` on.
+    /// Starts at `state`.
     pub fn new(state: DVector<f64>, told: EnvelopeOptions) -> Self {
         let size = state.len();
         Self {
@@ -86,7 +85,7 @@ impl Envelope {
         }
     }
 
-    /// Where it wants to know the map and its Jacobian next.
+    /// The next state at which the map and its Jacobian are needed.
     pub fn ask(&self) -> DVector<f64> {
         match &self.next_step {
             Some(stride) => &self.state + &stride.step,
@@ -94,17 +93,17 @@ impl Envelope {
         }
     }
 
-    /// Where it has come to.
+    /// The state reached.
     pub fn state(&self) -> &DVector<f64> {
         &self.state
     }
 
-    /// How it ended, once it has.
+    /// How following ended; `None` while it continues.
     pub fn came(&self) -> Option<EnvelopeEnd> {
         self.end
     }
 
-    /// Evaluations so far: each takes one period.
+    /// Evaluations so far. Each takes one period.
     pub fn evaluations(&self) -> u32 {
         self.evaluations
     }
@@ -114,7 +113,7 @@ impl Envelope {
         self.periods
     }
 
-    /// Takes the map's answer where it asks ([`ask`](Self::ask)), and its Jacobian there; none where it has no answer of use.
+    /// Takes the value of the map at [`ask`](Self::ask) and its Jacobian there; `None` if the map is undefined there.
     pub fn tell(&mut self, answer: Option<(DVector<f64>, DMatrix<f64>)>) {
         self.evaluations += 1;
         let stride = self.next_step.take();
@@ -137,7 +136,7 @@ impl Envelope {
         }
     }
 
-    /// After a step: how many doublings the next one may have.
+    /// Evaluates a step, and returns the doublings allowed for the next one.
     fn after_step(&mut self, stride: EnvelopeStep, value: &DVector<f64>, slope: DMatrix<f64>) -> Option<u32> {
         let EnvelopeStep { doublings, step, predicted, sum, fades } = stride;
         let end = &self.state + &step;
@@ -148,8 +147,8 @@ impl Envelope {
         if off > allowed && doublings > 0 {
             return Some(doublings - 1 - shorter(off / allowed).min(doublings - 1));
         }
-        // What the map is off by grows from nothing as the square of the way: the mean of (m/N)^2 is a third where N is large, and
-        // nothing where it is 1. The end moved by as much, and the change with it.
+        // The error of the map grows with the square of the distance: the mean of (m/N)^2 is a third for large N, and 0 for N
+        // = 1. The end moves by that, and its residual changes accordingly.
         let periods = (1u64 << doublings) as f64;
         let miss = pushed * ((periods - 1.0) * (2.0 * periods - 1.0) / (6.0 * periods * periods));
         (self.state, self.change) = (end + &miss, change + &slope * &miss - &miss);
@@ -161,7 +160,7 @@ impl Envelope {
         Some(doublings + shorter(allowed / off.max(f64::MIN_POSITIVE)).min(MAX_MORE_DOUBLINGS))
     }
 
-    /// From where it is, of so many doublings, or of fewer where it would be too long.
+    /// A step from the present state with `doublings`, or fewer if it would be too long.
     fn next_step(&self, doublings: u32) -> EnvelopeStep {
         let longest = MAX_STEP_SCALES * self.options.scale;
         let size = self.state.len();
@@ -180,14 +179,14 @@ impl Envelope {
     }
 }
 
-/// Column by column, in one order on every processor: nalgebra's own product of matrices goes by what each can do.
+/// Multiplies column by column, in one order on every processor; nalgebra's product depends on the processor.
 fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(a.nrows(), b.ncols());
     all.column_iter_mut().zip(b.column_iter()).for_each(|(mut column, b)| column.gemv(1.0, a, &b, 0.0));
     all
 }
 
-/// By how many doublings a step is too long whose error is so many times too large: the error goes with the third power.
+/// Doublings by which a step is too long if its error is `times` too large. The error goes with the third power.
 fn shorter(times: f64) -> u32 {
     (times.log2() / 3.0).clamp(0.0, 62.0) as u32
 }
@@ -202,7 +201,7 @@ mod tests {
 
     type Map = fn(&DVector<f64>) -> DVector<f64>;
 
-    /// How fast all fades, per period.
+    /// Decay of all motion, per period.
     const LOSS: f64 = 1e-5;
 
     /// Slow and nonlinear: x drifts in a double well, beside a pair of numbers that turns by 1.3 a period and fades.
@@ -242,7 +241,7 @@ mod tests {
         envelope
     }
 
-    /// From next to the state between the wells, which is unstable, each way, as a million periods lead.
+    /// Starts close to the unstable state between the wells, on either side, and compares with a million periods.
     #[test]
     fn it_comes_to_where_a_million_periods_lead() {
         for [begin, turning] in [[1e-6, 0.0], [-1e-6, 0.0], [0.03, 0.1], [-2e-3, 0.03]] {
@@ -264,7 +263,7 @@ mod tests {
         }
     }
 
-    /// On the way it is where repeating the map leads.
+    /// On the way it stays close to the repeated map.
     #[test]
     fn it_goes_the_way_of_the_repeated_map() {
         let mut envelope = Envelope::new(
@@ -283,7 +282,7 @@ mod tests {
         }
     }
 
-    /// A map that is linear takes as many steps as the doublings grow.
+    /// A linear map takes only as many steps as the doublings need to grow.
     #[test]
     fn a_linear_map_is_through_in_a_few_strides() {
         let linear: Map = |at| {

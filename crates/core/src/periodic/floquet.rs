@@ -1,19 +1,19 @@
-//! What the map's Jacobian says of a fixed point.
+//! Stability of a fixed point, from the map's Jacobian.
 
 use super::size::{Memory, Size};
 use nalgebra::{DMatrix, DefaultAllocator, Dyn, LU, OMatrix, Schur};
 
-/// Of a map's Jacobian at a fixed point.
+/// Properties of a map's Jacobian at a fixed point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floquet {
-    /// Modulus of the largest multiplier: below 1 the state is stable.
+    /// Modulus of the largest Floquet multiplier; the state is stable below 1.
     pub multiplier: f64,
-    /// A change of the state by the map is at least so large a share of its distance to the fixed point.
+    /// Lower bound on the residual of a state over its distance to the fixed point.
     pub sigma_min: f64,
 }
 
 impl Floquet {
-    /// Of a Jacobian, with the factors of one minus it.
+    /// From a Jacobian J and the factors of 1 - J.
     pub(super) fn new<D: Size>(slope: &OMatrix<f64, D, D>, factors: &LU<f64, D, D>) -> Self
     where
         DefaultAllocator: Memory<D>,
@@ -22,7 +22,7 @@ impl Floquet {
     }
 }
 
-/// Factors of `shift` minus the Jacobian.
+/// LU factors of `shift` minus the Jacobian.
 pub(super) fn factors<D: Size>(slope: &OMatrix<f64, D, D>, shift: f64) -> LU<f64, D, D>
 where
     DefaultAllocator: Memory<D>,
@@ -32,8 +32,8 @@ where
     matrix.lu()
 }
 
-/// Largest modulus of the eigenvalues, or infinity where they are not found: the factor by which the slowest
-/// deviation shrinks in a period.
+/// Largest modulus of the eigenvalues: the factor by which the slowest deviation shrinks in a period. Infinity if the
+/// eigenvalues do not converge.
 fn largest_multiplier<D: Size>(slope: &OMatrix<f64, D, D>) -> f64
 where
     DefaultAllocator: Memory<D>,
@@ -45,8 +45,8 @@ where
     schur.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// A bound from below on the smallest singular value of 1 - Jacobian, whose factors these are, good to the root of its size: a
-/// change of the state by the map is at least so large a share of its distance to the fixed point.
+/// A lower bound on the smallest singular value of 1 - Jacobian from its factors, good to the root of its size. The residual
+/// of a state is at least this share of its distance to the fixed point.
 fn smallest_singular_value<D: Size>(factors: &LU<f64, D, D>) -> f64
 where
     DefaultAllocator: Memory<D>,

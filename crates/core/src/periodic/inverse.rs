@@ -1,10 +1,10 @@
 //! The inverse of a small matrix, by Gauss and Jordan with partial pivoting (Golub & Van Loan, Matrix Computations, 2013,
-//! section 3.4). In place, on no heap.
+//! section 3.4). In place, without heap memory.
 
 use super::{Memory, Size};
 use nalgebra::{DefaultAllocator, DimName, OMatrix};
 
-/// Of this matrix; none where it has none.
+/// The inverse of this matrix; `None` if it is singular or not finite.
 pub fn inverse<D: Size + DimName>(mut matrix: OMatrix<f64, D, D>) -> Option<OMatrix<f64, D, D>>
 where
     DefaultAllocator: Memory<D>,

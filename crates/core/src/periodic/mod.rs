@@ -1,10 +1,9 @@
 //! Periodic states: fixed points of the map that takes a state through one period of the drive.
 //!
-//! [`PtcNewton`] is Newton's method with a memory of time: at first it follows the flow that repeating the map would
-//! take, in ever longer steps (pseudo-transient continuation; Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508),
-//! so that of several states it tends to find the one that waiting would reach. It knows nothing of what the map
-//! is: it says at which points it wants to know it, and is told. Many searches so run side by side.
-//! [`Envelope`] follows a slow motion to where repeating the map would end, and is told likewise.
+//! [`PtcNewton`] is Newton's method with pseudo-transient continuation (Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508):
+//! it first follows the flow of the repeated map in ever longer steps. So, among several states, it tends to find the one that
+//! integration would reach. It does not know the map: it asks for its values at points and is told them, so that many searches
+//! run side by side. [`Envelope`] asks in the same way, and follows a slow motion to where repeating the map would end.
 
 mod envelope;
 mod floquet;

@@ -1,4 +1,4 @@
-//! Searches of maps that tell their Jacobians, and how any search ends.
+//! Searches on maps that compute their Jacobians, and the end of any search.
 
 use super::floquet::{Floquet, factors};
 use super::newton_options::NewtonOptions;
@@ -6,14 +6,14 @@ use super::pseudo_transient::{Failure, FixedPoint, JacobianSource, PtcNewton, Pt
 use super::size::{Memory, Size};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
-/// Where the map leads from a state, and its Jacobian there.
+/// The map's value at a state, and its Jacobian there.
 type ValueAndJacobian<D> = (OVector<f64, D>, OMatrix<f64, D, D>);
 
 impl<D: Size> FixedPoint<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    /// A fixed point with the map's Jacobian there; none where a small push leaves it for good.
+    /// A fixed point with the map's Jacobian there; `None` if it is unstable.
     pub fn stable_fixed_point(state: OVector<f64, D>, slope: OMatrix<f64, D, D>) -> Option<Self> {
         let spectrum = Floquet::new(&slope, &factors(&slope, 1.0));
         (spectrum.multiplier < 1.0).then_some(Self { state, slope, spectrum })
@@ -24,27 +24,27 @@ impl<D: Size> PtcNewton<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    /// Time, in periods, that its next step stands for: infinitely many where that is Newton's step.
+    /// Pseudo-time of the next step, in periods; infinite for a full Newton step.
     pub fn pseudo_time(&self) -> f64 {
         self.pseudo_time
     }
 
-    /// The map tells its Jacobian itself, which costs as much as so many columns of it by differences.
+    /// Lets the map compute its Jacobian, at the cost of `columns` finite-difference columns.
     pub fn use_tangents(&mut self, columns: usize) {
         self.options.jacobian_columns = Some(columns);
     }
 
-    /// Whether the Jacobian is to be told by the map: all of it, or where some columns would do.
+    /// Whether the map is to compute the Jacobian: the `whole` one, or columns of it on the way.
     pub(super) fn tells_jacobian(&self, whole: bool) -> bool {
         self.options.jacobian_columns.is_some_and(|worth| self.difference_evaluations(whole) > worth)
     }
 
-    /// Whether the Jacobian at the end is to be told by the map.
+    /// Whether the map is to compute the last Jacobian.
     pub(super) fn tells_last_jacobian(&self) -> bool {
         self.options.jacobian_columns.is_some_and(|worth| 2 * self.size() > worth)
     }
 
-    /// Evaluations that differences would take for all of the Jacobian, or for as much of it as will do on the way.
+    /// Evaluations that differences take for the `whole` Jacobian, or for the columns needed on the way.
     fn difference_evaluations(&self, whole: bool) -> usize {
         match (whole, self.options.central_fd_step) {
             (false, _) => self.columns.len(),
@@ -53,7 +53,7 @@ where
         }
     }
 
-    /// Whether it wants to know the Jacobian, too, at the state that it asks for: [`PtcNewton::tell_with_jacobian`] takes both.
+    /// Whether it needs the Jacobian at the state that it asks for, too; [`PtcNewton::tell_with_jacobian`] takes both.
     pub fn wants_jacobian(&self) -> bool {
         match &self.stage {
             Stage::Begin => {
@@ -65,7 +65,7 @@ where
         }
     }
 
-    /// Takes the answer with its Jacobian; none where the map has no answer of use.
+    /// Takes the map's value with its Jacobian; `None` if the map is undefined there.
     pub fn tell_with_jacobian(&mut self, answer: Option<ValueAndJacobian<D>>) {
         self.evaluations += 1;
         self.evaluations_by_differences += match self.stage {
@@ -80,7 +80,7 @@ where
             }
             Some((value, slope)) => {
                 (self.change, self.jacobian) = (value - &self.state, slope);
-                // What was known led astray.
+                // The Jacobian known before led astray.
                 (self.jacobian_source, self.known_floquet) = (JacobianSource::Full, None);
                 self.next_step()
             }
@@ -89,7 +89,7 @@ where
         self.go_on(next);
     }
 
-    /// Where Newton's last step leads; `newton` are the factors that it is by.
+    /// The stage after Newton's last step; `newton` holds the factors that gave it.
     pub(super) fn after_last_step(&mut self, step: OVector<f64, D>, newton: &LU<f64, D, D>) -> Stage<D> {
         let NewtonOptions {
             require_stable: stable,
@@ -114,7 +114,7 @@ where
             return self.found(self.known_floquet.unwrap_or_else(|| Floquet::new(&self.jacobian, newton)));
         }
         self.state += step;
-        // Where nobody asks for stability the Jacobian will do as it is.
+        // The present Jacobian is enough if stability does not matter or all of it was computed here.
         let enough = near && (!stable || self.jacobian_source == JacobianSource::Full);
         let at = match self.known_floquet {
             None if enough || !central => Some(Floquet::new(&self.jacobian, newton)),

@@ -1,4 +1,4 @@
-//! One search.
+//! Newton's method with pseudo-transient continuation: one search.
 
 use super::floquet::{Floquet, factors};
 use super::newton_options::NewtonOptions;
@@ -18,14 +18,14 @@ where
     pub spectrum: Floquet,
 }
 
-/// Why there is none.
+/// Why a search has failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// Too many evaluations, or no step leads nearer.
+    /// Too many evaluations, or no step reduces the residual.
     Stuck,
-    /// A fixed point that a small push leaves for good.
+    /// The fixed point is unstable.
     Unstable,
-    /// The map ends at no number, or in another contact than it began.
+    /// The map is not finite, or ends in another contact than it began.
     Undefined,
 }
 
@@ -38,10 +38,10 @@ where
     Failed(Failure),
 }
 
-/// Time that the first step stands for, periods.
+/// Pseudo-time of the first step, periods.
 const FIRST_PSEUDO_TIME: f64 = 20.0;
 
-/// Where the change has fallen by less, the Jacobian is taken anew.
+/// The Jacobian is computed again if a step reduces the residual by less than this factor.
 const REUSE_REDUCTION: f64 = 3.0;
 #[derive(Clone, Debug)]
 pub(super) enum Stage<D: Size>
@@ -50,7 +50,7 @@ where
 {
     /// The map at the start.
     Begin,
-    /// The Jacobian by one-sided differences, of the columns that are not guessed or of all.
+    /// The Jacobian by one-sided differences: the columns without a guess, or the whole.
     Slope {
         whole: bool,
     },
@@ -59,45 +59,45 @@ where
         step: OVector<f64, D>,
         shorter: u32,
     },
-    /// The Jacobian by central differences, or as the map tells it: the end.
+    /// The last Jacobian, by central differences or from the map.
     Last,
     Done(PtcOutcome<D>),
 }
 
-/// Where the Jacobian is from.
+/// Where the Jacobian comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JacobianSource {
-    /// Carried along from another state.
+    /// From another state, or updated since.
     Transferred,
-    /// Taken here, but for the columns that are guessed.
+    /// Computed here, apart from the guessed columns.
     Partial,
-    /// All of it taken here.
+    /// Computed here as a whole.
     Full,
 }
 
-/// A search on its way.
+/// A search that is running.
 #[derive(Clone, Debug)]
 pub struct PtcNewton<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     pub(super) options: NewtonOptions,
-    /// Where it stands, and by how much the map moves that.
+    /// The present state, and its residual: value of the map minus the state.
     pub(super) state: OVector<f64, D>,
     pub(super) change: OVector<f64, D>,
     pub(super) jacobian: OMatrix<f64, D, D>,
-    /// Numbers of the state that the map moves, where these are not all.
+    /// Indices of the numbers that the map moves, if these are not all.
     moving: Option<Vec<usize>>,
-    /// Columns of the Jacobian that no guess stands for.
+    /// Columns of the Jacobian without a guess.
     pub(super) columns: Vec<usize>,
-    /// What is known of the Jacobian at the fixed point of a map that differs little from this one.
+    /// Stability of the fixed point of a map that differs little from this one.
     pub(super) known_floquet: Option<Floquet>,
     pub(super) jacobian_source: JacobianSource,
-    /// Time, in periods, that the next step stands for.
+    /// Pseudo-time of the next step, periods.
     pub(super) pseudo_time: f64,
     pub(super) stage: Stage<D>,
     pub(super) evaluations: u32,
-    /// The same, but that a Jacobian that the map has told counts as by differences: a search gives up as early with either.
+    /// The same, but a Jacobian from the map counts as by differences, so that a search gives up equally early with either.
     pub(super) evaluations_by_differences: u32,
 }
 
@@ -105,7 +105,7 @@ impl<D: Size> PtcNewton<D>
 where
     DefaultAllocator: Memory<D>,
 {
-    /// From `state` on.
+    /// Starts at `state`.
     pub fn new(state: OVector<f64, D>, options: NewtonOptions) -> Self {
         let size = state.shape_generic().0;
         Self {
@@ -124,8 +124,8 @@ where
         }
     }
 
-    /// From `state` on, where the Jacobian's columns are `slope`'s but for `columns`, more or less: only these are taken
-    /// by differences on the way.
+    /// Starts at `state` with the approximate Jacobian `slope`, apart from `columns`: only these are taken by differences on
+    /// the way.
     pub fn with_partial_jacobian(
         state: OVector<f64, D>,
         slope: OMatrix<f64, D, D>,
@@ -135,7 +135,7 @@ where
         Self { jacobian: slope, columns, ..Self::new(state, options) }
     }
 
-    /// From the fixed point of a map that differs little from this one, and that map's Jacobian there.
+    /// Starts at the fixed point of a map that differs little from this one, with that map's Jacobian there.
     pub fn near_fixed_point(
         state: OVector<f64, D>,
         slope: OMatrix<f64, D, D>,
@@ -146,29 +146,29 @@ where
         Self { jacobian: slope, known_floquet: Some(known), ..Self::new(state, options) }
     }
 
-    /// The same search where the map leaves all numbers but these, if any are given, at rest: no evaluation is spent on the
-    /// others.
+    /// Restricts the search to the numbers `moving`, if given. The map leaves the others at rest, and they cost no
+    /// evaluations.
     pub fn restricted_to(mut self, moving: Option<Vec<usize>>) -> Self {
         self.columns.retain(|column| moving.as_ref().is_none_or(|moving| moving.contains(column)));
         Self { moving, ..self }
     }
 
-    /// Place in the state of the n-th number that moves.
+    /// Index in the state of the n-th moving number.
     fn moved(&self, n: usize) -> usize {
         self.moving.as_ref().map_or(n, |moving| moving[n])
     }
 
-    /// Numbers that move.
+    /// Number of moving numbers.
     pub fn size(&self) -> usize {
         self.moving.as_ref().map_or(self.state.len(), Vec::len)
     }
 
-    /// Evaluations so far: each takes one period.
+    /// Evaluations so far. Each takes one period.
     pub fn evaluations(&self) -> u32 {
         self.evaluations
     }
 
-    /// How it ended, once it has.
+    /// The outcome; `None` while the search runs.
     pub fn verdict(&self) -> Option<&PtcOutcome<D>> {
         match &self.stage {
             Stage::Done(verdict) => Some(verdict),
@@ -176,12 +176,12 @@ where
         }
     }
 
-    /// States at which it wants to know the map next; none once it has ended.
+    /// States at which the map is needed next; none once the search has ended.
     pub fn ask(&self) -> impl ExactSizeIterator<Item = OVector<f64, D>> {
         (0..self.ask_count()).map(|n| self.point(n))
     }
 
-    /// How many [`PtcNewton::ask`] for.
+    /// Number of states in [`PtcNewton::ask`].
     pub fn ask_count(&self) -> usize {
         match &self.stage {
             Stage::Begin | Stage::Stride { .. } => 1,
@@ -213,7 +213,7 @@ where
         state
     }
 
-    /// Takes the answers, in the order of [`PtcNewton::ask`]; none where the map has no answer of use.
+    /// Takes the map's values, in the order of [`PtcNewton::ask`]; `None` where the map is undefined.
     pub fn tell(&mut self, values: &[Option<OVector<f64, D>>]) {
         self.evaluations += values.len() as u32;
         self.evaluations_by_differences += values.len() as u32;
@@ -257,7 +257,7 @@ where
         }
     }
 
-    /// Differences against the map here.
+    /// Takes columns of the Jacobian by differences from the value at the state.
     fn one_sided(&mut self, whole: bool, values: &[Option<OVector<f64, D>>]) -> bool {
         let here = &self.state + &self.change;
         for (n, value) in values.iter().enumerate() {
@@ -265,7 +265,7 @@ where
             let k = if whole { self.moved(n) } else { self.columns[n] };
             self.jacobian.set_column(k, &((value - &here) / (self.options.fd_step * self.options.scale)));
         }
-        // What was known led astray.
+        // The Jacobian known before led astray.
         (self.jacobian_source, self.known_floquet) = (
             if whole || values.len() == self.size() { JacobianSource::Full } else { JacobianSource::Partial },
             None,
@@ -273,7 +273,7 @@ where
         true
     }
 
-    /// The step that `time` periods of the linear flow would make; Newton's for all time.
+    /// The step of the linear flow over `time` periods; Newton's step for infinite time.
     fn step(&self, time: f64) -> Option<OVector<f64, D>> {
         self.solve_step(&factors(&self.jacobian, 1.0 + 1.0 / time))
     }
@@ -283,7 +283,7 @@ where
         step.iter().all(|value| value.is_finite()).then_some(step)
     }
 
-    /// The next step, or the end where Newton's step is short enough.
+    /// The next step, or the end if Newton's step is short enough.
     pub(super) fn next_step(&mut self) -> Stage<D> {
         let stuck = Stage::Done(PtcOutcome::Failed(Failure::Stuck));
         let near = self.options.tolerance * self.options.scale;
@@ -308,7 +308,7 @@ where
         Stage::Stride { step, shorter: 0 }
     }
 
-    /// After a step.
+    /// Accepts or shortens a step.
     fn after_step(
         &mut self,
         step: OVector<f64, D>,
@@ -319,7 +319,7 @@ where
             let state = &self.state + &step;
             let change = value - &state;
             let gain = self.change.norm() / change.norm().max(f64::MIN_POSITIVE);
-            // Early steps may climb a little, as the flow does.
+            // Early steps may raise the residual a little, as the flow does.
             let least = if self.pseudo_time < NEWTON { 0.5 } else { GAINS };
             if gain >= least {
                 // Broyden's update of the Jacobian minus one.
@@ -336,7 +336,7 @@ where
             return Stage::Slope { whole: false };
         }
         if self.jacobian_source == JacobianSource::Partial && shorter == 1 {
-            // The guess may be why.
+            // The guessed columns may be the reason.
             return Stage::Slope { whole: true };
         }
         if shorter == 4 {

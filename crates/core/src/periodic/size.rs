@@ -1,12 +1,12 @@
-//! Sizes of states and Jacobians, and where their memory comes from.
+//! Sizes of states and Jacobians, and the allocation of their memory.
 
 use nalgebra::DimMin;
 use nalgebra::allocator::Allocator;
 
-/// How many numbers a state has: a constant, or as many as it is made with.
+/// Number of numbers in a state, constant or dynamic.
 pub trait Size: DimMin<Self, Output = Self> {}
 impl<D: DimMin<D, Output = D>> Size for D {}
 
-/// Where memory for states and Jacobians comes from.
+/// Allocates states and Jacobians.
 pub trait Memory<D: Size>: Allocator<D> + Allocator<D, D> {}
 impl<D: Size, A: Allocator<D> + Allocator<D, D>> Memory<D> for A {}

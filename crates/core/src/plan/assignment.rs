@@ -1,4 +1,4 @@
-//! What each instance is stepped with: its drive with the modes, and its steps.
+//! Assigns each instance its drive, with the basis, and its steps.
 
 use super::contact_rate::RungCache;
 use super::interning::Interned;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 /// Instances whose contacts one thread makes together.
 const TOGETHER: usize = 1 << 10;
 
-/// Instances that are looked at together: what is held of each is more than what is kept.
+/// Instances processed at once: intermediate results of each are larger than what is kept.
 pub(super) const INSTANCES_AT_ONCE: usize = 1 << 16;
 
-/// Most steps that keeping a fast oscillator may cost, per period of the lever's first mode or of the
-/// drive, whichever is shorter.
+/// Most steps that keeping a fast oscillator may cost, per period of the lever's first mode or of the drive, whichever is
+/// shorter.
 const MAX_STEPS_FOR_MODES: f64 = 2048.0;
 
-/// Something of each instance and its contact, of many of them at a time.
+/// Maps `of` over all instances and their contacts, a stretch at a time.
 fn in_stretches<'a, T: Send>(
     ensemble: &'a Ensemble,
     of: impl Fn(&mut RungCache<'a>, InstanceId, &Contact) -> T + Sync + 'a,
@@ -41,11 +41,11 @@ fn in_stretches<'a, T: Send>(
     })
 }
 
-/// The drive with the modes, and the steps, of each instance. Those whose contacts are too fast for the modes with the largest
-/// shares have drives of their own, which are added.
+/// The drive, with the basis, and the steps of each instance. An instance whose contact is too fast for the modes with the
+/// largest shares gets a drive of its own, which is added to `drives`.
 pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Driven>) -> Interned<(u32, u32)> {
     let led = is_led(ensemble, run);
-    // Prescribed steps are for the modes that they can step.
+    // Prescribed modes stay; prescribed steps are for the modes that they can step.
     let told = run.modes.is_some() || run.steps_per_period.is_some();
     let known = &*drives;
     let mut usual = Interned::new();
@@ -75,8 +75,8 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
 /// A drive and the rung of a contact.
 type Key = (u32, u32);
 
-/// Bases for instances whose contacts are too fast for the modes with the largest shares, by the drives and rungs that there
-/// are: they are added to the drives; of each drive and rung, which.
+/// Makes bases for contacts that are too fast for the modes with the largest shares, one per drive and rung. Adds them to
+/// `drives` and returns their numbers.
 fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<Key, u32> {
     let distinct: BTreeSet<Key> = all.iter().map(|(key, _)| *key).collect();
     let distinct: Vec<Key> = distinct.into_iter().collect();
@@ -97,14 +97,13 @@ fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> Has
     made
 }
 
-/// Whether instances may come to states that the free oscillation does not lead to: contact may go on where that does not
-/// reach the sample.
+/// Whether instances may reach states that the free oscillation does not lead to: contact may then continue beyond its reach.
 fn is_led(ensemble: &Ensemble, run: &Run) -> bool {
     let follows = ensemble.curves.is_some() || !ensemble.setpoints.is_empty() || run.both_branches;
     follows && run.steady == Steady::Search
 }
 
-/// Steps per period of an instance; 0 where it never feels the sample.
+/// Steps per period of an instance; 0 if it never feels the sample.
 fn steps_of((run, led): (&Run, bool), (contact, gap): (&Contact, f64), driven: &Driven) -> u32 {
     let mut amplitude = driven.free_amplitude();
     if run.start == Start::Steady && contact.is_out_of_reach(amplitude, gap) {
@@ -118,14 +117,14 @@ fn steps_of((run, led): (&Run, bool), (contact, gap): (&Contact, f64), driven: &
     })
 }
 
-/// The modes with the largest shares that `accuracy` asks for.
+/// The modes with the largest shares that `accuracy` needs.
 pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> ReducedBasis {
     let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
     let wanted = (accuracy, run.accuracy);
     ReducedBasis::choose(&driven.instrument, driven.free.omega, wanted, run.modes, most)
 }
 
-/// Most steps per period that a mode kept may need.
+/// Most steps per period that a kept mode may need.
 pub(super) fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
     match asked {
         Some(steps) => f64::from(steps),

@@ -1,16 +1,15 @@
 //! Which modes the tip force needs.
 //!
-//! A mode matters to the stepped motion only through the tip moving under the tip force:
-//! c_k b_k / omega_k^2 is its share of the tip's static flexibility. What the kept modes leave
-//! out acts, at frequencies below its own, as one more spring; it is kept as one more oscillator
-//! with that flexibility (a residual attachment mode in the sense of MacNeal 1971 and Rubin 1975),
-//! so that the static answer to a contact force is exact, at the frequency of the mode that
-//! carries most of it, so that it rings as that one does: with the inertia of all of them it would
-//! ring too fast, which the largest force of short contacts shows (tests/hard/rod_damped.toml).
+//! A mode matters to the stepped motion only if the tip force moves the tip by it: c_k b_k / omega_k^2 is its share of the
+//! tip's static flexibility. The modes that are left out act, at frequencies below their own, as one more spring. It is kept
+//! as one residual oscillator with that flexibility (a residual attachment mode in the sense of MacNeal 1971 and Rubin 1975),
+//! so that the static response to a contact force is exact. Its frequency is that of the mode with the largest part of it, so
+//! that it rings as that one does. With the inertia of all of them it would ring too fast, which shows in the largest force of
+//! short contacts (tests/hard/rod_damped.toml).
 //!
-//! Where a contact is so short that this does not do, a soft lever's on a stiff sample, the oscillators are chosen by
-//! the rate of the contact instead: the modes that ring on between contacts, and for the rest a rational Krylov
-//! reduction of what the tip feels of it (`compliance.rs`).
+//! This does not suffice where a contact is very short, as a soft lever's on a stiff sample. The rate of the contact then
+//! chooses the oscillators: the modes that ring on between contacts, and for the rest a rational Krylov reduction of what the
+//! tip feels of it (`compliance.rs`).
 
 use super::compliance::{compliance, reduced};
 use super::oscillator::KeptMode;
@@ -21,44 +20,44 @@ use super::ringing::{
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
 
-/// The rule by which the oscillators of a reduced basis are chosen.
+/// The rule that chooses the oscillators of a reduced basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BasisRule {
-    /// Modes in the order of their share of the tip's flexibility until what is left serves this accuracy, and one
-    /// residual oscillator.
+    /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
+    /// oscillator.
     Shares { accuracy: f64 },
-    /// So many oscillators for what happens to the tip at rates up to this one, rad/s.
+    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s.
     Contact { rate: f64, count: usize },
 }
 
-/// The accuracy, relative to the one asked for, whose modes are the most that are tried before oscillators are chosen
-/// by the contact's rate.
+/// Bases of more modes than for this share of the requested accuracy are not tried; the contact's rate chooses oscillators
+/// instead.
 pub(crate) const RICHEST_ACCURACY_SHARE: f64 = 0.1;
 
-/// Numbers of oscillators that are chosen by the rate of a contact.
+/// Numbers of oscillators that the rate of a contact may choose.
 pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
 
-/// The compliance of modes chosen by share is looked at up to so many times the contact's own rate: onset and end of
-/// a contact are faster than its middle.
+/// The compliance of modes chosen by share is checked up to this many times the contact's rate: onset and end of a contact are
+/// faster than its middle.
 const MAX_RATE_RATIO: f64 = 4.0;
 
-/// Share of the accuracy asked for by which the compliance may be wrong at the contact's rate; beyond that rate the bound
-/// is wider, see [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without
-/// that one in a hundred of 450 random levers on Hertzian samples, asked for 1e-4, had a largest force that was 1e-4 to 3e-4 off.
+/// Allowed error of the compliance at the contact's rate, as a share of the accuracy; the bound is wider beyond that rate, see
+/// [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without that
+/// one in a hundred of 450 random levers on Hertzian samples, asked for 1e-4, had a largest force that was 1e-4 to 3e-4 off.
 const COMPLIANCE_TOL_SHARE: f64 = 0.75;
 const COARSE_ACCURACY: f64 = 1e-3;
 
-/// Oscillators for an accuracy of 1e-3: so many for each mode slower than the contact and a few beside, and how their
-/// number grows with the accuracy. From the largest force of levers of 0.05 and 0.5 N/m on stiff samples (`cargo bench --bench accuracy -- --part basis`).
+/// Oscillators for an accuracy of 1e-3: per mode slower than the contact, and more; exponent of growth with the accuracy. From
+/// the largest force of levers of 0.05 and 0.5 N/m on stiff samples (`cargo bench --bench accuracy -- --part basis`).
 const OSCILLATORS_PER_MODE: f64 = 1.3;
 const OSCILLATORS_BESIDE: f64 = 4.0;
 const OSCILLATOR_GROWTH: f64 = 0.12;
 
-/// Modes that are faster than the contact by more are not kept as they are.
+/// Modes faster than the contact by more than this are not kept as they are.
 const MAX_MODE_RATE_RATIO: f64 = 64.0;
 
 impl BasisRule {
-    /// To look up bases that were made before.
+    /// A key for bases made before.
     pub fn key(&self) -> [u64; 2] {
         match self {
             Self::Shares { accuracy } => [accuracy.to_bits(), 0],
@@ -66,14 +65,14 @@ impl BasisRule {
         }
     }
 
-    /// The next one with fewer oscillators, where this one is chosen by the contact's rate.
+    /// The next rule with fewer oscillators, if the contact's rate chose this one.
     pub fn poorer(&self) -> Option<Self> {
         let Self::Contact { rate, count } = *self else { return None };
         let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
         Some(Self::Contact { rate, count: fewer })
     }
 
-    /// The next one with more, likewise.
+    /// The next rule with more oscillators, likewise.
     pub fn richer(&self) -> Option<Self> {
         let Self::Contact { rate, count } = *self else { return None };
         let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
@@ -81,19 +80,19 @@ impl BasisRule {
     }
 }
 
-/// The oscillators that stand for an instrument under a force on its tip, largest share of the flexibility first.
+/// The oscillators that replace an instrument under a force on its tip, largest share of the flexibility first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedBasis {
     pub modes: Vec<KeptMode>,
     /// The tip's static flexibility, all modes, m/N.
     pub flexibility: f64,
-    /// Share of it that no kept oscillator carries.
+    /// The share of it that no kept oscillator has.
     pub residual_share: f64,
-    /// Whether the faster modes are kept as one residual oscillator.
+    /// Whether one residual oscillator replaces the faster modes.
     pub residual_kept: bool,
-    /// The rule that asked for them.
+    /// The rule that chose them.
     pub rule: BasisRule,
-    /// What decided.
+    /// The reason for the choice, in words.
     pub reason: String,
 }
 
@@ -101,11 +100,10 @@ pub struct ReducedBasis {
 pub(super) const ANGLE_MAX: f64 = 1.2;
 
 impl ReducedBasis {
-    /// Chooses for a drive of angular frequency `omega`: modes in order of their share until what
-    /// is left out is below three times `accuracy`, the rest as a residual oscillator where it is
-    /// above a tenth of `accuracy` and slow enough to be stepped with `steps_max` steps a period; and those that a
-    /// harmonic of the drive meets so that the accuracy `asked` of the run needs them.
-    /// `count` overrides: exactly so many modes, nothing for the rest.
+    /// Chooses modes for a drive of angular frequency `omega`, in order of their share, until the remainder is below three
+    /// times `accuracy`. The remainder becomes a residual oscillator if it is above a tenth of `accuracy` and slow enough to
+    /// be stepped with `steps_max` steps a period. Adds modes resonant with a harmonic of the drive if the run's accuracy
+    /// `asked` needs them. `count` overrides all this: exactly so many modes, nothing for the rest.
     pub fn choose(
         instrument: &Instrument,
         omega: f64,
@@ -124,7 +122,7 @@ impl ReducedBasis {
         let mut met = resonant_modes(&instrument.modes, omega, asked);
         met.retain(|k| slow(k) && !has(&kept, *k));
         if !met.is_empty() {
-            // The trials tell whether modes of a richer basis are needed. But hardly any member of their sample has a mode that a
+            // Trials show whether modes of a larger basis are needed. But hardly any member of their sample has a mode that a
             // harmonic meets head-on.
             let richest =
                 Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
@@ -135,8 +133,8 @@ impl ReducedBasis {
         kept
     }
 
-    /// Modes in order of their share until what is left out is below three times `accuracy`, or `count` of them; none but
-    /// the first faster than `fastest` (rad/s), which `steps_max` steps a period can step.
+    /// Modes in order of their share until the remainder is below three times `accuracy`, or `count` of them. None but the
+    /// first is faster than `fastest` (rad/s), which `steps_max` steps a period can step.
     fn by_share(
         instrument: &Instrument,
         accuracy: f64,
@@ -177,19 +175,19 @@ impl ReducedBasis {
         Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason }
     }
 
-    /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly
-    /// the modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of
-    /// the others. None where there are too few modes to reduce, or a mode that answers against the force.
+    /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
+    /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
+    /// `None` if there are too few modes to reduce, or a mode answers against the force.
     pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
-        // The slowest lever mode and everything above; slower modes of a rod, each a share of 1e-4 or less, are no
-        // spring at the rates of a contact and stay out.
+        // The slowest lever mode and all above it. Slower modes of a rod, each a share of 1e-4 or less, are no spring at the
+        // rates of a contact and stay out.
         let first = (0..instrument.modes.len())
             .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
         let moved: Vec<usize> =
             (first..instrument.modes.len()).filter(|k| instrument.modes[*k].inverse_mass() != 0.0).collect();
-        // All of a list of modes; of a beam's finite elements the fastest are too fast to be stepped.
+        // All modes of a list; the fastest modes of a finite-element beam are too fast to be stepped.
         let fastest = moved.iter().map(|k| instrument.modes[*k].omega).fold(0.0, f64::max);
         let all = moved.len() <= count && fastest <= MAX_MODE_RATE_RATIO * rate;
         let exact = match all {
@@ -200,7 +198,7 @@ impl ReducedBasis {
         if !all {
             let rest: Vec<&Mode> =
                 moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();
-            // From where the lever answers on: what a rod adds below that is little.
+            // Starts where the lever answers: a rod adds little below that.
             let levers = LeverModes::of(instrument, omega);
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
@@ -221,7 +219,7 @@ impl ReducedBasis {
         Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
     }
 
-    /// How many oscillators an accuracy takes where contacts have the rate `rate` (rad/s): the rule to begin with.
+    /// Initial number of oscillators for an accuracy, with contacts of the rate `rate` (rad/s).
     pub fn oscillators(instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> usize {
         let levers = LeverModes::of(instrument, omega);
         let lever = || instrument.modes.iter().filter(|mode| levers.own(mode));
@@ -234,14 +232,14 @@ impl ReducedBasis {
         (rule.ceil() as usize).max(ring + MIN_REDUCED_OSCILLATORS)
     }
 
-    /// Whether the tip feels the instrument by these oscillators as by all modes where contacts have the rate `rate`
-    /// (rad/s) under a drive of angular frequency `omega`, well enough for `accuracy`. A rod's mode that hardly anything
-    /// damps and that the contact meets again and again is no matter of compliance: it has to be among them.
+    /// Whether these oscillators represent the instrument at the tip well enough for `accuracy`, with contacts of the rate
+    /// `rate` (rad/s) under a drive of angular frequency `omega`. A nearly undamped mode of a rod that the contact meets again
+    /// and again must be among them, whatever the compliance.
     pub fn serves(&self, instrument: &Instrument, omega: f64, rate: f64, accuracy: f64) -> bool {
         let levers = LeverModes::of(instrument, omega);
         let kept = |k: usize| self.modes.iter().any(|mode| mode.index == Some(k));
         let lingers = |mode: &Mode| mode.omega <= rate && !levers.own(mode) && levers.gathers(mode);
-        // A rod's slower modes than the lever's first are no spring at the rates of a contact.
+        // A rod's modes slower than the lever's first are no spring at the rates of a contact.
         let first = instrument.modes.iter().position(|mode| levers.own(mode)).unwrap_or(0);
         let missing =
             instrument.modes.iter().enumerate().skip(first).any(|(k, mode)| lingers(mode) && !kept(k));
@@ -250,9 +248,9 @@ impl ReducedBasis {
                 <= COMPLIANCE_TOL_SHARE * accuracy * (accuracy / COARSE_ACCURACY).min(1.0).sqrt()
     }
 
-    /// Largest relative error of the tip's compliance at rates from half the contact's own on to where its onset ends.
-    /// Beyond the contact's own rate it counts less, by the square of the rate: so the force of a smooth contact falls.
-    /// That of JKR's jumps falls less, but nothing was gained by weighing it so (450 random levers at 1e-3).
+    /// Largest relative error of the tip's compliance, from half the contact's rate to the end of its onset. Beyond the
+    /// contact's rate the error counts less, by the square of the rate, as the force of a smooth contact falls. The force of
+    /// JKR's jumps falls less, but a weight for it gained nothing (450 random levers at 1e-3).
     pub fn wrong(&self, instrument: &Instrument, rate: f64) -> f64 {
         let error = |times: f64| {
             let s = times * rate;
@@ -263,9 +261,9 @@ impl ReducedBasis {
         [0.5, 1.0, 2.0, MAX_RATE_RATIO].into_iter().map(error).fold(0.0, f64::max)
     }
 
-    /// The residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the
-    /// one among them with the largest share, which is the one that rings. Slower modes that are not kept
-    /// (the rod's, each a share of 1e-4 or less) are no spring at the frequencies of a contact and stay out.
+    /// Adds the residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the one with the
+    /// largest share, which is the one that rings. Slower modes that are not kept (the rod's, each a share of 1e-4 or less)
+    /// are no spring at the frequencies of a contact and stay out.
     fn add_residual(&mut self, instrument: &Instrument, met: &[usize], accuracy: f64, fastest: f64) {
         let kept = self.fastest();
         let (mut spring, mut loss, mut top) = (0.0, 0.0, 0.0);
@@ -309,7 +307,7 @@ impl ReducedBasis {
         }
     }
 
-    /// Keeps those of the modes `met` that are not kept for their share.
+    /// Adds the resonant modes `met` that are not kept for their share.
     fn add_met(&mut self, instrument: &Instrument, met: &[usize]) {
         for &k in met.iter().take(MODES_MAX.saturating_sub(self.modes.len())) {
             let mode = KeptMode::of(instrument, k);
@@ -329,13 +327,13 @@ impl ReducedBasis {
         self.reason.push_str(&text);
     }
 
-    /// Acceleration of the tip by a unit of tip force at short times, 1/kg.
+    /// Acceleration of the tip per tip force at short times, 1/kg.
     pub fn inverse_mass(&self) -> f64 {
         self.modes.iter().map(|mode| mode.inverse_mass).sum()
     }
 
-    /// Whether both keep the same modes by their numbers, and the rest alike: of levers that differ in scale the oscillators
-    /// stand for the same then, whatever their frequencies.
+    /// Whether both keep modes of the same numbers, and treat the rest alike. The oscillators of levers that differ in scale
+    /// then correspond, whatever their frequencies.
     pub fn copies(&self, other: &Self) -> bool {
         let residual = self.residual_kept && other.residual_kept;
         let same = |(a, b): (&KeptMode, &KeptMode)| {
@@ -349,7 +347,7 @@ impl ReducedBasis {
         self.modes.iter().map(|mode| mode.omega).fold(0.0, f64::max)
     }
 
-    /// As the kernel takes them.
+    /// The oscillators in the kernel's form.
     pub fn flow(&self) -> Vec<FlowMode> {
         let inverse_mass = self.inverse_mass();
         self.modes

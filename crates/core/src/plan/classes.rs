@@ -1,4 +1,4 @@
-//! Instances of one shape, which run in lockstep.
+//! Classes: instances of one shape, which run in lockstep.
 
 use super::{Plan, Precision};
 use crate::contact::Law;
@@ -18,7 +18,7 @@ pub struct Class {
     pub instances: Vec<u32>,
 }
 
-/// What the instances of a class have in common: steps, law and number of modes.
+/// What the instances of a class share: steps, law and number of modes.
 pub type Shape = (u32, Law, usize);
 
 impl Plan {
@@ -27,7 +27,7 @@ impl Plan {
         (self.steps(instance), self.law(instance), self.driven(instance).kept.modes.len())
     }
 
-    /// What the shader of a class is made for, in that entry point; of a run its measured part.
+    /// The shader of a class for this entry point; for a run, that of its measured part.
     pub fn shader(&self, class: &Class, entry: Entry) -> ShaderSpec {
         let runs = matches!(entry, Entry::Sweep | Entry::Stride);
         ShaderSpec {
@@ -41,8 +41,7 @@ impl Plan {
         }
     }
 
-    /// The plan's instances by shape: law, number of modes, number of steps; within a class by drive, then gap, then
-    /// stiffness.
+    /// The plan's instances by shape (steps, law, number of modes); within a class by drive, then gap, then stiffness.
     pub fn classes(&self) -> Vec<Class> {
         let (shapes, order) = self.ordered();
         let shape = |key: &Key| shapes[key.shape()].0;
@@ -54,19 +53,19 @@ impl Plan {
         .collect()
     }
 
-    /// All instances in the order of their classes: neighbours are alike.
+    /// All instances in the order of their classes, so that neighbours are similar.
     pub fn by_class(&self) -> Vec<u32> {
         self.ordered().1.iter().map(|key| key.instance()).collect()
     }
 
-    /// How many instances there are of each shape.
+    /// Number of instances of each shape.
     pub(super) fn shapes(&self) -> BTreeMap<Shape, usize> {
         let mut counts = BTreeMap::new();
         self.each_shape(&mut |_, (shape, _)| *counts.entry(shape).or_default() += 1);
         counts
     }
 
-    /// Tells of each instance its shape and drive.
+    /// Calls `tell` with the shape and drive of each instance.
     fn each_shape(&self, tell: &mut dyn FnMut(u32, (Shape, u32))) {
         let mut of = |from: u32, part: &Self| {
             for i in part.instances() {
@@ -79,7 +78,7 @@ impl Plan {
         }
     }
 
-    /// The instances in their order, and the shapes and drives that they have by number.
+    /// The distinct shapes and drives, and the instances in their order.
     fn ordered(&self) -> (Vec<(Shape, u32)>, Vec<Key>) {
         let (mut numbers, mut shapes) = (HashMap::new(), Vec::new());
         let mut order: Vec<Key> = Vec::with_capacity(self.len());
@@ -90,14 +89,13 @@ impl Plan {
             });
             order.push(Key::new(number, self.resolution(i).gap, i));
         });
-        // By their own order.
         let mut ranks: Vec<u32> = (0..shapes.len() as u32).collect();
         ranks.sort_unstable_by_key(|number| shapes[*number as usize]);
         let mut rank_of = vec![0; shapes.len()];
         ranks.iter().enumerate().for_each(|(rank, number)| rank_of[*number as usize] = rank as u32);
         order.par_iter_mut().for_each(|key| key.rename(rank_of[key.shape()]));
         shapes.sort_unstable();
-        // In place: a stable sort would hold them twice.
+        // In place: a stable sort would hold the keys twice.
         order.par_sort_unstable();
         order.par_chunk_by_mut(|a, b| a.same_place(b)).filter(|same| same.len() > 1).for_each(|same| {
             let mut all: Vec<(f64, Key)> =
@@ -113,16 +111,16 @@ impl Plan {
     }
 }
 
-/// At this depth (m) contacts are ordered by their stiffness.
+/// Indentation (m) at which the stiffness of contacts is compared.
 const NANOMETRE: f64 = 1e-9;
 
-/// An instance's shape and drive, by number, its gap, and its own number, in one number by which they are ordered.
+/// The sort key of an instance: number of its shape and drive, gap, and own number, in one integer.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Key(u128);
 
 impl Key {
     fn new(shape: u32, gap: f64, instance: u32) -> Self {
-        // Ordered as the numbers are.
+        // These bits sort as the numbers do.
         let bits = gap.to_bits();
         let ordered = if bits >> 63 == 1 { !bits } else { bits | 1 << 63 };
         Self(u128::from(shape) << 96 | u128::from(ordered) << 32 | u128::from(instance))
@@ -140,7 +138,7 @@ impl Key {
         self.0 as u32
     }
 
-    /// Whether two have one shape, drive and gap.
+    /// Whether two have the same shape, drive and gap.
     fn same_place(&self, other: &Self) -> bool {
         self.0 >> 32 == other.0 >> 32
     }

@@ -1,24 +1,24 @@
-//! The tip's compliance by few oscillators.
+//! The tip's compliance with few oscillators.
 //!
-//! The tip feels the lever through one function only: its travel per tip force, C(s) = sum c_k b_k/(omega_k^2 + s^2)
-//! over all modes, s the rate of what happens (of a contact, the inverse of its duration). It is a Stieltjes function
-//! of s^2, and a rational Krylov subspace with real shifts gives the oscillators that meet its value and its slope at
-//! the shifts (Galerkin projection, a multipoint Pade approximant: Grimme, thesis, Univ. of Illinois 1997; Antoulas,
-//! Approximation of Large-Scale Dynamical Systems, 2005). They are passive: all frequencies and weights are positive.
-//! The lowest modes, which ring on between contacts, are kept as they are; what they leave is what is reduced.
+//! The tip feels the lever through one function only, its travel per tip force: C(s) = sum c_k b_k/(omega_k^2 + s^2) over all
+//! modes, where s is the rate of an event (for a contact, the inverse of its duration). C is a Stieltjes function of s^2, and
+//! a rational Krylov subspace with real shifts gives oscillators that match its value and its slope at the shifts (Galerkin
+//! projection, a multipoint Pade approximant: Grimme, thesis, Univ. of Illinois 1997; Antoulas, Approximation of Large-Scale
+//! Dynamical Systems, 2005). They are passive: all frequencies and weights are positive. The lowest modes, which ring on
+//! between contacts, are kept as they are; only the rest is reduced.
 
 use super::oscillator::KeptMode;
 use crate::instrument::Mode;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Travel of the tip per force on it that changes at the rate `s` (rad/s), by these oscillators: frequency (rad/s) and
-/// inverse mass (1/kg) of each; m/N.
+/// Travel of the tip per force on it that changes at the rate `s` (rad/s), m/N. `oscillators` gives the frequency (rad/s) and
+/// inverse mass (1/kg) of each.
 pub fn compliance(oscillators: impl Iterator<Item = (f64, f64)>, s: f64) -> f64 {
     oscillators.map(|(omega, inverse_mass)| inverse_mass / (omega * omega + s * s)).sum()
 }
 
-/// `count` oscillators for the compliance of these modes at rates from `from` to `to` (rad/s); none where a mode
-/// answers against the force, as it may where the rod does not feel the lever.
+/// `count` oscillators for the compliance of these modes at rates from `from` to `to` (rad/s). `None` if a mode answers
+/// against the force, as it may where the rod does not feel the lever.
 pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<KeptMode>> {
     let count = count.min(modes.len());
     if count == 0 || modes.iter().any(|mode| mode.inverse_mass() < 0.0) {
@@ -33,7 +33,7 @@ pub fn reduced(modes: &[&Mode], count: usize, from: f64, to: f64) -> Option<Vec<
             modes.len(),
             modes.iter().zip(push.iter()).map(|(mode, push)| push / (square(mode) + shift)),
         );
-        // Twice: once leaves what rounding takes.
+        // Twice, because rounding spoils one pass.
         for _ in 0..2 {
             for known in &basis {
                 answer -= known * known.dot(&answer);
@@ -52,15 +52,15 @@ fn square(mode: &Mode) -> f64 {
     mode.omega * mode.omega
 }
 
-/// The modes seen through a basis of their amplitudes over the square root of their mass (Galerkin's projection), as
-/// oscillators; `push` is what a force on the tip does to each mode.
+/// Projects the modes on a basis of their mass-weighted amplitudes (Galerkin) and returns the oscillators. `push` is the
+/// effect of a tip force on each mode.
 fn projected(modes: &[&Mode], push: &DVector<f64>, basis: &DMatrix<f64>) -> Option<Vec<KeptMode>> {
     let count = basis.ncols();
     let stiffness = DMatrix::<f64>::from_fn(count, count, |i, j| {
         (0..modes.len()).map(|k| basis[(k, i)] * square(modes[k]) * basis[(k, j)]).sum()
     });
     let solved = SymmetricEigen::try_new(stiffness, f64::EPSILON, 100 * count)?;
-    // In this order on every processor, which nalgebra's own product of matrices is not.
+    // The same order on every processor, unlike nalgebra's product of matrices.
     let shapes = DMatrix::<f64>::from_fn(modes.len(), count, |k, j| {
         (0..count).map(|i| basis[(k, i)] * solved.eigenvectors[(i, j)]).sum()
     });
@@ -69,7 +69,7 @@ fn projected(modes: &[&Mode], push: &DVector<f64>, basis: &DMatrix<f64>) -> Opti
             let shape = shapes.column(j);
             let tip = shape.dot(push);
             let square_of = solved.eigenvalues[j];
-            // Strain energy decides whose loss an oscillator has.
+            // The strain energy in each mode weights the oscillator's loss.
             let loss: f64 = modes
                 .iter()
                 .zip(shape.iter())

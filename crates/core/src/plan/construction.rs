@@ -1,4 +1,4 @@
-//! From a scene to its plan.
+//! Builds the plan of a scene.
 
 use super::assignment::{self, INSTANCES_AT_ONCE, steps_for_modes};
 use super::ensemble::Gaps;
@@ -44,9 +44,9 @@ impl Plan {
             drives,
             observables: scene.output.observables.clone(),
             wants: Wants {
-                // The branch of a state is told by its mean force.
+                // The mean force tells the branch of a state.
                 energy: asked.energy || scene.run.steady == Steady::Search,
-                // Errors of the mean force, and from rest of energies, count on the largest force.
+                // Errors of the mean force, and of energies from rest, are relative to the largest force.
                 extremes: asked.extremes || asked.energy || holds_force,
                 ..asked
             },
@@ -61,31 +61,31 @@ impl Plan {
     }
 }
 
-/// Whether that quantity changes the instrument or its drive, not only the contact.
+/// Whether the quantity changes the instrument or its drive, not only the contact.
 fn moves_instrument(path: &str) -> bool {
     const APEX: [&str; 3] =
         ["instrument.tip.radius", "instrument.tip.youngs_modulus", "instrument.tip.poisson_ratio"];
     path.starts_with("drive.") || (path.starts_with("instrument.") && !APEX.contains(&path))
 }
 
-/// Whether that quantity changes the drive alone.
+/// Whether the quantity changes the drive alone.
 fn moves_drive(path: &str) -> bool {
     path.starts_with("drive.") && path != "drive.on"
 }
 
-/// Numbers of things that several instances share, as they are met.
+/// Numbers things that several instances share, in order of appearance.
 struct Distinct {
-    /// Of each number, the first instance that has it.
+    /// By number: the first instance that has it.
     first: Vec<usize>,
-    /// Of each of the instances looked at, its number.
+    /// By instance: its number.
     of: Codes,
 }
 
 impl Distinct {
-    /// Of these instances, told apart by the values of the swept quantities for which `holds` holds.
+    /// Tells these instances apart by the values of the swept quantities for which `holds` is true.
     fn by(holds: impl Fn(&str) -> bool, scene: &Scene, instances: impl Iterator<Item = usize>) -> Self {
         let axes = scene.sweep.axes.iter().enumerate();
-        // Of quantities that vary together, those that matter: what they share with others is one instrument.
+        // The quantities that matter, also among those that vary together: equal values mean one instrument.
         let axes: Vec<(usize, Vec<&Axis>)> = axes
             .map(|(n, axis)| {
                 (n, std::iter::once(axis).chain(&axis.columns).filter(|a| holds(&a.path)).collect())
@@ -106,7 +106,7 @@ impl Distinct {
             })
         };
         let of = match axes.is_empty() {
-            // The same for all, as in the largest sweeps: nothing to look up for each instance.
+            // All instances are alike, as in the largest sweeps, so that none needs a look-up.
             true => Codes::zeros(instances.count()),
             false => instances.map(number).collect(),
         };
@@ -117,7 +117,7 @@ impl Distinct {
     }
 }
 
-/// The distinct drives with the modes that have the largest shares, and which one each instance has.
+/// The distinct drives, with the modes of the largest shares, and the drive of each instance.
 fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     let drives = Distinct::by(moves_instrument, scene, 0..scene.len());
     // Levers and rods without the drive: fewer still.
@@ -128,7 +128,7 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
         move |source| PlanError::Instrument { instance, values, source }
     };
     let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
-    // Levers that differ in scale alone are reduced once.
+    // Levers that differ only in scale are reduced once.
     let served = bodies.first.first().filter(|&&one| Pattern::serves(&scene.instance(one).instrument));
     let pattern = served.map(|&one| Pattern::new(scene.base.drive.on, tolerance).map_err(fail(one)));
     let pattern = pattern.transpose()?;
@@ -144,7 +144,7 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     let frequency =
         |(n, &instance): (usize, &usize)| (bodies.of.get(n), scene.instance(instance).drive.frequency);
     let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().enumerate().map(frequency).collect();
-    // Drives that differ in level alone are one swing, larger or smaller.
+    // Drives that differ only in level share one swing.
     let mut numbers: HashMap<(u32, Option<u64>), u32> = HashMap::new();
     let mut distinct: Vec<usize> = Vec::new();
     let swing = |(n, (body, frequency)): (usize, &(u32, DriveFrequency))| {
@@ -181,9 +181,9 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
         let gap = match held {
             None => gap,
             Some(Held::Amplitude(share) | Held::Deflection(share)) => share * free,
-            // As much is left of the amplitude where nothing is lost.
+            // The share of the amplitude that remains at this phase if no energy is lost.
             Some(Held::Phase(degrees)) => degrees.to_radians().sin().abs() * free,
-            // A light tap, but for the lever's bending.
+            // A light tap, apart from the lever's bending.
             Some(Held::Force(force)) => free - force * driven.kept.flexibility,
         };
         (Compact::new(params), gap, held.map(|held| SetPoint { held, branch, deepest }))
@@ -214,10 +214,10 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
     }
 }
 
-/// The quantity that the gap is.
+/// Path of the gap among the scene's quantities.
 const GAP: &str = "approach.gap";
 
-/// The gaps of instances as they are met.
+/// The gaps of instances while they are collected.
 enum Met {
     Few(Interned<u64>),
     Many(Vec<f64>),
@@ -240,7 +240,7 @@ impl Met {
         }
     }
 
-    /// Those of all instances; where they are a column of the scene, that holds them.
+    /// The gaps of all instances; a column of the scene is shared, not copied.
     fn end(self, given: Option<&Arc<Vec<f64>>>) -> Gaps {
         match (self, given) {
             (Self::Few(all), _) => Gaps::Coded(all),
@@ -250,7 +250,7 @@ impl Met {
     }
 }
 
-/// How the axes of a grid lie in the order of its instances; none for a list and where nothing is swept.
+/// The arrangement of a grid's axes in the order of its instances; `None` for a list or without a sweep.
 fn grid(sweep: &SweptAxes) -> Option<Grid> {
     if sweep.layout == Layout::List || sweep.axes.is_empty() {
         return None;
@@ -258,7 +258,7 @@ fn grid(sweep: &SweptAxes) -> Option<Grid> {
     let mut stride = 1;
     let of = |axis: &Axis| {
         let length = axis.values.len() as u32;
-        // Neither words nor samples, which are numbered, have neighbours.
+        // Words and numbered samples have no neighbours.
         let ordered = axis.words.is_empty() && axis.columns.is_empty();
         let mut order: Vec<u32> = if ordered { (0..length).collect() } else { Vec::new() };
         order.sort_by(|a, b| axis.values[*a as usize].total_cmp(&axis.values[*b as usize]));
@@ -295,7 +295,7 @@ impl Swing {
         Ok(Self { instrument: Arc::clone(instrument), frequency, kept: Arc::new(kept) })
     }
 
-    /// Driven as hard as a case says.
+    /// The drive at a case's level.
     fn driven(&self, params: &Params) -> Result<Driven, InstrumentError> {
         let free = self.instrument.free_motion(params.drive.level, self.frequency)?;
         let drive = Arc::new(Drive { instrument: Arc::clone(&self.instrument), free });

@@ -1,4 +1,4 @@
-//! How fast a contact is: the rate at which its stiffness and the lever's compliance balance.
+//! The rate of a contact, at which its stiffness and the lever's compliance balance.
 
 use super::basis::{OSCILLATOR_COUNTS, RICHEST_ACCURACY_SHARE};
 use super::compliance::compliance;
@@ -7,16 +7,16 @@ use crate::contact::Contact;
 use crate::instrument::Mode;
 use std::sync::Arc;
 
-/// Rounds of the fixed point between the rate of a contact and the depth that it leads to: each leaves a tenth of the
-/// miss, and a rate is needed to a factor of two.
+/// Fixed-point iterations between a contact's rate and its depth. Each reduces the error to a tenth, and the rate is needed to
+/// a factor of two.
 const RATE_ITERATIONS: usize = 4;
 
-/// Rate of an instance's contact, rad/s: s with k C(s) = 1, where C is the tip's compliance by all modes and k the
-/// contact's stiffness at the depth of a collision with the inverse mass s^2 C(s) that the tip has at that rate. It is the
-/// contact's own angular frequency: about four over its duration, since a Hertzian collision of depth d and speed v
-/// lasts 2.94 d/v and has the rate 1.37 v/d. 0 where nothing pushes the tip.
+/// Rate of an instance's contact, rad/s: the s with k C(s) = 1. C is the tip's compliance by all modes; k is the contact's
+/// stiffness at the depth of a collision, with the tip's inverse mass s^2 C(s) at that rate. The rate is the contact's own
+/// angular frequency, about four over its duration: a Hertzian collision of depth d and speed v lasts 2.94 d/v and has the
+/// rate 1.37 v/d. It is 0 where no force acts on the tip.
 ///
-/// `omega` (rad/s) and `amplitude` (m) are of the free tip, `gap` in m, and `answer` tells the tip's compliance at a rate.
+/// `omega` (rad/s) and `amplitude` (m) are of the free tip, `gap` is in m, and `answer` gives the tip's compliance at a rate.
 pub(super) fn contact_rate(
     contact: &Contact,
     (omega, amplitude, gap): (f64, f64, f64),
@@ -32,7 +32,7 @@ pub(super) fn contact_rate(
         let depth = super::steps::deepest(contact, inverse_mass, omega, amplitude, gap);
         let stiffness = contact.stiffness(depth, true).abs().max(pull);
         let next = (inverse_mass * stiffness).sqrt();
-        // From there on nothing changes.
+        // Further iterations would change nothing.
         if !next.is_finite() || next.max(omega) == rate {
             break;
         }
@@ -41,14 +41,14 @@ pub(super) fn contact_rate(
     rate
 }
 
-/// What [`Driven::rung`] needs of a drive, for very many contacts: the numbers of [`compliance`] side by side, whose quotients
-/// are then worked out together.
+/// Data of a drive for [`Driven::rung`] of very many contacts: the numbers of [`compliance`] side by side, so that their
+/// quotients are computed together.
 pub(super) struct Tip<'a> {
     driven: &'a Driven,
     squares: Vec<f64>,
     inverse_masses: Vec<f64>,
     terms: Vec<f64>,
-    /// Where every contact's rounds begin.
+    /// The compliance at the first iterate of every contact.
     at_omega: f64,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Tip<'a> {
     }
 }
 
-/// The drive of the last contact that was looked at, by its number: neighbours mostly have the same.
+/// The drive of the last contact, with its number: neighbours mostly share it.
 #[derive(Default)]
 pub(super) struct RungCache<'a>(Option<(u32, Tip<'a>)>);
 
@@ -98,8 +98,8 @@ impl<'a> RungCache<'a> {
 }
 
 impl Driven {
-    /// The rung of an instance's contact rate: it is at most 2 to this power times the drive's angular frequency. So
-    /// neighbours have the same basis.
+    /// The rung of an instance's contact rate, which is at most 2 to this power times the drive's angular frequency. Rungs let
+    /// neighbours share a basis.
     pub(super) fn rung(&self, contact: &Contact, gap: f64) -> u32 {
         self.rung_of(self.contact_rate(contact, gap))
     }
@@ -109,8 +109,8 @@ impl Driven {
         (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
     }
 
-    /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about
-    /// four over its duration.
+    /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about four
+    /// over its duration.
     pub fn contact_rate(&self, contact: &Contact, gap: f64) -> f64 {
         let modes = &self.instrument.modes;
         let answer = |s: f64| compliance(modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), s);
@@ -122,8 +122,8 @@ impl Driven {
         self.free.omega * f64::from(rung).exp2()
     }
 
-    /// The basis for contacts of that rung, where the modes with the largest shares do not do: these may be as many as
-    /// `shares` makes for [`RICHEST_ACCURACY_SHARE`] of the accuracy.
+    /// The basis for contacts of a rung, if the modes with the largest shares do not suffice, up to as many as `shares` makes
+    /// for [`RICHEST_ACCURACY_SHARE`] of the accuracy.
     pub(super) fn for_rung(
         &self,
         rung: u32,
@@ -139,15 +139,15 @@ impl Driven {
         self.for_contacts(rung, |kept| kept.modes.len() >= count)
     }
 
-    /// The least of the bases for contacts of that rung that is `good`, or the one with the most oscillators; none
-    /// where a mode answers against the force.
+    /// The smallest basis for contacts of the rung that is `good`, or else the largest one; `None` if a mode answers against
+    /// the force.
     pub(super) fn for_contacts(
         &self,
         rung: u32,
         good: impl Fn(&ReducedBasis) -> bool,
     ) -> Option<Arc<ReducedBasis>> {
         let mut richest = None;
-        // The first is for what is held against the next.
+        // The first number is only compared with the next.
         for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
             let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
             let enough = kept.as_ref().is_some_and(&good);
@@ -159,7 +159,7 @@ impl Driven {
         richest.map(Arc::new)
     }
 
-    /// The basis that the rule asks for; this one's own where it cannot be made.
+    /// The basis that the rule asks for, or the drive's own if that cannot be made.
     pub(super) fn reduced_by(
         &self,
         rule: BasisRule,

@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 impl Plan {
-    /// A plan of one instance for each of these: two points of a curve, and what share of the way from the first to the
-    /// second it stands. Gap and drive are between theirs; contact, steps and basis are the second's.
+    /// A plan of one instance per pair of curve points, at a share of the distance from the first to the second. Gap and drive
+    /// are interpolated; contact, steps and basis are the second's.
     #[must_use]
     pub fn between(&self, pairs: &[(u32, u32, f64)]) -> Self {
         let mut known = HashMap::new();
@@ -59,12 +59,12 @@ impl Plan {
     }
 }
 
-/// A drive of the same instrument between two; none where the tip does not move under it.
+/// A drive of the same instrument between two; `None` if the tip does not move under it.
 fn drive_between(one: &Arc<Drive>, other: &Arc<Drive>, share: f64) -> Option<Arc<Drive>> {
     let mix = |one: f64, other: f64| one * (1.0 - share) + other * share;
     let frequency = mix(one.free.omega, other.free.omega) / TAU;
     let level = mix(one.free.level, other.free.level);
-    // An amplitude is a level of every kind of drive.
+    // An amplitude sets the level of any kind of drive.
     let amplitude = other.free.tip.norm();
     let free = |amplitude| other.instrument.free_motion(DriveLevel::FreeAmplitude(amplitude), frequency).ok();
     let free = free(amplitude * level / free(amplitude)?.level)?;

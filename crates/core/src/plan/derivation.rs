@@ -1,4 +1,4 @@
-//! Other plans of the same ensemble: some instances, other steps, other bases.
+//! Plans derived from others of the same ensemble: some instances, other steps, other bases.
 
 use super::rebasing::{notch, reduced_by, richer_than};
 use super::resolution::{Ids, InstanceResolution, InstanceResolutions};
@@ -10,12 +10,12 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 impl Plan {
-    /// A plan of some of this one's instances, in this order, each as often as it is named. It begins where the scene
-    /// says, and traces no waveforms.
+    /// A plan of some of this one's instances, in this order and with repetitions. It begins where the scene says, and traces
+    /// no waveforms.
     pub fn part(&self, instances: &[u32]) -> Self {
         let mut place = HashMap::new();
         let mut drives = Vec::new();
-        // Most have the drive of the one before.
+        // Most instances have the drive of the one before.
         let mut last = None;
         let mut resolution = |i: &u32| {
             let own = self.resolution(*i);
@@ -54,7 +54,7 @@ impl Plan {
         }
     }
 
-    /// With another number of steps per period for each instance, by its own. Those that are free of the sample stay so.
+    /// Replaces the steps per period of each instance by a function of them. Instances free of the sample stay without steps.
     #[must_use]
     pub fn with_steps(mut self, steps: impl Fn(u32) -> u32) -> Self {
         let stepped = self.each().iter_mut().filter(|own| own.steps > 0);
@@ -62,27 +62,27 @@ impl Plan {
         self
     }
 
-    /// With that many steps for all instances, those that are free of the sample among them: to measure what a step costs.
+    /// The same steps for all instances, also those free of the sample: to measure the cost of a step.
     #[must_use]
     pub fn stepping_all(mut self, steps: u32) -> Self {
         self.each().iter_mut().for_each(|own| own.steps = steps);
         self
     }
 
-    /// In that arithmetic.
+    /// Uses this precision.
     #[must_use]
     pub fn in_precision(self, precision: Precision) -> Self {
         Self { precision, ..self }
     }
 
-    /// Beginning at these places, one for each instance.
+    /// Starts at these states, one for each instance.
     #[must_use]
     pub fn starting_at(self, starts: Vec<StartState>) -> Self {
         Self { starts: Some(Arc::new(starts)), ..self }
     }
 
-    /// [`Plan::part`], over `periods` of which the last `measure` are measured: the same stepping, nothing but the
-    /// fundamental summed.
+    /// [`Plan::part`] over `periods`, the last `measure` of them measured: the same stepping, but only the fundamental is
+    /// summed.
     pub fn trial(&self, instances: &[u32], periods: u32, measure: u32) -> Self {
         let observables = Vec::new();
         Self {
@@ -94,8 +94,8 @@ impl Plan {
         }
     }
 
-    /// With the modes that `accuracy` would ask for by their shares, and as many more steps as they need. Bases that are
-    /// made for their contacts stay.
+    /// Uses the modes that `accuracy` asks for by their shares, and as many more steps as they need. Bases made for contacts
+    /// stay.
     #[must_use]
     pub fn with_shares(mut self, accuracy: f64) -> Self {
         for driven in &mut self.drives {
@@ -113,7 +113,7 @@ impl Plan {
         self
     }
 
-    /// These instances, first those that can have a richer basis, then the others.
+    /// These instances: first those for which a larger basis exists, then the others.
     pub fn can_be_richer(&self, instances: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
         let mut known: HashMap<(u32, u32), bool> = HashMap::new();
         instances.into_iter().partition(|i| {
@@ -123,8 +123,7 @@ impl Plan {
         })
     }
 
-    /// With the least of the bases that are richer than their own, and as many more steps as half of what that needs on
-    /// the safe side.
+    /// Uses the next larger basis of each instance, and at least half the steps that this basis safely needs.
     #[must_use]
     pub fn with_richer_bases(mut self) -> Self {
         let mut made: HashMap<(u32, u32), u32> = HashMap::new();
@@ -146,20 +145,19 @@ impl Plan {
         self
     }
 
-    /// The rule by which an instance's basis was chosen.
+    /// The rule that chose an instance's basis.
     pub fn basis_rule(&self, instance: u32) -> BasisRule {
         self.driven(instance).kept.rule
     }
 
-    /// The basis for the contacts of an instance that the modes with the largest shares do not serve, and the next
-    /// smaller one; none where there is none.
+    /// The rule of the smallest basis for an instance's contacts with more oscillators than its own; `None` if there is none.
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
         let rung = driven.rung(&case.contact, case.gap);
         Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
     }
 
-    /// With these gaps, one for each instance (m).
+    /// Uses these gaps, one for each instance (m).
     #[must_use]
     pub fn with_gaps(mut self, gaps: &[f64]) -> Self {
         self.each().iter_mut().zip(gaps).for_each(|(own, gap)| own.gap = *gap);
@@ -173,13 +171,13 @@ impl Plan {
         }
     }
 
-    /// An instance's steps, gap and the rule of its basis.
+    /// An instance's steps, gap and basis rule.
     pub fn resolution_of(&self, instance: u32) -> Resolution {
         let InstanceResolution { gap, steps, .. } = self.resolution(instance);
         Resolution { steps, gap, rule: self.basis_rule(instance) }
     }
 
-    /// With what another plan of the same instances had, one for each.
+    /// Uses the resolutions of another plan of the same instances, one for each.
     #[must_use]
     pub fn with_resolutions(mut self, all: &[Resolution]) -> Self {
         let mut made: HashMap<(u32, [u64; 2]), u32> = HashMap::new();
@@ -204,8 +202,8 @@ impl Plan {
         reduced_by(self.driven(instance), rule, &self.run)
     }
 
-    /// Takes an instance's steps, basis and gap from another plan of the same ensemble, where it is number `there`; `taken`
-    /// knows by that plan's drives those of this one.
+    /// Takes steps, basis and gap from instance `there` of another plan of the same ensemble. `taken` maps that plan's drives
+    /// to this one's.
     pub fn take_resolution(&mut self, i: u32, other: &Self, there: u32, taken: &mut HashMap<u32, u32>) {
         let theirs = other.resolution(there);
         let driven = &other.drives[theirs.drive as usize];
@@ -221,20 +219,20 @@ impl Plan {
         }
     }
 
-    /// How finely each of its instances runs, to be changed.
+    /// The resolutions of its instances, for changes.
     fn each(&mut self) -> &mut Vec<InstanceResolution> {
         let Self { ensemble, ids, resolution, .. } = self;
         resolution.each(|at| ensemble.gap(ids.get(at as u32)))
     }
 
-    /// Something of each of these instances, in their order: `of` is given a plan that has it, its number there, and here.
+    /// Maps `of` over these instances, in order. Its arguments: a plan with the instance, its number there, its number here.
     pub fn of_each<T: Send>(&self, instances: &[u32], of: impl Fn(&Self, u32, u32) -> T + Sync) -> Vec<T> {
         let mut all = Vec::with_capacity(instances.len());
         self.for_each(instances, of, |one| all.push(one));
         all
     }
 
-    /// As [`Plan::of_each`], but that each is given to `take`, and not all are held.
+    /// Like [`Plan::of_each`], but passes each value to `take` instead of holding all.
     pub fn for_each<T: Send>(
         &self,
         instances: &[u32],
@@ -255,7 +253,7 @@ impl Plan {
         }
     }
 
-    /// Its instances in parts of at most so many, each with the number of its first one.
+    /// The plan in parts of limited size, each with the number of its first instance.
     pub(super) fn stretches(&self) -> impl Iterator<Item = (u32, Self)> {
         let count = self.len() as u32;
         (0..count).step_by(STRETCH_INSTANCES as usize).map(move |from| {
@@ -265,16 +263,16 @@ impl Plan {
     }
 }
 
-/// Instances of very many that are looked at together, and those of them that a thread looks at.
+/// Instances of a large plan that are processed at once, and those of them that one thread processes.
 const STRETCH_INSTANCES: u32 = 1 << 16;
 const PIECE_INSTANCES: usize = 1 << 12;
 
-/// How finely an instance of a plan runs, as plain numbers.
+/// Resolution of an instance of a plan, as plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// Per period of the drive; 0 where nothing needs stepping.
+    /// Per period of the drive; 0 if nothing needs stepping.
     pub steps: u32,
-    /// m; NaN where no gap holds its set-point.
+    /// m; NaN if no gap holds its set-point.
     pub gap: f64,
     pub rule: BasisRule,
 }

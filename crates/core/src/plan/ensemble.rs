@@ -8,40 +8,40 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Amplitude of a tip that touches where its free oscillation does not, in gaps.
+/// Amplitude, in gaps, of a tip that touches where its free oscillation does not.
 const FREE_AMPLITUDE_MARGIN: f64 = 1.05;
 
-/// Number of an instance in its ensemble: its place in the scene's order, and in the results file.
+/// Number of an instance in its ensemble: its position in the scene's order and in the results file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct InstanceId(pub u32);
 
 /// All instances of a scene. It never changes, and every plan of the scene shares it.
 #[derive(Clone, Debug)]
 pub struct Ensemble {
-    /// Distinct instruments under their drive.
+    /// Distinct instruments with their drives.
     pub drives: Vec<Arc<Drive>>,
-    /// Of each instance, in the scene's order, the number of its drive.
+    /// By instance, in the scene's order: the number of its drive.
     pub(super) drive_of: Codes,
     pub(super) contacts: Contacts,
     pub(super) gaps: Gaps,
-    /// Quantities of a list, which have a value of their own in each instance.
+    /// Number of quantities in a list, each with a value per instance.
     pub columns: usize,
-    /// Of each instance what it is held at by moving its sample; empty where gaps are given.
+    /// By instance: the set-point that moving the sample holds. Empty if gaps are given.
     pub setpoints: Vec<SetPoint>,
-    /// Where the instances are points of curves, how these lie in their order.
+    /// Arrangement of the instances as points of curves, if they are.
     pub curves: Option<CurveLayout>,
-    /// Where the instances are every combination of the values of some axes, how these lie in their order.
+    /// Arrangement of the instances as all combinations of the values of some axes, if they are.
     pub grid: Option<Grid>,
 }
 
-/// Every combination of the places along some axes; the last one runs fastest.
+/// All combinations of the positions along some axes; the last axis varies fastest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Grid {
     pub axes: Vec<GridAxis>,
 }
 
 impl Grid {
-    /// How many instances it has.
+    /// Number of instances.
     #[expect(clippy::len_without_is_empty, reason = "a grid has an instance at least")]
     pub fn len(&self) -> usize {
         self.axes.iter().map(|axis| axis.length as usize).product()
@@ -51,15 +51,15 @@ impl Grid {
 /// An axis of a grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GridAxis {
-    /// How far apart instances stand that are next to one another along it.
+    /// Difference in number between instances that are adjacent along the axis.
     pub stride: u32,
     pub length: u32,
-    /// Its places by their values, least first; empty where they are no values of one quantity: laws, labels, samples.
+    /// Its positions by increasing value; empty if they are no values of one quantity: laws, labels, samples.
     pub order: Vec<u32>,
 }
 
 impl GridAxis {
-    /// Of each of its places the rank; none where they have no order.
+    /// By position: its rank. Empty if the positions have no order.
     pub fn ranks(&self) -> Vec<u32> {
         let mut ranks = vec![0; self.order.len()];
         self.order.iter().enumerate().for_each(|(rank, place)| ranks[*place as usize] = rank as u32);
@@ -67,19 +67,19 @@ impl GridAxis {
     }
 }
 
-/// The axes of a grid whose places have an order, each with the rank of every place.
+/// The axes of a grid whose positions have an order, each with the ranks.
 #[derive(Clone, Debug)]
 pub struct Ranks<'a>(pub Vec<(&'a GridAxis, Vec<u32>)>);
 
 impl<'a> Ranks<'a> {
-    /// Of the axes of a grid.
+    /// The ordered axes of a grid.
     pub fn of(grid: &'a Grid) -> Self {
         let ordered = grid.axes.iter().filter(|axis| !axis.order.is_empty());
         Self(ordered.map(|axis| (axis, axis.ranks())).collect())
     }
 
-    /// The number that an instance has where all of them are written with the least value first: whatever goes by it does not
-    /// hang on the direction of an axis.
+    /// The number of an instance if all axes are sorted by increasing value. Results that depend on it do not depend on the
+    /// direction of an axis.
     pub fn number(&self, instance: u32) -> u32 {
         self.0.iter().fold(instance, |number, (axis, ranks)| {
             let place = instance / axis.stride % axis.length;
@@ -87,7 +87,7 @@ impl<'a> Ranks<'a> {
         })
     }
 
-    /// The instance that has this number.
+    /// The instance with this number.
     pub fn instance(&self, number: u32) -> u32 {
         self.0.iter().fold(number, |instance, (axis, _)| {
             let rank = number / axis.stride % axis.length;
@@ -96,8 +96,8 @@ impl<'a> Ranks<'a> {
     }
 }
 
-/// Curves of equal length, one after the other; where they are followed both ways, the points of the way back come after
-/// those of the way there, in the same order.
+/// Curves of equal length, one after the other. If they are followed both ways, the points of the way back come after those of
+/// the way there, in the same order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveLayout {
     /// On one way.
@@ -107,7 +107,7 @@ pub struct CurveLayout {
 }
 
 impl CurveLayout {
-    /// Number of the instance's curve, and its place along it in the order in which it is followed.
+    /// The number of the instance's curve, and its position along it in the order of continuation.
     pub fn place(&self, id: InstanceId) -> (u32, u32) {
         let long = self.points * self.ways;
         let (curve, within) = (id.0 / long, id.0 % long);
@@ -127,29 +127,29 @@ pub struct Drive {
 /// The contacts of all instances.
 #[derive(Clone, Debug)]
 pub(super) enum Contacts {
-    /// Those that differ, and of each instance the number of its own.
+    /// The distinct contacts, and the number of each instance's.
     Shared { of: Codes, all: Vec<Compact> },
-    /// Where very many differ: they are made of the scene's cases when they are asked for.
+    /// Too many are distinct: they are made from the scene's cases on demand.
     Made(Box<Cases>),
 }
 
-/// The gaps of all instances, m: where they are not given, about where a hard sample would stand.
+/// The gaps of all instances, m. For set-points they are about where a hard sample would stand.
 #[derive(Clone, Debug)]
 pub(super) enum Gaps {
-    /// By their bits: few differ.
+    /// By their bits: few are distinct.
     Coded(Interned<u64>),
     /// A column of the scene.
     Given(Arc<Vec<f64>>),
     Each(Vec<f64>),
 }
 
-/// What an instance is held at by moving its sample.
+/// The set-point of an instance, held by moving its sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SetPoint {
     pub held: Held,
-    /// The branch that is asked for where both hold it.
+    /// The requested branch, if both hold the set-point.
     pub branch: Option<ForceBranch>,
-    /// How far below the surface it is looked for, m, where that is told.
+    /// Largest depth below the surface, m, if the scene gives it.
     pub deepest: Option<f64>,
 }
 
@@ -164,8 +164,8 @@ impl Drive {
         self.free.amplitude
     }
 
-    /// Amplitude of a tip that touches a sample beyond the reach of its free oscillation, m: a little more than the `gap` (m),
-    /// where contact can tune the lever to the drive so far. Where it cannot the amplitude is the free one.
+    /// Amplitude, m, of a tip that touches a sample beyond the reach of its free oscillation: slightly more than `gap` (m) if
+    /// contact can tune the lever to the drive so far, else the free amplitude.
     pub fn swing(&self, gap: f64) -> f64 {
         let omega = self.free.omega;
         let at_resonance = |(mode, moves): (&Mode, &Complex<f64>)| {
@@ -180,12 +180,12 @@ impl Drive {
 }
 
 impl Ensemble {
-    /// How many instances it has.
+    /// Number of instances.
     pub fn len(&self) -> usize {
         self.drive_of.len()
     }
 
-    /// Whether it has none.
+    /// Whether it has no instance.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -206,12 +206,12 @@ impl Ensemble {
         }
     }
 
-    /// Whether it holds its contacts.
+    /// Whether it stores its contacts.
     pub(super) fn holds_contacts(&self) -> bool {
         matches!(self.contacts, Contacts::Shared { .. })
     }
 
-    /// The contacts of these instances, which takes less time than to ask for each.
+    /// The contacts of these instances, faster than one by one.
     pub(super) fn contacts_of(&self, ids: impl Iterator<Item = InstanceId>) -> Vec<Compact> {
         match &self.contacts {
             Contacts::Shared { of, all } => ids.map(|id| all[of.get(id.0 as usize) as usize]).collect(),

@@ -1,10 +1,10 @@
-//! Values of very many instances, of which many are alike: each value is held once, and of each instance its number in as few
-//! bytes as serve.
+//! Compact values of very many instances: each distinct value is stored once, and each instance stores its number in as few
+//! bytes as possible.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// A whole number for each instance, in no, one, two or four bytes.
+/// An integer per instance, in zero, one, two or four bytes.
 #[derive(Clone, Debug)]
 pub(super) enum Codes {
     /// So many zeros.
@@ -15,12 +15,12 @@ pub(super) enum Codes {
 }
 
 impl Codes {
-    /// Of so many instances, all zero.
+    /// `count` instances, all zero.
     pub fn zeros(count: usize) -> Self {
         Self::Zeros(count)
     }
 
-    /// How many there are.
+    /// Number of instances.
     pub fn len(&self) -> usize {
         match self {
             Self::Zeros(count) => *count,
@@ -30,7 +30,7 @@ impl Codes {
         }
     }
 
-    /// That of an instance.
+    /// The integer of an instance.
     #[inline]
     pub fn get(&self, at: usize) -> u32 {
         match self {
@@ -41,7 +41,7 @@ impl Codes {
         }
     }
 
-    /// Gives an instance another one.
+    /// Replaces the integer of an instance.
     pub fn set(&mut self, at: usize, code: u32) {
         self.widen(code);
         match self {
@@ -52,7 +52,7 @@ impl Codes {
         }
     }
 
-    /// Adds one more instance.
+    /// Adds an instance.
     pub fn push(&mut self, code: u32) {
         self.widen(code);
         match self {
@@ -63,7 +63,7 @@ impl Codes {
         }
     }
 
-    /// Makes room for a number so large.
+    /// Widens the storage for a number this large.
     fn widen(&mut self, code: u32) {
         loop {
             *self = match self {
@@ -88,7 +88,7 @@ impl FromIterator<u32> for Codes {
     }
 }
 
-/// A value for each instance.
+/// A value per instance.
 #[derive(Clone, Debug)]
 pub(super) struct Interned<T> {
     known: Vec<T>,
@@ -97,7 +97,7 @@ pub(super) struct Interned<T> {
 }
 
 impl<T: Copy + Eq + Hash> Interned<T> {
-    /// Of no instance yet.
+    /// Without instances.
     pub fn new() -> Self {
         Self { known: Vec::new(), numbers: HashMap::new(), codes: Codes::zeros(0) }
     }
@@ -110,35 +110,35 @@ impl<T: Copy + Eq + Hash> Interned<T> {
         })
     }
 
-    /// Adds one more instance.
+    /// Adds an instance.
     pub fn push(&mut self, value: T) {
         let number = self.number(value);
         self.codes.push(number);
     }
 
-    /// Gives an instance another value.
+    /// Replaces the value of an instance.
     pub fn set(&mut self, at: usize, value: T) {
         let number = self.number(value);
         self.codes.set(at, number);
     }
 
-    /// The values that there are.
+    /// The distinct values.
     pub fn known(&self) -> &[T] {
         &self.known
     }
 
-    /// That of an instance.
+    /// The value of an instance.
     #[inline]
     pub fn get(&self, at: usize) -> T {
         self.known[self.codes.get(at) as usize]
     }
 
-    /// How many instances there are.
+    /// Number of instances.
     pub fn len(&self) -> usize {
         self.codes.len()
     }
 
-    /// How many values there are.
+    /// Number of distinct values.
     pub fn values(&self) -> usize {
         self.known.len()
     }

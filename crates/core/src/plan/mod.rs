@@ -1,5 +1,5 @@
-//! What a scene needs, as plain data that can be printed: the ensemble of its instances, which never changes, and plans,
-//! which say what of it runs and how finely.
+//! A scene's needs as plain data that can be printed: the ensemble of its instances, which never changes, and plans, which say
+//! which instances run and how finely.
 
 mod assignment;
 mod basis;
@@ -46,34 +46,33 @@ use resolution::{Ids, InstanceResolution, InstanceResolutions};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Some instances of an ensemble and how they are to run: what an engine is given. A scene's first plan has all
-/// instances; refinements, samples, chunks and audits are plans of some of them, with steps, bases and starts of their
-/// own. Everything that is told by instance is in the order of the plan's: its instance `i` is the ensemble's
-/// `plan.id(i)`.
+/// Some instances of an ensemble and how they run; the input of an engine. A scene's first plan has all instances;
+/// refinements, samples, chunks and audits are plans of some of them, with their own steps, bases and starts. Data by instance
+/// follow the plan's order: its instance `i` is the ensemble's `plan.id(i)`.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub ensemble: Arc<Ensemble>,
-    /// Which instances run.
+    /// Its instances.
     ids: Ids,
-    /// How finely each of them does.
+    /// Their resolutions.
     resolution: InstanceResolutions,
-    /// Their contacts, where the ensemble does not hold them.
+    /// Their contacts, if the ensemble does not store them.
     contacts: Option<Arc<Vec<Compact>>>,
-    /// Drives with the bases that they are stepped by.
+    /// Drives with the bases that step them.
     pub drives: Vec<Driven>,
     pub observables: Vec<Observable>,
     pub wants: Wants,
     pub run: Run,
     pub precision: Precision,
-    /// Whether `precision` is but a default, which error control may change by estimate.
+    /// Whether `precision` is only a default that error control may change.
     pub precision_open: bool,
-    /// What error control decides by.
+    /// The numbers that error control decides by.
     pub policy: Policy,
-    /// Whether each instance's state is searched for without a look at its neighbours'.
+    /// Whether each instance's search ignores its neighbours' states.
     pub cold: bool,
-    /// Waveforms asked for.
+    /// Requested waveforms.
     pub waveforms: Option<WaveformRequest>,
-    /// Where each instance starts, in place of the scene's start; where they end is then told too.
+    /// Starts of the instances, instead of the scene's; their ends are then returned, too.
     pub starts: Option<Arc<Vec<StartState>>>,
 }
 
@@ -81,8 +80,8 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug)]
 pub struct StartState {
     pub section: SectionState,
-    /// A change from one period to the next is at least so large a share of the distance to the periodic
-    /// state; where nothing is known of it, the slowest mode's damping stands for it.
+    /// Lower bound on the change of a period over the distance to the periodic state; if it is unknown, the slowest mode's
+    /// damping serves.
     pub least_change: Option<f64>,
 }
 
@@ -92,7 +91,7 @@ impl From<SectionState> for StartState {
     }
 }
 
-/// Where an instance stands at the start of a period of its drive: half a step into it, before the kick.
+/// State of an instance at the section of its period: half a step after the start, before the kick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionState {
     /// Tip travel by each kept mode beyond the steady free motion, m.
@@ -100,7 +99,7 @@ pub struct SectionState {
     /// Its rate over the mode's angular frequency, m.
     pub u: [f64; MODES_MAX],
     pub touching: bool,
-    /// Whether all of it are numbers.
+    /// Whether all its numbers are finite.
     pub finite: bool,
 }
 
@@ -108,7 +107,7 @@ impl SectionState {
     /// No deviation from the free motion, no contact.
     pub const FREE: Self = Self { x: [0.0; MODES_MAX], u: [0.0; MODES_MAX], touching: false, finite: true };
 
-    /// The free oscillation of an instance with its sample just there.
+    /// The free oscillation of an instance as its sample appears.
     pub fn free(plan: &Plan, instance: u32) -> Self {
         let case = plan.case(instance);
         let amplitude = plan.driven(instance).free_amplitude();
@@ -116,7 +115,7 @@ impl SectionState {
     }
 }
 
-/// A drive, and the basis by which its instrument is stepped.
+/// A drive, and the basis that steps its instrument.
 #[derive(Clone, Debug)]
 pub struct Driven {
     pub drive: Arc<Drive>,
@@ -140,7 +139,7 @@ pub struct Case {
     pub contact: Contact,
     /// m
     pub gap: f64,
-    /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
+    /// Steps per drive period; 0 if the free motion is the answer and nothing needs stepping.
     pub steps: u32,
     /// See [`StartState`].
     pub least_change: Option<f64>,
@@ -157,17 +156,17 @@ impl Plan {
         self.ids.len() == 0
     }
 
-    /// Its instances' numbers.
+    /// The numbers of its instances.
     pub fn instances(&self) -> impl Iterator<Item = u32> + use<> {
         0..self.ids.len() as u32
     }
 
-    /// Which instance of the ensemble that is.
+    /// The ensemble's number of an instance.
     pub fn id(&self, instance: u32) -> InstanceId {
         self.ids.get(instance)
     }
 
-    /// Everything about one instance.
+    /// All data of one instance.
     pub fn case(&self, instance: u32) -> Case {
         let contact = self.contact(instance);
         let InstanceResolution { gap, drive, steps } = self.resolution(instance);
@@ -175,7 +174,7 @@ impl Plan {
         Case { drive, contact, gap, steps, least_change }
     }
 
-    /// All of them, in their order.
+    /// All instances, in order.
     pub fn cases(&self) -> impl Iterator<Item = Case> + '_ {
         self.instances().map(|instance| self.case(instance))
     }
@@ -188,10 +187,10 @@ impl Plan {
         }
     }
 
-    /// The contacts of these instances, which takes less time than to ask for each.
+    /// The contacts of these instances, faster than one by one.
     ///
-    /// One thread makes them: threads of a pool call this while they hold a lock that others of the pool wait for. A
-    /// thread that divides its work meanwhile takes up work of theirs, and waits for itself.
+    /// One thread makes them: threads of a pool call this while they hold a lock that others of the pool wait for. If such a
+    /// thread divided its work, it could take up work that waits for the same lock, and would wait for itself.
     pub fn contacts_of(&self, instances: &[u32]) -> Vec<Compact> {
         match &self.contacts {
             Some(contacts) => instances.iter().map(|i| contacts[*i as usize]).collect(),
@@ -199,7 +198,7 @@ impl Plan {
         }
     }
 
-    /// Whether its contacts are held, and need not be made when they are asked for.
+    /// Whether its contacts are stored, so that none is made on demand.
     fn at_hand(&self) -> bool {
         self.contacts.is_some() || self.ensemble.holds_contacts()
     }
@@ -208,7 +207,7 @@ impl Plan {
         self.resolution.get(instance as usize, || self.ensemble.gap(self.id(instance)))
     }
 
-    /// The law of an instance's contact, for those who ask for nothing else.
+    /// The law of an instance's contact, without the rest of it.
     pub fn law(&self, instance: u32) -> Law {
         match &self.contacts {
             Some(contacts) => contacts[instance as usize].law(),
@@ -216,12 +215,12 @@ impl Plan {
         }
     }
 
-    /// What an instance is held at, where its gap is not given.
+    /// An instance's set-point, if its gap is not given.
     pub fn setpoint(&self, instance: u32) -> Option<SetPoint> {
         self.ensemble.setpoints.get(self.id(instance).0 as usize).copied()
     }
 
-    /// Whether its instances are held at set-points: all of a scene are, or none.
+    /// Whether its instances have set-points: either all of a scene do, or none.
     pub fn has_setpoints(&self) -> bool {
         !self.ensemble.setpoints.is_empty()
     }
@@ -242,23 +241,23 @@ impl Plan {
         contact.is_out_of_reach(self.driven(instance).free_amplitude(), gap)
     }
 
-    /// Instances that need steps: the others are free of the sample.
+    /// Instances that need steps; the others are free of the sample.
     pub fn stepped(&self) -> Vec<u32> {
         self.instances().filter(|instance| self.steps(*instance) > 0).collect()
     }
 
-    /// Steps of the whole run, all instances together.
+    /// Steps of the whole run, summed over instances.
     pub fn instance_steps(&self) -> u64 {
         let per_period: u64 = self.instances().map(|instance| u64::from(self.steps(instance))).sum();
         per_period * u64::from(self.run.periods)
     }
 
-    /// Deepest indentation to expect of an instance, m.
+    /// Expected largest indentation of an instance, m.
     pub fn expected_depth(&self, instance: u32) -> f64 {
         self.depth_of(&self.case(instance))
     }
 
-    /// The same of a case of the plan.
+    /// The same for a case of the plan.
     pub fn depth_of(&self, Case { drive, contact, gap, .. }: &Case) -> f64 {
         let driven = &self.drives[*drive as usize];
         steps::deepest(contact, driven.kept.inverse_mass(), driven.free.omega, driven.free_amplitude(), *gap)

@@ -5,7 +5,7 @@ use crate::instrument::Instrument;
 /// One oscillator of the reduced instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeptMode {
-    /// Which of the instrument's modes; none for the residual oscillator.
+    /// Index of the instrument's mode; `None` for the residual oscillator and those of a reduction.
     pub index: Option<usize>,
     /// rad/s
     pub omega: f64,

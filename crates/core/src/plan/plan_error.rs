@@ -1,16 +1,16 @@
-//! What cannot be planned, told at its place in the scene.
+//! Errors of planning, at their places in the scene.
 
 use super::PlanError;
 use crate::instrument::InstrumentError;
 use crate::scene::{Scene, SceneError};
 
 impl PlanError {
-    /// The error at the place in the scene that it is about, with what was expected and what to do.
+    /// The error at its place in the scene, with what was expected and what to do.
     pub fn in_scene(&self, scene: &Scene) -> SceneError {
         let Self::Instrument { instance, values, source } = self;
         let (paths, expected, otherwise) = told(source);
         let text = source.to_string();
-        // The instrument's own words: what is wrong; what to do.
+        // The instrument's message has two parts: what is wrong; what to do.
         let (title, help) = text.split_once("; ").unwrap_or((&text, otherwise));
         let found = match values.is_empty() {
             true => "found on planning".to_owned(),
@@ -20,7 +20,7 @@ impl PlanError {
     }
 }
 
-/// The quantities that it is about, most likely first, what was expected, and what to do where its words do not say.
+/// The quantities concerned, most likely first, what was expected, and what to do if the message does not say.
 fn told(error: &InstrumentError) -> (&'static [&'static str], &'static str, &'static str) {
     use InstrumentError as E;
     const ROD_AND_LEVER: &[&str] =

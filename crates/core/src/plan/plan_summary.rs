@@ -8,19 +8,19 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// What a plan says of itself.
+/// A summary of a plan.
 #[derive(Clone, Debug)]
 pub struct PlanSummary {
     json: Value,
     text: String,
 }
 
-/// Drives told one by one; of more, the first and the last.
+/// Drives listed one by one; if there are more, the first ones and the last.
 const MAX_DRIVES_TOLD: usize = 6;
 
-/// Bytes held for an instance beside its file, where states are waited for, where they are searched for, and where second
-/// ones are too, for which the first ones lie in memory; and how much more of so many instances at a time: by largest resident
-/// sets of 100,000 to 10,000,000 instances on the CPU (`tests/python/many.py`).
+/// Bytes in memory for an instance apart from the results file: under integration, under search, and with second states, which
+/// need the first ones in memory; and the additional bytes for each of the instances processed at a time. From largest
+/// resident sets of 100,000 to 10,000,000 instances on the CPU (`tests/python/many.py`).
 const BYTES_PER_INSTANCE: u64 = 24;
 const BYTES_PER_ORBIT: u64 = 48;
 const BYTES_PER_SECOND_ORBIT: u64 = 600;
@@ -30,21 +30,21 @@ const INSTANCES_AT_A_TIME: usize = 1 << 17;
 /// Bytes of the program itself and its libraries.
 const PROGRAM_BYTES: u64 = 25_000_000;
 
-/// So many times above the lever's first mode no instrument is driven.
+/// No instrument is driven this many times above the lever's first mode.
 const DOUBTFUL_FREQUENCY_RATIO: f64 = 100.0;
 
-/// What steps and time are told for, whether a scene waits or searches.
+/// Assumption behind steps and time, whether a scene integrates or searches.
 const ESTIMATED: &str = "every instance waited for all periods, once";
 
 impl Plan {
-    /// In words and as JSON; `seconds` is the estimated run time, where known.
+    /// In words and as JSON; `seconds` is the estimated run time, if known.
     pub fn summary(&self, seconds: Option<f64>) -> PlanSummary {
         let classes: Vec<(Shape, usize)> = self.shapes().into_iter().collect();
         let told: Vec<usize> = (0..self.drives.len()).filter(|index| self.tells(*index)).collect();
         PlanSummary { text: self.text(&classes, &told, seconds), json: self.json(&classes, &told, seconds) }
     }
 
-    /// Whether the summary tells of that drive.
+    /// Whether the summary lists a drive.
     fn tells(&self, index: usize) -> bool {
         index < MAX_DRIVES_TOLD || index + 1 == self.drives.len()
     }
@@ -147,7 +147,7 @@ impl Plan {
         })
     }
 
-    /// What a search makes of the numbers around it; nothing where the scene waits.
+    /// What a search changes about these numbers; empty if the scene integrates.
     fn searched(&self) -> String {
         if self.run.steady == Steady::Wait {
             return String::new();
@@ -194,10 +194,10 @@ impl Plan {
         })
     }
 
-    /// Bytes of the numbers in the results file before compression, force curves and texts apart.
+    /// Bytes of the numbers in the results file before compression, without force curves and texts.
     pub fn file_bytes(&self) -> u64 {
         let columns: usize = self.observables.iter().map(|one| one.width()).sum();
-        // Tabor's parameter, steps, status, law and warnings beside the observables.
+        // Tabor's parameter, steps, status, law and warnings besides the observables.
         let each = 8 * (columns as u64 + 1) + 4 + 3;
         let waveforms = self.waveforms.as_ref().map_or(0, |request| {
             let samples = u64::from(request.samples_per_period) * u64::from(request.periods);
@@ -206,9 +206,9 @@ impl Plan {
         each * self.len() as u64 + waveforms
     }
 
-    /// Bytes a run by the program holds in memory at most: the program, plans of the scene and of what runs again, a few
-    /// numbers of each instance, a list's columns, and the results file with these. A run by the library holds all its results
-    /// on top.
+    /// Upper bound on the bytes in memory of a run by the program: the program, plans of the scene and of repeated runs, a few
+    /// numbers of each instance, a list's columns, and the results file with these. A run by the library also holds all its
+    /// results.
     pub fn memory_bytes(&self) -> u64 {
         let (held, at_a_time) = match self.run.steady {
             Steady::Wait => (BYTES_PER_INSTANCE, BYTES_INTEGRATING),
@@ -216,13 +216,12 @@ impl Plan {
             Steady::Search => (BYTES_PER_ORBIT, BYTES_SEARCHING),
         };
         let portions = at_a_time * self.len().min(INSTANCES_AT_A_TIME) as u64;
-        // The number of the sample is one too.
+        // The number of the sample is a column, too.
         let columns = 8 * (self.ensemble.columns as u64 + u64::from(self.ensemble.columns > 0));
         PROGRAM_BYTES + (held + 2 * columns) * self.len() as u64 + portions + self.file_bytes()
     }
 
-    /// What speaks against the plan though it can be run, one line each: drives that are too slow for the modes they
-    /// ring, or far above them.
+    /// Doubts about a plan that can run, one line each: drives that are too slow for the modes they excite, or far above them.
     pub fn doubts(&self) -> Vec<String> {
         let most = self.run.steps_per_period.map_or(STEPS_MAX, |steps| steps.max(STEPS_MAX));
         let needed = |drive: &&Driven| TAU * drive.kept.fastest() / (drive.free.omega * ANGLE_MAX);

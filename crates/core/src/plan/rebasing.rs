@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 impl Plan {
-    /// With these bases for these of its instances; see [`Rebasing::give`].
+    /// Uses these bases for these instances; see [`Rebasing::give`].
     #[must_use]
     pub fn with_bases(&self, wanted: &[(u32, BasisRule)]) -> Self {
         let mut rebasing = Rebasing::new(self);
@@ -15,7 +15,7 @@ impl Plan {
         rebasing.plan
     }
 
-    /// The same, with the steps that they have.
+    /// The same, with unchanged steps.
     #[must_use]
     pub fn with_bases_alone(&self, wanted: &[(u32, BasisRule)]) -> Self {
         let mut rebasing = Rebasing::new(self);
@@ -26,22 +26,22 @@ impl Plan {
     }
 }
 
-/// A plan whose instances are given other bases, one after the other.
+/// A plan whose instances get other bases one by one.
 pub struct Rebasing {
     pub plan: Plan,
     bases: Bases,
-    /// The drive and the basis that were asked for last, and the drive that has both: neighbours mostly want the same.
+    /// The last request, drive and basis, and the drive with both: neighbours mostly want the same.
     last: ((u32, BasisRule), u32),
 }
 
 impl Rebasing {
-    /// Of a plan as it is.
+    /// Starts from a plan as it is.
     pub fn new(plan: &Plan) -> Self {
         let none = (u32::MAX, BasisRule::Shares { accuracy: f64::NAN });
         Self { plan: plan.clone(), bases: Bases::default(), last: (none, 0) }
     }
 
-    /// Gives an instance, which still has what it had, another basis; the drive that has it.
+    /// Gives another basis to an instance that still has its original one. Returns the new drive.
     fn give_alone(&mut self, i: u32, basis: BasisRule) -> u32 {
         let Self { plan, bases, last } = self;
         let drive = plan.resolution.drive(i as usize);
@@ -52,7 +52,7 @@ impl Rebasing {
         last.1
     }
 
-    /// The same, and as many more steps as richer modes need, as many fewer as the rule gives for the modes of a poorer
+    /// The same, with as many more steps as a larger basis needs, or as few as the rule gives for the modes of a coarser
     /// accuracy.
     pub fn give(&mut self, i: u32, basis: BasisRule) {
         let drive = self.give_alone(i, basis);
@@ -75,21 +75,21 @@ impl Rebasing {
 #[derive(Default)]
 struct Bases {
     made: HashMap<(u32, [u64; 2]), u32>,
-    /// The same by the basis that a drive has: drives of one instrument and frequency share theirs.
+    /// The same by the drive's present basis, which drives of one instrument and frequency share.
     reduced: HashMap<(usize, [u64; 2]), Arc<ReducedBasis>>,
-    /// By drive, those that have its instrument.
+    /// By drive: those with its instrument.
     variants: HashMap<u32, Vec<u32>>,
 }
 
 impl Bases {
-    /// The number of this drive with the basis that the rule asks for, which is added where there is none like it.
+    /// The number of this drive with the basis of a rule. Adds the drive if none is like it.
     fn number(&mut self, drives: &mut Vec<Driven>, drive: u32, basis: BasisRule, run: &Run) -> u32 {
         *self.made.entry((drive, basis.key())).or_insert_with(|| {
             let own = &drives[drive as usize];
             let shared = (Arc::as_ptr(&own.kept) as usize, basis.key());
             let kept = self.reduced.entry(shared).or_insert_with(|| reduced_by(own, basis, run));
             let driven = Driven { kept: Arc::clone(kept), ..own.clone() };
-            // The same basis by another accuracy.
+            // Another accuracy may give the same basis.
             let known = self.variants.entry(drive).or_insert_with(|| vec![drive]);
             let same = |n: &&u32| drives[**n as usize].kept.modes == driven.kept.modes;
             if let Some(found) = known.iter().find(same) {
@@ -102,12 +102,11 @@ impl Bases {
     }
 }
 
-/// Richer bases are looked for at so many times finer accuracies, one after the other.
+/// Larger bases are looked for at accuracies finer by this factor, one after the other.
 const NOTCH_ACCURACY_RATIO: f64 = 0.25;
 const MAX_NOTCHES: usize = 8;
 
-/// The least of the bases that are richer than this one, for contacts of this rung; none where it is the richest that
-/// can be stepped, or is prescribed.
+/// The next larger basis for contacts of this rung; `None` if no larger one can be stepped, or the basis is prescribed.
 pub(super) fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<ReducedBasis>> {
     if run.modes.is_some() {
         return None;
@@ -127,17 +126,17 @@ pub(super) fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<Reduced
     }
 }
 
-/// The least of the bases for contacts of this rung that has more than so many oscillators.
+/// The smallest basis for contacts of this rung with more than `modes` oscillators.
 pub(super) fn richer_than(driven: &Driven, rung: u32, modes: usize) -> Option<Arc<ReducedBasis>> {
     driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
 }
 
-/// The basis that the rule asks for.
+/// The basis that a rule asks for.
 pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
     driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
 }
 
-/// The rule's steps for a case and its basis.
+/// The number of steps that the rule gives for a case with its basis.
 fn steps_of(case: &Case, driven: &Driven, run: &Run) -> u32 {
     let (omega, amplitude) = (driven.free.omega, driven.free_amplitude());
     steps::steps(&case.contact, &driven.kept, omega, amplitude, case.gap, run.accuracy)

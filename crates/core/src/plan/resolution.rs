@@ -1,4 +1,4 @@
-//! Which instances a plan has, and how finely each of them runs.
+//! The instances of a plan, and the resolution of each.
 
 use super::InstanceId;
 use super::interning::Interned;
@@ -6,7 +6,7 @@ use super::interning::Interned;
 /// Instances of an ensemble.
 #[derive(Clone, Debug)]
 pub(super) enum Ids {
-    /// The first so many: all.
+    /// All, up to this count.
     All(u32),
     Some(Vec<InstanceId>),
 }
@@ -27,27 +27,27 @@ impl Ids {
     }
 }
 
-/// How finely an instance runs, and how far from its sample.
+/// Resolution of an instance, and its gap.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InstanceResolution {
-    /// m: the instance's own, or what a set-point has led to; NaN where no gap holds it.
+    /// m: the instance's own, or that of its set-point; NaN if no gap holds it.
     pub gap: f64,
     /// Index into [`Plan::drives`](super::Plan::drives).
     pub drive: u32,
-    /// Steps per drive period; 0 where the free motion is the answer and nothing needs stepping.
+    /// Steps per drive period; 0 if the free motion is the answer and nothing needs stepping.
     pub steps: u32,
 }
 
-/// Those of a plan's instances.
+/// The resolutions of a plan's instances.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceResolutions {
-    /// Drives and steps of very many, whose gaps are the ensemble's.
+    /// Drives and steps of very many instances with the ensemble's gaps.
     coded: Option<Interned<(u32, u32)>>,
     each: Vec<InstanceResolution>,
 }
 
 impl InstanceResolutions {
-    /// Of all instances of an ensemble.
+    /// Those of all instances of an ensemble.
     pub fn coded(all: Interned<(u32, u32)>) -> Self {
         Self { coded: Some(all), each: Vec::new() }
     }
@@ -77,7 +77,7 @@ impl InstanceResolutions {
         self.coded.as_ref().map_or_else(|| self.each[at].drive, |all| all.get(at).0)
     }
 
-    /// Gives an instance another drive and other steps.
+    /// Replaces an instance's drive and steps.
     pub fn set(&mut self, at: usize, (drive, steps): (u32, u32)) {
         match &mut self.coded {
             Some(all) => all.set(at, (drive, steps)),
@@ -85,7 +85,7 @@ impl InstanceResolutions {
         }
     }
 
-    /// All of them, to be changed; `gap` tells those of the ensemble.
+    /// All of them, for changes; `gap` gives the ensemble's gaps.
     pub fn each(&mut self, gap: impl Fn(usize) -> f64) -> &mut Vec<InstanceResolution> {
         if let Some(coded) = self.coded.take() {
             let one = |at: usize| {

@@ -1,25 +1,25 @@
-//! Modes that take energy out of every contact, because a harmonic of the drive meets them.
+//! Modes resonant with a harmonic of the drive, which take energy out of every contact.
 //!
-//! A rod's modes are a share of 1e-5 or so of the tip's flexibility, too little to be kept for that. But where a harmonic of
-//! the drive meets one, the contacts ring it period after period. All but at the top of its resonance a lever of a high quality
-//! factor shows that loss in its phase, which hardly anything else holds there. Two runs that both lack the mode do not tell.
+//! A rod's modes have a share of 1e-5 or so of the tip's flexibility, too little to be kept for that. But if a harmonic of the
+//! drive meets one, the contacts excite it in every period. Except at the top of its resonance, a lever of high quality factor
+//! shows the loss in its phase, which hardly anything else determines. Two runs that both lack the mode do not show it.
 
 use crate::instrument::Mode;
 
-/// A mode is kept where what it loses under a harmonic of the tip force, as a share of the tip's flexibility and times the
-/// quality factor of the driven mode, is more than so many times the accuracy. `tests/hard/rod_met.toml`, asked for 1e-3, has
-/// modes of 0.84 and 0.25: without both its phase is off by 2.5e-3, without the second by 6e-4.
+/// A mode is kept if its loss under a harmonic of the tip force, as a share of the tip's flexibility and times the quality
+/// factor of the driven mode, exceeds this many accuracies. `tests/hard/rod_met.toml`, asked for 1e-3, has modes of 0.84 and
+/// 0.25: without both its phase is off by 2.5e-3, without the second by 6e-4.
 const MIN_LOSS_RATIO: f64 = 100.0;
 
 /// A contact lasts a tenth of a period or more: beyond this harmonic its force falls by the square of the harmonic's number.
 const SMOOTH_HARMONIC: f64 = 10.0;
 
-/// A mode that answers a harmonic by so many times its static answer, out of phase, is met head-on. This happens at few of
-/// many frequencies or levers, so that no trial on a sample of them tells.
+/// A harmonic meets a mode head-on if the mode's out-of-phase response is this many times its static one. Few of many
+/// frequencies or levers are so, and no trial on a sample of them shows it.
 const HEAD_ON_ANSWER: f64 = 10.0;
 
-/// How a mode answers a force of angular frequency `omega`, over its static answer: what is in phase, and what lags a quarter
-/// of a period behind.
+/// Response of a mode to a force of angular frequency `omega`, over the static one: the part in phase, and the part that lags
+/// a quarter of a period.
 fn answer(mode: &Mode, omega: f64) -> (f64, f64) {
     let ratio = omega / mode.omega;
     let (stiff, lossy) = (1.0 - ratio * ratio, ratio / mode.quality_factor);
@@ -42,15 +42,15 @@ pub(super) fn is_head_on(mode: &Mode, omega: f64) -> bool {
     answer(mode, nearest_harmonic(mode, omega) * omega).1 > HEAD_ON_ANSWER
 }
 
-/// What the mode loses under the harmonic of the tip force nearest to it: its compliance that lags behind, m/N.
+/// Loss of the mode under the nearest harmonic of the tip force: its compliance out of phase, m/N.
 fn relative_loss(mode: &Mode, omega: f64) -> f64 {
     let harmonic = nearest_harmonic(mode, omega);
     let (_, lags) = answer(mode, harmonic * omega);
     flexibility(mode) * lags * (SMOOTH_HARMONIC / harmonic).min(1.0).powi(4)
 }
 
-/// Those of the modes that a drive of angular frequency `omega` (rad/s) meets so that `accuracy` needs them, by their
-/// numbers, the one that loses most first.
+/// Indices of the modes that a drive of angular frequency `omega` (rad/s) excites so much that `accuracy` needs them, the
+/// largest loss first.
 pub(super) fn resonant_modes(modes: &[Mode], omega: f64, accuracy: f64) -> Vec<usize> {
     let swing = |mode: &Mode| {
         let (ahead, lags) = answer(mode, omega);
@@ -97,7 +97,7 @@ mod tests {
     }
 
     /// A lever off resonance, 100.3 kHz, whose third mode is at 16.964 times that: with this mode merged into a residual
-    /// oscillator its largest force was 4.7 % off, which no sample of 150 such levers told.
+    /// oscillator its largest force was 4.7 % off, which no sample of 150 such levers showed.
     #[test]
     fn a_mode_within_a_few_widths_of_a_harmonic_is_met_head_on() {
         let omega = std::f64::consts::TAU;

@@ -1,33 +1,33 @@
-//! Modes that ring on from one contact to the next, and which of an instrument's modes are its lever's.
+//! Modes that ring on from one contact to the next, and the modes that belong to an instrument's lever.
 
 use crate::instrument::{Instrument, Mode};
 use std::f64::consts::PI;
 
-/// A mode is kept as it is where of its motion this share or more is left after a period of the drive.
+/// A mode is kept as it is if at least this share of its motion remains after a period of the drive.
 const RING_SHARE: f64 = 1e-3;
-/// The same for modes of the lever that are faster than the contact, up to so many times, and how many oscillators stand
-/// for all others at least.
+/// The same for modes of the lever that are faster than the contact, up to the second factor; and the least number of
+/// oscillators that replace all others.
 pub(super) const LONG_RING_SHARE: f64 = 0.05;
 pub(super) const MAX_LEVER_MODE_RATIO: f64 = 6.0;
 pub(super) const MIN_REDUCED_OSCILLATORS: usize = 4;
-/// A mode is the lever's if it moves the tip by more than this share of what its slowest does.
+/// A mode belongs to the lever if its inverse mass exceeds this share of that of the lever's slowest.
 const LEVER_MODE_SHARE: f64 = 0.05;
 
-/// What is left of a mode's motion after a period of the drive at `omega` (rad/s).
+/// Share of a mode's motion that remains after a period of the drive at `omega` (rad/s).
 pub(super) fn left(mode: &Mode, omega: f64) -> f64 {
     (-PI * mode.omega / (omega * mode.quality_factor)).exp()
 }
 
-/// Which modes are the lever's, told from a rod's, which hardly move the tip.
+/// Tells the lever's modes from a rod's, which hardly move the tip.
 pub(super) struct LeverModes {
-    /// Least inverse mass of one, 1/kg.
+    /// Least inverse mass of a lever mode, 1/kg.
     least: f64,
     /// Angular frequency of the drive, rad/s.
     omega: f64,
 }
 
 impl LeverModes {
-    /// By the slowest of the modes that move the tip as a lever's do; `omega` is of the drive.
+    /// Compares with the slowest mode that moves the tip as a lever's does; `omega` is of the drive.
     pub fn of(instrument: &Instrument, omega: f64) -> Self {
         let weights = || instrument.modes.iter().map(|mode| mode.inverse_mass().abs());
         let largest = weights().fold(0.0, f64::max);
@@ -39,17 +39,17 @@ impl LeverModes {
         mode.inverse_mass().abs() > self.least
     }
 
-    /// Whether a mode moves the tip as much as one of the lever once it has gathered what contact after contact leaves in
-    /// it: its inverse mass over the share that it loses in a period of the drive.
+    /// Whether a mode moves the tip as much as a lever's once it has accumulated the effect of contact after contact: its
+    /// inverse mass over the share of its motion that it loses in a period of the drive.
     pub fn gathers(&self, mode: &Mode) -> bool {
         mode.inverse_mass().abs() / (1.0 - left(mode, self.omega)) > self.least
     }
 }
 
-/// Those of the modes `moved` that are kept as they are among `count` oscillators: the lever's that are slower than the
-/// contact and ring on to the next one, and, as far as there is room, faster ones that ring for long, since a contact
-/// meets their phase again. Of a rod's modes, which hardly move the tip, there may be many: they are left to the reduction,
-/// unless next to nothing damps them.
+/// The modes among `moved` that are kept as they are among `count` oscillators. These are the lever's that are slower than the
+/// contact and ring on to the next one, and, as far as there is room, faster ones that ring for long, because a contact meets
+/// their phase again. A rod may have many modes, which hardly move the tip: they are left to the reduction, unless they are
+/// nearly undamped.
 pub(super) fn ringing(
     instrument: &Instrument,
     omega: f64,

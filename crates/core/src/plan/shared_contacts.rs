@@ -1,4 +1,4 @@
-//! Contacts that many instances share, each held once.
+//! Contacts that many instances share, each stored once.
 
 use super::ensemble::Contacts;
 use super::interning::Codes;
@@ -6,15 +6,15 @@ use crate::contact::Compact;
 use crate::scene::Cases;
 use std::collections::HashMap;
 
-/// Contacts that are held at most: of more, each is made of the scene's case when it is asked for.
+/// Most contacts that are stored. If there are more, each is made from the scene's case on demand.
 const MAX_SHARED_CONTACTS: usize = 1 << 16;
 
 /// The contacts of an ensemble while it is built.
 pub(super) struct SharedContacts {
     all: Vec<Compact>,
-    /// Their numbers by what they are made of.
+    /// Their numbers by their constants.
     known: HashMap<[u64; 4], Vec<u32>>,
-    /// Of each instance so far; none where too many differ.
+    /// By instance so far: the number of its contact. `None` if too many are distinct.
     of: Option<Codes>,
 }
 
@@ -44,7 +44,7 @@ impl SharedContacts {
         }
     }
 
-    /// Those of all instances of a scene.
+    /// The contacts of all instances of a scene.
     pub fn end(self, cases: Cases) -> Contacts {
         match self.of {
             Some(of) => Contacts::Shared { of, all: self.all },

@@ -10,23 +10,22 @@ pub const STEPS_MIN: u32 = 64;
 /// Most steps per period the rule gives; a scene may ask for more.
 pub const STEPS_MAX: u32 = 65_536;
 
-/// Steps per period for smooth scenes at accuracy 1e-3, and how fast it grows with accuracy.
+/// Steps per period for smooth scenes at accuracy 1e-3, and the order by which they grow with the accuracy.
 const BASE_STEPS: f64 = 128.0;
 const STEPPER_ORDER: f64 = 3.0;
-/// Contact stiffness that one step may meet, in units of h^2 times the tip's inverse mass; what it
-/// bounds is the largest force, every other observable is ten times better.
+/// Limit of contact stiffness times h^2 times the tip's inverse mass, for a step h. It bounds the error of the largest force;
+/// every other observable is ten times better.
 ///
-/// With the kicks as they were before they knew when within the step the force acts, of 617 random cases
-/// (tests/all/agree_plan.rs; accuracy 1e-3, against eight times the steps) 6 were
-/// above the ask with 0.2, the worst by 9 times; with 0.125, for 7 % more steps, 2 are: one by 4 %,
-/// and by 5 times the force of a contact as shallow as lengths are accurate. At 1e-2 one of 615
-/// (a snap-in that either happens or not), at 1e-4 two of 612, by 2.3 times at most.
+/// Before the kicks knew when within the step the force acts, of 617 random cases (tests/all/agree_plan.rs; accuracy 1e-3,
+/// against eight times the steps) 6 were above the accuracy with 0.2, the worst by 9 times; with 0.125, for 7 % more steps, 2
+/// are: one by 4 %, and by 5 times the force of a contact as shallow as lengths are accurate. At 1e-2 one of 615 (a snap-in
+/// that either happens or not), at 1e-4 two of 612, by 2.3 times at most.
 const STIFFNESS_FACTOR: f64 = 0.125;
 /// The same for the slope of an attraction just outside contact.
 const ATTRACTION_FACTOR: f64 = 1.0;
 
-/// The rule: enough for the accuracy asked for, for the fastest oscillator, and for the contact
-/// at the deepest indentation to expect.
+/// The rule: enough steps for the requested accuracy, for the fastest oscillator, and for the contact at the expected largest
+/// indentation.
 pub fn steps(
     contact: &Contact,
     kept: &ReducedBasis,
@@ -46,7 +45,7 @@ pub fn steps(
     rung(base.max(fast).max(stiff).max(pull))
 }
 
-/// Steps that the fastest kept oscillator needs. Those made for a fast contact move with it: twice as many.
+/// Steps that the fastest kept oscillator needs. Oscillators made for a fast contact move with it and need twice as many.
 fn fast(kept: &ReducedBasis, omega: f64) -> f64 {
     let finer = match kept.rule {
         BasisRule::Shares { .. } => 1.0,
@@ -55,7 +54,7 @@ fn fast(kept: &ReducedBasis, omega: f64) -> f64 {
     finer * TAU * kept.fastest() / (omega * ANGLE_MAX)
 }
 
-/// Fewest steps per period with which the kept modes can be stepped.
+/// Fewest steps per period that can step the kept modes.
 pub fn fewest(driven: &Driven) -> u32 {
     rung(fast(&driven.kept, driven.free.omega))
 }
@@ -74,8 +73,8 @@ fn rung(steps: f64) -> u32 {
     STEPS_MAX
 }
 
-/// Deepest indentation to expect, m: as far as the free swing would go, or as far as a collision at the free tip's speed
-/// goes, whichever is less, and what adhesion adds to a resting depth on top.
+/// Expected largest indentation, m: that of the free swing or of a collision at the free tip's speed, whichever is less, plus
+/// the depth at rest and what adhesion adds.
 pub fn deepest(contact: &Contact, inverse_mass: f64, omega: f64, amplitude: f64, gap: f64) -> f64 {
     let overlap = (amplitude - gap).max(0.0);
     let inside = (amplitude * amplitude - gap * gap).max(0.0).sqrt().max(0.1 * amplitude);

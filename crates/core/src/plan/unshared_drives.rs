@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 impl Plan {
-    /// With drives and bases of its own, to the bit those that it had: what threads share they hinder one another by, each time
-    /// that one of them notes or forgets that it holds it.
+    /// Copies its drives and bases, bit by bit. Threads that clone one `Arc` contend for its counter, so each chunk has its
+    /// own.
     #[must_use]
     pub fn with_own_drives(mut self) -> Self {
         let (mut drives, mut bases) = (HashMap::new(), HashMap::new());

@@ -1,13 +1,13 @@
-//! Which GPUs there are, and which to take.
+//! The GPU adapters of the machine, and the choice among them.
 
 use super::GpuError;
 use std::sync::OnceLock;
 use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
 
-/// What one adapter can do.
+/// Capabilities of one adapter.
 #[derive(Clone, Debug)]
 pub struct AdapterReport {
-    /// Its place in the list, by which it can be asked for.
+    /// Index in the list, by which it can be requested.
     pub index: usize,
     pub name: String,
     /// `discrete`, `integrated`, `virtual`, `software` or `other`.
@@ -15,13 +15,13 @@ pub struct AdapterReport {
     /// `vulkan`, `metal`, `dx12`, ...
     pub interface: String,
     pub driver: String,
-    /// Where it sits in the machine, as `0000:65:00.0`; empty where the driver does not say.
+    /// Bus address, as `0000:65:00.0`; empty if the driver does not say.
     pub bus: String,
     /// Whether shaders can compute in f64.
     pub double: bool,
-    /// Whether it can be kept from fusing sums and products.
+    /// Whether fusing of sums and products can be forbidden.
     pub strict: bool,
-    /// Largest buffer that a shader can see, and largest buffer at all, bytes.
+    /// Largest buffer visible to a shader, and largest buffer at all, bytes.
     pub binding_bytes: u64,
     pub buffer_bytes: u64,
     pub workgroups: u32,
@@ -29,7 +29,7 @@ pub struct AdapterReport {
 }
 
 impl AdapterReport {
-    /// Whether it is a driver that computes on the processor.
+    /// Whether its driver computes on the processor.
     pub fn software(&self) -> bool {
         self.kind == "software"
     }
@@ -40,7 +40,7 @@ impl AdapterReport {
         format!("{} ({} GPU, {}{driver})", self.name, self.kind, self.interface)
     }
 
-    /// Whether another one is listed for the same card: two manifests of one driver do that.
+    /// Whether both entries are the same card, which two manifests of one driver cause.
     fn is(&self, other: &Self) -> bool {
         !self.software() && !self.bus.is_empty() && self.bus == other.bus && self.title() == other.title()
     }
@@ -76,7 +76,7 @@ fn report(index: usize, adapter: &Adapter) -> AdapterReport {
     }
 }
 
-/// The process' one connection to the drivers. It stays open: NVIDIA's driver 580 finds no card any more in a process that
+/// The process's only connection to the drivers. It stays open: NVIDIA's driver 580 finds no card any more in a process that
 /// has closed and opened it a few times.
 fn instance() -> &'static Instance {
     static INSTANCE: OnceLock<Instance> = OnceLock::new();
@@ -99,13 +99,13 @@ fn list() -> Vec<(Adapter, AdapterReport)> {
         .collect()
 }
 
-/// Every adapter of this machine; none where no driver is installed.
+/// All adapters of this machine; empty if no driver is installed.
 pub fn adapters() -> Vec<AdapterReport> {
     list().into_iter().map(|(_, report)| report).collect()
 }
 
-/// The indices of adapters of one kind, for each kind of which there are several cards: name, interface and driver are the
-/// same, and so are the last bits of what they compute.
+/// The indices of the adapters of each kind that has several cards. Cards of one kind have the same name, interface and
+/// driver, and compute the same last bits.
 pub fn alike(found: &[AdapterReport]) -> Vec<Vec<usize>> {
     let mut kinds: Vec<(String, Vec<&AdapterReport>)> = Vec::new();
     for one in found {
@@ -119,10 +119,10 @@ pub fn alike(found: &[AdapterReport]) -> Vec<Vec<usize>> {
     several.map(|(_, cards)| cards.into_iter().map(|one| one.index).collect()).collect()
 }
 
-/// An adapter, and what it can do.
+/// An adapter and its capabilities.
 pub(super) type Found = (Adapter, AdapterReport);
 
-/// The adapters asked for, the first by itself.
+/// The requested adapters, the first separately.
 pub(super) fn choose(wanted: Option<&str>) -> Result<(Found, Vec<Found>), GpuError> {
     let (adapters, reports): (Vec<Adapter>, Vec<AdapterReport>) = list().into_iter().unzip();
     let places = places(&reports, wanted)?;
@@ -132,8 +132,8 @@ pub(super) fn choose(wanted: Option<&str>) -> Result<(Found, Vec<Found>), GpuErr
     Ok((first, chosen.collect()))
 }
 
-/// The places in the list of the adapters asked for: of one by its index or a part of its name, of several with commas
-/// between them, of all of the best one's kind; else the best there is, a software driver last.
+/// Positions in the list of the requested adapters: one by its index or a part of its name, several separated by commas, or
+/// `all` of the best one's kind; without a request the best one, software drivers last.
 fn places(found: &[AdapterReport], wanted: Option<&str>) -> Result<Vec<usize>, GpuError> {
     let best = (0..found.len()).min_by_key(|place| found[*place].rank()).ok_or(GpuError::NoAdapter)?;
     let Some(wanted) = wanted else { return Ok(vec![best]) };
@@ -144,7 +144,7 @@ fn places(found: &[AdapterReport], wanted: Option<&str>) -> Result<Vec<usize>, G
     }
     let parts: Vec<&str> = wanted.split(',').map(str::trim).collect();
     let indices = parts.iter().all(|part| part.parse::<usize>().is_ok());
-    // A name may have a comma in it.
+    // A name may contain a comma.
     if !indices && let Ok(place) = one(found, wanted) {
         return Ok(vec![place]);
     }
@@ -169,7 +169,7 @@ fn places(found: &[AdapterReport], wanted: Option<&str>) -> Result<Vec<usize>, G
     Ok(places)
 }
 
-/// The adapter of this index or part of a name.
+/// The adapter with this index or part of a name.
 fn one(found: &[AdapterReport], wanted: &str) -> Result<usize, GpuError> {
     let named = |report: &AdapterReport| match wanted.parse::<usize>() {
         Ok(index) => report.index == index,
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(of("1,2"), [1, 2]);
         assert_eq!(of("2, 1"), [2, 1]);
         assert_eq!(of("all"), [1, 2]);
-        // The comma of a name parts nothing.
+        // A comma within a name separates nothing.
         assert_eq!(of("LLVM 15, 256"), [0]);
         assert_eq!(places(&found[..1], Some("all")).expect("there is one"), [0]);
         assert_eq!(alike(&found), [[1, 2]]);

@@ -1,4 +1,4 @@
-//! How many instances a device takes at a time.
+//! Number of instances that a device takes at a time.
 
 use super::newton::WALK;
 use super::{AdapterReport, Gpu};
@@ -6,7 +6,7 @@ use crate::kernel::Entry;
 use crate::kernel::broyden::state_modes;
 use crate::plan::{Class, Plan};
 
-/// Most bytes of slopes that are read back at once.
+/// Most bytes of Jacobians that are read back at once.
 const SLOPE_BYTES: u64 = 256 << 20;
 
 impl Gpu {
@@ -16,7 +16,7 @@ impl Gpu {
         self.reports().map(bytes).min().unwrap_or(0)
     }
 
-    /// Most instances of a class that a device takes at a time, of which the largest table has so many bytes each.
+    /// Most instances of a class on a device at a time; `bytes` is what each takes in the largest table.
     pub(super) fn at_most(&self, bytes: u64) -> usize {
         // Threads are numbered with 32 bits, workgroups up to the device's limit in two dimensions.
         let most = (self.binding() / bytes).min(1 << 24) as usize;
@@ -28,16 +28,16 @@ impl Gpu {
         self.at_most(spec.bytes() * spec.state_fields().len().max(spec.case_fields().len()) as u64)
     }
 
-    /// The same of periods with their slopes.
+    /// The same for periods with their Jacobians.
     pub(super) fn slope_capacity(&self, plan: &Plan, class: &Class) -> usize {
         let spec = plan.shader(class, Entry::Kicks);
         let (columns, fields) = ((2 * spec.modes).pow(2), spec.state_fields().len());
-        // Kicks of two steps at the least.
+        // Kicks of at least two steps.
         let bytes = spec.bytes() * columns.max(fields).max(2 * spec.partials()) as u64;
         self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
     }
 
-    /// The same of searches.
+    /// The same for searches by Broyden's method.
     pub(super) fn stride_capacity(&self, plan: &Plan, class: &Class) -> usize {
         let spec = plan.shader(class, Entry::Stride);
         let size = (2 * state_modes(spec.modes)).pow(2);
@@ -46,7 +46,7 @@ impl Gpu {
         self.at_most(bytes).min((SLOPE_BYTES / bytes) as usize)
     }
 
-    /// The same of searches by Newton's steps.
+    /// The same for searches by Newton's method.
     pub(super) fn walk_capacity(&self, plan: &Plan, class: &Class) -> usize {
         let spec = plan.shader(class, Entry::Kicks);
         let bytes = spec.bytes() * (4 * spec.modes + WALK) as u64;

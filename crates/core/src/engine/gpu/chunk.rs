@@ -1,4 +1,4 @@
-//! A chunk of instances on its way through a run, dispatch by dispatch.
+//! A chunk of instances that runs on a device, dispatch by dispatch.
 
 use super::pace::Pace;
 use super::pack::{self, Numbers, Tables};
@@ -12,19 +12,19 @@ use crate::plan::{Class, Plan};
 use std::time::{Duration, Instant};
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
-/// Between two copies of the state to the host.
+/// Time between two copies of the state to the host.
 const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// Bytes of decaying free motion sent with one dispatch.
 const DECAY_BYTES: u64 = 16 << 20;
 
-/// Where a chunk is: its instances after so many periods.
+/// The states of a chunk's instances after `done` periods.
 pub(super) struct Checkpoint {
     pub saved: Vec<InstanceCheckpoint>,
     pub done: u32,
 }
 
 impl Checkpoint {
-    /// Of a part of the instances.
+    /// The checkpoint of some of the instances.
     pub fn part(&self, range: std::ops::Range<usize>) -> Self {
         Self { saved: self.saved[range].to_vec(), done: self.done }
     }
@@ -49,7 +49,7 @@ pub(super) struct Chunk<'a> {
 }
 
 impl<'a> Chunk<'a> {
-    /// Buffers for the tables.
+    /// Creates buffers for the tables.
     pub fn new(
         plan: &'a Plan,
         class: &'a Class,
@@ -82,7 +82,7 @@ impl<'a> Chunk<'a> {
         })
     }
 
-    /// Steps the chunk from `done` periods to the end of the run, keeping the latest checkpoint.
+    /// Steps the chunk from `done` periods to the end of the run, and keeps the latest checkpoint.
     pub fn run(
         &self,
         done: u32,

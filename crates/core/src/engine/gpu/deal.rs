@@ -1,4 +1,4 @@
-//! A run dealt out: whatever device is free takes the next piece, and what one of them fails at is gone on with.
+//! Distributes pieces to devices: each free device takes the next piece, and a failed piece continues elsewhere.
 
 use super::dealer::{Did, TRIES};
 use super::device::Fate;
@@ -12,18 +12,18 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// An errand on its way.
+/// An errand in progress.
 pub(super) struct Deal<'a, E: Errand> {
     gpu: &'a Gpu,
     errand: &'a E,
     progress: &'a Progress,
-    /// What whole pieces of each class took.
+    /// By class: speed data of whole pieces.
     did: HashMap<usize, Vec<Did>>,
-    /// What a user should know of how it went.
+    /// Messages for the user.
     notes: Vec<String>,
 }
 
-/// What became of a piece: on which device, how long that took, and if it failed there whether the device is lost.
+/// The fate of a piece: its device, the time it took, and whether a failure means that the device is lost.
 struct Told<T> {
     piece: Piece,
     place: usize,
@@ -37,10 +37,10 @@ impl<'a, E: Errand> Deal<'a, E> {
         Self { gpu, errand, progress, did: HashMap::new(), notes: Vec::new() }
     }
 
-    /// Takes all pieces to their ends; what a user should know of how it went.
+    /// Runs all pieces to their ends. Returns messages for the user.
     ///
-    /// Tables are made and results are finished on the caller's thread alone, with its pool: threads that wait for devices
-    /// wait for nothing else, so that many runs may go on side by side on any number of threads.
+    /// The caller's thread alone, with its pool, makes tables and finishes results. Threads that wait for devices wait for
+    /// nothing else, so that many runs may go on side by side on any number of threads.
     pub fn all(mut self, mut pieces: VecDeque<Piece>, out: &mut E::Out) -> Result<Vec<String>, EngineError> {
         let (gpu, errand, progress) = (self.gpu, self.errand, self.progress);
         let (to, from) = mpsc::channel();
@@ -50,14 +50,14 @@ impl<'a, E: Errand> Deal<'a, E> {
                 if progress.stopped() {
                     pieces.clear();
                 }
-                // One waits with its tables for the first device that is free.
+                // One piece waits with its tables for the first free device.
                 while under_way <= gpu.dealer.holding()
                     && let Some(piece) = pieces.pop_front()
                 {
                     let tables = errand.tables(&piece);
                     let to = to.clone();
                     scope.spawn(move || {
-                        // Nobody hears it where the run has ended with an error.
+                        // The receiver is gone if the run has ended with an error.
                         let _ = to.send(carry(gpu, errand, (piece, &tables), progress));
                     });
                     under_way += 1;
@@ -77,7 +77,7 @@ impl<'a, E: Errand> Deal<'a, E> {
         })
     }
 
-    /// Takes in what became of a piece; what is left of it goes to the head of the queue.
+    /// Handles the fate of a piece; its remainder goes to the front of the queue.
     fn take(&mut self, told: Told<E::Done>, pieces: &mut VecDeque<Piece>, out: &mut E::Out) {
         let Told { mut piece, place, fate, time, lost } = told;
         let failure = match fate {
@@ -114,7 +114,7 @@ impl<'a, E: Errand> Deal<'a, E> {
         pieces.push_front(piece);
     }
 
-    /// What no device can do.
+    /// Runs a piece that no device can do.
     fn on_the_cpu(&mut self, piece: Piece, out: &mut E::Out) -> Result<(), EngineError> {
         if self.gpu.dealer.is_news() {
             self.notes.push(format!("going on from period {} on the CPU", piece.done()));
@@ -123,7 +123,7 @@ impl<'a, E: Errand> Deal<'a, E> {
     }
 }
 
-/// Takes a piece to a device, as soon as one is free; hands it back where there is none for it.
+/// Leases a device for a piece and runs it there. Returns the piece if no device is left for it.
 fn carry<E: Errand>(
     gpu: &Gpu,
     errand: &E,
@@ -136,7 +136,7 @@ fn carry<E: Errand>(
     let Some(place) = gpu.dealer.lease(piece.meant) else { return Err(piece) };
     let Some(device) = gpu.devices.get(place) else { return Err(piece) };
     let (begun, work) = (Instant::now(), piece.work(errand.plan()));
-    // A driver's panic is a failure like others: what it was at is in the piece.
+    // A driver's panic is a failure like others; the piece still holds its progress.
     let step = || device.step(errand, (&mut piece, tables), (gpu.strict, &gpu.drill), progress);
     let fate = catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|_| {
         device.close();

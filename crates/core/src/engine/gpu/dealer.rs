@@ -1,43 +1,43 @@
-//! Who of an engine's devices is free, how fast each is beside the others, and which are lost.
+//! The state of an engine's devices: which are free, how fast each is relative to the others, and which are lost.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Failures of a device one after another, after which it gets no more work.
+/// Consecutive failures of a device after which it gets no more work.
 pub(super) const TRIES: u32 = 3;
 
-/// Of the mean speed, what the slowest device is taken to have.
+/// Least assumed speed of a device, as a share of the mean.
 const FEWEST: f64 = 0.05;
 
-/// What is known of a device.
+/// The state of a device.
 #[derive(Clone, Debug)]
 struct State {
-    /// Whether it was tried to open it.
+    /// Whether an attempt was made to open it.
     tried: bool,
     busy: bool,
     lost: bool,
     failures: u32,
-    /// Whether it was lost before, and has done nothing since.
+    /// Whether it was lost before and has done nothing since.
     frail: bool,
-    /// Beside the other devices.
+    /// Relative to the other devices.
     speed: f64,
     /// Instance-steps.
     taken: u64,
 }
 
-/// Deals devices out to whoever has work for one.
+/// Leases devices to runs that have work for one.
 #[derive(Debug)]
 pub(super) struct Dealer {
     devices: Mutex<Vec<State>>,
     freed: Condvar,
-    /// Runs that go on.
+    /// Runs in progress.
     runs: AtomicUsize,
-    /// Whether it was said that nothing is left but the CPU.
+    /// Whether the user knows that only the CPU is left.
     said: AtomicBool,
 }
 
-/// What a device did of a class: its place, the instance-steps and the time.
+/// A device's work on a class: device, instance-steps and time.
 pub(super) type Did = (usize, u64, Duration);
 
 impl Dealer {
@@ -52,13 +52,13 @@ impl Dealer {
         self.devices.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A run begins; it is over when what is given back is dropped.
+    /// Begins a run, which ends when the returned guard is dropped.
     pub fn enter(&self) -> Entered<'_> {
         self.runs.fetch_add(1, Ordering::Relaxed);
         Entered(self)
     }
 
-    /// The devices that a run may count on beside the other runs, and their speeds, from the fastest.
+    /// The devices that a run may expect beside the other runs, with their speeds, fastest first.
     pub fn speeds(&self) -> Vec<(usize, f64)> {
         let states = self.states();
         let holding = states.iter().enumerate().filter(|(_, one)| !one.lost);
@@ -69,12 +69,12 @@ impl Dealer {
         speeds
     }
 
-    /// How many devices are not lost.
+    /// Number of devices that are not lost.
     pub fn holding(&self) -> usize {
         self.states().iter().filter(|one| !one.lost).count()
     }
 
-    /// Devices that nobody has tried to open, each taken for whoever asks.
+    /// Leases all devices that were never opened.
     pub fn untried(&self) -> Vec<usize> {
         let mut states = self.states();
         let mut untried = Vec::new();
@@ -85,7 +85,7 @@ impl Dealer {
         untried
     }
 
-    /// This device if it is free, else the fastest that is, as soon as one is; none where all are lost.
+    /// Leases this device if it is free, else the fastest free one, and waits for one if none is. `None` if all are lost.
     pub fn lease(&self, meant: usize) -> Option<usize> {
         let mut states = self.states();
         loop {
@@ -113,18 +113,18 @@ impl Dealer {
         self.freed.notify_all();
     }
 
-    /// The device is free again.
+    /// Frees a device.
     pub fn give_back(&self, place: usize) {
         self.end(place, |_| ());
     }
 
-    /// The device is free again, and did so many instance-steps.
+    /// Frees a device that did these instance-steps.
     pub fn did(&self, place: usize, steps: u64) {
         self.said.store(false, Ordering::Relaxed);
         self.end(place, |one| (one.failures, one.frail, one.taken) = (0, false, one.taken + steps));
     }
 
-    /// The device is free again, and failed; true if that was once too often.
+    /// Frees a device that failed. Returns whether it counts as lost now.
     pub fn failed(&self, place: usize) -> bool {
         let mut lost = false;
         self.end(place, |one| {
@@ -135,12 +135,12 @@ impl Dealer {
         lost
     }
 
-    /// The device is not to be had.
+    /// Marks a device as lost.
     pub fn lost(&self, place: usize) {
         self.end(place, |one| one.lost = true);
     }
 
-    /// Where all devices are lost, tries those once more that have done something since they last were.
+    /// If all devices are lost, gives another try to those that have worked since they were last lost.
     pub fn begin_anew(&self) {
         let mut states = self.states();
         if states.iter().all(|one| one.lost) {
@@ -149,12 +149,12 @@ impl Dealer {
         }
     }
 
-    /// Whether it is news that nothing is left but the CPU.
+    /// Whether the user does not know yet that only the CPU is left.
     pub fn is_news(&self) -> bool {
         !self.said.swap(true, Ordering::Relaxed)
     }
 
-    /// Learns from what several devices did of one class how fast each is beside the others.
+    /// Updates relative speeds from the work of several devices on one class.
     pub fn learn(&self, did: &[Did]) {
         let mut states = self.states();
         let mut rates = vec![(0.0, 0.0); states.len()];
@@ -175,23 +175,23 @@ impl Dealer {
         let before: f64 = seen.iter().map(|one| states[one.0].speed).sum::<f64>() / seen.len() as f64;
         for (place, rate) in seen {
             let speed = &mut states[place].speed;
-            // Whoever was slow once is given some work all the same, by which to show whether it still is.
+            // A device that was slow once still gets some work, to show whether it still is.
             *speed = (0.5 * (*speed + before * rate / mean)).max(FEWEST * before);
         }
     }
 
-    /// Sets how fast each device is taken to be.
+    /// Sets the assumed speeds of the devices.
     pub fn suppose(&self, speeds: &[f64]) {
         self.states().iter_mut().zip(speeds).for_each(|(one, speed)| one.speed = *speed);
     }
 
-    /// Instance-steps that each device has done.
+    /// Instance-steps of each device.
     pub fn taken(&self) -> Vec<u64> {
         self.states().iter().map(|one| one.taken).collect()
     }
 }
 
-/// A run that goes on.
+/// A run in progress.
 pub(super) struct Entered<'a>(&'a Dealer);
 
 impl Drop for Entered<'_> {
@@ -208,18 +208,18 @@ mod tests {
     fn speeds_follow_what_devices_did_of_one_class() {
         let dealer = Dealer::new(3);
         let second = Duration::from_secs(1);
-        // The first is four times as fast as the second; of the third nothing is known.
+        // The first is four times as fast as the second; the third is unknown.
         for _ in 0..20 {
             dealer.learn(&[(0, 200, second), (1, 50, second), (1, 50, second)]);
         }
         let speeds = dealer.speeds();
         assert_eq!(speeds.iter().map(|one| one.0).collect::<Vec<_>>(), [0, 2, 1]);
         assert!((speeds[0].1 / speeds[2].1 - 4.0).abs() < 1e-3 && speeds[1].1 == 1.0, "{speeds:?}");
-        // Stuck for once, a device is not left out for ever.
+        // A device that was stuck once gets work again.
         let stuck = Dealer::new(2);
         (0..50).for_each(|_| stuck.learn(&[(0, 1_000_000, second), (1, 1, second)]));
         assert!(stuck.speeds()[1].1 > 0.02 * stuck.speeds()[0].1, "{:?}", stuck.speeds());
-        // One device alone tells nothing.
+        // One device alone gives no relative speed.
         dealer.learn(&[(2, 1_000_000, second)]);
         assert_eq!(dealer.speeds(), speeds);
         assert_eq!([2, 2, 2].map(|meant| dealer.lease(meant)), [Some(2), Some(0), Some(1)]);
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!((dealer.holding(), dealer.taken()), (1, vec![7, 0]));
         dealer.lost(0);
         assert_eq!(dealer.lease(1), None);
-        // Once more, and again only after it has done something.
+        // It gets another try once, and again only after it has done something.
         dealer.begin_anew();
         assert_eq!(dealer.holding(), 2);
         assert_eq!(dealer.lease(0), Some(0));

@@ -1,4 +1,4 @@
-//! One of an engine's devices: its adapter, and what is open and compiled on it.
+//! One of an engine's devices: its adapter and its open session.
 
 use super::adapter::AdapterReport;
 use super::errand::Errand;
@@ -8,9 +8,9 @@ use super::{Drill, Failure, GpuError};
 use crate::engine::Progress;
 use std::sync::{Mutex, PoisonError};
 
-/// What became of a piece on a device.
+/// The fate of a piece on a device.
 pub(super) enum Fate<T> {
-    /// What was wanted of its instances.
+    /// The result of its errand.
     Done(T),
     /// The run was stopped.
     Stopped,
@@ -23,9 +23,9 @@ pub(super) enum Fate<T> {
 pub(super) struct Device {
     adapter: wgpu::Adapter,
     pub report: AdapterReport,
-    /// Its place among the engine's devices.
+    /// Index among the engine's devices.
     place: usize,
-    /// What is open, and whether it rounds strictly.
+    /// The open session, and whether it rounds strictly.
     open: Mutex<Option<(bool, Session)>>,
 }
 
@@ -34,13 +34,13 @@ impl Device {
         Self { adapter, report, place, open: Mutex::default() }
     }
 
-    /// Opens it unless it is open.
+    /// Opens the device unless it is open.
     pub fn open(&self, strict: bool, drill: &Drill) -> Result<(), GpuError> {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         self.session(&mut open, strict, drill).map(|_| ())
     }
 
-    /// Forgets what is open.
+    /// Drops the session.
     pub fn close(&self) {
         *self.open.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
@@ -66,8 +66,8 @@ impl Device {
         Ok(session)
     }
 
-    /// Does an errand for a piece. Nothing here waits for the threads of the caller's pool, all of which may
-    /// be waiting for devices.
+    /// Runs an errand for a piece. It must not wait for the threads of the caller's pool, which may all be waiting for
+    /// devices.
     pub fn step<E: Errand>(
         &self,
         errand: &E,

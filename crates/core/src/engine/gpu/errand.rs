@@ -1,5 +1,4 @@
-//! What devices are asked for: the run of a plan, or its slopes. Who does what of it when, and what becomes of what
-//! fails, is the deal's business.
+//! Work for devices: runs, Jacobians or searches of a plan. `deal` assigns it and handles failures.
 
 use super::piece::Piece;
 use super::session::Session;
@@ -8,21 +7,21 @@ use crate::engine::{EngineError, Progress};
 use crate::kernel::Rounding;
 use crate::plan::{Class, Plan};
 
-/// Something that is wanted of all instances of a plan.
+/// A computation for all instances of a plan.
 pub(super) trait Errand: Sync {
-    /// What a device is given for a piece.
+    /// Input of a piece on a device.
     type Tables: Send + Sync;
-    /// What it gives back.
+    /// Its result there.
     type Done: Send;
-    /// Where that goes.
+    /// Where the results go.
     type Out;
 
     fn plan(&self) -> &Plan;
 
-    /// On the thread that called the engine, with its pool.
+    /// Makes a piece's input, on the thread that called the engine, with its pool.
     fn tables(&self, piece: &Piece) -> Self::Tables;
 
-    /// On a device; none where the run was stopped.
+    /// Runs a piece on a device; `None` if the run was stopped.
     fn on(
         &self,
         session: &Session,
@@ -31,10 +30,10 @@ pub(super) trait Errand: Sync {
         progress: &Progress,
     ) -> Result<Option<Self::Done>, Failure>;
 
-    /// Takes in what a device has done, on the thread that called the engine.
+    /// Stores a device's result, on the thread that called the engine.
     fn finish(&self, class: &Class, done: Self::Done, out: &mut Self::Out);
 
-    /// What no device can do.
+    /// Runs a piece that no device can do.
     fn on_the_cpu(
         &self,
         piece: &Piece,

@@ -68,13 +68,13 @@ pub enum GpuError {
     Device { adapter: String, why: String },
 }
 
-/// `, as 0,1`; nothing where no two are.
+/// `, as 0,1`; empty if no two are of one kind.
 fn advice(of_one_kind: &[usize]) -> String {
     let indices: Vec<String> = of_one_kind.iter().map(ToString::to_string).collect();
     if indices.is_empty() { String::new() } else { format!(", as --device {}", indices.join(",")) }
 }
 
-/// What can go wrong on a device that was opened.
+/// Failures of a device that was opened.
 #[derive(Clone, Debug, Error)]
 pub(crate) enum Failure {
     #[error("out of memory")]
@@ -87,21 +87,20 @@ pub(crate) enum Failure {
     Steps { done: u32, expected: u32 },
 }
 
-/// Breaks things on purpose, so that what happens then can be tested.
+/// Injects faults, to test how the engine handles them.
 #[derive(Debug, Default)]
 pub struct Drill {
-    /// The device is destroyed before this dispatch, counted from 1; each time the count is reached
-    /// `times` more dispatches decide anew.
+    /// Destroys the device before each dispatch whose number, from 1, is a multiple of this.
     pub lose_at: Option<u32>,
-    /// How often that happens.
+    /// Most times that this happens.
     pub times: u32,
-    /// Only to the device of this place among the engine's.
+    /// Restricts this to the device of this index in the engine.
     pub only: Option<usize>,
     /// Once lost, a device cannot be opened again.
     pub for_good: bool,
-    /// Chunks of more instances are refused for want of memory.
+    /// Chunks of more instances are refused for lack of memory.
     pub memory_for: Option<usize>,
-    /// Time between checkpoints in place of some seconds.
+    /// Time between checkpoints, instead of some seconds.
     pub save_every: Option<Duration>,
     /// Changes the shader's text before it is compiled.
     pub edit: Option<fn(String) -> String>,
@@ -122,27 +121,27 @@ impl Drill {
         }
     }
 
-    /// Whether a device is not to be opened any more.
+    /// Whether a device must not be opened any more.
     fn keeps_shut(&self, place: usize) -> bool {
         self.for_good && self.concerns(place) && self.lost.load(Ordering::Relaxed) > 0
     }
 }
 
-/// GPUs of one kind, or a driver that plays one. Of several each run is cut by how fast they have been, and whoever is free
-/// takes the next piece; no result hangs on which of them took it.
+/// GPUs of one kind, or a driver that emulates one. Several share each run by their past speed, and each free one takes the
+/// next piece. Results do not depend on which device took a piece.
 pub struct Gpu {
     devices: Vec<Device>,
     dealer: Dealer,
     report: AdapterReport,
-    /// Most instances on a device at a time, below what its memory allows.
+    /// Most instances on a device at a time, if below what its memory allows.
     pub chunk: Option<usize>,
-    /// Fewest instances of a class that are worth another device.
+    /// Fewest instances of a class that justify another device.
     pub least: usize,
-    /// Forbids the driver to fuse or reorder sums and products: what it computes is then what the CPU does
-    /// with [`Cpu::strict`](crate::engine::Cpu::strict), bit by bit, as far as the device divides and takes roots as IEEE 754 asks. From the start on for
-    /// software drivers, to which it costs nothing; only a Vulkan driver can do it.
+    /// Forbids the driver to fuse or reorder sums and products. The results are then those of the CPU with
+    /// [`Cpu::strict`](crate::engine::Cpu::strict), bit by bit, if the device divides and takes roots as IEEE 754 asks. It is
+    /// on from the start for software drivers, where it costs nothing; only a Vulkan driver can do it.
     pub strict: bool,
-    /// For tests of what happens when a device fails.
+    /// For tests of how failures of a device are handled.
     pub drill: Drill,
 }
 
@@ -150,11 +149,11 @@ pub struct Gpu {
 const LEAST: usize = 1024;
 
 impl Gpu {
-    /// The adapters asked for, by index or part of a name, several with commas between them, or `all` of the best one's
-    /// kind; else the best there is.
+    /// The requested adapters, by index or part of a name, several separated by commas, or `all` of the best one's kind;
+    /// without a request the best one.
     ///
     /// # Errors
-    /// There is none, or none such; several that are not of one kind.
+    /// There is no such adapter, or several are not of one kind.
     pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
         let (first, others) = adapter::choose(wanted)?;
         let report = first.1.clone();
@@ -165,22 +164,22 @@ impl Gpu {
         Ok(Self { devices, dealer, report, chunk: None, least: LEAST, strict, drill })
     }
 
-    /// What it can do; of several what each can.
+    /// Capabilities of each of its devices, which are of one kind.
     pub fn report(&self) -> &AdapterReport {
         &self.report
     }
 
-    /// What each of its devices can do.
+    /// Capabilities of its devices one by one.
     pub fn reports(&self) -> impl Iterator<Item = &AdapterReport> {
         self.devices.iter().map(|one| &one.report)
     }
 
-    /// Instance-steps that each device has done.
+    /// Instance-steps of each device.
     pub fn taken(&self) -> Vec<u64> {
         self.dealer.taken()
     }
 
-    /// How fast each device is taken to be beside the others until they have shown it.
+    /// Sets the relative speeds of the devices that are assumed until they have shown theirs.
     pub fn suppose(&self, speeds: &[f64]) {
         self.dealer.suppose(speeds);
     }
@@ -195,13 +194,13 @@ impl Gpu {
         let mut pieces: Vec<Piece> =
             all.flat_map(|(group, class)| cut.pieces(plan, (group, class), most(class))).collect();
         if self.devices.len() > 1 {
-            // The largest first, so that none is left over for the end.
+            // The largest first, so that no large piece remains for the end.
             pieces.sort_by_key(|piece| std::cmp::Reverse(piece.work(plan)));
         }
         (free, pieces.into())
     }
 
-    /// Opens what was never opened. That no device can be opened is an error before anything is computed; later runs go on
+    /// Opens devices that were never opened. It is an error before any computation if none can be opened; later runs continue
     /// on the CPU.
     fn open(&self, precision: Precision) -> Result<Vec<String>, EngineError> {
         if precision == Precision::F64 && !self.report.double {
@@ -225,7 +224,7 @@ impl Gpu {
         }
     }
 
-    /// Why a device is left out.
+    /// A message on a device that is left out.
     fn without(&self, place: usize, error: &GpuError) -> String {
         let why = match error {
             GpuError::Device { why, .. } => format!("the device cannot be opened ({why})"),
@@ -234,7 +233,7 @@ impl Gpu {
         format!("{}{why}: going on without it", self.who(place))
     }
 
-    /// `adapter 1: `, of one device nothing.
+    /// `adapter 1: `, or nothing for a single device.
     fn who(&self, place: usize) -> String {
         match self.devices.get(place).filter(|_| self.devices.len() > 1) {
             Some(device) => format!("adapter {}: ", device.report.index),
@@ -263,7 +262,7 @@ impl Engine for Gpu {
     }
 
     fn kind(&self) -> String {
-        // What it hands back to the processor, and searches in f64 where it has none, counts too; how many devices does not.
+        // The CPU counts: it does failed work, and f64 searches if the device has no f64. The number of devices does not.
         format!("gpu {} beside {}", self.report.title(), cpu::Cpu::default().kind())
     }
 
@@ -332,7 +331,7 @@ impl Engine for Gpu {
         self.report.double
     }
 
-    /// What portions do on the processor is hidden behind those that have a device.
+    /// Chunks on devices hide what the others do on the processor.
     fn portions(&self) -> (usize, usize) {
         (1 << 17, if self.devices.len() > 1 { 2 * self.devices.len() } else { 1 })
     }

@@ -1,5 +1,5 @@
-//! Searches by Newton's steps on devices: a period with its slope of all that are under way, a stride of each, and so on. The host
-//! hears how many are left, and at the end where all are.
+//! Searches by Newton's method on devices. Each round is a period with its Jacobian and a Newton step for all searches in
+//! progress. The host reads how many are left, and at the end all states.
 
 use super::errand::Errand;
 use super::pace::Pace;
@@ -20,32 +20,32 @@ use crate::plan::{Class, Plan};
 use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
-/// Numbers of a walk beside place and stride.
+/// Numbers of a search's progress (`Walk`) besides state and step.
 pub(super) const WALK: usize = 3;
 
 /// Searches of a plan's instances.
 pub(super) struct Walks<'a> {
-    /// Of one period from where it says.
+    /// A plan of one period, with the starts of the searches.
     pub plan: &'a Plan,
     pub seeks: &'a NewtonStarts,
-    /// By instance, about as much as may be left out of slopes.
+    /// By instance: approximate size of terms that Jacobians may drop.
     pub least: Vec<f64>,
     /// Most bytes of a binding.
     pub binding: u64,
 }
 
-/// What a piece of a class needs on the device.
+/// Input of a piece of a class on the device.
 pub(super) struct WalkTables {
     slopes: SlopeTables,
-    /// Places, strides, and how each is on its way.
+    /// States, steps, and the progress of each.
     walks: Numbers,
 }
 
-/// What a device leaves of a piece: places and columns by field.
+/// Output of a piece: states and Jacobian columns by field.
 pub(super) struct Left {
     walks: Numbers,
     columns: Numbers,
-    /// Of each instance what became of it, and its periods.
+    /// By instance: its phase and its periods.
     ends: Vec<(Phase, u32)>,
 }
 
@@ -150,13 +150,13 @@ impl<'a> WalkChunk<'a> {
         }
         let left = self.left()?;
         let periods: u64 = left.ends.iter().map(|(_, periods)| u64::from(*periods)).sum();
-        // One period of each was foreseen with the plan.
+        // One period of each is already expected with the plan.
         progress.foresee(u64::from(steps) * (periods - left.ends.len() as u64));
         progress.add(u64::from(steps) * periods);
         Ok(Some(left))
     }
 
-    /// Waits, reads what is left, and checks that each instance did its steps.
+    /// Waits, reads the results, and checks that each instance did its steps.
     fn left(&self) -> Result<Left, Failure> {
         let slopes = &self.tables.slopes;
         let count = slopes.count() as usize;

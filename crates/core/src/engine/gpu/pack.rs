@@ -1,4 +1,4 @@
-//! A chunk of a class as the shader's tables, and what comes back as saved instances.
+//! Converts a chunk of a class to the shader's tables, and the shader's output to checkpoints.
 
 use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, member};
@@ -26,7 +26,7 @@ impl Numbers {
         }
     }
 
-    /// Rounded to the precision.
+    /// Rounds to the precision.
     pub fn new(double: bool, values: Vec<f64>) -> Self {
         match double {
             true => Self::Double(values),
@@ -34,7 +34,7 @@ impl Numbers {
         }
     }
 
-    /// As they came back.
+    /// Numbers as the device returned them.
     pub fn read(double: bool, bytes: &[u8]) -> Self {
         match double {
             true => Self::Double(bytemuck::pod_collect_to_vec(bytes)),
@@ -50,11 +50,11 @@ impl Numbers {
     }
 }
 
-/// What a chunk of instances needs on the device.
+/// Input of a chunk of instances on the device.
 pub(super) struct Tables {
-    /// Instance numbers of the plan, in the class' order.
+    /// Instance numbers of the plan, in the class's order.
     pub instances: Vec<u32>,
-    /// The plan's drives that they have, in order.
+    /// The plan's drives of these instances, in order.
     pub drives: Vec<u32>,
     pub waves: Numbers,
     pub drive_table: Numbers,
@@ -64,20 +64,20 @@ pub(super) struct Tables {
     pub marks: Vec<u32>,
 }
 
-/// How many instances are under way in each round of a search and after the last; then which these are. A run has one round, and
-/// all of them.
+/// The number of instances in progress in each round of a search and after the last, then their indices. A run has one round
+/// with all of them.
 pub(super) fn going(entry: Entry, count: u32) -> impl Iterator<Item = u32> {
     let counts = std::iter::once(count).chain(std::iter::repeat_n(0, entry.rounds() as usize));
     counts.chain(0..count)
 }
 
-/// Instances by their drives, which are in order.
+/// Instances, and their drives in order.
 pub(super) struct Driven<'a> {
     pub members: Vec<Member<'a>>,
     pub drives: Vec<u32>,
     /// An instance of each drive.
     first_of: Vec<Member<'a>>,
-    /// Places among the drives, by instance.
+    /// By instance: index among the drives.
     pub drive_of: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Driven<'a> {
         let drive_of = members
             .iter()
             .map(|one| {
-                // Instances of a class are ordered by their drive.
+                // A class's instances are ordered by drive.
                 if drives.last() != Some(&one.0.drive) {
                     drives.push(one.0.drive);
                     first_of.push(*one);
@@ -106,7 +106,7 @@ impl<'a> Driven<'a> {
     }
 }
 
-/// The tables of `instances`, which belong to `class`, at the start of the run or where they were saved.
+/// The tables of `instances`, which belong to `class`, at the start of the run or at checkpoints.
 pub(super) fn tables(
     plan: &Plan,
     class: &Class,
@@ -138,18 +138,18 @@ pub(super) fn tables(
     }
 }
 
-/// What a piece of a class needs on the device for a period with its slope.
+/// Input of a piece of a class on the device, for a period with its Jacobian.
 pub(super) struct SlopeTables {
     pub spec: ShaderSpec,
     pub steps: u32,
-    /// How many there are.
+    /// Number of drives.
     pub drives: u32,
     pub waves: Numbers,
     pub drive_table: Numbers,
     pub cases: Numbers,
     pub drive_of: Vec<u32>,
     pub states: Numbers,
-    /// How many instances are under way in each round and after the last; then these, in two lists that take turns.
+    /// The number of instances in progress in each round and after the last, then their indices, in two alternating lists.
     pub going: Vec<u32>,
     /// [`powers`] of each drive's lever.
     pub flows: Numbers,
@@ -160,14 +160,14 @@ impl SlopeTables {
         self.drive_of.len() as u32
     }
 
-    /// Bytes of the slopes.
+    /// Bytes of the Jacobians.
     pub fn column_bytes(&self) -> u64 {
         self.spec.bytes() * (2 * self.spec.modes as u64).pow(2) * u64::from(self.count())
     }
 }
 
-/// The tables for a period with its slope from where the plan says; `least` is by instance of the plan. What is told of an instance
-/// stands beside its other constants.
+/// The tables for a period with its Jacobian from the plan's starts; `least` is by instance of the plan. `told` gives further
+/// constants of an instance.
 pub(super) fn slope_tables(
     plan: &Plan,
     class: &Class,
@@ -203,7 +203,7 @@ pub(super) fn slope_tables(
     }
 }
 
-/// Travel and rate of each mode, contact, and no step seen.
+/// Travel and rate of each mode, contact, and no steps done.
 fn slope_state(spec: &ShaderSpec, station: &SectionState) -> Vec<f64> {
     let modes = (0..spec.modes).flat_map(|k| [station.x[k] / LENGTH, station.u[k] / LENGTH]);
     let mut state: Vec<f64> = modes.chain([f64::from(u8::from(station.touching))]).collect();
@@ -211,7 +211,7 @@ fn slope_state(spec: &ShaderSpec, station: &SectionState) -> Vec<f64> {
     state
 }
 
-/// `[power][m00, m01, m11][mode]`, in the arithmetic of the shader.
+/// `[power][m00, m01, m11][mode]`, in the precision of the shader.
 fn flows(spec: &ShaderSpec, lever: &Lever, steps: u32) -> Vec<f64> {
     fn of<E: Lane<Element = E>>(motion: &[f64], modes: usize, steps: u32) -> Vec<f64> {
         let motion: Vec<E> = motion.iter().map(|value| E::element(*value)).collect();
@@ -251,12 +251,12 @@ fn drive_row(spec: &ShaderSpec, member: Member, start: Start) -> Vec<f64> {
     row
 }
 
-/// Sums that the tally of a part of a period leaves in the state.
+/// Number of sums in the state that the tally of an unfinished period leaves.
 fn tally_sums(spec: &ShaderSpec) -> usize {
     2 * spec.wants.harmonics + spec.wants.kept().count()
 }
 
-/// In the order of [`ShaderSpec::state_fields`]; the tally's own sums begin anew with a period.
+/// In the order of [`ShaderSpec::state_fields`]; the tally's own sums start anew with a period.
 pub(super) fn write(spec: &ShaderSpec, place: &InstanceCheckpoint) -> Vec<f64> {
     let run_sums = &place.run_sums;
     let wants = spec.wants;
@@ -279,7 +279,7 @@ pub(super) fn write(spec: &ShaderSpec, place: &InstanceCheckpoint) -> Vec<f64> {
     out
 }
 
-/// The instances of a chunk as the device left them between two periods.
+/// The checkpoints of a chunk's instances as the device left them between two periods.
 pub(super) fn saved(spec: &ShaderSpec, states: &Numbers, marks: &[u32]) -> Vec<InstanceCheckpoint> {
     let count = marks.len() / 2;
     (0..count)

@@ -1,21 +1,21 @@
-//! A plan cut into pieces, which devices take one at a time.
+//! Cuts a plan into pieces, which devices take one at a time.
 
 use super::chunk::Checkpoint;
 use super::pace::Pace;
 use crate::engine::section_state;
 use crate::plan::{Class, Plan};
 
-/// Some instances of a class on their way through a run.
+/// Some instances of a class during a run.
 pub(super) struct Piece {
     pub class: Class,
-    /// Where they are, if not at the run's start.
+    /// Their checkpoint, if not the run's start.
     pub at: Option<Checkpoint>,
     pub pace: Pace,
-    /// The number of its class, whose pieces tell how fast the devices are beside one another.
+    /// Number of its class. Pieces of one class allow comparison of the devices' speeds.
     pub group: usize,
     /// The device that it was cut for, if that is free.
     pub meant: usize,
-    /// Failures that say more of it than of a device.
+    /// Failures that are due to the piece rather than to a device.
     pub refused: u32,
 }
 
@@ -25,13 +25,13 @@ impl Piece {
         self.at.as_ref().map_or(0, |at| at.done)
     }
 
-    /// Instance-steps that are left.
+    /// Remaining instance-steps.
     pub fn work(&self, plan: &Plan) -> u64 {
         let periods = u64::from(plan.run.periods - self.done());
         self.class.instances.len() as u64 * u64::from(self.class.steps) * periods
     }
 
-    /// Its two halves.
+    /// Splits it into two halves.
     pub fn halves(self) -> [Self; 2] {
         let count = self.class.instances.len();
         [0..count / 2, count / 2..count].map(|half| Self {
@@ -45,9 +45,9 @@ impl Piece {
 
 /// How a plan is cut.
 pub(super) struct Cut<'a> {
-    /// The devices that take part and how fast they are, from the fastest.
+    /// The devices that take part, with their speeds, fastest first.
     pub devices: &'a [(usize, f64)],
-    /// Fewest instances that are worth a device of their own.
+    /// Fewest instances that justify a device of their own.
     pub least: usize,
     /// Whether the devices are software drivers.
     pub software: bool,
@@ -73,7 +73,7 @@ impl Cut<'_> {
         pieces
     }
 
-    /// How many of `count` instances each device is dealt.
+    /// Number of instances, out of `count`, for each device.
     fn sizes(&self, count: usize) -> Vec<(usize, usize)> {
         let ways = (count / self.least.max(1)).clamp(1, self.devices.len().max(1));
         let devices = self.devices.get(..ways).unwrap_or(&[(0, 1.0)]);
@@ -86,7 +86,7 @@ impl Cut<'_> {
             sizes.push((*place, end - before));
             before = end;
         }
-        // Rounding leaves nobody out.
+        // Rounding must not lose instances.
         if let Some(last) = sizes.last_mut() {
             last.1 += count - before;
         }

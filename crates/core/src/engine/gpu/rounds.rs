@@ -1,5 +1,5 @@
-//! Dispatches one after another: those of a period, and the rounds of a search, each a period of all that are under way and a
-//! stride of each.
+//! Sequences of dispatches: those of a period, and those of a search, whose rounds consist of a period and a solver step for
+//! all instances in progress.
 
 use super::Failure;
 use super::pace::Pace;
@@ -8,7 +8,7 @@ use crate::engine::Progress;
 use std::time::Instant;
 use wgpu::{Buffer, SubmissionIndex};
 
-/// What hands out a piece's dispatches, for periods of so many steps.
+/// Issues the dispatches of a piece, for periods of `steps` steps.
 pub(super) struct Dispatches<'a> {
     pub session: &'a Session,
     pub pace: &'a mut Pace,
@@ -18,18 +18,18 @@ pub(super) struct Dispatches<'a> {
     pub longest: u32,
 }
 
-/// What one dispatch does: it begins at a step, and takes so many.
+/// First step of a dispatch, and number of its steps.
 type Part = (u32, u32);
 
 /// A piece of a search.
 pub(super) trait Search {
-    /// So many steps of all that are under way in a round.
+    /// Dispatches some steps of all instances in progress in a round.
     fn period(&self, round: u32, part: Part) -> Result<SubmissionIndex, Failure>;
 
-    /// A stride of each of them.
+    /// Dispatches a solver step for each of them.
     fn stride(&self, round: u32) -> Result<SubmissionIndex, Failure>;
 
-    /// How many are under way, by round.
+    /// The number of instances in progress, by round.
     fn going(&self) -> &Buffer;
 }
 
@@ -37,7 +37,7 @@ pub(super) trait Search {
 type Running = Option<(SubmissionIndex, u64)>;
 
 impl Dispatches<'_> {
-    /// One period; false where the run was stopped.
+    /// One period; false if the run was stopped.
     pub fn once(
         &mut self,
         dispatch: impl Fn(Part) -> Result<SubmissionIndex, Failure>,
@@ -69,8 +69,8 @@ impl Dispatches<'_> {
         Ok(true)
     }
 
-    /// Rounds until none is under way, so many at most; false where the search was stopped. While a round is enqueued the one
-    /// before it runs, and how many that one leaves is not known: at most one round is enqueued in vain, and its threads end at
+    /// Runs rounds until no search is in progress, `most` at most; false if stopped. A round is enqueued while the one before
+    /// it runs, before that one's remaining number is known. So at most one round is enqueued in vain, and its threads end at
     /// once.
     pub fn rounds(&mut self, most: u32, search: &impl Search) -> Result<bool, Failure> {
         let mut running = None;
@@ -81,7 +81,7 @@ impl Dispatches<'_> {
             }
             search.stride(round)?;
             let next = self.session.later(search.going(), 4 * u64::from(round + 1), 4)?;
-            // By now the round before has been waited for.
+            // The round before is complete by now.
             if let Some(before) = left.replace(next)
                 && bytemuck::pod_collect_to_vec::<u8, u32>(&self.session.now(&before)?) == [0]
             {

@@ -1,4 +1,4 @@
-//! One open device: its queue, its pipelines, and whatever went wrong on it.
+//! One open device: its queue, its pipelines, and its first failure.
 
 use super::adapter::AdapterReport;
 use super::{Failure, GpuError, strict};
@@ -13,20 +13,20 @@ use wgpu::{
     ShaderModuleDescriptorPassthrough, ShaderRuntimeChecks, ShaderSource, ShaderStages, SubmissionIndex,
 };
 
-/// What is to be opened.
+/// Options for opening a device.
 pub(super) struct Opening<'a> {
     pub adapter: &'a wgpu::Adapter,
     pub report: &'a AdapterReport,
-    /// Its place among the engine's devices.
+    /// Index among the engine's devices.
     pub place: usize,
     pub strict: bool,
     /// Changes the shader's text before it is compiled.
     pub edit: Option<fn(String) -> String>,
 }
 
-/// A device and what is compiled on it.
+/// A device and the pipelines compiled on it.
 pub(super) struct Session {
-    /// Its place among the engine's devices.
+    /// Index among the engine's devices.
     pub place: usize,
     pub device: wgpu::Device,
     pub queue: Queue,
@@ -37,14 +37,14 @@ pub(super) struct Session {
     trouble: Arc<Mutex<Option<Failure>>>,
 }
 
-/// Bytes of a buffer that a device was asked for.
+/// Bytes of a buffer requested from a device.
 pub(super) struct Later {
     copy: Buffer,
     size: u64,
     submitted: SubmissionIndex,
 }
 
-/// What one dispatch does; `Job` of shaders/job.wgsl.
+/// Parameters of one dispatch; `Job` of shaders/job.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Job {
@@ -53,17 +53,17 @@ pub struct Job {
     pub steps: u32,
     pub first: u32,
     pub count: u32,
-    /// Workgroups side by side; known when it is dispatched.
+    /// Workgroups side by side; set at the dispatch.
     pub width: u32,
     /// The round of a search.
     pub round: u32,
 }
 
-/// How often the word of a lost device is asked for where a driver refuses, and how long it is waited for each time.
+/// Number of polls for the loss of a device after a driver has refused, and the pause between them.
 const WORDS: u32 = 50;
 const WORD: Duration = Duration::from_millis(2);
 
-/// Keeps the first thing that went wrong, since what follows is its echo; but a lost device explains all.
+/// Keeps the first failure, because later ones are its consequences; but the loss of a device explains all.
 fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
     if let Ok(mut slot) = trouble.lock()
         && (slot.is_none() || matches!(failure, Failure::Lost(_)))
@@ -73,7 +73,7 @@ fn note(trouble: &Mutex<Option<Failure>>, failure: Failure) {
 }
 
 impl Session {
-    /// Opens a device; for f64 as well where it has it, so that one session serves both.
+    /// Opens a device, with f64 if it has it, so that one session serves both precisions.
     pub fn open(opening: &Opening) -> Result<Self, GpuError> {
         let Opening { adapter, report, place, strict, edit } = *opening;
         let mut features = Features::empty();
@@ -111,11 +111,11 @@ impl Session {
         Ok(Self { device, queue, place, strict, edit, pipelines: Mutex::default(), trouble })
     }
 
-    /// What `failure` came from: the word of a lost device may come after its first consequences.
+    /// The cause of `failure`: the message of a lost device may come after its first consequences.
     pub fn cause(&self, failure: Failure) -> Failure {
         let mut cause = failure;
         for _ in 0..WORDS {
-            // Only its callbacks matter here.
+            // Polls for its callbacks only.
             let _ = self.device.poll(PollType::Poll);
             cause = self.check().err().unwrap_or(cause);
             if !matches!(cause, Failure::Refused(_)) {
@@ -126,7 +126,7 @@ impl Session {
         cause
     }
 
-    /// What went wrong so far.
+    /// The failure so far, if any.
     pub fn check(&self) -> Result<(), Failure> {
         match self.trouble.lock() {
             Ok(slot) => slot.clone().map_or(Ok(()), Err),
@@ -171,9 +171,9 @@ impl Session {
     fn module(&self, name: &str, text: String) -> ShaderModule {
         let source = ShaderSource::Wgsl(Cow::Owned(text));
         let descriptor = ShaderModuleDescriptor { label: Some(name), source };
-        // SAFETY: the text is our own. Every index is below the buffers' lengths once the thread's number
-        // is, which the entry point checks; its loops end after `job.count` turns, one more, and 32 for each, or after as
-        // many as a state has numbers, or their square.
+        // SAFETY: the text is our own. Every index is below the buffers' lengths if the thread's number is, which the entry
+        // point checks. Its loops end after `job.count` iterations, one more, and 32 for each, or after as many as a state has
+        // numbers, or their square.
         unsafe { self.device.create_shader_module_trusted(descriptor, ShaderRuntimeChecks::unchecked()) }
     }
 
@@ -187,7 +187,7 @@ impl Session {
             spirv: Some(Cow::Owned(words)),
             ..Default::default()
         };
-        // SAFETY: as above; the words are naga's, which checked the text.
+        // SAFETY: as above; naga generates the words and has checked the text.
         Ok(unsafe { self.device.create_shader_module_passthrough(descriptor) })
     }
 
@@ -222,7 +222,7 @@ impl Session {
         })
     }
 
-    /// Does a job with these buffers, the job's own first, in the order of the bindings.
+    /// Dispatches a job with these buffers, the job's own first, in the order of the bindings.
     pub fn dispatch(
         &self,
         spec: ShaderSpec,
@@ -269,18 +269,18 @@ impl Session {
         Ok(buffer)
     }
 
-    /// Asks for bytes of a buffer that can be copied from, as they are by now.
+    /// Requests bytes of a buffer, as they are now; the buffer must allow copies.
     pub fn later(&self, buffer: &Buffer, first: u64, size: u64) -> Result<Later, Failure> {
         let copy = self.empty("readback", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, first, &copy, 0, Some(size));
         let submitted = self.queue.submit([encoder.finish()]);
-        // What goes wrong shows when the range is asked for.
+        // An error shows when the range is read.
         copy.slice(..).map_async(MapMode::Read, |_| ());
         Ok(Later { copy, size, submitted })
     }
 
-    /// Waits for what was asked for.
+    /// Waits for requested bytes.
     pub fn now(&self, later: &Later) -> Result<Vec<u8>, Failure> {
         self.wait(Some(later.submitted.clone()))?;
         let view = later.copy.slice(..later.size).get_mapped_range();
@@ -295,7 +295,7 @@ impl Session {
         polled.map(|_| ()).map_err(|error| Failure::Lost(error.to_string()))
     }
 
-    /// The contents of buffers that can be copied from, `sizes` bytes of each.
+    /// The contents of buffers that allow copies: for each, the given number of bytes.
     pub fn read(&self, buffers: &[(&Buffer, u64)]) -> Result<Vec<Vec<u8>>, Failure> {
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -307,7 +307,7 @@ impl Session {
         }
         self.queue.submit([encoder.finish()]);
         for copy in &copies {
-            // What goes wrong shows when the range is asked for.
+            // An error shows when the range is read.
             copy.slice(..).map_async(MapMode::Read, |_| ());
         }
         self.wait(None)?;

@@ -1,4 +1,4 @@
-//! Periods with their slopes on devices.
+//! Periods with their Jacobians on devices.
 
 use super::errand::Errand;
 use super::pace::Pace;
@@ -14,19 +14,19 @@ use crate::plan::{Class, Plan};
 use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
-/// Most bytes of the kicks' slopes that one dispatch leaves for the next.
+/// Most bytes of the kicks' derivatives that one dispatch leaves for the next.
 const PARTIAL_BYTES: u64 = 64 << 20;
 
-/// One period of a plan's instances each, and its slope.
+/// One period of each of a plan's instances, with its Jacobian.
 pub(super) struct Periods<'a> {
     pub plan: &'a Plan,
-    /// By instance, about as much as may be left out of the slope.
+    /// By instance: approximate size of terms that the Jacobian may drop.
     pub least: &'a [f64],
     /// Most bytes of a binding.
     pub binding: u64,
 }
 
-/// What a device leaves of a piece: states and columns by field.
+/// Output of a piece: states and Jacobian columns by field.
 pub(super) struct Left {
     states: Numbers,
     columns: Numbers,
@@ -60,7 +60,7 @@ impl Errand for Periods<'_> {
         let (count, modes) = (class.instances.len(), class.modes);
         let one = |(i, instance): (usize, &u32)| {
             let field = |field: usize| left.states.get(field * count + i);
-            // The shader has each mode's travel and rate side by side.
+            // The shader stores each mode's travel and rate side by side.
             let number = |row: usize| match row {
                 row if row < modes => field(2 * row),
                 row if row < 2 * modes => field(2 * (row - modes) + 1),
@@ -88,11 +88,11 @@ impl Errand for Periods<'_> {
     }
 }
 
-/// Most steps of a dispatch that the room for its kicks allows, where a binding has so many bytes at most.
+/// Most steps of a dispatch whose kicks fit into memory, for bindings of at most `binding` bytes.
 pub(super) fn longest(plan: &Plan, class: &Class, binding: u64) -> u32 {
     let spec = plan.shader(class, Entry::Kicks);
     let kick = spec.bytes() * spec.partials() as u64 * class.instances.len() as u64;
-    // One more than steps: the last of the dispatch before is decided on by the first.
+    // One kick more than steps: the first step decides on the last kick of the dispatch before.
     let kicks = PARTIAL_BYTES.min(binding) / kick;
     (kicks.saturating_sub(1).max(1)).min(u64::from(class.steps)) as u32
 }
@@ -104,7 +104,7 @@ pub(super) struct SlopeChunk<'a> {
     tables: &'a SlopeTables,
     /// Most steps of a dispatch.
     pub longest: u32,
-    /// Of each part.
+    /// Parameters of the two dispatches: kicks and carry.
     jobs: [Buffer; 2],
     waves: Buffer,
     drives: Buffer,
@@ -143,7 +143,7 @@ impl<'a> SlopeChunk<'a> {
             cases: session.buffer("cases", tables.cases.bytes(), read)?,
             drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
             states: session.buffer("states", tables.states.bytes(), write)?,
-            // Of zeros, as every new one.
+            // New buffers are zero.
             marks: session.empty("marks", 4 * (3 + kicks) * count, write)?,
             going: session.buffer("going", bytemuck::cast_slice(&tables.going), write)?,
             partials: session.empty(
@@ -171,13 +171,13 @@ impl<'a> SlopeChunk<'a> {
         Ok(Some(left))
     }
 
-    /// What one dispatch does of a round.
+    /// The parameters of one dispatch in a round.
     pub fn job(&self, round: u32, first: u32, count: u32) -> Job {
         let (instances, drives, steps) = (self.tables.count(), self.tables.drives, self.tables.steps);
         Job { instances, drives, steps, first, count, width: 0, round }
     }
 
-    /// So many steps of all that are under way, and what they make of the columns.
+    /// Dispatches some steps of all instances in progress, then the update of the Jacobian columns.
     pub fn dispatch(&self, round: u32, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
         self.drill.strike(self.session);
         let Self { jobs: [kicks, carry], tables, session, .. } = self;
@@ -208,7 +208,7 @@ impl<'a> SlopeChunk<'a> {
         session.dispatch(spec, job, 2 * spec.modes as u32 * instances, &buffers)
     }
 
-    /// Waits, reads what is left, and checks that each instance did its steps.
+    /// Waits, reads the results, and checks that each instance did its steps.
     fn left(&self) -> Result<Left, Failure> {
         let (tables, double) = (self.tables, self.tables.spec.double);
         let states = tables.states.bytes().len() as u64;

@@ -1,6 +1,5 @@
-//! The shader as SPIR-V that forbids what a driver may otherwise do with a sum of products: fuse them, or
-//! take them apart and add them up in another order. What then runs rounds after each operation of the text,
-//! as the CPU path does.
+//! Compiles the shader to SPIR-V that forbids the driver to fuse sums of products, or to reorder them. Every operation of the
+//! text then rounds, as on the CPU path.
 
 use super::Failure;
 use naga::back::spv;
@@ -15,7 +14,7 @@ const NO_CONTRACTION: u32 = 42;
 /// FNegate, FAdd, FSub, FMul, FDiv, VectorTimesScalar.
 const ARITHMETIC: [u32; 6] = [127, 129, 131, 133, 136, 142];
 
-/// The text compiled, with every result of float arithmetic decorated `NoContraction`.
+/// Compiles the text and decorates every result of float arithmetic with `NoContraction`.
 pub(super) fn compile(text: &str) -> Result<Vec<u32>, Failure> {
     let refused = |why: String| Failure::Refused(why);
     let module = wgsl::parse_str(text).map_err(|error| refused(error.emit_to_string(text)))?;
@@ -43,7 +42,7 @@ fn decorated(words: &[u32]) -> Vec<u32> {
         }
         at += length.max(1);
     }
-    // The bindings are decorated, so there is a place.
+    // The bindings are decorated, so a place exists.
     let place = place.unwrap_or(HEADER);
     [&words[..place], &decorations, &words[place..]].concat()
 }

@@ -1,4 +1,4 @@
-//! Guesses at periodic states as the shader's tables.
+//! Converts predictions of periodic states to the shader's tables.
 
 use super::Failure;
 use super::pack::{Driven, Numbers, going, transposed, waves, write};
@@ -12,23 +12,23 @@ use crate::plan::{Class, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
 
-/// What a piece of a class needs on the device for a search.
+/// Input of a piece of a class on the device, for a search.
 pub(super) struct StrideTables {
-    /// Of the strides.
+    /// The shader of the solver step.
     pub spec: ShaderSpec,
     pub steps: u32,
-    /// Of a state.
+    /// Numbers of a state.
     pub numbers: u32,
-    /// How many there are.
+    /// Number of drives.
     pub drives: u32,
     pub waves: Numbers,
     pub drive_table: Numbers,
     pub cases: Numbers,
     pub drive_of: Vec<u32>,
     pub states: Numbers,
-    /// How many instances are under way in each round and after the last; then these, in two lists that take turns.
+    /// The number of instances in progress in each round and after the last, then their indices, in two alternating lists.
     pub going: Vec<u32>,
-    /// Places, and strides.
+    /// States, then steps.
     pub places: Numbers,
     pub undoes: Numbers,
 }
@@ -39,12 +39,12 @@ impl StrideTables {
     }
 }
 
-/// What became of an instance of a search that did so many steps, of which a period has as many as is said first and which has
-/// so many rounds at most; and its periods.
+/// The phase and the periods of an instance after a search that did `done` steps. `steps` is their number in a period,
+/// `rounds` the most rounds.
 pub(super) fn end((steps, rounds): (u32, u32), done: u32, phase: u32) -> Result<(Phase, u32), Failure> {
     let phase = [Phase::On, Phase::Found, Phase::Lost].into_iter().find(|one| *one as u32 == phase);
     let periods = done / steps;
-    // Who is under way to the last has done all of its periods.
+    // A search in progress to the end has done all its periods.
     let least = if phase == Some(Phase::On) { rounds } else { 1 };
     match phase {
         Some(phase) if done.is_multiple_of(steps) && (least..=rounds).contains(&periods) => {
@@ -54,7 +54,7 @@ pub(super) fn end((steps, rounds): (u32, u32), done: u32, phase: u32) -> Result<
     }
 }
 
-/// The tables of a class whose instances are numbers of guesses.
+/// The tables of a class whose instances are indices of predictions.
 pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -> StrideTables {
     let spec = plan.shader(class, Entry::Stride);
     let driven = Driven::new(plan, &class.instances);
@@ -93,7 +93,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
     }
 }
 
-/// An instance at its place, kernel units, with nothing measured; `still` is how far from the sample free motion is there.
+/// An instance at its prediction, kernel units, not measured. `still`: distance of free motion from the sample there.
 fn begun(guessed: &Prediction, place: &[f64], (modes, still): (usize, f64)) -> InstanceCheckpoint {
     let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
     x[..modes].copy_from_slice(&place[..modes]);

@@ -1,5 +1,5 @@
-//! Searches that begin where something is known of the period map, on devices: a measured period of all that are under way, a
-//! stride of each, and so on. The host hears how many are left, and at the end where all are.
+//! Searches by Broyden's method on devices. Each round is a measured period and a solver step for all searches in progress.
+//! The host reads how many are left, and at the end all states.
 
 use super::errand::Errand;
 use super::pace::Pace;
@@ -19,27 +19,27 @@ use crate::plan::{Case, Class, Plan};
 use rayon::prelude::*;
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
 
-/// Guesses at the states of a plan's instances, one for each, in their order.
+/// Predictions for a plan's instances, one for each, in order.
 pub(super) struct Strides<'a> {
     /// In f64, of one measured period.
     pub plan: &'a Plan,
     pub guesses: &'a Predictions,
 }
 
-/// Where guesses have led, in their order.
+/// The results of predictions, in order.
 pub(super) struct Ways {
     pub arrived: Vec<Correction>,
     pub places: Vec<f64>,
     pub undoes: Vec<f64>,
 }
 
-/// What a device leaves of a piece.
+/// Output of a piece.
 pub(super) struct Left {
     /// By field.
     places: Numbers,
     undoes: Numbers,
     saved: Vec<InstanceCheckpoint>,
-    /// Of each instance what became of it, and its periods.
+    /// By instance: its phase and its periods.
     ends: Vec<(Phase, u32)>,
 }
 
@@ -114,11 +114,11 @@ impl Errand for Strides<'_> {
 }
 
 impl Strides<'_> {
-    /// What the last period has measured.
+    /// The measurement of the last period.
     fn finished(&self, class: &Class, instance: u32, saved: &InstanceCheckpoint) -> Finished {
         let plan = self.plan;
         let (case, driven) = member(plan, instance);
-        // Of no change, however large, anything is left: of one period nothing could be said.
+        // With an infinite `least_change` no change counts against the state: one period alone cannot tell.
         let case = Case { least_change: Some(f64::INFINITY), ..case };
         let sums = Sums::new(saved.run_sums, saved.finite, 1, class.steps);
         finish(&sums, &case, driven, &plan.run, plan.wants)
@@ -130,7 +130,7 @@ struct StrideChunk<'a> {
     session: &'a Session,
     drill: &'a Drill,
     tables: &'a StrideTables,
-    /// Of each part.
+    /// Parameters of the two dispatches: period and solver step.
     jobs: [Buffer; 2],
     waves: Buffer,
     drives: Buffer,
@@ -161,7 +161,7 @@ impl<'a> StrideChunk<'a> {
             cases: session.buffer("cases", tables.cases.bytes(), read)?,
             drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
             states: session.buffer("states", tables.states.bytes(), write)?,
-            // Of zeros, as every new one.
+            // New buffers are zero.
             marks: session.empty("marks", 12 * u64::from(count), write)?,
             going: session.buffer("going", bytemuck::cast_slice(&tables.going), write)?,
             places: session.buffer("places", tables.places.bytes(), write)?,
@@ -188,7 +188,7 @@ impl<'a> StrideChunk<'a> {
         Job { instances, drives, steps, first, count, width: 0, round }
     }
 
-    /// Waits, reads what is left, and checks that each instance did its steps.
+    /// Waits, reads the results, and checks that each instance did its steps.
     fn left(&self) -> Result<Left, Failure> {
         let (tables, double) = (self.tables, self.tables.spec.double);
         let (count, size) = (tables.count() as usize, |numbers: &Numbers| numbers.bytes().len() as u64);

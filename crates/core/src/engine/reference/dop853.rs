@@ -2,7 +2,7 @@
 
 use super::tableau::{DENSE, EMBEDDED_3, ERROR_5, EXTENDED, NODES, STAGE, STAGES, TableauRow};
 
-/// Right-hand side of y' = f(theta, y); answers with the indentation (m) there.
+/// Right-hand side of y' = f(theta, y); returns the indentation (m) there.
 pub(super) trait Rates {
     fn rates(&mut self, theta: f64, y: &[f64], out: &mut [f64]) -> f64;
 }
@@ -15,7 +15,7 @@ pub(super) struct Dop853 {
     pub end: Vec<f64>,
     /// State at a stage.
     stage: Vec<f64>,
-    /// Indentation at the stages, m; the first one is the caller's to set.
+    /// Indentation at the stages, m; the caller sets the first one.
     pub seen: [f64; STAGES],
     /// Calls of the right-hand side.
     pub evaluations: u64,
@@ -39,7 +39,7 @@ impl Dop853 {
         self.evaluations += 1;
     }
 
-    /// Tries a step of length `h` from `y` at `theta`, whose rates stand in the first stage.
+    /// Tries a step of length `h` from `y` at `theta`, whose rates are in the first stage.
     pub fn step(&mut self, system: &mut impl Rates, theta: f64, y: &[f64], h: f64) {
         for stage in 1..STAGES {
             if stage == STAGES - 1 {
@@ -53,21 +53,21 @@ impl Dop853 {
         self.evaluations += STAGES as u64 - 1;
     }
 
-    /// The step's error over what is allowed of each unknown, largest: Hairer's mean of both estimates.
+    /// The largest ratio of the step's error to the allowed one over all unknowns: Hairer's mean of both estimates.
     pub fn error(&self, allowed: &[f64], h: f64) -> f64 {
         let (mut fifth, mut third) = (0f64, 0f64);
         for (i, allowed) in allowed.iter().enumerate() {
             let sum = |row: TableauRow| row.iter().map(|(j, e)| e * self.k[*j][i]).sum::<f64>();
             let (five, three) =
                 (sum(ERROR_5) / allowed, (sum(STAGE[STAGES - 1]) - sum(EMBEDDED_3)) / allowed);
-            // Not max, which passes over NaN.
+            // Not max, which ignores NaN.
             fifth = if five.abs() <= fifth { fifth } else { five.abs() };
             third = if three.abs() <= third { third } else { three.abs() };
         }
         if fifth == 0.0 { 0.0 } else { h * fifth * fifth / fifth.hypot(0.1 * third) }
     }
 
-    /// The three more stages of the continuous extension.
+    /// The three further stages of the continuous extension.
     pub fn extend(&mut self, system: &mut impl Rates, theta: f64, y: &[f64], h: f64) {
         for stage in STAGES..EXTENDED {
             combine(&mut self.stage, y, &self.k, STAGE[stage], h);
@@ -109,7 +109,7 @@ pub(super) struct Dense {
 }
 
 impl Dense {
-    /// At the share `u` of the step.
+    /// Its value at the share `u` of the step.
     pub fn at(&self, u: f64) -> f64 {
         let [t0, t1, t2, t3, t4, t5, t6] = self.terms;
         let w = 1.0 - u;
@@ -165,7 +165,7 @@ mod tests {
         y[0]
     }
 
-    /// Halving steps takes 2^8 off the end's error and 2^8 off one step's extension (order 7, local).
+    /// Half the step divides the end's error by 2^8, and the error of one step's extension by 2^8 (order 7, local).
     #[test]
     fn steps_are_of_order_eight_and_extensions_of_seven() {
         let truth = to_four(1024).0;

@@ -1,4 +1,4 @@
-//! What is measured over a period, from the steps and their continuous extensions.
+//! Measures a period from its steps and their continuous extensions.
 
 use super::dop853::Dense;
 use super::system::System;
@@ -21,7 +21,7 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_05),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
 ];
-/// Steps (rad) shorter than this take four points.
+/// Steps (rad) shorter than this use four points.
 const SHORT_STEP: f64 = 0.05;
 
 /// A step with its continuous extensions.
@@ -41,7 +41,7 @@ impl DenseStep {
     }
 }
 
-/// Sums and extremes; those of harmonics over one period, the rest since the measured part began.
+/// Sums and extremes; those of harmonics over one period, the others since the measured part began.
 #[derive(Clone, Debug)]
 pub(super) struct Meter {
     /// Integrals of the travel beyond the steady free one times cosine and sine, this period.
@@ -72,7 +72,7 @@ impl Meter {
         }
     }
 
-    /// Takes note of an indentation passed at a rate (m per rad).
+    /// Records an indentation passed at a rate (m per rad).
     pub fn see(&mut self, system: &System, delta: f64, rate: impl FnOnce() -> f64) {
         let force = system.force.at(delta, || rate() * system.omega, system.touching);
         self.deepest = self.deepest.max(delta);
@@ -80,8 +80,7 @@ impl Meter {
         self.force_max = self.force_max.max(force);
     }
 
-    /// Takes in a step, whose turning points stand at the shares `turns` of it; `last` is the indentation
-    /// at its end.
+    /// Adds a step with turning points at the shares `turns` of it; `first` and `last` are the indentations at its ends.
     pub fn pass(&mut self, system: &System, piece: &DenseStep, turns: &[f64], first: f64, last: f64) {
         self.add_waves(system, piece);
         let mut before = first;
@@ -91,7 +90,7 @@ impl Meter {
             if let (true, Some(pull)) = (system.touching, system.force.deepest_pull())
                 && (before - pull) * (delta - pull) < 0.0
             {
-                // Of a law that asks for no rate.
+                // The law ignores the rate.
                 self.see(system, pull, || 0.0);
             }
             before = delta;

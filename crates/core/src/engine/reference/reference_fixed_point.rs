@@ -1,4 +1,4 @@
-//! The periodic state next to a given one, as a fixed point of the reference's own period map.
+//! The periodic state close to a given one, as a fixed point of the reference's own period map.
 
 use super::step_control::Integrator;
 use super::system::{System, far};
@@ -11,37 +11,36 @@ use crate::scene::{Run, Start};
 use nalgebra::{DVector, Dyn};
 use std::f64::consts::{PI, TAU};
 
-/// Distance to the periodic state that is aimed at, and that is near enough, as shares of the accuracy asked for; and
-/// the least that is aimed at, in tolerances of the steps.
+/// Tolerance on the distance to the periodic state, and the tolerance that is enough, as shares of the requested accuracy; and
+/// the least tolerance, in tolerances of the steps.
 const NEWTON_TOL_SHARE: f64 = 1e-4;
 const FALLBACK_TOL_SHARE: f64 = 1e-2;
 const MAX_DISTANCE_TOLERANCES: f64 = 100.0;
-/// Error of a Jacobian that the steps' tolerance may make, as a share of what the slowest mode loses in a period; that loss
-/// counts as so much at least.
+/// Allowed error of the Jacobian due to the steps' tolerance, as a share of the slowest mode's loss in a period; and the least
+/// value of that loss.
 const JACOBIAN_ERROR_SHARE: f64 = 1e-2;
 const MIN_MODE_LOSS: f64 = 1e-5;
-/// Differences, in units of the free amplitude, for the Jacobian: as the steps allow, and for jumping contacts.
+/// Finite-difference steps for the Jacobian, in free amplitudes: as the steps allow, and for jumping contacts.
 const FD_STEP_SMOOTH: f64 = 1e-5;
 const FD_STEP_ROUGH: f64 = 3e-5;
-/// Motion that takes two periods is on one side of a periodic state at the start of one period and on the other side at
-/// the start of the next. It counts as that where the distance shrinks to no less than this share from one to the next.
+/// A motion of two periods lies on opposite sides of a periodic state at successive starts of a period. It counts as such if
+/// its distance shrinks to no less than this share from one to the next.
 const ALTERNATION_SHARE: f64 = 0.95;
-/// A mode whose periodic motion is more times what the force does to it in a period is next to a harmonic of the drive,
-/// and is left to settle by itself.
+/// A mode is next to a harmonic of the drive if its periodic motion exceeds the force's effect in a period by this factor. It
+/// is then left to settle by itself.
 const RESONANCE_RATIO: f64 = 100.0;
-/// Periods in which the modes that the stepped engine does not keep begin to move, before a search and before a second
-/// one; most evaluations of the map, and periods measured at the end.
+/// Periods before a first and a second search, in which modes that the stepped engine does not keep begin to move; most
+/// evaluations of the map; periods measured at the end.
 const WARM_UP_PERIODS: [u32; 2] = [4, 12];
 const MAX_EVALUATIONS: u32 = 200;
 const MEASURED_PERIODS: u32 = 4;
-/// Modes that a second search counts among its unknowns at least, and the damping ratio that they have at least: without
-/// any they never settle.
+/// Modes that a second search has among its unknowns, and the least damping ratio of added ones: undamped modes never settle.
 const MAX_WIDENED_MODES: usize = 6;
 const MIN_SLOW_DAMPING: f64 = 1e-5;
 
-/// The periodic state of an instance next to `station`, where a stepped engine was at a period's start; none if
-/// there is none to be found, or only one that the motion passes by on either side in turn, since it takes two periods.
-/// Many times cheaper than [`super::solve`], which waits for it: but it is silent on whether waiting would end there.
+/// The periodic state of an instance close to `station`, where a stepped engine was at a period's start. `None` if no state is
+/// found, or if the motion, which takes two periods, passes the state on alternate sides. Many times cheaper than
+/// [`super::solve`], which integrates to it; but it does not tell whether integration would end there.
 ///
 /// # Errors
 /// An instance that the plan does not have, a tolerance out of range, a tip that no mode moves.
@@ -78,14 +77,14 @@ pub fn solve_near(
         reuse_jacobian: false,
         stable_below_fd: 0.99,
         stable_below: 0.99,
-        // Of undamped modes that the stepped engine does not keep the multipliers are 1.
+        // The multipliers of undamped modes that the stepped engine does not keep are 1.
         require_stable: false,
     };
     let Some(found) = map.find(options, progress) else {
         return Ok(None);
     };
     map.begin(&map.with_slow(&map.after, &found.state));
-    // The first period's predecessor is not known, the second one's is not looked at.
+    // The first period has no predecessor, and the second one's change is not judged.
     let run = Run {
         periods: MEASURED_PERIODS + 2,
         measure: MEASURED_PERIODS,
@@ -96,9 +95,9 @@ pub fn solve_near(
     Ok(Some(integrate(&mut map.walk, (&run, plan.wants), &case, driven, progress)))
 }
 
-/// The section state as unknowns at the period's very start, half a step earlier, and which of all unknowns are the section state's
-/// own modes. What its other oscillators move the tip by, the reference's other modes share as they would bend under a
-/// static force: without it a tip that is held in contact would begin beside the sample.
+/// The section state as unknowns at the period's very start, half a step earlier, and the indices of the section state's own
+/// modes. The reference's other modes share the travel of its other oscillators as they would bend under a static force:
+/// otherwise a tip held in contact would begin beside the sample.
 fn unknowns(
     system: &System,
     case: &Case,
@@ -117,7 +116,7 @@ fn unknowns(
     };
     for (place, index) in system.indices.iter().enumerate() {
         let (omega, damping) = system.oscillator(place);
-        // Oscillators that are no mode are the same where their frequencies are.
+        // Oscillators that are not modes correspond by equal frequency.
         let same = |mode: &KeptMode| {
             mode.index == *index && (index.is_some() || (mode.omega - omega).abs() < 1e-9 * omega)
         };
@@ -144,7 +143,7 @@ fn unknowns(
     (state, slow)
 }
 
-/// What the slowest of these modes loses of its amplitude in a period by itself, as a share.
+/// Share of its amplitude that the slowest of these modes loses in a period by itself.
 fn least_lost(system: &System, driven: &Driven, slow: &[usize]) -> f64 {
     let loss = |place: &usize| {
         let (omega, damping) = system.oscillator(*place);
@@ -154,23 +153,23 @@ fn least_lost(system: &System, driven: &Driven, slow: &[usize]) -> f64 {
     kept.map(loss).fold(1.0, f64::min).max(MIN_MODE_LOSS)
 }
 
-/// One period of the reference, as a map of the modes that the stepped engine keeps. The others, faster and of small
-/// share, are carried along.
+/// One period of the reference, as a map of the modes that the stepped engine keeps. The others, faster and of small share,
+/// are carried along.
 struct Map {
     walk: Integrator,
-    /// Whether contact is a memory of the past, and what it is at a period's start.
+    /// Whether contact depends on the past, and its value at a period's start.
     remembers: bool,
     touching: bool,
-    /// The kept modes among the unknowns.
+    /// Indices of the kept modes among the unknowns.
     slow: Vec<usize>,
-    /// All unknowns at the start of the last period that went on, and at its end.
+    /// All unknowns at the start of the last period that continued the motion, and at its end.
     before: DVector<f64>,
     after: DVector<f64>,
 }
 
 impl Map {
-    /// The periodic state, searched for once the modes that are not kept have begun to move; none if the motion passes it
-    /// by on either side in turn.
+    /// Searches for the periodic state once the modes that are not kept have begun to move; `None` if the motion passes it on
+    /// alternate sides.
     fn find(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
         let (mut found, mut passed) = (None, Vec::new());
         for (round, periods) in WARM_UP_PERIODS.into_iter().enumerate() {
@@ -186,8 +185,8 @@ impl Map {
             if found.is_some() || round > 0 {
                 break;
             }
-            // Modes that the stepped engine does without may ring for long all the same: a second search sees more of
-            // them, and later.
+            // Modes that the stepped engine does not keep may still ring for long: a second search includes more of them, and
+            // starts later.
             self.after = warm;
             self.widen();
         }
@@ -195,7 +194,7 @@ impl Map {
         found.filter(|found| !self.alternates(&passed, &found.state, least))
     }
 
-    /// The fixed point next to where the last period ended.
+    /// The fixed point close to the end of the last period.
     fn search(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
         let mut search = PtcNewton::new(self.slow_part(&self.after), options);
         while search.verdict().is_none() {
@@ -215,7 +214,7 @@ impl Map {
         }
     }
 
-    /// Counts more modes among the unknowns, those that the tip force moves most.
+    /// Adds modes to the unknowns, those that the tip force moves most.
     fn widen(&mut self) {
         let system = &self.walk.system;
         let modes = system.modes();
@@ -244,7 +243,7 @@ impl Map {
         system.touching = if self.remembers { self.touching } else { system.force.touching_at(delta) };
     }
 
-    /// Where all unknowns are a period later.
+    /// All unknowns a period later.
     fn period(&mut self, state: &DVector<f64>) -> Option<DVector<f64>> {
         self.begin(state);
         let finite = self.walk.period(0, None);
@@ -252,7 +251,7 @@ impl Map {
         (finite && same).then(|| DVector::from_column_slice(&self.walk.y[..state.len()]))
     }
 
-    /// From these kept modes, the others going on from the last period.
+    /// A period from these kept modes; the others continue from the last period.
     fn go_on(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
         self.before = self.with_slow(&self.after, slow);
         let end = self.period(&self.before.clone())?;
@@ -260,8 +259,8 @@ impl Map {
         Some(self.slow_part(&end))
     }
 
-    /// The end of a period, with the modes that are no unknowns where they would be if every period did to them what
-    /// this one did: the contact force hardly feels them, so this is where they settle. Undamped ones never do.
+    /// The end of a period, with the modes that are not unknowns at the state where they would settle if every period acted on
+    /// them like this one. The contact force hardly depends on them. Undamped modes never settle.
     fn settled(&self, start: &DVector<f64>, end: &DVector<f64>) -> DVector<f64> {
         let system = &self.walk.system;
         let (modes, mut settled) = (system.modes(), end.clone());
@@ -274,7 +273,7 @@ impl Map {
             let state = |all: &DVector<f64>| [all[place], all[modes + place] / ratio];
             let [m00, m01, m10, m11] = increments(TAU * ratio, damping);
             let ([x, u], [begun_x, begun_u]) = (state(end), state(start));
-            // What a period changes by itself is to make up for the push.
+            // The mode's own change in a period must balance the push.
             let pushed = [
                 x - begun_x - (m00 * begun_x + m01 * begun_u),
                 u - begun_u - (m10 * begun_x + m11 * begun_u),
@@ -289,8 +288,8 @@ impl Map {
         settled
     }
 
-    /// Whether the last of the periods that went by lie on either side of this state, farther from it than `least` (m) and
-    /// no nearer from one to the next.
+    /// Whether the last two periods lie on opposite sides of this state, farther from it than `least` (m), and do not approach
+    /// it.
     fn alternates(&self, passed: &[DVector<f64>], state: &DVector<f64>, least: f64) -> bool {
         let [.., before, last] = passed else { return false };
         let [before, last] = [before, last].map(|one| self.slow_part(one) - state);
@@ -300,7 +299,7 @@ impl Map {
             && before.dot(&last) < -ALTERNATION_SHARE * far * farther
     }
 
-    /// From these kept modes, the others as they began in the last period: for differences.
+    /// A period from these kept modes, with the others as at the start of the last period: for differences.
     fn aside(&mut self, slow: &DVector<f64>) -> Option<DVector<f64>> {
         let end = self.period(&self.with_slow(&self.before, slow))?;
         Some(self.slow_part(&end))

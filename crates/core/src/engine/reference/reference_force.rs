@@ -1,4 +1,4 @@
-//! The contact laws once more, in forms of their own: nothing here shares code with `contact` or the kernel.
+//! The contact laws again, in forms of their own: nothing here shares code with `contact` or the kernel.
 
 use crate::contact::{Contact, Law};
 use std::f64::consts::PI;
@@ -17,8 +17,8 @@ pub(super) enum ReferenceForce {
         adhesion: f64,
         decay: f64,
     },
-    /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3),
-    /// equation (16). `radius` is a at the fold, `unit` a^2/R there.
+    /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3), equation (16).
+    /// `radius` is a at the fold, `unit` a^2/R there.
     Jkr {
         elastic: f64,
         adhesive: f64,
@@ -50,10 +50,10 @@ impl ReferenceForce {
         }
     }
 
-    /// Force on the tip, N, on the branch that `touching` says. Each branch goes on past its end, so that
-    /// a step may overshoot before it is cut back there.
+    /// Force on the tip, N, on the branch that `touching` selects. Each branch continues past its end, so that a step may
+    /// overshoot before it is cut back there.
     ///
-    /// `_rate` is of the indentation, m/s; it is worked out only for a law that asks for it.
+    /// `_rate` gives the rate of indentation, m/s; only a law that needs the rate calls it.
     #[inline]
     pub fn at(&self, delta: f64, _rate: impl FnOnce() -> f64, touching: bool) -> f64 {
         match *self {
@@ -79,7 +79,7 @@ impl ReferenceForce {
         }
     }
 
-    /// Indentation at which the memory changes: touch from outside, release from inside; none without a sample.
+    /// Indentation at which contact changes: touch from outside, release from inside; `None` without a sample.
     pub fn level(&self, touching: bool) -> Option<f64> {
         match *self {
             Self::None => None,
@@ -97,8 +97,7 @@ impl ReferenceForce {
         }
     }
 
-    /// Indentation of the largest pull inside the contact branch, where there is one: df/da = 0 at
-    /// a^3 = 9 a_s^3.
+    /// Indentation of the largest pull within the contact branch, if there is one: df/da = 0 at a^3 = 9 a_s^3.
     pub fn deepest_pull(&self) -> Option<f64> {
         match *self {
             Self::Jkr { unit, .. } => {
@@ -120,8 +119,8 @@ fn hertz(kappa: f64, delta: f64, touching: bool) -> f64 {
     }
 }
 
-/// The contact radius beyond that at the fold, in units of it, `rise` above the fold in units of a_s^2/R:
-/// e of e^2 (1 + 2/(s + 1)^2) = rise, s = sqrt(1 + e), by Newton's method kept inside its bracket.
+/// The contact radius beyond that at the fold, in units of it, `rise` above the fold in units of a_s^2/R: e of e^2 (1 + 2/(s +
+/// 1)^2) = rise, s = sqrt(1 + e), by Newton's method kept inside its bracket.
 fn growth(rise: f64) -> f64 {
     if rise <= 0.0 {
         return 0.0;
@@ -175,7 +174,7 @@ mod tests {
                     for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
                         let (own, other) =
                             (force.at(delta, || 0.0, touching), contact.force(delta, touching));
-                        // Next to the fold a rounding of the indentation shows by its square root.
+                        // Close to the fold the square root magnifies a rounding of the indentation.
                         let bound = 1e-12 * (unit + other.abs());
                         assert!(
                             (own - other).abs() <= bound,

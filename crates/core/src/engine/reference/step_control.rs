@@ -1,4 +1,4 @@
-//! Step control, and the places where the contact begins and ends.
+//! Step control, and the location of contact events.
 
 use super::Work;
 use super::dop853::Dop853;
@@ -10,17 +10,17 @@ use std::f64::consts::TAU;
 const MAX_STEP_PHASE: f64 = 0.4;
 /// Radians that harmonic and fastest transient together may turn in a step.
 const MAX_TRANSIENT_TURN: f64 = 5.0;
-/// Shortest step, rad: here rounding alone may exceed a tolerance, and the step stands.
+/// Shortest step, rad: here rounding alone may exceed a tolerance, and the step is accepted.
 const MIN_STEP_PHASE: f64 = 1e-13;
-/// Step tried first, at the start and after the first event of a kind.
+/// First step to try, at the start and after each contact event.
 const FIRST_STEP_PHASE: f64 = 1e-3;
-/// Pieces of a step between which the tip's speed is looked at for a turning point.
+/// Pieces of a step, each of which is checked for a turning point of the tip.
 const EVENT_PIECES: usize = 8;
 /// Exponents of Hairer's step control with a memory of the last error.
 const PI_BETA: f64 = 0.04;
 const PI_ALPHA: f64 = 0.125 - 0.75 * PI_BETA;
 
-/// An instance on its way.
+/// The integration of an instance.
 pub(super) struct Integrator {
     pub system: System,
     pub work: Work,
@@ -28,20 +28,20 @@ pub(super) struct Integrator {
     pub y: Vec<f64>,
     stepper: Dop853,
     tolerance: f64,
-    /// Error allowed of each unknown in a step.
+    /// Allowed error of each unknown in a step.
     allowed: Vec<f64>,
-    /// Scales of length (m) and force (N) that errors count on.
+    /// Scales of length (m) and force (N) for errors.
     length: f64,
     force: f64,
-    /// Step to try next; after contact ended and after it began, as it was the last time.
+    /// Next step to try; first steps to try after contact ended and after it began.
     h: f64,
     after: [f64; 2],
     longest: f64,
-    /// Error of the last step accepted.
+    /// Error of the last accepted step.
     before: f64,
 }
 
-/// The rest of a step: turning points as shares of it, and where the memory changes first.
+/// The course of a step: turning points as shares of it, and the first change of contact.
 struct StepCourse {
     turns: Vec<f64>,
     crossing: Option<f64>,
@@ -52,7 +52,7 @@ impl Integrator {
         let most = 2 * system.modes() + 3;
         let length = system.length();
         Self {
-            // A force that bends the instrument by a thousandth of the swing; soon the largest met.
+            // A force that bends the instrument by a thousandth of the swing; soon the largest one met.
             force: 1e-3 * length / system.flexibility().abs().max(f64::MIN_POSITIVE),
             longest: MAX_STEP_PHASE.min(MAX_TRANSIENT_TURN / (10.0 + system.fastest_transient)),
             y: vec![0.0; most],
@@ -68,7 +68,7 @@ impl Integrator {
         }
     }
 
-    /// Goes through period `number`; false once the state is no number any more.
+    /// Integrates period `number`; false once the state is not finite.
     pub fn period(&mut self, number: u32, mut meter: Option<&mut Meter>) -> bool {
         self.system.begin_period(number);
         let size = self.system.size();
@@ -114,11 +114,11 @@ impl Integrator {
             }
         }
         self.work.evaluations = self.stepper.evaluations;
-        // Beyond f32 counts as no number, as in the other engines.
+        // A number beyond f32 counts as not finite, as in the other engines.
         self.y[..size].iter().all(|value| (*value as f32).is_finite())
     }
 
-    /// Rates at `theta`, and what is seen there.
+    /// Computes the rates at `theta`, and records the indentation there.
     fn begin(&mut self, theta: f64, meter: Option<&mut Meter>) {
         let size = self.system.size();
         self.stepper.begin(&mut self.system, theta, &self.y[..size]);
@@ -129,7 +129,7 @@ impl Integrator {
         }
     }
 
-    /// The memory changes here.
+    /// Changes the contact here.
     fn switch(&mut self, theta: f64, mut meter: Option<&mut Meter>) {
         self.work.events += 1;
         self.system.touching = !self.system.touching;
@@ -141,7 +141,7 @@ impl Integrator {
         self.begin(theta, meter);
     }
 
-    /// What a step may be off by: `tolerance` times the largest travel, force and energy so far.
+    /// Sets the allowed errors of a step: `tolerance` times the largest travel, force and energy so far.
     fn allow(&mut self) {
         let n = self.system.modes();
         let unit = self.tolerance * self.length;
@@ -153,7 +153,7 @@ impl Integrator {
         self.allowed[2 * n..2 * n + 3].copy_from_slice(&[force, force * self.length, force * self.length]);
     }
 
-    /// Tries steps from `h` down until one is good enough; none if the state is no number any more.
+    /// Tries steps from `h` down until one is accepted; `None` if the state is not finite.
     fn accepted(&mut self, theta: f64, mut h: f64, cut: bool) -> Option<f64> {
         let size = self.system.size();
         let mut cut = cut;
@@ -165,7 +165,7 @@ impl Integrator {
                 let next = h * growth.clamp(0.3, 6.0);
                 self.work.accepted += 1;
                 self.before = error.max(1e-4);
-                // A step cut short says little about the next one.
+                // A shortened step says little about the next one.
                 self.h = if cut { self.h.max(next) } else { next };
                 return Some(h);
             }
@@ -180,13 +180,13 @@ impl Integrator {
         }
     }
 
-    /// How far the indentation is from the place where the memory changes, positive before it, m.
+    /// Distance of the indentation from the change of contact, positive before it, m.
     fn room(&self, delta: f64) -> Option<f64> {
         let level = self.system.force.level(self.system.touching)?;
         Some(if self.system.touching { delta - level } else { level - delta })
     }
 
-    /// The way of the step just made. Nothing is looked for where its stages are far from any change.
+    /// The course of the last step. Nothing is searched for if its stages are far from any change.
     fn course(&mut self, theta: f64, h: f64, measuring: bool) -> StepCourse {
         let mut course = StepCourse { turns: Vec::new(), crossing: None };
         let seen = self.stepper.seen;
@@ -220,7 +220,7 @@ impl Integrator {
         course
     }
 
-    /// Notes the crossing if the indentation is beyond the change at `u`, the first place of the step where it is.
+    /// Records the crossing if the indentation is past the change at `u`, the first such place of the step.
     fn look(&self, piece: &DenseStep, u: f64, delta: f64, course: &mut StepCourse) {
         let Some(room) = self.room(delta) else { return };
         if room >= 0.0 || course.crossing.is_some() {
@@ -236,7 +236,7 @@ impl Integrator {
         course.crossing = Some(if beyond(from) <= 0.0 { from } else { root(from, u, beyond) });
     }
 
-    /// The continuous extension of the step just made.
+    /// The continuous extension of the last step.
     fn piece(&mut self, theta: f64, h: f64) -> DenseStep {
         let (n, size) = (self.system.modes(), self.system.size());
         self.stepper.extend(&mut self.system, theta, &self.y[..size], h);
@@ -245,8 +245,8 @@ impl Integrator {
         DenseStep { theta, h, travel, rate }
     }
 
-    /// Makes the step end where the memory changes, by Newton's method on its length from the continuous
-    /// extension's answer: the place is as exact as the step, not only as its extension.
+    /// Makes the step end at the change of contact, by Newton's method on its length from the continuous extension's estimate.
+    /// The event is then as accurate as the step, not only as its extension.
     fn land(&mut self, theta: f64, guess: f64, longest: f64) -> f64 {
         let size = self.system.size();
         let mut h = guess;
@@ -260,7 +260,7 @@ impl Integrator {
             let Some(room) = self.room(delta) else { return h };
             let slope = if self.system.touching { rate } else { -rate };
             let shift = -room / slope;
-            // Next to a graze Newton's method has no footing: what the extension says stands.
+            // Newton's method fails close to a graze, where the extension's estimate stays.
             if !(shift.abs() < last && shift.abs() > 1e-16 + 2.0 * f64::EPSILON * h) {
                 break;
             }
@@ -275,7 +275,7 @@ impl Integrator {
 
     fn measure(&mut self, theta: f64, h: f64, meter: &mut Meter, mut course: StepCourse, crossed: bool) {
         let end = self.stepper.seen[12];
-        // A step that was made anew up to a crossing has an extension of its own.
+        // A step that was repeated up to a crossing has an extension of its own.
         let piece = self.piece(theta, h);
         if crossed {
             course.turns.clear();
@@ -291,7 +291,7 @@ impl Integrator {
         meter.pass(&self.system, &piece, &course.turns, first, end);
     }
 
-    /// Lets scales grow with what was met, and remembers the first step after a change.
+    /// Raises the scales to the values met.
     fn grow(&mut self, theta: f64) {
         let n = self.system.modes();
         let travel: f64 = self.y[..n].iter().sum();
@@ -302,8 +302,8 @@ impl Integrator {
     }
 }
 
-/// A root between `a` and `b`, where the function has different signs or is zero: bisection made faster
-/// by secants (Illinois), to rounding.
+/// A root between `a` and `b`, where the function has different signs or is zero: bisection made faster by secants (Illinois),
+/// to rounding.
 fn root(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (mut fa, mut fb) = (function(a), function(b));
     let mut side = 0;
@@ -314,7 +314,7 @@ fn root(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
         if fb == 0.0 || (b - a).abs() <= 2.0 * f64::EPSILON * b.abs() {
             return b;
         }
-        // A secant that stalls gives way to a halving.
+        // A bisection replaces a secant that stalls.
         let c = if step % 8 == 7 { 0.5 * (a + b) } else { (a * fb - b * fa) / (fb - fa) };
         let c = if c > a && c < b { c } else { 0.5 * (a + b) };
         if c == a || c == b {

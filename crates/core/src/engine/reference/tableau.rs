@@ -1,17 +1,17 @@
 //! Coefficients of DOP853: order 8, embedded orders 5 and 3, continuous extension of order 7.
 //!
-//! Dormand & Prince's method as in Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I,
-//! 2nd edition (1993), section II.10 and appendix. Rows leave zeros out: (stage, weight).
+//! Dormand & Prince's method as in Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I, 2nd edition (1993),
+//! section II.10 and appendix. Rows leave zeros out: (stage, weight).
 
 /// A row of weights.
 pub(super) type TableauRow = &'static [(usize, f64)];
 
-/// Stages of a step; the last one is the rate at its end, which the next step begins with.
+/// Stages of a step; the last one is the rate at its end, and the first of the next step.
 pub(super) const STAGES: usize = 13;
-/// With those of the continuous extension.
+/// Stages including those of the continuous extension.
 pub(super) const EXTENDED: usize = 16;
 
-/// Where each stage stands in the step.
+/// Position of each stage in the step.
 pub(super) const NODES: [f64; EXTENDED] = [
     0.0,
     0.05260015195876773,
@@ -31,7 +31,7 @@ pub(super) const NODES: [f64; EXTENDED] = [
     0.7777777777777778,
 ];
 
-/// What makes each stage's state; row 12 is the step itself.
+/// Weights of each stage's state; row 12 is the step itself.
 pub(super) const STAGE: [TableauRow; EXTENDED] = [
     &[],
     &[(0, 0.05260015195876773)],
