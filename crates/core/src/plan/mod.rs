@@ -211,7 +211,7 @@ impl Plan {
     /// The law of an instance's contact, for those who ask for nothing else.
     pub fn law(&self, instance: u32) -> Law {
         match &self.contacts {
-            Some(contacts) => contacts[instance as usize].law(),
+            Some(contacts) => contacts[instance as usize].law,
             None => self.ensemble.law(self.id(instance)),
         }
     }
