@@ -4,38 +4,23 @@
 ///
 /// Case counts for nothing, and about one slip in three letters is forgiven.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let wanted: Vec<char> = word.to_lowercase().chars().take(64).collect();
-    let forgiven = 1.max(wanted.len() / 3);
+    let wanted: String = word.to_lowercase().chars().take(64).collect();
+    let length = wanted.chars().count();
+    let forgiven = 1.max(length / 3);
     candidates
         .into_iter()
         .map(|candidate| {
             // A word cut short or drawn out, as "linear" for "lin", is as near as one slip.
-            let other: Vec<char> = candidate.to_lowercase().chars().collect();
-            let cut = wanted.len().min(other.len()) >= 3 && wanted.iter().zip(&other).all(|(a, b)| a == b);
-            (if cut { distance(&wanted, candidate).min(1) } else { distance(&wanted, candidate) }, candidate)
+            let other = candidate.to_lowercase();
+            let cut = length.min(other.chars().count()) >= 3
+                && (wanted.starts_with(&other) || other.starts_with(&wanted));
+            // Letters to insert, drop, change or swap with their neighbour to turn one word into the other.
+            let distance = strsim::osa_distance(&wanted, &other);
+            (if cut { distance.min(1) } else { distance }, candidate)
         })
         .filter(|&(distance, candidate)| distance <= forgiven && distance < candidate.chars().count())
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
-}
-
-/// Letters to insert, drop, change or swap with their neighbour to turn one word into the other.
-fn distance(a: &[char], b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut before = vec![0; b.len() + 1];
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let change = usize::from(a[i - 1] != b[j - 1]);
-            row[j] = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + change);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(before[j - 2] + 1);
-            }
-        }
-        before = std::mem::replace(&mut last, row);
-    }
-    last[b.len()]
 }
 
 #[cfg(test)]

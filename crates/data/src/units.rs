@@ -20,162 +20,83 @@ use symbols::Unit;
 pub use unit_error::shortened;
 pub use unit_error::{UnitError, UnitErrorKind};
 
-/// What kind of quantity a text must hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Dimension {
-    Dimensionless,
-    /// m
-    Length,
-    /// s
-    Time,
-    /// kg
-    Mass,
-    /// kg/m^3
-    Density,
-    /// Hz
-    Frequency,
-    /// N
-    Force,
-    /// N/m
-    Stiffness,
-    /// Pa
-    Pressure,
-    /// Pa s
-    Viscosity,
-    /// J
-    Energy,
-    /// J/m^2, the same as N/m
-    SurfaceEnergy,
-    /// V
-    Voltage,
-    /// V/m, the same as N/C: the rod's h33
-    ElectricField,
-    /// V m/C: the rod's beta33
-    InversePermittivity,
+macro_rules! dimensions {
+    ($($name:ident, $si_unit:literal, $powers:expr, $described:literal, $example:literal, $usual:expr;)*) => {
+        /// What kind of quantity a text must hold.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Dimension {
+            $(#[doc = $si_unit] $name,)*
+        }
+
+        impl Dimension {
+            /// Every dimension.
+            pub const ALL: [Dimension; DIMENSIONS.len()] = [$(Self::$name),*];
+        }
+
+        const DIMENSIONS: &[Words] = &[$(Words {
+            si_unit: $si_unit,
+            powers: $powers,
+            described: $described,
+            example: $example,
+            usual: &$usual,
+        }),*];
+    };
+}
+
+/// What is said of a dimension.
+struct Words {
+    si_unit: &'static str,
+    /// Exponents of m, kg, s and A.
+    powers: [i32; 4],
+    described: &'static str,
+    example: &'static str,
+    /// Units people write for it, the first being what a bare number most likely meant.
+    usual: &'static [&'static str],
+}
+
+dimensions! {
+    Dimensionless, "1", [0, 0, 0, 0], "a number without unit", "0.3", [];
+    Length, "m", [1, 0, 0, 0], "a length", "\"30 nm\"", ["nm", "um", "µm", "mm", "pm", "m"];
+    Time, "s", [0, 0, 1, 0], "a time", "\"5 us\"", ["us", "ms", "ns", "s"];
+    Mass, "kg", [0, 1, 0, 0], "a mass", "\"0.8 ng\"", ["ng", "pg", "kg", "ug", "mg", "g"];
+    Density, "kg/m^3", [-3, 1, 0, 0], "a density", "\"2500 kg/m^3\"", ["kg/m^3", "g/cm^3"];
+    Frequency, "Hz", [0, 0, -1, 0], "a frequency", "\"30 kHz\"", ["kHz", "Hz", "MHz"];
+    Force, "N", [1, 1, -2, 0], "a force", "\"2 nN\"", ["nN", "pN", "uN", "mN", "N"];
+    Stiffness, "N/m", [0, 1, -2, 0], "a stiffness", "\"42 N/m\"", ["N/m", "mN/m", "nN/nm", "pN/nm", "kN/m"];
+    Pressure, "Pa", [-1, 1, -2, 0], "a pressure or modulus", "\"1 GPa\"",
+        ["GPa", "MPa", "kPa", "Pa", "N/m^2"];
+    Viscosity, "Pa s", [-1, 1, -1, 0], "a viscosity", "\"1 mPa s\"", ["mPa s", "Pa s", "uPa s"];
+    Energy, "J", [2, 1, -2, 0], "an energy", "\"6.4e-20 J\"", ["aJ", "zJ", "fJ", "J"];
+    // The same as N/m.
+    SurfaceEnergy, "J/m^2", [0, 1, -2, 0], "a surface energy", "\"50 mJ/m^2\"",
+        ["mJ/m^2", "J/m^2", "uJ/m^2", "mN/m", "N/m"];
+    Voltage, "V", [2, 1, -3, -1], "a voltage", "\"15 V\"", ["V", "mV", "kV"];
+    // The same as N/C: the rod's h33.
+    ElectricField, "V/m", [1, 1, -3, -1], "an electric field (h33)", "\"545.136 MV/m\"",
+        ["V/m", "MV/m", "N/C"];
+    // The rod's beta33.
+    InversePermittivity, "V m/C", [3, 1, -4, -2], "an inverse permittivity (beta33)", "\"7.81e7 V m/C\"",
+        ["V m/C", "m/F"];
 }
 
 impl Dimension {
-    /// Every dimension.
-    pub const ALL: [Dimension; 15] = [
-        Self::Dimensionless,
-        Self::Length,
-        Self::Time,
-        Self::Mass,
-        Self::Density,
-        Self::Frequency,
-        Self::Force,
-        Self::Stiffness,
-        Self::Pressure,
-        Self::Viscosity,
-        Self::Energy,
-        Self::SurfaceEnergy,
-        Self::Voltage,
-        Self::ElectricField,
-        Self::InversePermittivity,
-    ];
+    const fn words(self) -> &'static Words {
+        &DIMENSIONS[self as usize]
+    }
 
     /// SI unit as the results file writes it; `1` for a plain number.
     pub fn si_unit(self) -> &'static str {
-        match self {
-            Self::Dimensionless => "1",
-            Self::Length => "m",
-            Self::Time => "s",
-            Self::Mass => "kg",
-            Self::Density => "kg/m^3",
-            Self::Frequency => "Hz",
-            Self::Force => "N",
-            Self::Stiffness => "N/m",
-            Self::Pressure => "Pa",
-            Self::Viscosity => "Pa s",
-            Self::Energy => "J",
-            Self::SurfaceEnergy => "J/m^2",
-            Self::Voltage => "V",
-            Self::ElectricField => "V/m",
-            Self::InversePermittivity => "V m/C",
-        }
+        self.words().si_unit
     }
 
     /// With its article, for a sentence: `a length`.
     pub fn described(self) -> &'static str {
-        match self {
-            Self::Dimensionless => "a number without unit",
-            Self::Length => "a length",
-            Self::Time => "a time",
-            Self::Mass => "a mass",
-            Self::Density => "a density",
-            Self::Frequency => "a frequency",
-            Self::Force => "a force",
-            Self::Stiffness => "a stiffness",
-            Self::Pressure => "a pressure or modulus",
-            Self::Viscosity => "a viscosity",
-            Self::Energy => "an energy",
-            Self::SurfaceEnergy => "a surface energy",
-            Self::Voltage => "a voltage",
-            Self::ElectricField => "an electric field (h33)",
-            Self::InversePermittivity => "an inverse permittivity (beta33)",
-        }
+        self.words().described
     }
 
     /// A value as a scene file writes it, quotes included.
     pub fn example(self) -> &'static str {
-        match self {
-            Self::Dimensionless => "0.3",
-            Self::Length => "\"30 nm\"",
-            Self::Time => "\"5 us\"",
-            Self::Mass => "\"0.8 ng\"",
-            Self::Density => "\"2500 kg/m^3\"",
-            Self::Frequency => "\"30 kHz\"",
-            Self::Force => "\"2 nN\"",
-            Self::Stiffness => "\"42 N/m\"",
-            Self::Pressure => "\"1 GPa\"",
-            Self::Viscosity => "\"1 mPa s\"",
-            Self::Energy => "\"6.4e-20 J\"",
-            Self::SurfaceEnergy => "\"50 mJ/m^2\"",
-            Self::Voltage => "\"15 V\"",
-            Self::ElectricField => "\"545.136 MV/m\"",
-            Self::InversePermittivity => "\"7.81e7 V m/C\"",
-        }
-    }
-
-    /// Units people write for it, the first being what a bare number most likely meant.
-    fn usual_units(self) -> &'static [&'static str] {
-        match self {
-            Self::Dimensionless => &[],
-            Self::Length => &["nm", "um", "µm", "mm", "pm", "m"],
-            Self::Time => &["us", "ms", "ns", "s"],
-            Self::Mass => &["ng", "pg", "kg", "ug", "mg", "g"],
-            Self::Density => &["kg/m^3", "g/cm^3"],
-            Self::Frequency => &["kHz", "Hz", "MHz"],
-            Self::Force => &["nN", "pN", "uN", "mN", "N"],
-            Self::Stiffness => &["N/m", "mN/m", "nN/nm", "pN/nm", "kN/m"],
-            Self::Pressure => &["GPa", "MPa", "kPa", "Pa", "N/m^2"],
-            Self::Viscosity => &["mPa s", "Pa s", "uPa s"],
-            Self::Energy => &["aJ", "zJ", "fJ", "J"],
-            Self::SurfaceEnergy => &["mJ/m^2", "J/m^2", "uJ/m^2", "mN/m", "N/m"],
-            Self::Voltage => &["V", "mV", "kV"],
-            Self::ElectricField => &["V/m", "MV/m", "N/C"],
-            Self::InversePermittivity => &["V m/C", "m/F"],
-        }
-    }
-
-    /// Exponents of m, kg, s and A.
-    fn powers(self) -> [i32; 4] {
-        match self {
-            Self::Dimensionless => [0, 0, 0, 0],
-            Self::Length => [1, 0, 0, 0],
-            Self::Time => [0, 0, 1, 0],
-            Self::Mass => [0, 1, 0, 0],
-            Self::Density => [-3, 1, 0, 0],
-            Self::Frequency => [0, 0, -1, 0],
-            Self::Force => [1, 1, -2, 0],
-            Self::Stiffness | Self::SurfaceEnergy => [0, 1, -2, 0],
-            Self::Pressure => [-1, 1, -2, 0],
-            Self::Viscosity => [-1, 1, -1, 0],
-            Self::Energy => [2, 1, -2, 0],
-            Self::Voltage => [2, 1, -3, -1],
-            Self::ElectricField => [1, 1, -3, -1],
-            Self::InversePermittivity => [3, 1, -4, -2],
-        }
+        self.words().example
     }
 
     /// The unit that [`format`] puts a prefix on, its power of ten against SI, and whether it takes prefixes.
@@ -213,7 +134,7 @@ pub fn parse(text: &str, expected: Dimension) -> Result<f64, UnitError> {
             || unit_text.starts_with(|c: char| c.is_ascii_digit());
         return Err(fail(if in_number { UnitErrorKind::NotANumber } else { UnitErrorKind::UnknownUnit }));
     };
-    if unit.powers != expected.powers() {
+    if unit.powers != expected.words().powers {
         return Err(fail(UnitErrorKind::WrongDimension(unit.dimension())));
     }
     number.times_ten_to(unit.exponent).ok_or_else(|| fail(UnitErrorKind::OutOfRange))

@@ -2,7 +2,7 @@
 
 use super::super::{Numbers, StudyError};
 use super::table1::{VOLTS, contact, lever, reduce, tip_mass, with};
-use crate::contact::{Contact, Jkr, StaticLaw, combined_modulus};
+use crate::contact::{Compact, Contact, Jkr, StaticLaw, combined_modulus};
 use crate::instrument::InstrumentError;
 use crate::scene::{ActuatorModel, InstrumentParams, LawChoice, Params};
 use std::f64::consts::{PI, TAU};
@@ -37,7 +37,7 @@ fn dmt_as_printed(contact: &Contact, delta: f64) -> f64 {
 
 /// JKR's deformation (m) and force (N) at the contact radius `a` (m), (16).
 pub(super) fn jkr_at_radius(contact: &Contact, a: f64) -> (f64, f64) {
-    let Contact { modulus, radius, work, .. } = *contact;
+    let Compact { modulus, radius, work, .. } = **contact;
     let adhesion = 6.0 * PI * work * modulus * a.powi(3);
     let delta = a * a / radius - 2.0 / 3.0 * (6.0 * PI * work * a / modulus).sqrt();
     (delta, modulus * a.powi(3) / radius - adhesion.sqrt())

@@ -3,7 +3,6 @@
 use super::ensemble::{Contacts, Gaps};
 use super::resolution::{Ids, InstanceResolution, InstanceResolutions};
 use super::{Drive, Driven, Ensemble, Plan};
-use crate::contact::Compact;
 use crate::scene::DriveLevel;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -35,7 +34,7 @@ impl Plan {
             let (from, to) = (self.case(first), self.case(second));
             let gap = from.gap * (1.0 - share) + to.gap * share;
             gaps.push(gap);
-            contacts.push(Compact::from(&to.contact));
+            contacts.push(*to.contact);
             resolution.push(InstanceResolution { gap, drive, steps: to.steps });
         }
         let ensemble = Ensemble {

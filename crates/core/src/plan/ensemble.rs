@@ -201,7 +201,7 @@ impl Ensemble {
     /// The law of an instance's contact.
     pub fn law(&self, id: InstanceId) -> Law {
         match &self.contacts {
-            Contacts::Shared { of, all } => all[of.get(id.0 as usize) as usize].law(),
+            Contacts::Shared { of, all } => all[of.get(id.0 as usize) as usize].law,
             Contacts::Made(_) => self.contact(id).law,
         }
     }

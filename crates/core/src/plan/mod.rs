@@ -210,7 +210,7 @@ impl Plan {
     /// The law of an instance's contact, without the rest of it.
     pub fn law(&self, instance: u32) -> Law {
         match &self.contacts {
-            Some(contacts) => contacts[instance as usize].law(),
+            Some(contacts) => contacts[instance as usize].law,
             None => self.ensemble.law(self.id(instance)),
         }
     }

@@ -113,7 +113,7 @@ impl RowView<'_> {
     /// Law of the contact of an instance.
     pub fn law(&self, n: usize) -> Law {
         match self {
-            Self::Piece(piece, _) => piece.compact(n).law(),
+            Self::Piece(piece, _) => piece.compact(n).law,
             Self::Plain { plan, .. } => plan.law(n as u32),
         }
     }

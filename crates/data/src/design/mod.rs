@@ -18,6 +18,7 @@ pub use distribution::{Distribution, normal_below, normal_quantile};
 use self::sobol::Sequence;
 pub use mix::Mix;
 use morris::Trajectories;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Most parameters of a design: two of the dimensions of a Sobol' sequence for each.
@@ -27,6 +28,9 @@ pub const MOST_PARAMETERS: usize = Sequence::DIMENSIONS / 2;
 const TRAJECTORIES: u64 = u64::MAX;
 /// Shares of the ends of a grid of trajectories under a distribution that has none.
 const MORRIS_ENDS: (f64, f64) = (0.005, 0.995);
+
+/// Rows that are drawn together: there may be very many.
+const AT_ONCE: usize = 1 << 16;
 
 /// How points are laid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,6 +63,16 @@ impl DesignKind {
 
     pub fn word(self) -> &'static str {
         Self::WORDS.iter().find(|(_, kind)| *kind == self).map_or("", |(word, _)| word)
+    }
+
+    /// Rows that belong to one base sample of so many groups.
+    pub fn rows_per_sample(self, groups: usize, second_order: bool) -> usize {
+        match self {
+            Self::Saltelli if second_order => 2 * groups + 2,
+            Self::Saltelli => groups + 2,
+            Self::Morris => groups + 1,
+            _ => 1,
+        }
     }
 }
 
@@ -130,15 +144,27 @@ impl Design {
         Some(Self { settings, parameters, copula, sequence, group_of })
     }
 
+    /// That of a table of so many rows; of each parameter something is told by itself.
+    pub fn table(samples: usize, levels: u64, parameters: Vec<Parameter>) -> Self {
+        let settings = Settings {
+            kind: DesignKind::Table,
+            samples,
+            replicates: 1,
+            seed: 0,
+            scramble: false,
+            second_order: false,
+            levels,
+            groups: (0..parameters.len()).map(|n| vec![n]).collect(),
+            correlation: Vec::new(),
+        };
+        let group_of = (0..parameters.len()).collect();
+        Self { settings, parameters, copula: None, sequence: None, group_of }
+    }
+
     /// Rows that belong to one base sample.
     pub fn rows_per_sample(&self) -> usize {
-        let groups = self.settings.groups.len();
-        match self.settings.kind {
-            DesignKind::Saltelli if self.settings.second_order => 2 * groups + 2,
-            DesignKind::Saltelli => groups + 2,
-            DesignKind::Morris => groups + 1,
-            _ => 1,
-        }
+        let Settings { kind, groups, second_order, .. } = &self.settings;
+        kind.rows_per_sample(groups.len(), *second_order)
     }
 
     /// Number of rows.
@@ -181,6 +207,20 @@ impl Design {
             parameter.distribution.map_or(f64::NAN, |distribution| distribution.value(share))
         };
         self.parameters.iter().zip(self.shares(row)).map(of).collect()
+    }
+
+    /// The values of each parameter by itself, in the order of the rows.
+    pub fn columns(&self) -> Vec<Vec<f64>> {
+        let mut columns = vec![Vec::new(); self.parameters.len()];
+        columns.iter_mut().for_each(|column: &mut Vec<f64>| column.reserve_exact(self.len()));
+        for from in (0..self.len()).step_by(AT_ONCE) {
+            let to = self.len().min(from + AT_ONCE);
+            let rows: Vec<Vec<f64>> = (from..to).into_par_iter().map(|row| self.values(row)).collect();
+            for (n, column) in columns.iter_mut().enumerate() {
+                column.extend(rows.iter().map(|row| row[n]));
+            }
+        }
+        columns
     }
 
     /// A coordinate of a base sample's point. Replicates take turns, so that each keeps its points when there are more.

@@ -121,17 +121,6 @@ fn a_design_that_is_doubled_keeps_its_points() {
     }
 }
 
-#[test]
-fn a_latin_hypercube_has_a_point_in_every_stratum() {
-    let cube = design(settings(DesignKind::LatinHypercube, 1000, 5), 5);
-    for parameter in 0..5 {
-        let mut strata: Vec<usize> =
-            (0..1000).map(|row| (cube.shares(row)[parameter] * 1000.0) as usize).collect();
-        strata.sort_unstable();
-        assert_eq!(strata, (0..1000).collect::<Vec<_>>());
-    }
-}
-
 /// As many dimensions as any scene may ask for.
 #[test]
 fn the_largest_design_has_its_points() {

@@ -1,51 +1,158 @@
 //! What is measured on each instance, with its name, unit and meaning in the results file.
 //!
-//! One observable, one file; adding one is its file, a variant and a line in `ENTRIES`, and what docs/extending.md lists.
+//! Two lists say all of it: `observables!` what a scene can ask for, `measured!` the numbers that it follows from.
 
-mod amplitude;
-mod contact_time;
-mod contacts;
-mod deflection_amplitude;
-mod deflection_mean;
-mod deflection_phase;
-mod dissipation;
-mod force_max;
-mod force_mean;
-mod force_min;
-mod free_phase;
-mod frequency_shift;
-mod gap;
-mod harmonic_amplitude;
-mod indentation_max;
-mod phase;
 mod status;
-mod virial;
 
 pub use crate::kernel::{HARMONICS, Wants};
 pub use status::Status;
 
 use std::ops::Range;
 
-/// A quantity a scene can ask for (`[output] observables`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Observable {
-    Amplitude,
-    Phase,
-    ForceMax,
-    ForceMin,
-    ForceMean,
-    IndentationMax,
-    ContactTime,
-    Dissipation,
-    Virial,
-    Contacts,
-    HarmonicAmplitude,
-    DeflectionAmplitude,
-    DeflectionPhase,
-    DeflectionMean,
-    FreePhase,
-    FrequencyShift,
-    Gap,
+/// From the list of observables: keyword in the scene file and variable name in the results file, SI unit as that writes it,
+/// label for people, what must be summed for it, on what its errors count, how it follows from the measurements.
+macro_rules! observables {
+    ($($(#[$doc:meta])* $variant:ident, $name:ident, $units:literal, $long_name:literal, $wants:ident, $scale:ident $(= $value:expr)?;)*) => {
+        /// A quantity a scene can ask for (`[output] observables`).
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Observable {
+            $($(#[$doc])* $variant,)*
+        }
+
+        /// Every observable there is, in the order of the variants.
+        static ENTRIES: &[Entry] = &[$(Entry {
+            observable: Observable::$variant,
+            name: stringify!($name),
+            units: $units,
+            long_name: $long_name,
+            wants: Wants::$wants,
+            scale: Scale::$scale,
+            value: value!($name $(= $value)?),
+        }),*];
+    };
+}
+
+/// What an observable is: the number of its name, or as it says itself.
+macro_rules! value {
+    ($name:ident) => {
+        Value::One(|of| of.$name)
+    };
+    ($name:ident = $value:expr) => {
+        $value
+    };
+}
+
+observables! {
+    /// Amplitude of the tip's travel at the drive frequency: what a lock-in amplifier shows.
+    Amplitude, amplitude, "m", "amplitude of the tip's travel, fundamental",
+        FUNDAMENTAL, Length = Value::One(|of| of.harmonics[0]);
+    /// Lag of the fundamental behind the drive's sine, 0 to 360 degrees.
+    Phase, phase, "degree", "phase lag of the tip's travel behind the drive", FUNDAMENTAL, Phase;
+    /// Largest force on the tip; positive pushes away.
+    ForceMax, force_max, "N", "largest tip force", EXTREMES, Force;
+    /// Smallest force on the tip: the largest pull where it is negative.
+    ForceMin, force_min, "N", "smallest tip force", EXTREMES, Force;
+    /// Mean force over the measured periods.
+    ForceMean, force_mean, "N", "mean tip force", ENERGY, Force;
+    /// Largest indentation; NaN where the tip never was in contact.
+    IndentationMax, indentation_max, "m", "largest indentation", EXTREMES, Depth;
+    /// Share of the period in contact: indentation above zero, for JKR from touch to fold.
+    ContactTime, contact_time, "1", "share of the period in contact", CONTACT, One;
+    /// Energy the tip loses to the sample per period, minus the integral of force times speed.
+    Dissipation, dissipation, "J", "energy lost in the sample per period", ENERGY, Work;
+    /// Mean of force times tip travel, from which the frequency shift follows.
+    Virial, virial, "J", "virial: mean of tip force times tip travel", ENERGY, WorkOrItself;
+    /// Contacts begun per drive period, averaged over the measured ones.
+    Contacts, contacts, "1", "contacts begun per period", CONTACT, One;
+    /// Amplitudes of the tip's travel at whole multiples of the drive frequency.
+    HarmonicAmplitude, harmonic_amplitude, "m", "amplitude of the tip's travel by harmonic",
+        HARMONIC, Length = Value::Harmonics(|of| &of.harmonics);
+    /// Amplitude of the tip against the base at the drive frequency: what a lock-in amplifier behind a photodiode
+    /// shows.
+    DeflectionAmplitude, deflection_amplitude, "m", "amplitude of the deflection, fundamental", FUNDAMENTAL, Length;
+    /// Lag of the deflection's fundamental behind the drive's sine, 0 to 360 degrees.
+    DeflectionPhase, deflection_phase, "degree", "phase lag of the deflection behind the drive",
+        FUNDAMENTAL, DeflectionPhase;
+    /// Mean of the tip against the base: the mean force times what a steady force bends.
+    DeflectionMean, deflection_mean, "m", "mean deflection", ENERGY, Length;
+    /// Lag of the free oscillation behind the drive's sine: what phases are mostly told against.
+    FreePhase, free_phase, "degree", "phase lag of the free tip's travel behind the drive", FUNDAMENTAL, One;
+    /// By how much the sample's force shifts the resonance of the lever's first mode: what frequency modulation
+    /// shows, told for any orbit.
+    FrequencyShift, frequency_shift, "Hz", "shift of the resonance by the sample's force", FUNDAMENTAL, Shift;
+    /// Distance from the tip at rest to the surface: given, or what a set-point leads to.
+    Gap, gap, "m", "gap between the tip at rest and the surface", FUNDAMENTAL, Length;
+}
+
+/// From the list of numbers beside the harmonics, in an order that a run's journal has too: a new one is its last.
+macro_rules! measured {
+    ($($(#[$doc:meta])* $field:ident,)*) => {
+        /// One instance's measurements, SI units, over the measured periods. What was not wanted is NaN.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Measured {
+            /// Amplitude of the tip's travel by harmonic, m.
+            pub harmonics: [f64; HARMONICS],
+            $($(#[$doc])* pub $field: f64,)*
+        }
+
+        impl Measured {
+            /// Nothing measured.
+            pub const NONE: Self = Self { harmonics: [f64::NAN; HARMONICS], $($field: f64::NAN),* };
+
+            /// How many numbers it is.
+            pub const WIDTH: usize = HARMONICS + [$(stringify!($field)),*].len();
+
+            /// All of its numbers.
+            pub fn numbers(&self) -> [f64; Self::WIDTH] {
+                let mut numbers = [f64::NAN; Self::WIDTH];
+                numbers[..HARMONICS].copy_from_slice(&self.harmonics);
+                numbers[HARMONICS..].copy_from_slice(&[$(self.$field),*]);
+                numbers
+            }
+
+            /// What these are the [`Measured::numbers`] of.
+            pub fn of_numbers(numbers: &[f64; Self::WIDTH]) -> Self {
+                let mut measured = Self::NONE;
+                measured.harmonics.copy_from_slice(&numbers[..HARMONICS]);
+                let fields = [$(&mut measured.$field),*];
+                fields.into_iter().zip(&numbers[HARMONICS..]).for_each(|(field, number)| *field = *number);
+                measured
+            }
+        }
+    };
+}
+
+measured! {
+    /// Degree.
+    phase,
+    /// N
+    force_max,
+    /// N
+    force_min,
+    /// N
+    force_mean,
+    /// m
+    indentation_max,
+    /// Share of the period.
+    contact_time,
+    /// J per period.
+    dissipation,
+    /// J
+    virial,
+    /// Per period.
+    contacts,
+    /// m
+    deflection_amplitude,
+    /// Degree.
+    deflection_phase,
+    /// m
+    deflection_mean,
+    /// Degree.
+    free_phase,
+    /// Hz
+    frequency_shift,
+    /// m
+    gap,
 }
 
 /// What all of these observables need an engine to sum.
@@ -53,124 +160,10 @@ pub fn wants(observables: &[Observable]) -> Wants {
     observables.iter().fold(Wants::FUNDAMENTAL, |all, observable| all.or(observable.entry().wants))
 }
 
-/// One instance's measurements, SI units, over the measured periods. What was not wanted is NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    /// Amplitude of the tip's travel by harmonic, m.
-    pub harmonics: [f64; HARMONICS],
-    /// Degree.
-    pub phase: f64,
-    /// N
-    pub force_max: f64,
-    /// N
-    pub force_min: f64,
-    /// N
-    pub force_mean: f64,
-    /// m
-    pub indentation_max: f64,
-    /// Share of the period.
-    pub contact_time: f64,
-    /// J per period.
-    pub dissipation: f64,
-    /// J
-    pub virial: f64,
-    /// Per period.
-    pub contacts: f64,
-    /// m
-    pub deflection_amplitude: f64,
-    /// Degree.
-    pub deflection_phase: f64,
-    /// m
-    pub deflection_mean: f64,
-    /// Degree.
-    pub free_phase: f64,
-    /// Hz
-    pub frequency_shift: f64,
-    /// m
-    pub gap: f64,
-}
-
 impl Measured {
-    /// Nothing measured.
-    pub const NONE: Self = Self {
-        harmonics: [f64::NAN; HARMONICS],
-        phase: f64::NAN,
-        force_max: f64::NAN,
-        force_min: f64::NAN,
-        force_mean: f64::NAN,
-        indentation_max: f64::NAN,
-        contact_time: f64::NAN,
-        dissipation: f64::NAN,
-        virial: f64::NAN,
-        contacts: f64::NAN,
-        deflection_amplitude: f64::NAN,
-        deflection_phase: f64::NAN,
-        deflection_mean: f64::NAN,
-        free_phase: f64::NAN,
-        frequency_shift: f64::NAN,
-        gap: f64::NAN,
-    };
-
-    /// How many numbers it is.
-    pub const WIDTH: usize = HARMONICS + 15;
-
-    /// All of its numbers, in an order that a run's journal has too.
-    pub fn numbers(&self) -> [f64; Self::WIDTH] {
-        let mut numbers = [f64::NAN; Self::WIDTH];
-        numbers[..HARMONICS].copy_from_slice(&self.harmonics);
-        numbers[HARMONICS..].copy_from_slice(&[
-            self.phase,
-            self.force_max,
-            self.force_min,
-            self.force_mean,
-            self.indentation_max,
-            self.contact_time,
-            self.dissipation,
-            self.virial,
-            self.contacts,
-            self.deflection_amplitude,
-            self.deflection_phase,
-            self.deflection_mean,
-            self.free_phase,
-            self.frequency_shift,
-            self.gap,
-        ]);
-        numbers
-    }
-
-    /// What these are the [`Measured::numbers`] of.
-    pub fn of_numbers(numbers: &[f64; Self::WIDTH]) -> Self {
-        let mut harmonics = [f64::NAN; HARMONICS];
-        harmonics.copy_from_slice(&numbers[..HARMONICS]);
-        let number = |place: usize| numbers[HARMONICS + place];
-        Self {
-            harmonics,
-            phase: number(0),
-            force_max: number(1),
-            force_min: number(2),
-            force_mean: number(3),
-            indentation_max: number(4),
-            contact_time: number(5),
-            dissipation: number(6),
-            virial: number(7),
-            contacts: number(8),
-            deflection_amplitude: number(9),
-            deflection_phase: number(10),
-            deflection_mean: number(11),
-            free_phase: number(12),
-            frequency_shift: number(13),
-            gap: number(14),
-        }
-    }
-
     /// Whether anything was.
     pub fn is_any(&self) -> bool {
-        let mut row = [f64::NAN; HARMONICS];
-        Observable::all().any(|observable| {
-            let row = &mut row[..observable.width()];
-            observable.write(self, row);
-            row.iter().any(|value| !value.is_nan())
-        })
+        self.numbers().iter().any(|number| !number.is_nan())
     }
 }
 
@@ -236,27 +229,6 @@ struct Entry {
     value: Value,
 }
 
-/// The list: every observable there is.
-static ENTRIES: &[Entry] = &[
-    amplitude::ENTRY,
-    phase::ENTRY,
-    force_max::ENTRY,
-    force_min::ENTRY,
-    force_mean::ENTRY,
-    indentation_max::ENTRY,
-    contact_time::ENTRY,
-    dissipation::ENTRY,
-    virial::ENTRY,
-    contacts::ENTRY,
-    harmonic_amplitude::ENTRY,
-    deflection_amplitude::ENTRY,
-    deflection_phase::ENTRY,
-    deflection_mean::ENTRY,
-    free_phase::ENTRY,
-    frequency_shift::ENTRY,
-    gap::ENTRY,
-];
-
 impl Observable {
     /// Every observable there is.
     pub fn all() -> impl Iterator<Item = Self> {
@@ -264,8 +236,7 @@ impl Observable {
     }
 
     fn entry(self) -> &'static Entry {
-        // Every variant has its line; a test holds the two together.
-        ENTRIES.iter().find(|entry| entry.observable == self).unwrap_or(&ENTRIES[0])
+        &ENTRIES[self as usize]
     }
 
     /// Keyword in the scene file and variable name in the results file.
@@ -322,33 +293,6 @@ impl Observable {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_observable_has_its_own_line() {
-        for observable in [
-            Observable::Amplitude,
-            Observable::Phase,
-            Observable::ForceMax,
-            Observable::ForceMin,
-            Observable::ForceMean,
-            Observable::IndentationMax,
-            Observable::ContactTime,
-            Observable::Dissipation,
-            Observable::Virial,
-            Observable::Contacts,
-            Observable::HarmonicAmplitude,
-            Observable::DeflectionAmplitude,
-            Observable::DeflectionPhase,
-            Observable::DeflectionMean,
-            Observable::FreePhase,
-            Observable::FrequencyShift,
-            Observable::Gap,
-        ] {
-            assert_eq!(observable.entry().observable, observable);
-            assert_eq!(Observable::from_name(observable.name()), Some(observable));
-        }
-        assert_eq!(Observable::all().count(), 17);
-    }
 
     /// An observable's numbers are some of those that are measured, as they are.
     #[test]

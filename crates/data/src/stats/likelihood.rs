@@ -60,8 +60,8 @@ pub fn posterior(
     let rows = counted(study, &study.at(&study.status, point), options)?;
     let miss = |row: &usize| -> f64 {
         let of = |(values, one): &(Vec<f64>, &Observed)| {
-            let off = (apart(values[*row], one) / one.sd).powi(2);
-            if off.is_nan() { f64::INFINITY } else { off }
+            let miss = (off(values[*row], one.value, is_phase(&one.name)) / one.sd).powi(2);
+            if miss.is_nan() { f64::INFINITY } else { miss }
         };
         columns.iter().map(of).sum()
     };
@@ -148,10 +148,10 @@ pub(super) fn is_phase(name: &str) -> bool {
     name.ends_with("phase")
 }
 
-/// How far a value is from what was observed; of phases the short way round.
-fn apart(value: f64, observed: &Observed) -> f64 {
-    let off = value - observed.value;
-    if is_phase(&observed.name) { off - 360.0 * (off / 360.0).round() } else { off }
+/// How far a value is from another; of phases, in degree, the short way round.
+pub(super) fn off(value: f64, other: f64, is_phase: bool) -> f64 {
+    let off = value - other;
+    if is_phase { off - 360.0 * (off / 360.0).round() } else { off }
 }
 
 impl Posterior {

@@ -1,7 +1,7 @@
 //! What a measured curve tells: each sample's own curve is held against it, over all offsets and factors that nobody knows.
 
 use super::curve_pieces::{CurveLine, CurvePlace, Points};
-use super::likelihood::{counted, is_phase, weighed};
+use super::likelihood::{counted, is_phase, off, weighed};
 use super::marginal::Marginal;
 use super::{Posterior, StatsError, Study, SummaryOptions};
 use crate::design::{Distribution, Mix};
@@ -196,9 +196,7 @@ impl CurveMeasurement {
                     misses.products += seen * model / (sd * sd);
                     misses.models += (model / sd).powi(2);
                 } else {
-                    let off = model - seen;
-                    let off = if is_phase(&column.name) { off - 360.0 * (off / 360.0).round() } else { off };
-                    misses.rest += (off / sd).powi(2);
+                    misses.rest += (off(model, seen, is_phase(&column.name)) / sd).powi(2);
                 }
             }
             misses

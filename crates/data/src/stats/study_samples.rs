@@ -1,7 +1,7 @@
 //! The samples of a results file as statistics need them: parameters by row, outputs by point of the sweep and row.
 
 use super::{StatsError, mean};
-use crate::design::{DesignDescription, DesignKind, DesignRecord, Problem};
+use crate::design::{Design, DesignDescription, DesignKind, Parameter};
 use crate::observe::{Observable, Status};
 use crate::store::{Coordinate, Results, Variable};
 
@@ -193,8 +193,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 /// Samples without a design: as a table.
 fn listed(parameters: &[Coordinate], rows: usize) -> DesignDescription {
-    let names: Vec<String> = parameters.iter().map(|one| one.name.clone()).collect();
-    let told = |one: &Coordinate| DesignRecord {
+    let own = |one: &Coordinate| Parameter {
         path: one.scene_path.clone(),
         name: one.name.clone(),
         units: one.units.clone(),
@@ -202,40 +201,16 @@ fn listed(parameters: &[Coordinate], rows: usize) -> DesignDescription {
     };
     let ends = |one: &Coordinate| {
         let of = |fold: fn(f64, f64) -> f64, start: f64| one.values.iter().copied().fold(start, fold);
-        vec![of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)]
+        (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY))
     };
-    DesignDescription {
-        kind: DesignKind::Table,
-        samples: rows,
-        rows,
-        replicates: 1,
-        seed: 0,
-        scramble: false,
-        second_order: false,
-        levels: 0,
-        distributions: parameters.iter().map(told).collect(),
-        groups: names.iter().map(|name| vec![name.clone()]).collect(),
-        correlation: Vec::new(),
-        problem: Problem {
-            num_vars: names.len(),
-            names,
-            bounds: parameters.iter().map(ends).collect(),
-            dists: vec!["unif".into(); parameters.len()],
-            groups: None,
-        },
-    }
+    let ends: Vec<(f64, f64)> = parameters.iter().map(ends).collect();
+    DesignDescription::new(&Design::table(rows, 0, parameters.iter().map(own).collect()), &ends)
 }
 
 /// Refuses a design that is not the file's: one that was edited, or of another version.
 fn fits(design: &DesignDescription, parameters: &[Coordinate], rows: usize) -> Result<(), StatsError> {
     let misfit = |why: String| Err(StatsError::Design { why });
-    let groups = design.groups.len();
-    let per = match design.kind {
-        DesignKind::Saltelli if design.second_order => 2 * groups + 2,
-        DesignKind::Saltelli => groups + 2,
-        DesignKind::Morris => groups + 1,
-        _ => 1,
-    };
+    let per = design.kind.rows_per_sample(design.groups.len(), design.second_order);
     if design.rows != rows || design.samples.checked_mul(per) != Some(rows) || rows == 0 {
         return misfit(format!("{} samples of {per} rows, and {rows} rows in the file", design.samples));
     }

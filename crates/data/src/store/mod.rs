@@ -5,106 +5,23 @@
 
 // The plain data of this file needs no HDF5; reading and writing it does.
 #[cfg(feature = "hdf5")]
-mod bytes;
-#[cfg(feature = "hdf5")]
-mod checksums;
-#[cfg(feature = "hdf5")]
-mod consistency;
-#[cfg(feature = "hdf5")]
-mod dimension_scales;
-#[cfg(feature = "hdf5")]
-mod existing_file;
-#[cfg(feature = "hdf5")]
-mod hdf5_image;
-#[cfg(feature = "hdf5")]
-mod heap_check;
-#[cfg(feature = "hdf5")]
-mod history;
-#[cfg(feature = "hdf5")]
-mod journal;
-#[cfg(feature = "hdf5")]
-mod lock;
-#[cfg(feature = "hdf5")]
-mod output_place;
-#[cfg(feature = "hdf5")]
-mod partial_file;
-#[cfg(feature = "hdf5")]
-mod results_reader;
-#[cfg(feature = "hdf5")]
-mod run_file;
-#[cfg(feature = "hdf5")]
-mod share;
-#[cfg(feature = "hdf5")]
-mod source;
-mod spectrum_table;
-#[cfg(feature = "hdf5")]
-mod store_error;
+mod hdf5_file;
+mod row_tables;
 mod variable_source;
-#[cfg(feature = "hdf5")]
-mod write;
 
 #[cfg(feature = "hdf5")]
-pub use existing_file::{ExistingFile, same_file};
-#[cfg(feature = "hdf5")]
-pub use hdf5_image::Hdf5Image;
-#[cfg(feature = "hdf5")]
-pub use history::now;
-#[cfg(feature = "hdf5")]
-pub use journal::{Journal, RecordKind};
-#[cfg(feature = "hdf5")]
-pub use output_place::Writer;
-#[cfg(feature = "hdf5")]
-pub use partial_file::partial_path;
-#[cfg(feature = "hdf5")]
-pub use results_reader::{read, scene_of};
-#[cfg(feature = "hdf5")]
-pub use run_file::RunFile;
-#[cfg(feature = "hdf5")]
-pub use share::open as open_journal;
-pub use spectrum_table::{Spectra, SpectrumColumn};
-#[cfg(feature = "hdf5")]
-pub use store_error::StoreError;
+pub use hdf5_file::{
+    ExistingFile, Hdf5Image, Journal, RecordKind, RunFile, StoreError, Writer, laid_out, now, open_journal,
+    partial_path, read, same_file, scene_of,
+};
+pub use row_tables::{RowColumn, Spectra, Waveforms};
 pub use variable_source::{StateSet, Unread, VariableSource};
-#[cfg(feature = "hdf5")]
-pub use write::laid_out;
 
 use std::sync::Arc;
 
 /// Root attributes the store writes itself; in [`Results::attributes`] they are passed over, except that
 /// a `history` given there replaces the one made here.
 pub const OWN_ATTRIBUTES: [&str; 4] = ["title", "Conventions", "history", "checksums"];
-
-/// Variable of group `audit` with all errors, and the dimension of it that observables stand along.
-#[cfg(feature = "hdf5")]
-const ERROR: &str = "error";
-#[cfg(feature = "hdf5")]
-const OBSERVABLE: &str = "observable";
-
-/// The group of long texts.
-#[cfg(feature = "hdf5")]
-const PROVENANCE: &str = "provenance";
-/// Its text that the store writes itself: the version of the HDF5 library.
-#[cfg(feature = "hdf5")]
-const HDF5_VERSION: &str = "hdf5_version";
-
-/// Groups of numbers that every file has; one may hold nothing.
-#[cfg(feature = "hdf5")]
-const GROUPS: [&str; 5] = ["waveforms", "spectra", "force_curves", "audit", "other_branch"];
-
-/// Names that no axis and no variable may take.
-#[cfg(feature = "hdf5")]
-const RESERVED: [&str; 10] = [
-    "status",
-    "steps_per_period",
-    "instance",
-    "harmonic",
-    "waveforms",
-    "spectra",
-    "force_curves",
-    "audit",
-    "other_branch",
-    PROVENANCE,
-];
 
 /// Everything a results file holds, as plain data. Written by [`Writer`], read back by [`read`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,10 +52,6 @@ pub struct Results {
     /// Long texts, as the scene and the plan: attributes of group `provenance` in this order.
     pub provenance: Vec<(String, String)>,
 }
-
-/// Attribute of an axis along which quantities vary: the names of their variables.
-#[cfg(feature = "hdf5")]
-const COLUMNS: &str = "quantities";
 
 /// A labelled axis.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -200,24 +113,6 @@ pub struct Flags {
 pub enum Attribute {
     Text(String),
     Number(f64),
-}
-
-/// Group `waveforms`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Waveforms {
-    /// Instance numbers.
-    pub instances: Vec<u64>,
-    /// Time in s from the drive's zero phase: one row shared by all instances, or, where their
-    /// drive frequencies differ, one row each (then the dimension is `sample`).
-    pub time: Vec<Vec<f64>>,
-    /// m, by instance then time.
-    pub tip_travel: Vec<Vec<f64>>,
-    /// m
-    pub actuator_top: Vec<Vec<f64>>,
-    /// m
-    pub indentation: Vec<Vec<f64>>,
-    /// N
-    pub force: Vec<Vec<f64>>,
 }
 
 /// One static force-indentation curve, a row of group `force_curves`. The three lists have one length.

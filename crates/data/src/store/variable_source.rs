@@ -1,6 +1,6 @@
 //! Numbers over all instances, which need not all lie in memory.
 
-use super::{BranchTable, Results, Variable};
+use super::{BranchTable, Flags, Results, Variable};
 use std::borrow::Cow;
 
 /// Whose numbers are meant: those of the instances' states, or of second states beside them.
@@ -44,33 +44,21 @@ impl VariableSource for Results {
     }
 
     fn variable(&self, of: StateSet, number: usize) -> Result<Cow<'_, [f64]>, Unread> {
-        let all: &[Variable] = match of {
-            StateSet::First => &self.variables,
-            StateSet::Second => &second(self)?.variables,
-        };
-        all.get(number).map(|one| one.data.as_slice().into()).ok_or_else(none)
+        let (variables, ..) = self.states(of).ok_or_else(none)?;
+        variables.get(number).map(|one| one.data.as_slice().into()).ok_or_else(none)
     }
 
     fn status(&self, of: StateSet) -> Result<Cow<'_, [u8]>, Unread> {
-        Ok(match of {
-            StateSet::First => self.status.as_slice().into(),
-            StateSet::Second => second(self)?.status.as_slice().into(),
-        })
+        self.states(of).map(|(_, status, ..)| status.into()).ok_or_else(none)
     }
 
     fn steps(&self, of: StateSet) -> Result<Cow<'_, [u32]>, Unread> {
-        Ok(match of {
-            StateSet::First => self.steps_per_period.as_slice().into(),
-            StateSet::Second => second(self)?.steps_per_period.as_slice().into(),
-        })
+        self.states(of).map(|(_, _, steps, _)| steps.into()).ok_or_else(none)
     }
 
     fn flags(&self, of: StateSet, number: usize) -> Result<Cow<'_, [u8]>, Unread> {
-        let all = match of {
-            StateSet::First => &self.flags,
-            StateSet::Second => &second(self)?.flags,
-        };
-        all.get(number).map(|one| one.data.as_slice().into()).ok_or_else(none)
+        let (.., flags) = self.states(of).ok_or_else(none)?;
+        flags.get(number).map(|one| one.data.as_slice().into()).ok_or_else(none)
     }
 }
 
@@ -78,33 +66,40 @@ fn none() -> Unread {
     Unread("there is no such variable".into())
 }
 
-fn second(results: &Results) -> Result<&BranchTable, Unread> {
-    results.other_branch.as_ref().ok_or_else(none)
-}
+/// Variables, status codes, steps and flags of such states.
+pub(super) type States<'a> = (&'a [Variable], &'a [u8], &'a [u32], &'a [Flags]);
 
 impl Results {
+    /// Those of such states, if there are any.
+    pub(super) fn states(&self, of: StateSet) -> Option<States<'_>> {
+        match of {
+            StateSet::First => Some((&self.variables, &self.status, &self.steps_per_period, &self.flags)),
+            StateSet::Second => {
+                let BranchTable { variables, status, steps_per_period, flags } =
+                    self.other_branch.as_ref()?;
+                Some((variables, status, steps_per_period, flags))
+            }
+        }
+    }
+
     /// With the numbers that it leaves empty, all of them in memory.
     ///
     /// # Errors
     /// They cannot be had.
     pub fn with_numbers(mut self, numbers: &dyn VariableSource) -> Result<Self, Unread> {
-        for (n, one) in self.variables.iter_mut().enumerate() {
-            one.data = numbers.variable(StateSet::First, n)?.into_owned();
-        }
-        for (n, one) in self.flags.iter_mut().enumerate() {
-            one.data = numbers.flags(StateSet::First, n)?.into_owned();
-        }
-        self.status = numbers.status(StateSet::First)?.into_owned();
-        self.steps_per_period = numbers.steps(StateSet::First)?.into_owned();
+        let fill = |of, variables: &mut [Variable], flags: &mut [Flags]| -> Result<_, Unread> {
+            for (n, one) in variables.iter_mut().enumerate() {
+                one.data = numbers.variable(of, n)?.into_owned();
+            }
+            for (n, one) in flags.iter_mut().enumerate() {
+                one.data = numbers.flags(of, n)?.into_owned();
+            }
+            Ok((numbers.status(of)?.into_owned(), numbers.steps(of)?.into_owned()))
+        };
+        (self.status, self.steps_per_period) = fill(StateSet::First, &mut self.variables, &mut self.flags)?;
         if let Some(branch) = &mut self.other_branch {
-            for (n, one) in branch.variables.iter_mut().enumerate() {
-                one.data = numbers.variable(StateSet::Second, n)?.into_owned();
-            }
-            for (n, one) in branch.flags.iter_mut().enumerate() {
-                one.data = numbers.flags(StateSet::Second, n)?.into_owned();
-            }
-            branch.status = numbers.status(StateSet::Second)?.into_owned();
-            branch.steps_per_period = numbers.steps(StateSet::Second)?.into_owned();
+            (branch.status, branch.steps_per_period) =
+                fill(StateSet::Second, &mut branch.variables, &mut branch.flags)?;
         }
         Ok(self)
     }

@@ -102,7 +102,7 @@ impl Unit {
 
     /// The first dimension it could stand for, or `None` where the program knows no such quantity.
     pub fn dimension(self) -> Option<Dimension> {
-        Dimension::ALL.into_iter().find(|dimension| dimension.powers() == self.powers)
+        Dimension::ALL.into_iter().find(|dimension| dimension.words().powers == self.powers)
     }
 }
 

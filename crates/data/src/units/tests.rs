@@ -84,27 +84,6 @@ fn every_prefix_reads_as_the_literal_with_its_exponent() {
 }
 
 #[test]
-fn writing_reads_back_to_the_bit() {
-    let mut bits = Bits(0xfeed_beef_cafe_0001);
-    for dimension in Dimension::ALL {
-        let mut values = vec![0.0, -0.0, 1.0, 3e-8, 999.9999999999999, 1000.0, 1e-300, 1e300, f64::MAX];
-        values.extend([f64::MIN_POSITIVE, 5e-324, f64::INFINITY, 0.1 + 0.2, 1e22, 1e23, 123456789.0]);
-        values.extend((0..3000).map(|_| f64::from_bits(bits.next())).filter(|value| value.is_finite()));
-        values.extend((0..3000).map(|_| 10f64.powf((bits.next() % 40_000) as f64 / 1000.0 - 22.0)));
-        for value in values {
-            for value in [value, -value] {
-                let text = format(value, dimension);
-                assert_eq!(
-                    parse(&text, dimension).map(f64::to_bits),
-                    Ok(value.to_bits()),
-                    "{value:e} {text}"
-                );
-            }
-        }
-    }
-}
-
-#[test]
 fn writing_is_readable() {
     use Dimension::*;
     for (value, dimension, text) in [

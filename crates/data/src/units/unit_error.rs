@@ -29,30 +29,25 @@ pub enum UnitErrorKind {
 }
 
 /// Units that are known under another name, or that need a word of explanation.
-const ASIDES: [(&str, &str); 23] = [
-    ("micron", "write \"um\""),
-    ("microns", "write \"um\""),
-    ("nanometer", "write \"nm\""),
-    ("nanometers", "write \"nm\""),
-    ("micrometer", "write \"um\""),
-    ("micrometers", "write \"um\""),
-    ("nanonewton", "write \"nN\""),
-    ("gigapascal", "write \"GPa\""),
-    ("kilohertz", "write \"kHz\""),
-    ("volt", "write \"V\""),
-    ("volts", "write \"V\""),
-    ("hertz", "write \"Hz\""),
-    ("pascal", "write \"Pa\""),
-    ("newton", "write \"N\""),
-    ("rad/s", "give cycles per second, in Hz: divide by 2 pi"),
-    ("krad/s", "give cycles per second, in kHz: divide by 2 pi"),
-    ("eV", "give joules: 1 eV is 1.602176634e-19 J"),
-    ("meV", "give joules: 1 meV is 1.602176634e-22 J"),
-    ("kT", "give joules: 1 kT at 300 K is 4.14e-21 J"),
-    ("psi", "give pascals: 1 psi is 6894.76 Pa"),
-    ("erg/cm^2", "1 erg/cm^2 is 1 mJ/m^2"),
-    ("dyn/cm", "1 dyn/cm is 1 mN/m"),
-    ("%", "write the share as a number: 50% is 0.5"),
+const ASIDES: [(&str, &[&str]); 18] = [
+    ("write \"um\"", &["micron", "microns", "micrometer", "micrometers"]),
+    ("write \"nm\"", &["nanometer", "nanometers"]),
+    ("write \"nN\"", &["nanonewton"]),
+    ("write \"GPa\"", &["gigapascal"]),
+    ("write \"kHz\"", &["kilohertz"]),
+    ("write \"V\"", &["volt", "volts"]),
+    ("write \"Hz\"", &["hertz"]),
+    ("write \"Pa\"", &["pascal"]),
+    ("write \"N\"", &["newton"]),
+    ("give cycles per second, in Hz: divide by 2 pi", &["rad/s"]),
+    ("give cycles per second, in kHz: divide by 2 pi", &["krad/s"]),
+    ("give joules: 1 eV is 1.602176634e-19 J", &["eV"]),
+    ("give joules: 1 meV is 1.602176634e-22 J", &["meV"]),
+    ("give joules: 1 kT at 300 K is 4.14e-21 J", &["kT"]),
+    ("give pascals: 1 psi is 6894.76 Pa", &["psi"]),
+    ("1 erg/cm^2 is 1 mJ/m^2", &["erg/cm^2"]),
+    ("1 dyn/cm is 1 mN/m", &["dyn/cm"]),
+    ("write the share as a number: 50% is 0.5", &["%"]),
 ];
 
 impl UnitError {
@@ -106,7 +101,7 @@ impl UnitError {
             }
             UnitErrorKind::MissingUnit => {
                 // Zero is zero in any unit; any other number's unit is a guess, so offer the usual ones.
-                let usual = expected.usual_units();
+                let usual = expected.words().usual;
                 let si = number.times_ten_to(0).unwrap_or(f64::NAN);
                 let small = si.abs() > 0.0 && si.abs() < SMALL && usual.first() != Some(&expected.si_unit());
                 let shown: Vec<String> = if si == 0.0 {
@@ -124,16 +119,16 @@ impl UnitError {
                 if unit == "%" && expected != Dimension::Dimensionless {
                     return Some(format!("no share is meant: give {}", self.expected()));
                 }
-                if let Some((_, aside)) = ASIDES.iter().find(|(name, _)| *name == unit) {
+                if let Some((aside, _)) = ASIDES.iter().find(|(_, names)| names.contains(&unit)) {
                     return Some(aside.replacen("write \"", &format!("write \"{value} "), 1));
                 }
-                let usual = expected.usual_units();
+                let usual = expected.words().usual;
                 nearest(unit, usual.iter().copied())
                     .map(|meant| format!("did you mean \"{value} {meant}\"?"))
                     .or_else(|| (!usual.is_empty()).then(|| format!("known units are {}", usual.join(", "))))
             }
-            UnitErrorKind::WrongDimension(_) if !expected.usual_units().is_empty() => {
-                Some(format!("write \"{value} {}\" if that is its size", expected.usual_units()[0]))
+            UnitErrorKind::WrongDimension(_) if !expected.words().usual.is_empty() => {
+                Some(format!("write \"{value} {}\" if that is its size", expected.words().usual[0]))
             }
             UnitErrorKind::WrongDimension(_) if expected == Dimension::Dimensionless => {
                 Some("leave the unit out".to_string())

@@ -95,6 +95,13 @@ crate::kernel::laws!(model);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
+    of: Compact,
+    model: Model,
+}
+
+/// A contact without the constants of its law, which follow: half as large, for those who hold very many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compact {
     pub law: Law,
     /// What the scene asked for.
     pub choice: LawChoice,
@@ -106,18 +113,6 @@ pub struct Contact {
     pub work: f64,
     /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
     pub decay_length: f64,
-    model: Model,
-}
-
-/// A contact without the constants of its law, which follow: half as large, for those who hold very many.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compact {
-    law: Law,
-    choice: LawChoice,
-    modulus: f64,
-    radius: f64,
-    work: f64,
-    decay_length: f64,
 }
 
 impl Compact {
@@ -142,12 +137,6 @@ impl Compact {
         Self { law, choice, modulus, radius, work, decay_length }
     }
 
-    /// Its law, for those who ask for nothing else.
-    #[inline]
-    pub fn law(&self) -> Law {
-        self.law
-    }
-
     /// Tabor's parameter.
     #[inline]
     pub fn tabor(&self) -> f64 {
@@ -162,16 +151,18 @@ impl Compact {
     /// The contact, to the bit.
     #[inline]
     pub fn contact(self) -> Contact {
-        let Self { law, choice, modulus, radius, work, decay_length } = self;
-        let model = Model::new(law, &Material { modulus, radius, work, decay_length });
-        Contact { law, choice, modulus, radius, work, decay_length, model }
+        let Self { law, modulus, radius, work, decay_length, .. } = self;
+        Contact { of: self, model: Model::new(law, &Material { modulus, radius, work, decay_length }) }
     }
 }
 
-impl From<&Contact> for Compact {
-    fn from(of: &Contact) -> Self {
-        let Contact { law, choice, modulus, radius, work, decay_length, model: _ } = *of;
-        Self { law, choice, modulus, radius, work, decay_length }
+/// What a contact says of itself beside its law's constants.
+impl std::ops::Deref for Contact {
+    type Target = Compact;
+
+    #[inline]
+    fn deref(&self) -> &Compact {
+        &self.of
     }
 }
 
@@ -190,11 +181,6 @@ impl Contact {
     /// A load that is not a number leaves that rule out.
     pub fn for_load(params: &Params, load: f64) -> Self {
         Compact::for_load(params, load).contact()
-    }
-
-    /// Tabor's parameter.
-    pub fn tabor(&self) -> f64 {
-        Compact::from(self).tabor()
     }
 
     /// The law with its constants.

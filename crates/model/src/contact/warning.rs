@@ -18,17 +18,46 @@ pub const SMALL_STRAIN: f64 = 0.3;
 pub const RIGID_TIP_MODULUS: f64 = 1e9;
 
 /// A case outside the assumptions of its law. SI values.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Warning {
     /// The law asked for belongs to the other end of Tabor's parameter.
+    #[error(
+        "contact law {law} with Tabor's parameter {tabor:.4}: {fitting} fits (dmt below {DMT_BELOW}, \
+         jkr above {JKR_ABOVE}); set contact.law to \"{fitting}\" or \"auto\""
+    )]
     LawDoesNotFit { law: Law, fitting: Law, tabor: f64 },
     /// Tabor's parameter lies between the limits of DMT and JKR.
+    #[error(
+        "Tabor's parameter {tabor:.4} lies between dmt (below {DMT_BELOW}) and jkr (above \
+         {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third; run the other \
+         law as well to see what hangs on it"
+    )]
     BetweenLaws { law: Law, tabor: f64 },
     /// Hertz was asked for, and adhesion is not negligible at this load.
+    #[error(
+        "contact law hertz leaves out an adhesion of up to {:.3} nN at a load of {:.3} nN; \
+         set contact.law to \"auto\", or sample.surface_energy to zero",
+        pull * 1e9,
+        load * 1e9
+    )]
     AdhesionLeftOut { pull: f64, load: f64 },
     /// The contact radius leaves the range of small strain at this indentation.
+    #[error(
+        "at an indentation of {:.3} nm the contact radius is {:.2} of the tip radius, beyond the \
+         small-strain range ({SMALL_STRAIN}) of the contact laws: {}",
+        indentation * 1e9,
+        contact_radius / tip_radius,
+        match contact_radius < tip_radius {
+            true => "expect an error in the force of 1 % or more",
+            false => "a tip that sinks in so far is no sphere to them",
+        }
+    )]
     LargeStrain { indentation: f64, contact_radius: f64, tip_radius: f64 },
     /// The tip counts as rigid although the sample is stiff.
+    #[error(
+        "the tip counts as rigid, yet the sample has {:.3e} GPa: give instrument.tip.youngs_modulus",
+        sample_modulus * 1e-9
+    )]
     RigidTip { sample_modulus: f64 },
 }
 
@@ -83,46 +112,5 @@ impl Contact {
             contact_radius,
             tip_radius: self.radius,
         })
-    }
-}
-
-impl std::fmt::Display for Warning {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match *self {
-            Warning::LawDoesNotFit { law, fitting, tabor } => write!(
-                f,
-                "contact law {law} with Tabor's parameter {tabor:.4}: {fitting} fits (dmt below {DMT_BELOW}, \
-                 jkr above {JKR_ABOVE}); set contact.law to \"{fitting}\" or \"auto\""
-            ),
-            Warning::BetweenLaws { law, tabor } => write!(
-                f,
-                "Tabor's parameter {tabor:.4} lies between dmt (below {DMT_BELOW}) and jkr (above \
-                 {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third; run the other \
-                 law as well to see what hangs on it"
-            ),
-            Warning::AdhesionLeftOut { pull, load } => write!(
-                f,
-                "contact law hertz leaves out an adhesion of up to {:.3} nN at a load of {:.3} nN; \
-                 set contact.law to \"auto\", or sample.surface_energy to zero",
-                pull * 1e9,
-                load * 1e9
-            ),
-            Warning::LargeStrain { indentation, contact_radius, tip_radius } => write!(
-                f,
-                "at an indentation of {:.3} nm the contact radius is {:.2} of the tip radius, beyond the \
-                 small-strain range ({SMALL_STRAIN}) of the contact laws: {}",
-                indentation * 1e9,
-                contact_radius / tip_radius,
-                match contact_radius < tip_radius {
-                    true => "expect an error in the force of 1 % or more",
-                    false => "a tip that sinks in so far is no sphere to them",
-                }
-            ),
-            Warning::RigidTip { sample_modulus } => write!(
-                f,
-                "the tip counts as rigid, yet the sample has {:.3e} GPa: give instrument.tip.youngs_modulus",
-                sample_modulus * 1e-9
-            ),
-        }
     }
 }

@@ -42,13 +42,13 @@ impl Address {
 
     /// The value in that case, SI; `None` where the case says the same thing another way.
     pub fn get(self, params: &Params) -> Option<f64> {
-        (self.quantity.get)(params, self.index)
+        (self.quantity.access.get)(params, self.index)
     }
 
     /// Puts an SI value in, and switches to this way of saying it where there are several.
     /// An index beyond the case's modes changes nothing; reading refuses it beforehand.
     pub fn set(self, params: &mut Params, value: f64) {
-        (self.quantity.set)(params, self.index, value);
+        (self.quantity.access.set)(params, self.index, value);
     }
 
     /// The value as the scene file writes it, quotes included where it has a unit.

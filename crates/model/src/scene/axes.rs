@@ -205,8 +205,7 @@ fn check_end(number: f64, place: &Value, log: bool, path: &str) -> Checked<()> {
     } else {
         return Ok(());
     };
-    Err(Fault::at(place.span(), format!("an end of the axis `{path}` is {trouble}"))
-        .label(format!("found {}", values::described(place)))
+    Err(values::unfit(place, format!("an end of the axis `{path}` is {trouble}"))
         .expected(if log { "finite ends above zero" } else { "finite ends" })
         .help("list the values instead: { values = [...] }"))
 }
@@ -253,17 +252,12 @@ pub(super) fn spaced(from: f64, to: f64, points: usize, log: bool) -> Vec<f64> {
         };
         rounded(value, if log { value } else { scale })
     };
-    (0..points)
-        .map(|i| {
-            if i == 0 {
-                from
-            } else if i == last {
-                to
-            } else {
-                between(i)
-            }
-        })
-        .collect()
+    let point = |i: usize| match i {
+        0 => from,
+        i if i == last => to,
+        i => between(i),
+    };
+    (0..points).map(point).collect()
 }
 
 /// The nearest number of 12 digits where it is within rounding errors of `scale`; else the value itself.

@@ -68,12 +68,17 @@ fn law_words(list: &Value) -> Checked<Vec<String>> {
     entries.iter().map(|entry| values::text(entry, LAW).map(str::to_owned)).collect()
 }
 
+/// 0, 1 and so on.
+fn places(count: usize) -> Arc<Vec<f64>> {
+    Arc::new((0..count).map(|n| n as f64).collect())
+}
+
 fn law_axis(words: Vec<String>) -> Axis {
     Axis {
         path: LAW.into(),
         name: "law".into(),
         long_name: "contact law".into(),
-        values: Arc::new((0..words.len()).map(|n| n as f64).collect()),
+        values: places(words.len()),
         words,
         ..Axis::default()
     }
@@ -101,10 +106,7 @@ fn together(key: &Key, value: &Value, table: &DeTable, draft: &mut Draft) -> Che
     for (key, list) in table.iter().filter(|(key, _)| key.get_ref() != LABEL) {
         let column = column(key, list, name)?;
         agree(&mut length, column.values.len(), list, &path)?;
-        if draft.said.iter().any(|said| said.swept && said.path == column.path) {
-            return Err(varies_twice(&column.path, key.span(), draft));
-        }
-        draft.said.push(Said { path: column.path.clone(), key: key.span(), swept: true });
+        draft.vary(&column.path, key.span())?;
         columns.push(column);
     }
     let Some(count) = length else {
@@ -124,7 +126,7 @@ fn together(key: &Key, value: &Value, table: &DeTable, draft: &mut Draft) -> Che
     Ok(Axis {
         name: name.into(),
         long_name: name.replace('_', " "),
-        values: Arc::new((0..count).map(|n| n as f64).collect()),
+        values: places(count),
         path,
         words,
         columns,
@@ -150,7 +152,7 @@ pub(super) fn samples(columns: Vec<Axis>, count: usize) -> Axis {
         name: "sample".into(),
         long_name: "sample".into(),
         units: "1".into(),
-        values: Arc::new((0..count).map(|n| n as f64).collect()),
+        values: places(count),
         columns,
         ..Axis::default()
     }
@@ -230,13 +232,8 @@ fn named(key: &Key) -> Checked<()> {
     Ok(())
 }
 
-/// Refuses axes of one name.
-pub(super) fn check(sweep: &SweptAxes, key: &Key, draft: &Draft) -> Checked<()> {
-    check_at(sweep, key.span(), draft)
-}
-
-/// The same, of a section at this place.
-pub(super) fn check_at(sweep: &SweptAxes, place: Range<usize>, draft: &Draft) -> Checked<()> {
+/// Refuses axes of one name, in a section at this place.
+pub(super) fn check(sweep: &SweptAxes, place: Range<usize>, draft: &Draft) -> Checked<()> {
     let mut seen = HashSet::new();
     match sweep.quantities().find(|axis| !seen.insert(axis.name.as_str())) {
         None => Ok(()),

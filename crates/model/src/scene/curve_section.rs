@@ -41,9 +41,7 @@ pub(super) fn read(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft)
 
 fn section(key: &Key, value: &Value, sweep: &mut SweptAxes, draft: &mut Draft) -> Checked<()> {
     let table = values::table(value, "curve", "a section [curve]")?;
-    if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
-        return Err(values::unknown_key(key, "curve", &KEYS));
-    }
+    values::no_others(table, "curve", &KEYS)?;
     let (name, quantity) = table.get_key_value("quantity").ok_or_else(|| {
         Fault::at(key.span(), "[curve] does not say what changes along it")
             .label("no `quantity`")

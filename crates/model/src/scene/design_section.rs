@@ -6,7 +6,7 @@ use super::sample_table::SampleTable;
 use super::scene_error::{Checked, Fault};
 use super::uncertain_section::{self, Uncertain};
 use super::values::{self, Key, Value};
-use super::{Axis, SweptAxes, TableFile, axis_zip, design_points, table_file};
+use super::{Axis, SweptAxes, TableFile, axis_zip, table_file};
 use crate::design::DesignKind::{self, LatinHypercube, MonteCarlo, Morris, Saltelli, Sobol, Table};
 use crate::design::{Design, Parameter, Settings};
 use std::ops::Range;
@@ -91,9 +91,7 @@ fn sections(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft) -> Che
 impl<'a> Section<'a> {
     fn new(key: &Key, table: &'a DeTable<'a>) -> Checked<Self> {
         let known = KEYS.map(|(key, _)| key);
-        if let Some(key) = table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
-            return Err(values::unknown_key(key, "design", &known));
-        }
+        values::no_others(table, "design", &known)?;
         let kind = table.get("kind").ok_or_else(|| {
             Fault::at(key.span(), "[design] does not say which kind")
                 .label("no `kind`")
@@ -119,8 +117,7 @@ impl<'a> Section<'a> {
         let Some(value) = self.table.get(key) else { return Ok(None) };
         match value.get_ref().as_bool() {
             Some(flag) => Ok(Some(flag)),
-            None => Err(Fault::at(value.span(), format!("`design.{key}` is not true or false"))
-                .label(format!("found {}", values::described(value)))
+            None => Err(values::unfit(value, format!("`design.{key}` is not true or false"))
                 .expected("true or false, without quotes")
                 .help("write one of the two")),
         }
@@ -188,8 +185,7 @@ impl<'a> Section<'a> {
         let path = values::text(value, what)?;
         all.iter().position(|one| one.parameter.path == path).ok_or_else(|| {
             let paths: Vec<&str> = all.iter().map(|one| one.parameter.path.as_str()).collect();
-            Fault::at(value.span(), format!("`{what}` names a quantity that is not uncertain"))
-                .label(format!("found {}", values::described(value)))
+            values::unfit(value, format!("`{what}` names a quantity that is not uncertain"))
                 .expected(format!("one of {}", paths.join(", ")))
                 .help("write its path as [uncertain] has it")
         })
@@ -265,11 +261,8 @@ impl<'a> Section<'a> {
                 .help("bring them closer to zero; what hangs together with a third hangs together itself")
         })?;
         self.not_too_many(design.len(), sweep)?;
-        let columns: Vec<Axis> = all
-            .iter()
-            .zip(design_points::drawn(&design))
-            .map(|(one, values)| axis(one.address, values, false))
-            .collect();
+        let columns: Vec<Axis> =
+            all.iter().zip(design.columns()).map(|(one, values)| axis(one.address, values, false)).collect();
         all.iter().zip(&columns).try_for_each(|(one, column)| possible(one, &column.values))?;
         for one in &all {
             draft.drawn.odd.extend(one.doubt().map(|line| (one.key.clone(), line)));
@@ -277,7 +270,7 @@ impl<'a> Section<'a> {
         draft.drawn.odd.extend(self.not_a_power(&design));
         sweep.axes.push(axis_zip::samples(columns, design.len()));
         draft.drawn.design = Some(Box::new(design));
-        axis_zip::check_at(sweep, self.key.clone(), draft)
+        axis_zip::check(sweep, self.key.clone(), draft)
     }
 
     /// A word about numbers of points that are not balanced.
@@ -315,17 +308,6 @@ impl<'a> Section<'a> {
             columns.iter().map(|(address, _)| uncertain_section::parameter(*address, None)).collect();
         let rows = columns.first().map_or(0, |(_, values)| values.len());
         self.not_too_many(rows, sweep)?;
-        let settings = Settings {
-            kind: Table,
-            samples: rows,
-            replicates: 1,
-            seed: 0,
-            scramble: false,
-            second_order: false,
-            levels: LEVELS,
-            groups: (0..parameters.len()).map(|n| vec![n]).collect(),
-            correlation: Vec::new(),
-        };
         let columns = table_file::axes(columns, self.key.clone(), draft)?;
         let mut samples = axis_zip::samples(columns, rows);
         if !ids.is_empty() {
@@ -334,9 +316,9 @@ impl<'a> Section<'a> {
         }
         samples.words = ids;
         sweep.axes.push(samples);
-        draft.drawn.design = Design::new(settings, parameters).map(Box::new);
+        draft.drawn.design = Some(Box::new(Design::table(rows, LEVELS, parameters)));
         draft.drawn.file = Some(file);
-        axis_zip::check_at(sweep, self.key.clone(), draft)
+        axis_zip::check(sweep, self.key.clone(), draft)
     }
 
     fn file(&self, draft: &Draft) -> Checked<(SampleTable, TableFile)> {

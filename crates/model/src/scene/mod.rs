@@ -5,7 +5,6 @@ mod axes;
 mod axis_zip;
 mod cases;
 mod curve_section;
-mod design_points;
 mod design_section;
 mod draft;
 mod drive_rules;
@@ -19,25 +18,20 @@ mod provenance;
 mod quantities;
 mod quantity;
 mod rules;
-mod sample_source;
 mod sample_table;
 mod scene_echo;
 mod scene_error;
 mod scene_reader;
 mod scene_schema;
-mod schema_design;
-mod schema_parts;
 mod setpoint_rules;
 mod sweep_section;
 mod synonyms;
 mod table_file;
-mod toml_text;
 mod uncertain_section;
 mod values;
 
 pub use crate::suggestion::nearest;
 pub use address::Address;
-use axis_zip::law_of;
 pub use cases::Cases;
 pub use levers::{LEVERS, MakersLever};
 pub use params::*;
@@ -127,11 +121,7 @@ impl Scene {
 
     /// Instance `index` (below [`Scene::len`]): the base case with the sweep's values put in. No text is parsed.
     pub fn instance(&self, index: usize) -> Params {
-        let mut params = self.base.clone();
-        for (axis, at) in self.sweep.axes.iter().zip(self.sweep.indices(index)) {
-            axis.put(&mut params, at);
-        }
-        params
+        Cases::of(self).instance(index)
     }
 
     /// The swept values of an instance, as ` (sample.youngs_modulus = "1 GPa", ...)`; nothing without a sweep.
@@ -205,16 +195,6 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Puts what stands at this place into a case.
-    fn put(&self, params: &mut Params, at: usize) {
-        if let Some(law) = self.words.get(at).filter(|_| self.path == LAW).and_then(|word| law_of(word)) {
-            params.contact.law = law;
-        } else if let (Some(address), Some(value)) = (Address::find(&self.path), self.values.get(at)) {
-            address.set(params, *value);
-        }
-        self.columns.iter().for_each(|column| column.put(params, at));
-    }
-
     /// What stands at this place, as the scene would write it.
     fn written(&self, at: usize) -> String {
         match Address::find(&self.path) {

@@ -24,7 +24,7 @@ pub(super) const BRANCHES: [(&str, bool); 2] = [("one", false), ("both", true)];
 pub(super) const KEYS: [&str; 8] =
     ["start", "steady", "branches", "periods", "measure", "accuracy", "modes", "steps_per_period"];
 /// The keys of `[output]`, of its `waveforms` and of its `spectra`.
-const OUTPUT_KEYS: [&str; 3] = ["observables", "waveforms", "spectra"];
+pub(super) const OUTPUT_KEYS: [&str; 3] = ["observables", "waveforms", "spectra"];
 pub(super) const WAVEFORM_KEYS: [&str; 3] = ["instances", "samples_per_period", "periods"];
 pub(super) const SPECTRUM_KEYS: [&str; 1] = ["instances"];
 /// What stands for the list of all instances.
@@ -193,8 +193,7 @@ fn observable(entry: &Value, found: &[Observable]) -> Checked<Observable> {
     let name = values::text(entry, PATH)?;
     let Some(observable) = Observable::from_name(name) else {
         let names: Vec<_> = Observable::all().map(Observable::name).collect();
-        return Err(Fault::at(entry.span(), format!("`{PATH}` has an unknown observable"))
-            .label(format!("found {}", values::described(entry)))
+        return Err(values::unfit(entry, format!("`{PATH}` has an unknown observable"))
             .expected(format!("one of {}", names.join(", ")))
             .help("put one of these names")
             .maybe_help(nearest(name, names.iter().copied()).map(|name| format!("did you mean \"{name}\"?")))

@@ -1,48 +1,35 @@
-//! The closed table of a scene's quantities: path, dimension, domain, and their place in [`Params`].
+//! The closed table of a scene's quantities: path, dimension, domain, sizes, and their place in [`Params`].
 //!
 //! Reading, sweeping and the resolved echo all go through this table, so a quantity added here can be
-//! written, swept and echoed at once. Its usual and possible sizes stand in `plausibility.rs`, when it matters in `provenance.rs`.
+//! written, swept and echoed at once. When it matters stands in `provenance.rs`.
 
+use super::params::LeverSpec::{Calibrated, Dimensions};
+use super::params::TipMass::{Given, Pyramid};
 use super::params::*;
-use super::quantity::{Domain, Quantity};
+use super::quantity::{Access, Domain, Quantity};
 use crate::units::Dimension;
 
-/// An entry whose value is a plain field.
+/// A plain field.
 macro_rules! field {
-    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $($field:ident).+) => {
-        Quantity {
-            path: $path,
-            long_name: $long_name,
-            dimension: Dimension::$dimension,
-            domain: Domain::$domain,
-            get: |params, _| Some(params.$($field).+),
-            set: |params, _, value| params.$($field).+ = value,
-        }
+    ($($field:ident).+) => {
+        Access { get: |params, _| Some(params.$($field).+), set: |params, _, value| params.$($field).+ = value }
     };
 }
 
-/// An entry that is the one value of an enum's variant.
+/// The one value of an enum's variant.
 macro_rules! variant {
-    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $($field:ident).+, $variant:path) => {
-        Quantity {
-            path: $path,
-            long_name: $long_name,
-            dimension: Dimension::$dimension,
-            domain: Domain::$domain,
+    ($($field:ident).+, $variant:path) => {
+        Access {
             get: |params, _| if let $variant(value) = params.$($field).+ { Some(value) } else { None },
             set: |params, _, value| params.$($field).+ = $variant(value),
         }
     };
 }
 
-/// An entry that is one of several values of an enum's variant; `$default` makes that variant.
+/// One of several values of an enum's variant; `$default` makes that variant.
 macro_rules! member {
-    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $($field:ident).+, $variant:path, $member:ident, $default:path) => {
-        Quantity {
-            path: $path,
-            long_name: $long_name,
-            dimension: Dimension::$dimension,
-            domain: Domain::$domain,
+    ($($field:ident).+, $variant:path, $member:ident, $default:path) => {
+        Access {
             get: |params, _| if let $variant { $member, .. } = &params.$($field).+ { Some(*$member) } else { None },
             set: |params, _, value| {
                 if !matches!(params.$($field).+, $variant { .. }) {
@@ -56,14 +43,10 @@ macro_rules! member {
     };
 }
 
-/// An entry of one of the lever's listed modes.
+/// A value of one of the lever's listed modes.
 macro_rules! mode {
-    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $member:ident) => {
-        Quantity {
-            path: $path,
-            long_name: $long_name,
-            dimension: Dimension::$dimension,
-            domain: Domain::$domain,
+    ($member:ident) => {
+        Access {
             get: |params, index| match &params.instrument.cantilever.lever {
                 LeverSpec::Modes(modes) => modes.get(index).map(|mode| mode.$member),
                 _ => None,
@@ -79,14 +62,10 @@ macro_rules! mode {
     };
 }
 
-/// An entry that is held in place of the gap.
+/// What is held in place of the gap.
 macro_rules! held {
-    ($path:literal, $long_name:literal, $dimension:ident, $domain:ident, $variant:path) => {
-        Quantity {
-            path: $path,
-            long_name: $long_name,
-            dimension: Dimension::$dimension,
-            domain: Domain::$domain,
+    ($variant:path) => {
+        Access {
             get: |params, _| match params.approach.held {
                 Some($variant(value)) => Some(value),
                 _ => None,
@@ -95,6 +74,29 @@ macro_rules! held {
         }
     };
 }
+
+/// One of the listed quality factors of the lever.
+const PER_MODE: Access = Access {
+    get: |params, index| match &params.instrument.cantilever.quality_factor {
+        QualityFactor::PerMode(values) => values.get(index).copied(),
+        QualityFactor::All(_) => None,
+    },
+    set: |params, index, value| {
+        if let QualityFactor::PerMode(values) = &mut params.instrument.cantilever.quality_factor
+            && let Some(slot) = values.get_mut(index)
+        {
+            *slot = value;
+        }
+    },
+};
+const GAP: Access = Access {
+    get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
+    set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
+};
+const DEEPEST: Access = Access {
+    get: |params, _| params.approach.deepest,
+    set: |params, _, value| params.approach.deepest = Some(value),
+};
 
 fn table_lever() -> LeverSpec {
     CantileverParams::default().lever
@@ -106,264 +108,123 @@ fn table_tip() -> TipMass {
 
 /// Both values must be given, so neither has a default that could pass for one.
 fn unknown_calibration() -> LeverSpec {
-    LeverSpec::Calibrated { stiffness: f64::NAN, frequency: f64::NAN }
+    Calibrated { stiffness: f64::NAN, frequency: f64::NAN }
 }
 
-/// Every quantity of a scene, in the order the resolved scene writes them.
-pub static QUANTITIES: &[Quantity] = &[
-    field!(
-        "instrument.actuator.youngs_modulus",
-        "rod Young's modulus",
-        Pressure,
-        Positive,
-        instrument.actuator.youngs_modulus
-    ),
-    field!("instrument.actuator.density", "rod density", Density, Positive, instrument.actuator.density),
-    field!(
-        "instrument.actuator.h33",
-        "rod piezoelectric constant h33",
-        ElectricField,
-        Positive,
-        instrument.actuator.h33
-    ),
-    field!(
-        "instrument.actuator.beta33",
-        "rod inverse permittivity beta33",
-        InversePermittivity,
-        Positive,
-        instrument.actuator.beta33
-    ),
-    field!("instrument.actuator.length", "rod length", Length, Positive, instrument.actuator.length),
-    field!("instrument.actuator.width", "rod width", Length, Positive, instrument.actuator.width),
-    field!("instrument.actuator.thickness", "rod thickness", Length, Positive, instrument.actuator.thickness),
-    field!(
-        "instrument.actuator.quality_factor",
-        "rod quality factor",
-        Dimensionless,
-        QualityFactor,
-        instrument.actuator.quality_factor
-    ),
-    member!(
-        "instrument.cantilever.youngs_modulus",
-        "lever Young's modulus",
-        Pressure,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Dimensions,
-        youngs_modulus,
-        table_lever
-    ),
-    member!(
-        "instrument.cantilever.density",
-        "lever density",
-        Density,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Dimensions,
-        density,
-        table_lever
-    ),
-    member!(
-        "instrument.cantilever.length",
-        "lever length",
-        Length,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Dimensions,
-        length,
-        table_lever
-    ),
-    member!(
-        "instrument.cantilever.width",
-        "lever width",
-        Length,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Dimensions,
-        width,
-        table_lever
-    ),
-    member!(
-        "instrument.cantilever.thickness",
-        "lever thickness",
-        Length,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Dimensions,
-        thickness,
-        table_lever
-    ),
-    member!(
-        "instrument.cantilever.stiffness",
-        "lever stiffness, first mode",
-        Stiffness,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Calibrated,
-        stiffness,
-        unknown_calibration
-    ),
-    member!(
-        "instrument.cantilever.frequency",
-        "lever frequency, first mode",
-        Frequency,
-        Positive,
-        instrument.cantilever.lever,
-        LeverSpec::Calibrated,
-        frequency,
-        unknown_calibration
-    ),
-    mode!(
-        "instrument.cantilever.modes.#.stiffness",
-        "lever mode # stiffness",
-        Stiffness,
-        Positive,
-        stiffness
-    ),
-    mode!(
-        "instrument.cantilever.modes.#.frequency",
-        "lever mode # frequency",
-        Frequency,
-        Positive,
-        frequency
-    ),
-    mode!(
-        "instrument.cantilever.modes.#.quality_factor",
-        "lever mode # quality factor",
-        Dimensionless,
-        QualityFactor,
-        quality_factor
-    ),
-    mode!("instrument.cantilever.modes.#.drive", "lever mode # relative drive", Dimensionless, Finite, drive),
-    Quantity {
-        path: "instrument.cantilever.quality_factor",
-        long_name: "lever quality factor",
-        dimension: Dimension::Dimensionless,
-        domain: Domain::QualityFactor,
-        get: |params, _| match params.instrument.cantilever.quality_factor {
-            QualityFactor::All(value) => Some(value),
-            QualityFactor::PerMode(_) => None,
-        },
-        set: |params, _, value| params.instrument.cantilever.quality_factor = QualityFactor::All(value),
-    },
-    Quantity {
-        path: "instrument.cantilever.quality_factor.#",
-        long_name: "lever mode # quality factor",
-        dimension: Dimension::Dimensionless,
-        domain: Domain::QualityFactor,
-        get: |params, index| match &params.instrument.cantilever.quality_factor {
-            QualityFactor::PerMode(values) => values.get(index).copied(),
-            QualityFactor::All(_) => None,
-        },
-        set: |params, index, value| {
-            if let QualityFactor::PerMode(values) = &mut params.instrument.cantilever.quality_factor
-                && let Some(slot) = values.get_mut(index)
-            {
-                *slot = value;
-            }
-        },
-    },
-    field!("instrument.tip.half_length", "tip half length", Length, NonNegative, instrument.tip.half_length),
-    member!(
-        "instrument.tip.width",
-        "tip width",
-        Length,
-        Positive,
-        instrument.tip.mass,
-        TipMass::Pyramid,
-        width,
-        table_tip
-    ),
-    member!(
-        "instrument.tip.height",
-        "tip height",
-        Length,
-        Positive,
-        instrument.tip.mass,
-        TipMass::Pyramid,
-        height,
-        table_tip
-    ),
-    member!(
-        "instrument.tip.density",
-        "tip density",
-        Density,
-        Positive,
-        instrument.tip.mass,
-        TipMass::Pyramid,
-        density,
-        table_tip
-    ),
-    variant!("instrument.tip.mass", "tip mass", Mass, NonNegative, instrument.tip.mass, TipMass::Given),
-    field!("instrument.tip.radius", "tip radius", Length, Positive, instrument.tip.radius),
-    field!(
-        "instrument.tip.youngs_modulus",
-        "tip Young's modulus",
-        Pressure,
-        PositiveOrInfinite,
-        instrument.tip.youngs_modulus
-    ),
-    field!(
-        "instrument.tip.poisson_ratio",
-        "tip Poisson ratio",
-        Dimensionless,
-        PoissonRatio,
-        instrument.tip.poisson_ratio
-    ),
-    field!("sample.youngs_modulus", "sample Young's modulus", Pressure, Positive, sample.youngs_modulus),
-    field!("sample.poisson_ratio", "sample Poisson ratio", Dimensionless, PoissonRatio, sample.poisson_ratio),
-    variant!(
-        "sample.surface_energy",
-        "work of adhesion",
-        SurfaceEnergy,
-        NonNegative,
-        sample.adhesion,
-        Adhesion::Work
-    ),
-    variant!("sample.hamaker", "Hamaker constant", Energy, NonNegative, sample.adhesion, Adhesion::Hamaker),
-    field!("contact.decay_length", "decay length of the attraction", Length, Positive, contact.decay_length),
-    variant!(
-        "drive.frequency",
-        "drive frequency",
-        Frequency,
-        Positive,
-        drive.frequency,
-        DriveFrequency::Hertz
-    ),
-    variant!("drive.voltage", "drive voltage", Voltage, NonNegative, drive.level, DriveLevel::Voltage),
-    variant!(
-        "drive.free_amplitude",
-        "free tip amplitude",
-        Length,
-        NonNegative,
-        drive.level,
-        DriveLevel::FreeAmplitude
-    ),
-    variant!("drive.force", "drive force on the tip", Force, NonNegative, drive.level, DriveLevel::Force),
-    variant!(
-        "drive.base_amplitude",
-        "base amplitude",
-        Length,
-        NonNegative,
-        drive.level,
-        DriveLevel::BaseAmplitude
-    ),
-    Quantity {
-        path: "approach.gap",
-        long_name: "gap between the tip at rest and the surface",
-        dimension: Dimension::Length,
-        domain: Domain::Finite,
-        get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
-        set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
-    },
-    held!("approach.setpoint", "amplitude set-point", Dimensionless, SetPoint, Held::Amplitude),
-    held!("approach.force_setpoint", "force set-point", Force, Positive, Held::Force),
-    Quantity {
-        path: "approach.deepest",
-        long_name: "how far below the surface a set-point is looked for",
-        dimension: Dimension::Length,
-        domain: Domain::Positive,
-        get: |params, _| params.approach.deepest,
-        set: |params, _, value| params.approach.deepest = Some(value),
-    },
-];
+/// Lengths of solid parts, m.
+const PARTS: [f64; 2] = [1e-11, 0.1];
+/// Lengths of levers, m, and of rods.
+const LEVERS: [f64; 2] = [1e-11, 1.0];
+const RODS: [f64; 2] = [1e-9, 1e3];
+/// How far a tip, its base and its gap go, m.
+const PATHS: [f64; 2] = [1e-21, 0.1];
+/// Moduli, Pa: a hundred times a diamond's, so that a part can be as good as rigid; and less than any gel has.
+const MODULI: [f64; 2] = [1e-2, 1e14];
+const DENSITIES: [f64; 2] = [1.0, 1e5];
+const FREQUENCIES: [f64; 2] = [1e-4, 1e11];
+const QUALITIES: [f64; 2] = [0.5, 1e12];
+const ANY: [f64; 2] = [0.0, f64::INFINITY];
+
+macro_rules! quantities {
+    ($($path:literal, $access:expr, $long_name:literal, $dimension:ident, $domain:ident, $usual:expr, $possible:expr;)*) => {
+        /// Every quantity of a scene, in the order the resolved scene writes them.
+        pub static QUANTITIES: &[Quantity] = &[$(Quantity {
+            path: $path,
+            access: $access,
+            long_name: $long_name,
+            dimension: Dimension::$dimension,
+            domain: Domain::$domain,
+            usual: $usual,
+            possible: $possible,
+        }),*];
+    };
+}
+
+// Of a drive's frequency and force the right size depends on the lever.
+quantities! {
+    "instrument.actuator.youngs_modulus", field!(instrument.actuator.youngs_modulus),
+        "rod Young's modulus", Pressure, Positive, [1e8, 1e12], MODULI;
+    "instrument.actuator.density", field!(instrument.actuator.density),
+        "rod density", Density, Positive, [100.0, 3e4], DENSITIES;
+    "instrument.actuator.h33", field!(instrument.actuator.h33),
+        "rod piezoelectric constant h33", ElectricField, Positive, [1e6, 1e11], [1e3, 1e14];
+    "instrument.actuator.beta33", field!(instrument.actuator.beta33),
+        "rod inverse permittivity beta33", InversePermittivity, Positive, [1e5, 1e12], [1e2, 1e15];
+    "instrument.actuator.length", field!(instrument.actuator.length),
+        "rod length", Length, Positive, [1e-6, 1.0], RODS;
+    "instrument.actuator.width", field!(instrument.actuator.width),
+        "rod width", Length, Positive, [1e-6, 1.0], RODS;
+    "instrument.actuator.thickness", field!(instrument.actuator.thickness),
+        "rod thickness", Length, Positive, [1e-6, 1.0], RODS;
+    "instrument.actuator.quality_factor", field!(instrument.actuator.quality_factor),
+        "rod quality factor", Dimensionless, QualityFactor, [0.5, 1e7], QUALITIES;
+    "instrument.cantilever.youngs_modulus", member!(instrument.cantilever.lever, Dimensions, youngs_modulus, table_lever),
+        "lever Young's modulus", Pressure, Positive, [1e6, 2e12], MODULI;
+    "instrument.cantilever.density", member!(instrument.cantilever.lever, Dimensions, density, table_lever),
+        "lever density", Density, Positive, [100.0, 3e4], DENSITIES;
+    "instrument.cantilever.length", member!(instrument.cantilever.lever, Dimensions, length, table_lever),
+        "lever length", Length, Positive, [1e-7, 1e-2], LEVERS;
+    "instrument.cantilever.width", member!(instrument.cantilever.lever, Dimensions, width, table_lever),
+        "lever width", Length, Positive, [1e-8, 1e-2], LEVERS;
+    "instrument.cantilever.thickness", member!(instrument.cantilever.lever, Dimensions, thickness, table_lever),
+        "lever thickness", Length, Positive, [1e-10, 1e-3], LEVERS;
+    "instrument.cantilever.stiffness", member!(instrument.cantilever.lever, Calibrated, stiffness, unknown_calibration),
+        "lever stiffness, first mode", Stiffness, Positive, [1e-5, 1e5], [1e-7, 5e6];
+    "instrument.cantilever.frequency", member!(instrument.cantilever.lever, Calibrated, frequency, unknown_calibration),
+        "lever frequency, first mode", Frequency, Positive, [10.0, 1e9], FREQUENCIES;
+    "instrument.cantilever.modes.#.stiffness", mode!(stiffness),
+        "lever mode # stiffness", Stiffness, Positive, [1e-5, 1e7], [1e-7, 5e8];
+    "instrument.cantilever.modes.#.frequency", mode!(frequency),
+        "lever mode # frequency", Frequency, Positive, [10.0, 1e10], FREQUENCIES;
+    "instrument.cantilever.modes.#.quality_factor", mode!(quality_factor),
+        "lever mode # quality factor", Dimensionless, QualityFactor, [0.5, 1e7], QUALITIES;
+    "instrument.cantilever.modes.#.drive", mode!(drive),
+        "lever mode # relative drive", Dimensionless, Finite, [1e-6, 1e6], ANY;
+    "instrument.cantilever.quality_factor", variant!(instrument.cantilever.quality_factor, QualityFactor::All),
+        "lever quality factor", Dimensionless, QualityFactor, [0.5, 1e7], QUALITIES;
+    "instrument.cantilever.quality_factor.#", PER_MODE,
+        "lever mode # quality factor", Dimensionless, QualityFactor, [0.5, 1e7], QUALITIES;
+    "instrument.tip.half_length", field!(instrument.tip.half_length),
+        "tip half length", Length, NonNegative, [1e-9, 1e-3], PARTS;
+    "instrument.tip.width", member!(instrument.tip.mass, Pyramid, width, table_tip),
+        "tip width", Length, Positive, [1e-9, 1e-3], PARTS;
+    "instrument.tip.height", member!(instrument.tip.mass, Pyramid, height, table_tip),
+        "tip height", Length, Positive, [1e-9, 1e-3], PARTS;
+    "instrument.tip.density", member!(instrument.tip.mass, Pyramid, density, table_tip),
+        "tip density", Density, Positive, [100.0, 3e4], DENSITIES;
+    "instrument.tip.mass", variant!(instrument.tip.mass, Given),
+        "tip mass", Mass, NonNegative, [1e-21, 1e-7], [1e-24, 1e-6];
+    "instrument.tip.radius", field!(instrument.tip.radius),
+        "tip radius", Length, Positive, [1e-10, 1e-3], PARTS;
+    "instrument.tip.youngs_modulus", field!(instrument.tip.youngs_modulus),
+        "tip Young's modulus", Pressure, PositiveOrInfinite, [1e3, 2e12], MODULI;
+    "instrument.tip.poisson_ratio", field!(instrument.tip.poisson_ratio),
+        "tip Poisson ratio", Dimensionless, PoissonRatio, [0.0, 0.5], ANY;
+    "sample.youngs_modulus", field!(sample.youngs_modulus),
+        "sample Young's modulus", Pressure, Positive, [10.0, 2e12], MODULI;
+    "sample.poisson_ratio", field!(sample.poisson_ratio),
+        "sample Poisson ratio", Dimensionless, PoissonRatio, [0.0, 0.5], ANY;
+    "sample.surface_energy", variant!(sample.adhesion, Adhesion::Work),
+        "work of adhesion", SurfaceEnergy, NonNegative, [1e-9, 10.0], [1e-15, 1e3];
+    "sample.hamaker", variant!(sample.adhesion, Adhesion::Hamaker),
+        "Hamaker constant", Energy, NonNegative, [1e-24, 1e-17], [1e-27, 1e-14];
+    "contact.decay_length", field!(contact.decay_length),
+        "decay length of the attraction", Length, Positive, [1e-12, 1e-8], [1e-16, 1e-6];
+    "drive.frequency", variant!(drive.frequency, DriveFrequency::Hertz),
+        "drive frequency", Frequency, Positive, [0.1, 1e9], FREQUENCIES;
+    "drive.voltage", variant!(drive.level, DriveLevel::Voltage),
+        "drive voltage", Voltage, NonNegative, [1e-9, 1e4], [1e-12, 1e6];
+    "drive.free_amplitude", variant!(drive.level, DriveLevel::FreeAmplitude),
+        "free tip amplitude", Length, NonNegative, [1e-15, 1e-3], PATHS;
+    "drive.force", variant!(drive.level, DriveLevel::Force),
+        "drive force on the tip", Force, NonNegative, [1e-18, 1e-2], [1e-21, 0.1];
+    "drive.base_amplitude", variant!(drive.level, DriveLevel::BaseAmplitude),
+        "base amplitude", Length, NonNegative, [1e-18, 1e-3], PATHS;
+    "approach.gap", GAP, "gap between the tip at rest and the surface", Length, Finite, [0.0, 1e-3], PATHS;
+    "approach.setpoint", held!(Held::Amplitude),
+        "amplitude set-point", Dimensionless, SetPoint, [0.05, 360.0], ANY;
+    "approach.force_setpoint", held!(Held::Force),
+        "force set-point", Force, Positive, [1e-14, 1e-3], [1e-17, 1e-2];
+    "approach.deepest", DEEPEST,
+        "how far below the surface a set-point is looked for", Length, Positive, [1e-12, 1e-3], PATHS;
+}

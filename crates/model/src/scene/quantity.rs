@@ -92,6 +92,16 @@ pub struct Quantity {
     pub long_name: &'static str,
     pub dimension: Dimension,
     pub domain: Domain,
-    pub(super) get: fn(&Params, usize) -> Option<f64>,
-    pub(super) set: fn(&mut Params, usize, f64),
+    pub(super) access: Access,
+    /// Sizes that it has in an instrument that can be built, and that any matter has: SI, signs apart; zero and `inf` are the
+    /// domain's to judge.
+    pub(super) usual: [f64; 2],
+    pub(super) possible: [f64; 2],
+}
+
+/// How the value of a quantity, of this index, is had from a case and put into it.
+#[derive(Debug)]
+pub(super) struct Access {
+    pub get: fn(&Params, usize) -> Option<f64>,
+    pub set: fn(&mut Params, usize, f64),
 }

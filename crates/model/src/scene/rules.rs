@@ -4,7 +4,7 @@
 //! A swept quantity counts as if the file had written it in its section.
 
 use super::address::Address;
-use super::axis_zip::law_of;
+use super::axis_zip::{law_of, varies_twice};
 use super::draft::{Draft, Said};
 use super::drive_rules;
 use super::params::*;
@@ -60,6 +60,15 @@ pub(super) fn base(draft: &mut Draft) {
 }
 
 impl Draft {
+    /// Notes that a quantity varies; once.
+    pub(super) fn vary(&mut self, path: &str, key: Range<usize>) -> Checked<()> {
+        if self.said.iter().any(|said| said.swept && said.path == path) {
+            return Err(varies_twice(path, key, self));
+        }
+        self.said.push(Said { path: path.to_owned(), key, swept: true });
+        Ok(())
+    }
+
     pub(super) fn first_of(&self, paths: &[&str]) -> Option<&Said> {
         self.said.iter().find(|said| paths.contains(&said.path.as_str()))
     }
@@ -129,6 +138,25 @@ fn one_lever(draft: &Draft) -> Checked<()> {
     Ok(())
 }
 
+/// What a scene says in one way: of the paths of each, only one.
+const ONE_OF: [(&[&str], &str, &str); 3] = [
+    (
+        &["sample.surface_energy", "sample.hamaker"],
+        "the adhesion is given in two ways",
+        "surface_energy (the work of adhesion), or hamaker with law = \"dmt\"",
+    ),
+    (
+        &LEVELS,
+        "the drive's strength is given in two ways",
+        "one of voltage, free_amplitude, force, base_amplitude",
+    ),
+    (
+        &["approach.gap", "approach.setpoint", "approach.force_setpoint"],
+        "the place of the sample is given in two ways",
+        "one of gap, setpoint, force_setpoint; a set-point is held by moving the sample, and the gap is a result",
+    ),
+];
+
 fn one_of_each(draft: &Draft) -> Checked<()> {
     if let (Some(mass), Some(shape)) = (draft.first_of(&["instrument.tip.mass"]), draft.first_of(&PYRAMID)) {
         return Err(clash(
@@ -138,44 +166,17 @@ fn one_of_each(draft: &Draft) -> Checked<()> {
             "mass, or the width, height and density of a pyramid",
         ));
     }
-    if let (Some(work), Some(hamaker)) =
-        (draft.first_of(&["sample.surface_energy"]), draft.first_of(&["sample.hamaker"]))
-    {
-        return Err(clash(
-            work,
-            hamaker,
-            "the adhesion is given in two ways",
-            "surface_energy (the work of adhesion), or hamaker with law = \"dmt\"",
-        ));
+    for (paths, title, expected) in ONE_OF {
+        let mut said = draft.said.iter().filter(|said| paths.contains(&said.path.as_str()));
+        if let Some(first) = said.next()
+            && let Some(second) = said.find(|said| said.path != first.path)
+        {
+            return Err(clash(first, second, title, expected));
+        }
     }
-    let mut levels = draft.said.iter().filter(|said| LEVELS.contains(&said.path.as_str()));
-    if let Some(first) = levels.next()
-        && let Some(second) = levels.find(|said| said.path != first.path)
-    {
-        return Err(clash(
-            first,
-            second,
-            "the drive's strength is given in two ways",
-            "one of voltage, free_amplitude, force, base_amplitude",
-        ));
-    }
-    let places = ["approach.gap", "approach.setpoint", "approach.force_setpoint"];
-    let mut places = draft.said.iter().filter(|said| places.contains(&said.path.as_str()));
-    if let Some(first) = places.next()
-        && let Some(second) = places.find(|said| said.path != first.path)
-    {
-        return Err(clash(
-            first,
-            second,
-            "the place of the sample is given in two ways",
-            "one of gap, setpoint, force_setpoint; a set-point is held by moving the sample, and the gap is a result",
-        ));
-    }
-    let all = draft.said.iter().find(|said| said.swept && said.path == LEVER_QUALITY);
-    let single = draft
-        .said
-        .iter()
-        .find(|said| said.swept && said.path.starts_with("instrument.cantilever.quality_factor."));
+    let swept = |fits: &dyn Fn(&str) -> bool| draft.said.iter().find(|said| said.swept && fits(&said.path));
+    let all = swept(&|path| path == LEVER_QUALITY);
+    let single = swept(&|path| path.starts_with("instrument.cantilever.quality_factor."));
     if let (Some(all), Some(single)) = (all, single) {
         return Err(clash(
             all,
@@ -272,35 +273,33 @@ fn lever_is_complete(draft: &Draft) -> Checked<()> {
             .expected("quality_factor in [instrument.cantilever], as measured beside the stiffness")
             .help("add a line such as quality_factor = 400; in air stiff levers have some 300 to 600, soft ones 30 to 200"));
     }
+    let missing = |stiffness: f64, frequency: f64| match (stiffness.is_nan(), frequency.is_nan()) {
+        (true, _) => Some(("stiffness", "stiffness = \"42 N/m\"")),
+        (_, true) => Some(("frequency", "frequency = \"300 kHz\"")),
+        _ => None,
+    };
     match &draft.params.instrument.cantilever.lever {
-        LeverSpec::Dimensions { .. } => Ok(()),
+        LeverSpec::Dimensions { .. } => {}
         LeverSpec::Calibrated { stiffness, frequency } => {
-            let (missing, example) = match (stiffness.is_nan(), frequency.is_nan()) {
-                (true, _) => ("stiffness", "stiffness = \"42 N/m\""),
-                (_, true) => ("frequency", "frequency = \"300 kHz\""),
-                _ => return Ok(()),
-            };
-            let place = draft.first_of(&CALIBRATION).map_or(0..0, |said| said.key.clone());
-            Err(Fault::at(place, format!("the calibrated cantilever lacks its {missing}"))
-                .label("only this is given")
-                .expected("both stiffness and frequency of the first mode")
-                .help(format!("add a line such as {example}")))
+            if let Some((missing, example)) = missing(*stiffness, *frequency) {
+                let place = draft.first_of(&CALIBRATION).map_or(0..0, |said| said.key.clone());
+                return Err(Fault::at(place, format!("the calibrated cantilever lacks its {missing}"))
+                    .label("only this is given")
+                    .expected("both stiffness and frequency of the first mode")
+                    .help(format!("add a line such as {example}")));
+            }
         }
         LeverSpec::Modes(modes) => {
             for (mode, place) in modes.iter().zip(&draft.modes) {
-                let missing = match (mode.stiffness.is_nan(), mode.frequency.is_nan()) {
-                    (true, _) => "stiffness",
-                    (_, true) => "frequency",
-                    _ => continue,
-                };
+                let Some((missing, _)) = missing(mode.stiffness, mode.frequency) else { continue };
                 return Err(Fault::at(place.clone(), format!("a listed mode lacks its {missing}"))
                     .label("in this mode")
                     .expected("stiffness and frequency of each mode, such as { stiffness = \"2 N/m\", frequency = \"70 kHz\" }")
                     .help(format!("add {missing} to this mode")));
             }
-            Ok(())
         }
     }
+    Ok(())
 }
 
 /// Without charge flowing, the rod's field softens it; beyond this bound it would collapse.

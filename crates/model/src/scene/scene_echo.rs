@@ -8,8 +8,8 @@ use super::params::PRESET;
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, SETPOINTS_OF};
-use super::toml_text::quoted;
-use super::{Axis, Drawn, Layout, Scene, curve_section, output, sample_source};
+use super::{Axis, Drawn, Layout, Scene, TableFile, curve_section, output};
+use crate::design::{Design, DesignKind, Distribution, Parameter};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
 
@@ -80,8 +80,8 @@ impl Scene {
         if section == "instrument.cantilever"
             && let QualityFactor::PerMode(values) = &self.base.instrument.cantilever.quality_factor
         {
-            let values: Vec<String> = values.iter().map(|q| written(*q, Dimension::Dimensionless)).collect();
-            writeln!(text, "quality_factor = [{}]", values.join(", "))?;
+            let values = list(values.iter().map(|q| written(*q, Dimension::Dimensionless)));
+            writeln!(text, "quality_factor = {values}")?;
         }
         Ok(())
     }
@@ -125,7 +125,7 @@ impl Scene {
             writeln!(text, "{}", written_axis(axis, self.sweep.layout))?;
         }
         if self.drawn.design.is_some() || self.drawn.file.is_some() {
-            text.push_str(&sample_source::written(&self.drawn));
+            text.push_str(&written_samples(&self.drawn));
         }
         for axis in samples.into_iter().filter(|_| self.drawn == Drawn::default()) {
             writeln!(text, "\n[samples]")?;
@@ -163,8 +163,8 @@ impl Scene {
     }
 
     fn write_output(&self, text: &mut String) -> std::fmt::Result {
-        let names: Vec<String> = self.output.observables.iter().map(|o| quoted(o.name())).collect();
-        writeln!(text, "\n[output]\nobservables = [{}]", names.join(", "))?;
+        let names = list(self.output.observables.iter().map(|o| quoted(o.name())));
+        writeln!(text, "\n[output]\nobservables = {names}")?;
         if let Some(waveforms) = &self.output.waveforms {
             let (samples, periods) = (waveforms.samples_per_period, waveforms.periods);
             let instances = self.written_instances(&waveforms.instances);
@@ -184,8 +184,7 @@ impl Scene {
         if instances.len() > 1 && instances.iter().copied().eq(0..self.sweep.len()) {
             return quoted(output::ALL);
         }
-        let numbers: Vec<String> = instances.iter().map(usize::to_string).collect();
-        format!("[{}]", numbers.join(", "))
+        list(instances.iter().map(usize::to_string))
     }
 }
 
@@ -208,7 +207,7 @@ fn written_axis(axis: &Axis, layout: Layout) -> String {
 fn entries(axis: &Axis) -> String {
     match Address::find(&axis.path) {
         Some(address) => value_list(axis, address),
-        None => format!("[{}]", axis.words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(", ")),
+        None => list(axis.words.iter().map(|word| quoted(word))),
     }
 }
 
@@ -233,11 +232,104 @@ fn grid_axis(axis: &Axis, address: Address, between: &str) -> String {
 }
 
 fn value_list(axis: &Axis, address: Address) -> String {
-    let values: Vec<String> = axis.values.iter().map(|value| address.written(*value)).collect();
-    format!("[{}]", values.join(", "))
+    list(axis.values.iter().map(|value| address.written(*value)))
+}
+
+/// A list as TOML has it.
+fn list(entries: impl Iterator<Item = String>) -> String {
+    format!("[{}]", entries.collect::<Vec<_>>().join(", "))
 }
 
 /// The keyword of a choice, quoted.
 fn word<T: PartialEq>(words: &[(&str, T)], meaning: T) -> String {
     words.iter().find(|(_, other)| *other == meaning).map_or_else(String::new, |(word, _)| quoted(word))
+}
+
+/// The sections that say where the samples come from.
+fn written_samples(drawn: &Drawn) -> String {
+    match (&drawn.design, &drawn.file) {
+        (Some(design), Some(file)) if design.settings.kind == DesignKind::Table => {
+            format!("\n[design]\nkind = \"table\"\n{}", written_file(file))
+        }
+        (Some(design), _) => written_design(design),
+        (None, Some(file)) => format!("\n[samples]\n{}", written_file(file)),
+        (None, None) => String::new(),
+    }
+}
+
+fn written_file(table: &TableFile) -> String {
+    let names = table.names.as_ref().map_or_else(String::new, |names| {
+        format!("names = {}\n", list(names.iter().map(|name| quoted(name))))
+    });
+    format!("file = {}\n{names}", quoted(&table.file))
+}
+
+fn written_design(design: &Design) -> String {
+    let settings = &design.settings;
+    let mut lines = vec![String::new(), "[uncertain]".to_owned()];
+    lines.extend(design.parameters.iter().map(written_parameter));
+    lines.push(String::new());
+    lines.push("[design]".into());
+    lines.push(format!("kind = \"{}\"", settings.kind.word()));
+    lines.push(format!("samples = {}", settings.samples));
+    let kind = settings.kind;
+    if matches!(kind, DesignKind::Sobol | DesignKind::Saltelli) {
+        lines.push(format!("replicates = {}", settings.replicates));
+        lines.push(format!("scramble = {}", settings.scramble));
+    }
+    if kind == DesignKind::Saltelli {
+        lines.push(format!("second_order = {}", settings.second_order));
+    }
+    if kind == DesignKind::Morris {
+        lines.push(format!("levels = {}", settings.levels));
+    }
+    lines.push(format!("seed = {}", settings.seed));
+    let path = |n: &usize| quoted(&design.parameters[*n].path);
+    let mut together = settings.groups.iter().filter(|members| members.len() > 1).peekable();
+    if together.peek().is_some() {
+        lines.push(format!("groups = {}", list(together.map(|members| list(members.iter().map(path))))));
+    }
+    if !settings.correlation.is_empty() {
+        let pair = |(a, b, rank): &(usize, usize, f64)| format!("[{}, {}, {rank:?}]", path(a), path(b));
+        lines.push(format!("correlation = {}", list(settings.correlation.iter().map(pair))));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// The line of an uncertain quantity.
+fn written_parameter(parameter: &Parameter) -> String {
+    let value = |value: f64| {
+        Address::find(&parameter.path).map_or_else(|| format!("{value:?}"), |address| address.written(value))
+    };
+    let (word, entries) = match parameter.distribution {
+        Some(Distribution::Uniform { from, to }) => ("uniform", vec![("from", from), ("to", to)]),
+        Some(Distribution::LogUniform { from, to }) => ("loguniform", vec![("from", from), ("to", to)]),
+        Some(Distribution::Triangular { from, mode, to }) => {
+            ("triangular", vec![("from", from), ("mode", mode), ("to", to)])
+        }
+        Some(Distribution::Normal { mean, sd, from, to }) => {
+            ("normal", cut([("mean", mean), ("sd", sd)], from, to))
+        }
+        Some(Distribution::LogNormal { median, sigma, from, to }) => {
+            ("lognormal", cut([("median", median), ("sigma", sigma)], from, to))
+        }
+        None => return String::new(),
+    };
+    let entry = |(key, number): (&str, f64)| match key {
+        "sigma" => format!(", {key} = {number:?}"),
+        _ => format!(", {key} = {}", value(number)),
+    };
+    let entries: String = entries.into_iter().map(entry).collect();
+    format!("{} = {{ distribution = \"{word}\"{entries} }}", quoted(&parameter.path))
+}
+
+/// Entries of a distribution, with the ends of its cut as far as there are.
+fn cut(own: [(&'static str, f64); 2], from: Option<f64>, to: Option<f64>) -> Vec<(&'static str, f64)> {
+    let ends = [from.map(|from| ("from", from)), to.map(|to| ("to", to))];
+    own.into_iter().chain(ends.into_iter().flatten()).collect()
+}
+
+/// A TOML string, whatever it contains.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_string()).to_string()
 }

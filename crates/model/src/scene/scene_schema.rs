@@ -3,17 +3,19 @@
 //! Editors complete keys and show units by it. It is draft 7, which TOML editors know. Rules between keys are not in it.
 
 use super::address::Address;
+use super::axes::MOST_INSTANCES;
 use super::axis_zip::LABEL;
-use super::curve_section;
+use super::design_section::{KEYS as DESIGN_KEYS, LEVELS, MOST_LEVELS};
 use super::levers;
-use super::output::{ALL, BRANCHES, KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
+use super::output::{ALL, BRANCHES, KEYS, OUTPUT_KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, Params};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
 use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF};
-use super::schema_parts::{object, told};
-use super::{STEPPED_MODES, schema_design};
+use super::uncertain_section::{KEYS as DISTRIBUTIONS, SIGMAS};
+use super::{STEPPED_MODES, curve_section};
+use crate::design::DesignKind;
 use crate::observe::Observable;
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
@@ -22,43 +24,72 @@ use serde_json::{Map, Value, json};
 const SIZE: &str = r"(\d+\.?\d*|\.\d+)([eE][-+\u2212]?\d+)?";
 /// The prefixes of units.
 const PREFIX: &str = "[yzafpnu\u{b5}\u{3bc}mckMGTPE]?";
+/// The name of the definition of distributions.
+const DISTRIBUTION: &str = "distribution";
 
 /// The schema. `describe` tells what the key of a path means, as the documents have it.
 pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
-    let mut sections = Map::new();
-    let home = |name: &str| Section { name, describe }.object();
-    for name in SECTIONS {
+    let texts = Texts(describe);
+    let section = |name: &'static str| {
         let value = match name {
             "title" => json!({ "type": "string" }),
-            "instrument" => instrument(describe),
+            "instrument" => texts.instrument(),
             "sweep" => sweep(),
-            "samples" => schema_design::samples(varied(&listed)),
-            "uncertain" => {
-                varied(&|_| json!({ "$ref": format!("#/definitions/{}", schema_design::DISTRIBUTION) }))
-            }
-            "design" => schema_design::design(describe),
+            "samples" => samples(),
+            "uncertain" => varied(&|_| json!({ "$ref": format!("#/definitions/{DISTRIBUTION}") })),
+            "design" => texts.design(),
             "curve" => curve(),
-            "run" => run(describe),
-            "output" => output(describe),
-            other => home(other),
+            "run" => texts.run(),
+            "output" => texts.output(),
+            other => object(texts.quantities(other)),
         };
-        sections.insert(name.into(), told(value, &describe(name)));
-    }
+        (name.to_owned(), texts.told(value, name))
+    };
     let definition = |quantity: &'static Quantity| {
-        let value = with_default(one(quantity), quantity);
-        (name(quantity), told(value, &describe(quantity.path)))
+        (name(quantity), texts.told(with_default(one(quantity), quantity), quantity.path))
     };
     let mut definitions: Map<String, Value> = QUANTITIES.iter().map(definition).collect();
-    definitions.insert(schema_design::DISTRIBUTION.into(), schema_design::distribution());
+    definitions.insert(DISTRIBUTION.into(), distribution());
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Scene of afmsweep",
         "description": "What oscillates over which sample, what varies, and what is measured.",
         "type": "object",
-        "properties": sections,
+        "properties": SECTIONS.into_iter().map(section).collect::<Map<String, Value>>(),
         "additionalProperties": false,
         "definitions": definitions,
     })
+}
+
+/// A table with these entries and no others.
+fn object(properties: Map<String, Value>) -> Value {
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// Likewise, these of them needed.
+fn with_required(properties: Map<String, Value>, required: &[&str]) -> Value {
+    let mut object = object(properties);
+    object["required"] = json!(required);
+    object
+}
+
+/// A list that is not empty.
+fn list(items: Value) -> Value {
+    json!({ "type": "array", "minItems": 1, "items": items })
+}
+
+/// Likewise, no entry twice.
+fn unique(items: Value) -> Value {
+    json!({ "type": "array", "minItems": 1, "uniqueItems": true, "items": items })
+}
+
+fn whole(least: u64, most: u64) -> Value {
+    json!({ "type": "integer", "minimum": least, "maximum": most })
+}
+
+/// A text that is not empty.
+fn text() -> Value {
+    json!({ "type": "string", "minLength": 1 })
 }
 
 /// One of these words.
@@ -67,93 +98,166 @@ fn word<T>(words: &[(&str, T)]) -> Value {
     json!({ "type": "string", "enum": words })
 }
 
-/// A section of quantities, with the choices among them.
-struct Section<'a> {
-    name: &'a str,
-    describe: &'a dyn Fn(&str) -> String,
-}
+/// What the keys of paths mean.
+struct Texts<'a>(&'a dyn Fn(&str) -> String);
 
-impl Section<'_> {
-    fn properties(&self) -> Map<String, Value> {
-        let mut properties = Map::new();
-        for quantity in QUANTITIES {
-            let Some((home, key)) = quantity.path.rsplit_once('.') else { continue };
-            if home == self.name && key != "#" {
-                let value = match quantity.path {
-                    "drive.frequency" => json!({ "anyOf": [named(quantity), { "const": "resonance" }] }),
-                    "instrument.cantilever.quality_factor" => {
-                        let list = json!({
-                            "type": "array",
-                            "minItems": 1,
-                            "maxItems": MOST_MODES,
-                            "items": named(quantity),
-                        });
-                        json!({ "anyOf": [named(quantity), list] })
-                    }
-                    _ => named(quantity),
-                };
-                properties.insert(key.into(), value);
-            }
+impl Texts<'_> {
+    /// With the description of that path, if there is one.
+    fn told(&self, mut value: Value, path: &str) -> Value {
+        let text = (self.0)(path);
+        if let (Some(object), false) = (value.as_object_mut(), text.is_empty()) {
+            object.insert("description".into(), text.into());
         }
-        let choices = match self.name {
+        value
+    }
+
+    /// The entries of a section, each with its description.
+    fn entries<'k>(
+        &self,
+        section: &str,
+        all: impl IntoIterator<Item = (&'k str, Value)>,
+    ) -> Map<String, Value> {
+        let entry =
+            |(key, value): (&str, Value)| (key.to_owned(), self.told(value, &format!("{section}.{key}")));
+        all.into_iter().map(entry).collect()
+    }
+
+    /// Likewise, what each key may have.
+    fn keys<'k>(
+        &self,
+        section: &str,
+        keys: impl IntoIterator<Item = &'k str>,
+        value: impl Fn(&str) -> Value,
+    ) -> Map<String, Value> {
+        self.entries(section, keys.into_iter().map(|key| (key, value(key))))
+    }
+
+    /// The quantities of a section, with the choices among them.
+    fn quantities(&self, section: &str) -> Map<String, Value> {
+        let choices = match section {
             "instrument.actuator" => vec![("model", word(&MODELS))],
             "contact" => vec![("law", word(LawChoice::WORDS))],
             "drive" => vec![("on", word(&DRIVE_ON))],
             "approach" => {
                 vec![("setpoint_branch", word(&BRANCHES_HELD)), ("setpoint_of", word(&SETPOINTS_OF))]
             }
+            "instrument.cantilever" => {
+                let mode = object(self.quantities("instrument.cantilever.modes.#"));
+                vec![("modes", up_to_most_modes(mode))]
+            }
             _ => Vec::new(),
         };
-        for (key, value) in choices {
-            properties.insert(key.into(), told(value, &(self.describe)(&format!("{}.{key}", self.name))));
-        }
-        properties
+        let own = QUANTITIES.iter().filter_map(|quantity| {
+            let (home, key) = quantity.path.rsplit_once('.')?;
+            let value = match quantity.path {
+                "drive.frequency" => json!({ "anyOf": [named(quantity), { "const": "resonance" }] }),
+                "instrument.cantilever.quality_factor" => {
+                    json!({ "anyOf": [named(quantity), up_to_most_modes(named(quantity))] })
+                }
+                _ => named(quantity),
+            };
+            (home == section && key != "#").then(|| (key.to_owned(), value))
+        });
+        own.chain(self.entries(section, choices)).collect()
     }
 
-    fn object(&self) -> Value {
-        object(self.properties())
+    fn instrument(&self) -> Value {
+        let parts = ["actuator", "cantilever", "tip"];
+        let part = |key| (key, object(self.quantities(&format!("instrument.{key}"))));
+        let preset = [("preset", word(&levers::presets()))];
+        object(self.entries("instrument", preset.into_iter().chain(parts.map(part))))
+    }
+
+    fn design(&self) -> Value {
+        let value = |key: &str| match key {
+            "kind" => word(&DesignKind::WORDS),
+            "samples" => whole(1, MOST_INSTANCES as u64),
+            "replicates" => whole(1, 1024),
+            "seed" => json!({ "type": "integer", "minimum": 0, "default": 0 }),
+            "correlation" => list(json!({
+                "type": "array",
+                "items": [text(), text(), { "type": "number", "minimum": -1, "maximum": 1 }],
+                "minItems": 3,
+                "maxItems": 3,
+            })),
+            "groups" => list(list(text())),
+            "scramble" => json!({ "type": "boolean", "default": true }),
+            "second_order" => json!({ "type": "boolean", "default": false }),
+            "levels" => json!({ "type": "integer", "minimum": 2, "maximum": MOST_LEVELS, "default": LEVELS }),
+            "names" => list(text()),
+            _ => text(),
+        };
+        with_required(self.keys("design", DESIGN_KEYS.map(|(key, _)| key), value), &["kind"])
+    }
+
+    fn run(&self) -> Value {
+        object(self.keys("run", KEYS, |key| match key {
+            "start" => word(&STARTS),
+            "steady" => word(&WAYS),
+            "branches" => word(&BRANCHES),
+            "accuracy" => json!({ "type": "number", "minimum": 1e-9, "maximum": 0.5, "default": 1e-3 }),
+            "modes" => whole(1, STEPPED_MODES as u64),
+            "steps_per_period" => whole(16, 1_000_000),
+            _ => whole(1, u64::from(u32::MAX)),
+        }))
+    }
+
+    fn output(&self) -> Value {
+        let names: Vec<&str> = Observable::all().map(Observable::name).collect();
+        object(self.keys("output", OUTPUT_KEYS, |key| match key {
+            "waveforms" => self.of_instances("output.waveforms", &WAVEFORM_KEYS),
+            "spectra" => self.of_instances("output.spectra", &SPECTRUM_KEYS),
+            _ => unique(json!({ "type": "string", "enum": names })),
+        }))
+    }
+
+    /// A table of `[output]` that lists instances.
+    fn of_instances(&self, section: &str, keys: &[&str]) -> Value {
+        let value = |key: &str| match key {
+            "instances" => {
+                let numbers = unique(json!({ "type": "integer", "minimum": 0 }));
+                json!({ "anyOf": [{ "const": ALL }, numbers] })
+            }
+            "samples_per_period" => whole(2, 65_536),
+            _ => json!({ "type": "integer", "minimum": 1 }),
+        };
+        with_required(self.keys(section, keys.iter().copied(), value), &["instances"])
     }
 }
 
-fn instrument(describe: &dyn Fn(&str) -> String) -> Value {
-    let mut properties = Map::new();
-    let preset = word(&levers::presets());
-    properties.insert("preset".into(), told(preset, &describe("instrument.preset")));
-    for name in ["instrument.actuator", "instrument.cantilever", "instrument.tip"] {
-        let mut entries = Section { name, describe }.properties();
-        if name == "instrument.cantilever" {
-            let mode = Section { name: "instrument.cantilever.modes.#", describe }.properties();
-            let mode = json!({
-                "type": "object",
-                "properties": mode,
-                "additionalProperties": false,
-            });
-            let modes = json!({ "type": "array", "minItems": 1, "maxItems": MOST_MODES, "items": mode });
-            entries.insert("modes".into(), told(modes, &describe("instrument.cantilever.modes")));
-        }
-        let key = name.rsplit('.').next().unwrap_or(name);
-        properties.insert(key.into(), told(object(entries), &describe(name)));
-    }
-    object(properties)
+/// A list with an entry for each mode of the lever at most.
+fn up_to_most_modes(items: Value) -> Value {
+    json!({ "type": "array", "minItems": 1, "maxItems": MOST_MODES, "items": items })
+}
+
+/// A distribution of any quantity. The units of its values only reading can judge.
+fn distribution() -> Value {
+    let of = |(word, keys): (&str, &[&str])| {
+        let value = |key: &str| match key {
+            "sigma" => json!({ "type": "number", "minimum": SIGMAS.0, "maximum": SIGMAS.1 }),
+            _ => json!({ "type": ["string", "number"] }),
+        };
+        let values = keys.iter().map(|key| ((*key).to_owned(), value(key)));
+        let properties = values.chain([(DISTRIBUTION.to_owned(), json!({ "const": word }))]).collect();
+        let cut = ["normal", "lognormal"].contains(&word);
+        let needed = keys.iter().copied().filter(|key| !(cut && ["from", "to"].contains(key)));
+        with_required(properties, &[DISTRIBUTION].into_iter().chain(needed).collect::<Vec<_>>())
+    };
+    json!({ "anyOf": DISTRIBUTIONS.map(of) })
 }
 
 /// Quantities by their paths, each with what `form` makes of its values.
 fn varied(form: &dyn Fn(&Quantity) -> Value) -> Value {
-    let (mut named, mut indexed) = (Map::new(), Map::new());
-    for quantity in QUANTITIES {
-        let value = form(quantity);
-        match quantity.path.contains('#') {
-            true => {
-                let pattern = quantity.path.replace('.', r"\.").replace('#', "(0|[1-9][0-9]*)");
-                indexed.insert(format!("^{pattern}$"), value)
-            }
-            false => named.insert(quantity.path.into(), value),
-        };
-    }
+    let (indexed, named): (Vec<&Quantity>, Vec<_>) =
+        QUANTITIES.iter().partition(|one| one.path.contains('#'));
+    let pattern = |path: &str| format!("^{}$", path.replace('.', r"\.").replace('#', "(0|[1-9][0-9]*)"));
+    let all = |quantities: Vec<&Quantity>, key: &dyn Fn(&str) -> String| -> Map<String, Value> {
+        quantities.into_iter().map(|one| (key(one.path), form(one))).collect()
+    };
     json!({
         "type": "object",
-        "properties": named,
-        "patternProperties": indexed,
+        "properties": all(named, &str::to_owned),
+        "patternProperties": all(indexed, &pattern),
         "additionalProperties": false,
         "minProperties": 1,
     })
@@ -163,73 +267,57 @@ fn varied(form: &dyn Fn(&Quantity) -> Value) -> Value {
 fn sweep() -> Value {
     let mut sweep = varied(&axis);
     let mut together = varied(&listed);
-    let laws =
-        json!({ "type": "array", "minItems": 1, "uniqueItems": true, "items": word(LawChoice::WORDS) });
-    together["properties"][LAW] = json!({ "type": "array", "minItems": 1, "items": word(LawChoice::WORDS) });
-    together["properties"][LABEL] = json!({
-        "type": "array",
-        "minItems": 1,
-        "uniqueItems": true,
-        "items": { "type": "string", "minLength": 1 },
-    });
-    together["minProperties"] = json!(1);
+    together["properties"][LAW] = list(word(LawChoice::WORDS));
+    together["properties"][LABEL] = unique(text());
     together["not"] = json!({ "required": [LABEL], "maxProperties": 1 });
-    sweep["properties"][LAW] = json!({
-        "type": "object",
-        "properties": { "values": laws },
-        "required": ["values"],
-        "additionalProperties": false,
-    });
+    sweep["properties"][LAW] = values_alone(unique(word(LawChoice::WORDS)));
     sweep["patternProperties"]["^[a-z][a-z0-9_]*$"] = together;
     sweep
 }
 
+/// `[samples]`: lists, or a file of them.
+fn samples() -> Value {
+    let mut lists = varied(&listed);
+    lists["properties"]["file"] = text();
+    lists["properties"]["names"] = list(json!({ "type": "string" }));
+    lists["dependencies"] = json!({ "names": ["file"] });
+    lists
+}
+
+/// An axis value by value.
+fn values_alone(values: Value) -> Value {
+    with_required(Map::from_iter([("values".to_owned(), values)]), &["values"])
+}
+
+/// The entries of an axis from one end to the other.
+fn range(end: Value) -> Map<String, Value> {
+    let scale = word(&[("lin", ()), ("log", ())]);
+    let points = json!({ "type": "integer", "minimum": 2 });
+    let all = [("from", end.clone()), ("to", end), ("points", points), ("scale", scale)];
+    all.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
+}
+
 /// An axis of a grid: from one end to the other, or value by value.
 fn axis(quantity: &Quantity) -> Value {
-    let range = json!({
-        "type": "object",
-        "properties": {
-            "from": named(quantity),
-            "to": named(quantity),
-            "points": { "type": "integer", "minimum": 2 },
-            "scale": { "type": "string", "enum": ["lin", "log"] },
-        },
-        "required": ["from", "to", "points"],
-        "additionalProperties": false,
-    });
-    let values = json!({
-        "type": "object",
-        "properties": { "values": listed(quantity) },
-        "required": ["values"],
-        "additionalProperties": false,
-    });
-    json!({ "anyOf": [range, values] })
+    let range = with_required(range(named(quantity)), &["from", "to", "points"]);
+    json!({ "anyOf": [range, values_alone(listed(quantity))] })
 }
 
 /// An axis of one quantity of several, and its direction.
 fn curve() -> Value {
     let quantities = || QUANTITIES.iter().filter(|one| curve_section::QUANTITIES.contains(&one.path));
     let paths: Vec<&str> = quantities().map(|one| one.path).collect();
-    let any = || json!({ "anyOf": quantities().map(named).collect::<Vec<Value>>() });
-    json!({
-        "type": "object",
-        "properties": {
-            "quantity": { "type": "string", "enum": paths },
-            "from": any(),
-            "to": any(),
-            "points": { "type": "integer", "minimum": 2 },
-            "scale": { "type": "string", "enum": ["lin", "log"] },
-            "values": { "type": "array", "minItems": 1, "items": any() },
-            "direction": word(&curve_section::DIRECTIONS),
-        },
-        "required": ["quantity"],
-        "oneOf": [{ "required": ["from", "to", "points"] }, { "required": ["values"] }],
-        "additionalProperties": false,
-    })
+    let any = json!({ "anyOf": quantities().map(named).collect::<Vec<Value>>() });
+    let mut curve = with_required(range(any.clone()), &["quantity"]);
+    curve["properties"]["quantity"] = json!({ "type": "string", "enum": paths });
+    curve["properties"]["values"] = list(any);
+    curve["properties"]["direction"] = word(&curve_section::DIRECTIONS);
+    curve["oneOf"] = json!([{ "required": ["from", "to", "points"] }, { "required": ["values"] }]);
+    curve
 }
 
 fn listed(quantity: &Quantity) -> Value {
-    json!({ "type": "array", "minItems": 1, "items": named(quantity) })
+    list(named(quantity))
 }
 
 /// A reference to what values of a quantity are.
@@ -249,15 +337,12 @@ fn one(quantity: &Quantity) -> Value {
     }
     let sign = if quantity.domain == Domain::Finite { "[-+\u{2212}]?" } else { r"\+?" };
     let size = format!(r"^\s*{sign}{SIZE}\s*({})\s*$", units(quantity.dimension));
-    let text = json!({ "type": "string", "pattern": size, "examples": [example(quantity.dimension)] });
+    let example = quantity.dimension.example().trim_matches('"');
+    let text = json!({ "type": "string", "pattern": size, "examples": [example] });
     match quantity.domain {
         Domain::PositiveOrInfinite => json!({ "anyOf": [text, infinite()] }),
         _ => text,
     }
-}
-
-fn example(dimension: Dimension) -> String {
-    dimension.example().trim_matches('"').to_owned()
 }
 
 /// A number without unit.
@@ -286,17 +371,18 @@ fn infinite() -> Value {
 /// Units of a dimension: its symbol with a prefix, or any expression of several, which only reading can judge.
 fn units(dimension: Dimension) -> String {
     let expression = r"[^\s\d][^\s]*[\^/\u00b2\u00b3*\u00b7].*|[^\s\d]+\s+[^\s\d].*";
-    match dimension {
-        Dimension::Length => format!("{PREFIX}m|\u{c5}|\u{212b}|angstrom|{expression}"),
-        Dimension::Time => format!("{PREFIX}s|{expression}"),
-        Dimension::Mass => format!("{PREFIX}g|{expression}"),
-        Dimension::Frequency => format!("{PREFIX}Hz|{expression}"),
-        Dimension::Force => format!("{PREFIX}N|{expression}"),
-        Dimension::Pressure => format!("{PREFIX}(Pa|bar)|{expression}"),
-        Dimension::Energy => format!("{PREFIX}J|{expression}"),
-        Dimension::Voltage => format!("{PREFIX}V|{expression}"),
-        _ => expression.to_owned(),
-    }
+    let symbol = match dimension {
+        Dimension::Length => "m|\u{c5}|\u{212b}|angstrom",
+        Dimension::Mass => "g",
+        Dimension::Pressure => "(Pa|bar)",
+        Dimension::Time
+        | Dimension::Frequency
+        | Dimension::Force
+        | Dimension::Energy
+        | Dimension::Voltage => dimension.si_unit(),
+        _ => return expression.to_owned(),
+    };
+    format!("{PREFIX}{symbol}|{expression}")
 }
 
 /// With the preset's value, where there is one.
@@ -309,64 +395,4 @@ fn with_default(mut value: Value, quantity: &'static Quantity) -> Value {
         object.insert("default".into(), default);
     }
     value
-}
-
-fn run(describe: &dyn Fn(&str) -> String) -> Value {
-    let whole = |least: u64, most: u64| json!({ "type": "integer", "minimum": least, "maximum": most });
-    let mut properties = Map::new();
-    for key in KEYS {
-        let value = match key {
-            "start" => word(&STARTS),
-            "steady" => word(&WAYS),
-            "branches" => word(&BRANCHES),
-            "accuracy" => json!({ "type": "number", "minimum": 1e-9, "maximum": 0.5, "default": 1e-3 }),
-            "modes" => whole(1, STEPPED_MODES as u64),
-            "steps_per_period" => whole(16, 1_000_000),
-            _ => whole(1, u64::from(u32::MAX)),
-        };
-        properties.insert(key.into(), told(value, &describe(&format!("run.{key}"))));
-    }
-    object(properties)
-}
-
-fn output(describe: &dyn Fn(&str) -> String) -> Value {
-    let names: Vec<&str> = Observable::all().map(Observable::name).collect();
-    let observables = json!({
-        "type": "array",
-        "minItems": 1,
-        "uniqueItems": true,
-        "items": { "type": "string", "enum": names },
-    });
-    let mut properties = Map::new();
-    properties.insert("observables".into(), told(observables, &describe("output.observables")));
-    for (name, keys) in [("waveforms", &WAVEFORM_KEYS[..]), ("spectra", &SPECTRUM_KEYS[..])] {
-        properties.insert(name.into(), of_instances(name, keys, describe));
-    }
-    object(properties)
-}
-
-/// A table of `[output]` that lists instances.
-fn of_instances(name: &str, keys: &[&str], describe: &dyn Fn(&str) -> String) -> Value {
-    let mut entries = Map::new();
-    for key in keys {
-        let value = match *key {
-            "instances" => json!({ "anyOf": [
-                { "const": ALL },
-                {
-                    "type": "array",
-                    "minItems": 1,
-                    "uniqueItems": true,
-                    "items": { "type": "integer", "minimum": 0 },
-                },
-            ] }),
-            "samples_per_period" => json!({ "type": "integer", "minimum": 2, "maximum": 65_536 }),
-            _ => json!({ "type": "integer", "minimum": 1 }),
-        };
-        entries.insert((*key).into(), told(value, &describe(&format!("output.{name}.{key}"))));
-    }
-    let mut table = object(entries);
-    if let Some(object) = table.as_object_mut() {
-        object.insert("required".into(), json!(["instances"]));
-    }
-    told(table, &describe(&format!("output.{name}")))
 }

@@ -44,7 +44,7 @@ fn crossed(
     let samples = list.len();
     sweep.axes.push(axis_zip::samples(list.axes, samples));
     in_all(sweep.len(), key)?;
-    axis_zip::check(&sweep, key, draft)?;
+    axis_zip::check(&sweep, key.span(), draft)?;
     Ok(sweep)
 }
 
@@ -90,6 +90,6 @@ fn section(key: &Key, value: &Value, layout: Layout, draft: &mut Draft) -> Check
         in_all(instances, key)?;
         sweep.axes.push(axis);
     }
-    axis_zip::check(&sweep, key, draft)?;
+    axis_zip::check(&sweep, key.span(), draft)?;
     Ok(sweep)
 }

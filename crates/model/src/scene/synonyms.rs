@@ -21,95 +21,42 @@ const WAYS: Meant = Instead(
 const PARALLEL: Meant = Instead("all cores work; --threads N takes fewer");
 
 /// Letters count as they are written; failing that, in small ones.
-static SYNONYMS: &[(&str, Meant)] = &[
-    ("k", Name("stiffness")),
-    ("spring_constant", Name("stiffness")),
-    ("force_constant", Name("stiffness")),
-    ("Q", Name("quality_factor")),
-    ("q_factor", Name("quality_factor")),
-    ("quality", Name("quality_factor")),
-    ("f0", Name("frequency")),
-    ("f", Name("frequency")),
-    ("resonance_frequency", Name("frequency")),
-    ("natural_frequency", Name("frequency")),
-    ("eigenfrequency", Name("frequency")),
-    ("E", Name("youngs_modulus")),
-    ("modulus", Name("youngs_modulus")),
-    ("elastic_modulus", Name("youngs_modulus")),
-    ("nu", Name("poisson_ratio")),
-    ("poisson", Name("poisson_ratio")),
-    ("gamma", Name("surface_energy")),
-    ("w", Name("surface_energy")),
-    ("adhesion", Name("surface_energy")),
-    ("work_of_adhesion", Name("surface_energy")),
-    ("adhesion_energy", Name("surface_energy")),
-    ("hamaker_constant", Name("hamaker")),
-    ("H", Name("hamaker")),
-    ("R", Name("radius")),
-    ("tip_radius", Name("radius")),
-    ("A0", Name("free_amplitude")),
-    ("free_amp", Name("free_amplitude")),
-    ("amplitude_free", Name("free_amplitude")),
-    ("D0", Name("decay_length")),
-    ("a0", Name("decay_length")),
-    ("z0", Name("decay_length")),
-    ("intermolecular_distance", Name("decay_length")),
-    ("z", Name("gap")),
-    ("zc", Name("gap")),
-    ("distance", Name("gap")),
-    ("separation", Name("gap")),
-    ("tip_sample_distance", Name("gap")),
-    ("height", Name("gap")),
-    ("cycles", Name("periods")),
-    ("duration", Name("periods")),
-    ("time", Name("periods")),
-    ("dt", Name("steps_per_period")),
-    ("time_step", Name("steps_per_period")),
-    ("steps", Name("steps_per_period")),
-    ("tolerance", Name("accuracy")),
-    ("tol", Name("accuracy")),
-    ("rtol", Name("accuracy")),
-    ("contact_law", Name("law")),
-    ("contact_model", Name("law")),
-    ("peak_force", Name("force_max")),
-    ("max_force", Name("force_max")),
-    ("force", Name("force_max")),
-    ("min_force", Name("force_min")),
-    ("adhesion_force", Name("force_min")),
-    ("pull_off", Name("force_min")),
-    ("mean_force", Name("force_mean")),
-    ("average_force", Name("force_mean")),
-    ("indentation", Name("indentation_max")),
-    ("deformation", Name("indentation_max")),
-    ("penetration", Name("indentation_max")),
-    ("energy", Name("dissipation")),
-    ("dissipated_energy", Name("dissipation")),
-    ("loss", Name("dissipation")),
-    ("phase_shift", Name("phase")),
-    ("phase_lag", Name("phase")),
-    ("harmonics", Name("harmonic_amplitude")),
-    ("sp", Name("setpoint")),
-    ("set_point", Name("setpoint")),
-    ("amplitude_ratio", Name("setpoint")),
-    ("hysteresis", WAYS),
-    ("retract", WAYS),
-    ("retraction", WAYS),
-    ("approach_curve", WAYS),
-    ("snap_in", WAYS),
-    ("jump_to_contact", WAYS),
-    ("deflection", Name("deflection_amplitude")),
-    ("viscosity", ELASTIC),
-    ("damping", Instead("a lever's damping is its `quality_factor`; samples are elastic")),
-    ("medium", FLUID),
-    ("fluid", FLUID),
-    ("temperature", Instead("there is no thermal noise")),
-    ("threads", PARALLEL),
-    ("cores", PARALLEL),
+static SYNONYMS: &[(Meant, &[&str])] = &[
+    (Name("stiffness"), &["k", "spring_constant", "force_constant"]),
+    (Name("quality_factor"), &["Q", "q_factor", "quality"]),
+    (Name("frequency"), &["f0", "f", "resonance_frequency", "natural_frequency", "eigenfrequency"]),
+    (Name("youngs_modulus"), &["E", "modulus", "elastic_modulus"]),
+    (Name("poisson_ratio"), &["nu", "poisson"]),
+    (Name("surface_energy"), &["gamma", "w", "adhesion", "work_of_adhesion", "adhesion_energy"]),
+    (Name("hamaker"), &["hamaker_constant", "H"]),
+    (Name("radius"), &["R", "tip_radius"]),
+    (Name("free_amplitude"), &["A0", "free_amp", "amplitude_free"]),
+    (Name("decay_length"), &["D0", "a0", "z0", "intermolecular_distance"]),
+    (Name("gap"), &["z", "zc", "distance", "separation", "tip_sample_distance", "height"]),
+    (Name("periods"), &["cycles", "duration", "time"]),
+    (Name("steps_per_period"), &["dt", "time_step", "steps"]),
+    (Name("accuracy"), &["tolerance", "tol", "rtol"]),
+    (Name("law"), &["contact_law", "contact_model"]),
+    (Name("force_max"), &["peak_force", "max_force", "force"]),
+    (Name("force_min"), &["min_force", "adhesion_force", "pull_off"]),
+    (Name("force_mean"), &["mean_force", "average_force"]),
+    (Name("indentation_max"), &["indentation", "deformation", "penetration"]),
+    (Name("dissipation"), &["energy", "dissipated_energy", "loss"]),
+    (Name("phase"), &["phase_shift", "phase_lag"]),
+    (Name("harmonic_amplitude"), &["harmonics"]),
+    (Name("setpoint"), &["sp", "set_point", "amplitude_ratio"]),
+    (WAYS, &["hysteresis", "retract", "retraction", "approach_curve", "snap_in", "jump_to_contact"]),
+    (Name("deflection_amplitude"), &["deflection"]),
+    (ELASTIC, &["viscosity"]),
+    (Instead("a lever's damping is its `quality_factor`; samples are elastic"), &["damping"]),
+    (FLUID, &["medium", "fluid"]),
+    (Instead("there is no thermal noise"), &["temperature"]),
+    (PARALLEL, &["threads", "cores"]),
 ];
 
 /// What the word stands for, if it is one of these.
 pub fn meant(word: &str) -> Option<Meant> {
-    let of = |word: &str| SYNONYMS.iter().find(|(name, _)| *name == word).map(|(_, meant)| *meant);
+    let of = |word: &str| SYNONYMS.iter().find(|(_, words)| words.contains(&word)).map(|(meant, _)| *meant);
     of(word).or_else(|| of(&word.to_lowercase()))
 }
 
@@ -132,14 +79,13 @@ mod tests {
     fn every_synonym_stands_for_something_that_there_is() {
         let run = super::super::output::KEYS;
         let is_key = |name: &str| QUANTITIES.iter().any(|one| one.path.ends_with(&format!(".{name}")));
-        for (word, meant) in SYNONYMS {
+        for (meant, words) in SYNONYMS {
             let Name(name) = meant else { continue };
             let known =
                 is_key(name) || run.contains(name) || *name == "law" || Observable::from_name(name).is_some();
-            assert!(known, "{word} -> {name}");
-            assert_ne!(word, name);
+            assert!(known && !words.contains(name), "{words:?} -> {name}");
         }
-        let mut words: Vec<&str> = SYNONYMS.iter().map(|(word, _)| *word).collect();
+        let mut words: Vec<&str> = SYNONYMS.iter().flat_map(|(_, words)| *words).copied().collect();
         words.sort_unstable();
         assert!(words.windows(2).all(|pair| pair[0] != pair[1]), "{words:?}");
     }

@@ -2,7 +2,7 @@
 
 use super::address::Address;
 use super::axes::{axis, in_all, swept_quantity};
-use super::draft::{Draft, Said};
+use super::draft::Draft;
 use super::sample_table::{self, SampleTable};
 use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
@@ -31,7 +31,7 @@ pub(super) fn read(key: &Key, table: &DeTable, file: &Value, draft: &mut Draft) 
     let axes = axes(table.columns, key.span(), draft)?;
     let sweep = SweptAxes { axes, layout: Layout::List, ..SweptAxes::default() };
     in_all(sweep.len(), key)?;
-    axis_zip::check(&sweep, key, draft)?;
+    axis_zip::check(&sweep, key.span(), draft)?;
     Ok(sweep)
 }
 
@@ -74,11 +74,7 @@ pub(super) fn axes(
 ) -> Checked<Vec<Axis>> {
     let mut axes = Vec::new();
     for (address, values) in columns {
-        let path = address.path();
-        if draft.said.iter().any(|said| said.swept && said.path == path) {
-            return Err(axis_zip::varies_twice(&path, place, draft));
-        }
-        draft.said.push(Said { path, key: place.clone(), swept: true });
+        draft.vary(&address.path(), place.clone())?;
         axes.push(axis(address, values, false));
     }
     Ok(axes)

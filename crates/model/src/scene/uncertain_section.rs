@@ -108,9 +108,13 @@ fn distribution(value: &Value, address: Address) -> Checked<Distribution> {
 }
 
 impl Entry<'_> {
+    fn keys(&self) -> &'static [&'static str] {
+        KEYS.iter().find(|(word, _)| *word == self.word).map_or(&[], |(_, keys)| *keys)
+    }
+
     /// Refuses keys of other distributions.
     fn check_keys(&self) -> Checked<()> {
-        let keys = KEYS.iter().find(|(word, _)| *word == self.word).map_or(&[][..], |(_, keys)| *keys);
+        let keys = self.keys();
         let own = |key: &str| key == "distribution" || keys.contains(&key);
         let Some(other) = self.table.keys().find(|key| !own(key.get_ref())) else { return Ok(()) };
         let found = other.get_ref().as_ref();
@@ -131,8 +135,7 @@ impl Entry<'_> {
                 let mean = self.need("mean")?;
                 let sd = self.sd(mean)?;
                 let (from, to) = self.cut()?;
-                let z = |end: Option<f64>, none: f64| end.map_or(none, |end| (end - mean) / sd);
-                self.something_left(z(from, f64::NEG_INFINITY), z(to, f64::INFINITY))?;
+                self.something_left(from, to, |end| (end - mean) / sd)?;
                 Ok(Distribution::Normal { mean, sd, from, to })
             }
             "lognormal" => {
@@ -142,9 +145,7 @@ impl Entry<'_> {
                 let path = format!("uncertain.{}.sigma", self.path);
                 let sigma = values::ratio(sigma, &path, SIGMAS.0..=SIGMAS.1)?;
                 let (from, to) = self.cut()?;
-                let z =
-                    |end: Option<f64>, none: f64| end.map_or(none, |end| (end.ln() - median.ln()) / sigma);
-                self.something_left(z(from, f64::NEG_INFINITY), z(to, f64::INFINITY))?;
+                self.something_left(from, to, |end| (end.ln() - median.ln()) / sigma)?;
                 Ok(Distribution::LogNormal { median, sigma, from, to })
             }
             "triangular" => {
@@ -184,17 +185,16 @@ impl Entry<'_> {
     }
 
     fn lacks(&self, key: &str) -> Box<Fault> {
-        let keys = KEYS.iter().find(|(word, _)| *word == self.word).map_or(&[][..], |(_, keys)| *keys);
         Fault::at(self.value.span(), format!("`{}` lacks `{key}`", self.path))
             .label(format!("a {} distribution", self.word))
-            .expected(format!("its keys: {}", keys.join(", ")))
+            .expected(format!("its keys: {}", self.keys().join(", ")))
             .help(format!("add `{key}`"))
     }
 
     /// The fault of an entry, marked there.
     fn fault(&self, key: &str, title: String) -> Box<Fault> {
         let value = self.table.get(key).unwrap_or(self.value);
-        Fault::at(value.span(), title).label(format!("found {}", values::described(value)))
+        values::unfit(value, title)
     }
 
     fn above_zero(&self, number: f64, key: &str) -> Checked<()> {
@@ -263,8 +263,9 @@ impl Entry<'_> {
             .help(help))
     }
 
-    /// Refuses a cut that leaves next to nothing.
-    fn something_left(&self, from: f64, to: f64) -> Checked<()> {
+    /// Refuses a cut that leaves next to nothing; `z` makes standard normal numbers of its ends.
+    fn something_left(&self, from: Option<f64>, to: Option<f64>, z: impl Fn(f64) -> f64) -> Checked<()> {
+        let (from, to) = (from.map_or(f64::NEG_INFINITY, &z), to.map_or(f64::INFINITY, &z));
         // By whichever tail keeps its digits.
         let left = match from > 0.0 {
             true => normal_below(-from) - normal_below(-to),

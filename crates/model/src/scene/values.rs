@@ -95,8 +95,7 @@ pub(super) fn count(value: &Value, path: &str, range: RangeInclusive<u64>) -> Ch
             true => format!("{least}, the only possible value"),
             false => format!("a whole number from {least} to {most}"),
         };
-        Fault::at(value.span(), format!("`{path}` is {what}"))
-            .label(format!("found {}", described(value)))
+        unfit(value, format!("`{path}` is {what}"))
             .expected(expected)
             .help(format!("the nearest allowed value is {nearest}"))
     };
@@ -121,8 +120,7 @@ pub(super) fn ratio(value: &Value, path: &str, range: RangeInclusive<f64>) -> Ch
     if range.contains(&number) {
         return Ok(number);
     }
-    Err(Fault::at(value.span(), format!("`{path}` is out of range"))
-        .label(format!("found {}", described(value)))
+    Err(unfit(value, format!("`{path}` is out of range"))
         .expected(format!("a number from {:e} to {}", range.start(), range.end()))
         .help(format!("the nearest allowed value is {:?}", number.clamp(*range.start(), *range.end()))))
 }
@@ -130,8 +128,7 @@ pub(super) fn ratio(value: &Value, path: &str, range: RangeInclusive<f64>) -> Ch
 /// A text.
 pub(super) fn text<'a>(value: &'a Value, path: &str) -> Checked<&'a str> {
     value.get_ref().as_str().ok_or_else(|| {
-        Fault::at(value.span(), format!("`{path}` is not a text"))
-            .label(format!("found {}", described(value)))
+        unfit(value, format!("`{path}` is not a text"))
             .expected("a text in quotes")
             .help("put quotes around it")
     })
@@ -140,8 +137,7 @@ pub(super) fn text<'a>(value: &'a Value, path: &str) -> Checked<&'a str> {
 /// A table, written as `[section]` or in braces.
 pub(super) fn table<'a, 'i>(value: &'a Value<'i>, path: &str, expected: &str) -> Checked<&'a DeTable<'i>> {
     value.get_ref().as_table().ok_or_else(|| {
-        Fault::at(value.span(), format!("`{path}` is not a table"))
-            .label(format!("found {}", described(value)))
+        unfit(value, format!("`{path}` is not a table"))
             .expected(expected)
             .help("its entries are written key = value, in that form")
     })
@@ -167,19 +163,25 @@ pub(super) fn list<'a, 'i>(value: &'a Value<'i>, path: &str, expected: &str) -> 
 pub(super) fn keyword<T: Copy>(value: &Value, path: &str, words: &[(&str, T)]) -> Checked<T> {
     let quoted = || words.iter().map(|(word, _)| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
     let Some(found) = value.get_ref().as_str() else {
-        return Err(Fault::at(value.span(), format!("`{path}` is not a word in quotes"))
-            .label(format!("found {}", described(value)))
+        return Err(unfit(value, format!("`{path}` is not a word in quotes"))
             .expected(format!("one of {}", quoted()))
             .help("put one of these words, with its quotes"));
     };
     words.iter().find(|(word, _)| *word == found).map(|(_, meaning)| *meaning).ok_or_else(|| {
         let meant = nearest(found, words.iter().map(|(word, _)| *word));
-        Fault::at(value.span(), format!("`{path}` has an unknown value"))
-            .label(format!("found {}", described(value)))
+        unfit(value, format!("`{path}` has an unknown value"))
             .expected(format!("one of {}", quoted()))
             .help("put one of these words")
             .maybe_help(meant.map(|word| format!("did you mean \"{word}\"?")))
     })
+}
+
+/// Refuses keys that a section does not have.
+pub(super) fn no_others(table: &DeTable, section: &str, known: &[&str]) -> Checked<()> {
+    match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
+        Some(key) => Err(unknown_key(key, section, known)),
+        None => Ok(()),
+    }
 }
 
 /// A key that its section does not have; `section` is empty for the file's top level.
@@ -214,22 +216,14 @@ fn elsewhere(word: &str) -> Option<String> {
 
 /// The section that does have a key of that name.
 fn home_of(key: &str) -> Option<&'static str> {
-    const OTHERS: [(&str, &str); 15] = [
-        ("preset", "instrument"),
-        ("model", "instrument.actuator"),
-        ("modes", "instrument.cantilever"),
-        ("law", "contact"),
-        ("on", "drive"),
-        ("start", "run"),
-        ("periods", "run"),
-        ("measure", "run"),
-        ("accuracy", "run"),
-        ("steps_per_period", "run"),
-        ("observables", "output"),
-        ("waveforms", "output"),
-        ("spectra", "output"),
-        ("actuator", "instrument"),
-        ("tip", "instrument"),
+    const OTHERS: [(&str, &[&str]); 7] = [
+        ("instrument", &["preset", "actuator", "tip"]),
+        ("instrument.actuator", &["model"]),
+        ("instrument.cantilever", &["modes"]),
+        ("contact", &["law"]),
+        ("drive", &["on"]),
+        ("run", &["start", "periods", "measure", "accuracy", "steps_per_period"]),
+        ("output", &["observables", "waveforms", "spectra"]),
     ];
     let quantity = QUANTITIES
         .iter()
@@ -238,7 +232,12 @@ fn home_of(key: &str) -> Option<&'static str> {
         .find(|(_, name)| *name == key);
     quantity
         .map(|(section, _)| section)
-        .or_else(|| OTHERS.iter().find(|(name, _)| *name == key).map(|(_, section)| *section))
+        .or_else(|| OTHERS.iter().find(|(_, keys)| keys.contains(&key)).map(|(section, _)| *section))
+}
+
+/// The fault of a value that is not what it should be.
+pub(super) fn unfit(value: &Value, title: impl Into<String>) -> Box<Fault> {
+    Fault::at(value.span(), title).label(format!("found {}", described(value)))
 }
 
 /// What a value is, as a phrase for "found ...".

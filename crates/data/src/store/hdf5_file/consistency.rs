@@ -1,8 +1,8 @@
 //! Refuses results whose parts do not fit together, before anything is laid out.
 
 use super::{
-    AuditTable, BranchTable, ERROR, Flags, ForceCurve, OBSERVABLE, RESERVED, Results, Spectra, StoreError,
-    Variable, Waveforms,
+    AuditTable, BranchTable, ERROR, Flags, ForceCurve, OBSERVABLE, Results, Spectra, StateSet, StoreError,
+    Variable, Waveforms, reserved,
 };
 use std::collections::HashSet;
 
@@ -10,31 +10,22 @@ use std::collections::HashSet;
 pub(super) fn check_all(results: &Results) -> Result<(), StoreError> {
     let count = results.status.len();
     check(results, count)?;
-    check_states((&results.variables, &results.flags), &results.status, &results.steps_per_period, count)?;
-    match &results.other_branch {
-        Some(of) => check_states((&of.variables, &of.flags), &of.status, &of.steps_per_period, count),
-        None => Ok(()),
+    let all = [StateSet::First, StateSet::Second].into_iter().filter_map(|of| results.states(of));
+    for (variables, status, steps, flags) in all {
+        for one in variables {
+            check_numbers(&one.name, one.data.len(), (count, one.harmonics.unwrap_or(1)))?;
+        }
+        flags.iter().try_for_each(|one| check_numbers(&one.name, one.data.len(), (count, 1)))?;
+        check_numbers("status", status.len(), (count, 1))?;
+        check_numbers("steps_per_period", steps.len(), (count, 1))?;
     }
-}
-
-fn check_states(
-    (variables, flags): (&[Variable], &[Flags]),
-    status: &[u8],
-    steps: &[u32],
-    count: usize,
-) -> Result<(), StoreError> {
-    for one in variables {
-        check_numbers(&one.name, one.data.len(), (count, one.harmonics.unwrap_or(1)))?;
-    }
-    flags.iter().try_for_each(|one| check_numbers(&one.name, one.data.len(), (count, 1)))?;
-    check_numbers("status", status.len(), (count, 1))?;
-    check_numbers("steps_per_period", steps.len(), (count, 1))
+    Ok(())
 }
 
 /// `Err` names the first misfit. Numbers are as many as they have to be where they are of `count` instances.
 pub(super) fn check(results: &Results, count: usize) -> Result<(), StoreError> {
     check_count(results, count)?;
-    let mut names = HashSet::from(RESERVED);
+    let mut names = reserved().collect::<HashSet<&str>>();
     check_axes(results, count, &mut names)?;
     check_variables(&results.variables, None, &mut names)?;
     check_flags(&results.flags, &mut names)?;
@@ -54,23 +45,21 @@ pub(super) fn check(results: &Results, count: usize) -> Result<(), StoreError> {
     results.force_curves.iter().try_for_each(check_force_curve)
 }
 
-fn refuse(what: String) -> Result<(), StoreError> {
-    Err(StoreError::inconsistent(what))
+/// Refuses what does not hold, in words.
+fn require(holds: bool, what: impl FnOnce() -> String) -> Result<(), StoreError> {
+    if holds { Ok(()) } else { Err(StoreError::inconsistent(what())) }
 }
 
 /// There must be instances, as many as the axes make.
 fn check_count(results: &Results, count: usize) -> Result<(), StoreError> {
-    if count == 0 {
-        return refuse("there is no instance".into());
-    }
+    require(count > 0, || "there is no instance".into())?;
     let expected = match (results.list, results.axes.as_slice()) {
         (true, _) => count,
         (false, axes) => axes.iter().map(|axis| axis.values.len()).product(),
     };
-    match count == expected {
-        true => Ok(()),
-        false => refuse(format!("the axes make {expected} instances, but there are {count} status codes")),
-    }
+    require(count == expected, || {
+        format!("the axes make {expected} instances, but there are {count} status codes")
+    })
 }
 
 /// Numbers over the instances, `width` of them each, must be as many as these.
@@ -79,10 +68,9 @@ pub(super) fn check_numbers(
     found: usize,
     (count, width): (usize, usize),
 ) -> Result<(), StoreError> {
-    match found == count * width {
-        true => Ok(()),
-        false => refuse(format!("{name} has {found} values for {count} instances with {width} each")),
-    }
+    require(found == count * width, || {
+        format!("{name} has {found} values for {count} instances with {width} each")
+    })
 }
 
 fn check_axes<'a>(
@@ -91,14 +79,15 @@ fn check_axes<'a>(
     names: &mut HashSet<&'a str>,
 ) -> Result<(), StoreError> {
     for axis in &results.axes {
-        if results.list && axis.values.len() != count {
-            return refuse(format!("{} has {} values for {count} instances", axis.name, axis.values.len()));
-        }
+        let found = axis.values.len();
+        require(!results.list || found == count, || {
+            format!("{} has {found} values for {count} instances", axis.name)
+        })?;
         check_name(&axis.name, names)?;
         for column in &axis.columns {
-            if column.values.len() != axis.values.len() {
-                return refuse(format!("{} has not as many values as {}", column.name, axis.name));
-            }
+            require(column.values.len() == found, || {
+                format!("{} has not as many values as {}", column.name, axis.name)
+            })?;
             check_name(&column.name, names)?;
         }
     }
@@ -108,7 +97,7 @@ fn check_axes<'a>(
 /// The other branch has its own variables over the same axes.
 fn check_branch(branch: &BranchTable, results: &Results) -> Result<(), StoreError> {
     let mut names: HashSet<&str> = results.axes.iter().map(|axis| axis.name.as_str()).collect();
-    names.extend(RESERVED);
+    names.extend(reserved());
     check_variables(&branch.variables, None, &mut names)?;
     check_flags(&branch.flags, &mut names)
 }
@@ -120,25 +109,21 @@ fn check_audit(table: &AuditTable) -> Result<(), StoreError> {
     check_flags(&table.flags, &mut names)?;
     table.flags.iter().try_for_each(|flags| check_numbers(&flags.name, flags.data.len(), (count, 1)))?;
     let (errors, observables) = (table.errors.len(), table.observables.len());
-    match errors == count * observables {
-        true => Ok(()),
-        false => {
-            refuse(format!("audit has {errors} errors of {count} instances and {observables} observables"))
-        }
-    }
+    require(errors == count * observables, || {
+        format!("audit has {errors} errors of {count} instances and {observables} observables")
+    })
 }
 
 fn check_force_curve(curve: &ForceCurve) -> Result<(), StoreError> {
     let lengths = [curve.indentation.len(), curve.force.len(), curve.contact_radius.len()];
-    if lengths != [lengths[0]; 3] || u32::try_from(lengths[0]).is_err() {
-        return refuse(format!("a force curve of instance {} has lists of {lengths:?}", curve.instance));
-    }
-    for word in [&curve.law, &curve.branch] {
-        if word.is_empty() || word.contains(|c: char| c.is_whitespace() || c == '\0') {
-            return refuse(format!("{word:?} is not one word, as a force curve's law and branch must be"));
-        }
-    }
-    Ok(())
+    require(lengths == [lengths[0]; 3] && u32::try_from(lengths[0]).is_ok(), || {
+        format!("a force curve of instance {} has lists of {lengths:?}", curve.instance)
+    })?;
+    [&curve.law, &curve.branch].into_iter().try_for_each(|word| {
+        require(!word.is_empty() && !word.contains(|c: char| c.is_whitespace() || c == '\0'), || {
+            format!("{word:?} is not one word, as a force curve's law and branch must be")
+        })
+    })
 }
 
 fn check_variables<'a>(
@@ -150,15 +135,13 @@ fn check_variables<'a>(
     for variable in variables {
         check_name(&variable.name, names)?;
         let per_instance = variable.harmonics.unwrap_or(1);
-        if per_instance == 0 {
-            return refuse(format!("{} has no numbers", variable.name));
-        }
+        require(per_instance > 0, || format!("{} has no numbers", variable.name))?;
         if let Some(count) = count {
             check_numbers(&variable.name, variable.data.len(), (count, per_instance))?;
         }
-        if variable.harmonics.is_some() && *shared.get_or_insert(per_instance) != per_instance {
-            return Err(StoreError::inconsistent("two variables have different numbers of harmonics"));
-        }
+        require(variable.harmonics.is_none() || *shared.get_or_insert(per_instance) == per_instance, || {
+            "two variables have different numbers of harmonics".into()
+        })?;
     }
     Ok(())
 }
@@ -167,48 +150,37 @@ fn check_flags<'a>(all: &'a [Flags], names: &mut HashSet<&'a str>) -> Result<(),
     for flags in all {
         check_name(&flags.name, names)?;
         let bad = |word: &String| word.is_empty() || word.contains(char::is_whitespace);
-        if flags.meanings.len() > 8 || flags.meanings.iter().any(bad) {
-            return refuse(format!("{} is no list of codes for up to 8 single words", flags.name));
-        }
+        require(flags.meanings.len() <= 8 && !flags.meanings.iter().any(bad), || {
+            format!("{} is no list of codes for up to 8 single words", flags.name)
+        })?;
     }
     Ok(())
 }
 
 fn check_name<'a>(name: &'a str, names: &mut HashSet<&'a str>) -> Result<(), StoreError> {
-    if name.is_empty() || name == "." || name.contains(|c: char| c == '/' || c.is_whitespace() || c == '\0') {
-        return Err(StoreError::inconsistent(format!("{name:?} cannot be a name in a results file")));
-    }
-    if !names.insert(name) {
-        return Err(StoreError::inconsistent(format!("two things are called {name}")));
-    }
-    Ok(())
+    let odd = |c: char| c == '/' || c.is_whitespace() || c == '\0';
+    require(!(name.is_empty() || name == "." || name.contains(odd)), || {
+        format!("{name:?} cannot be a name in a results file")
+    })?;
+    require(names.insert(name), || format!("two things are called {name}"))
 }
 
 fn check_waveforms(waveforms: &Waveforms) -> Result<(), StoreError> {
-    let Waveforms { instances, time, tip_travel, actuator_top, indentation, force } = waveforms;
-    if instances.is_empty() {
-        return Ok(());
-    }
+    let (time, count) = (&waveforms.time, waveforms.instances.len());
     let length = time.first().map_or(0, Vec::len);
-    let rows = [tip_travel, actuator_top, indentation, force];
-    let whole = length > 0
-        && (time.len() == 1 || time.len() == instances.len())
-        && rows.iter().all(|rows| rows.len() == instances.len())
-        && rows.iter().copied().flatten().chain(time).all(|row| row.len() == length);
-    if whole {
-        return Ok(());
-    }
-    Err(StoreError::inconsistent(format!(
-        "the waveforms of {} instances have rows of unequal number or length",
-        instances.len()
-    )))
+    let whole = |rows: &Vec<Vec<f64>>| rows.len() == count && rows.iter().all(|row| row.len() == length);
+    let timed = length > 0 && (time.len() == 1 || whole(time));
+    require(
+        count == 0 || (timed && Waveforms::COLUMNS.iter().all(|column| whole((column.of)(waveforms)))),
+        || format!("the waveforms of {count} instances have rows of unequal number or length"),
+    )
 }
 
 fn check_spectra(spectra: &Spectra) -> Result<(), StoreError> {
     let (count, length) = (spectra.instances.len(), spectra.harmonics());
     let whole = |rows: &Vec<Vec<f64>>| rows.len() == count && rows.iter().all(|row| row.len() == length);
-    match count == 0 || (length > 0 && Spectra::COLUMNS.iter().all(|column| whole((column.of)(spectra)))) {
-        true => Ok(()),
-        false => refuse(format!("the spectra of {count} instances have rows of unequal number or length")),
-    }
+    require(
+        count == 0 || (length > 0 && Spectra::COLUMNS.iter().all(|column| whole((column.of)(spectra)))),
+        || format!("the spectra of {count} instances have rows of unequal number or length"),
+    )
 }

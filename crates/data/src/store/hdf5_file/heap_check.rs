@@ -18,21 +18,18 @@ const BLOCK: usize = 1 << 20;
 pub(super) fn is_sound(file: &mut File) -> io::Result<bool> {
     let length = file.metadata()?.len();
     file.rewind()?;
-    let mut block = vec![0u8; BLOCK + MARK.len() - 1];
-    let (mut kept, mut start) = (0usize, 0u64);
-    let mut places = Vec::new();
+    let (mut block, mut start, mut places) = (Vec::new(), 0u64, Vec::new());
     loop {
-        let read = read_up_to(file, &mut block[kept..])?;
-        let filled = kept + read;
-        let found = block[..filled].windows(MARK.len()).enumerate().filter(|(_, bytes)| bytes == MARK);
+        let read = file.by_ref().take(BLOCK as u64).read_to_end(&mut block)?;
+        let found = block.windows(MARK.len()).enumerate().filter(|(_, bytes)| bytes == MARK);
         places.extend(found.map(|(at, _)| start + at as u64));
-        if read == 0 || filled < block.len() {
+        if read < BLOCK {
             break;
         }
         // A mark may lie across the end of a block.
-        kept = MARK.len() - 1;
-        start += (filled - kept) as u64;
-        block.copy_within(filled - kept.., 0);
+        let gone = block.len() - (MARK.len() - 1);
+        start += gone as u64;
+        block.drain(..gone);
     }
     for place in places {
         if !walk(file, place, length)? {
@@ -40,17 +37,6 @@ pub(super) fn is_sound(file: &mut File) -> io::Result<bool> {
         }
     }
     Ok(true)
-}
-
-fn read_up_to(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut filled = 0;
-    while filled < buffer.len() {
-        match file.read(&mut buffer[filled..])? {
-            0 => break,
-            read => filled += read,
-        }
-    }
-    Ok(filled)
 }
 
 fn number(file: &mut File, at: u64) -> io::Result<u64> {

@@ -3,15 +3,12 @@
 //! The file is made in memory and handed over as bytes: its size is below that of the results it is made
 //! from, and a full disk then is an ordinary I/O error, not a library left with a file it cannot close.
 
-mod branch_group;
 mod chunk_shape;
 mod compression;
 mod file_contents;
 mod file_groups;
 mod force_curve_group;
 mod root_group;
-mod spectrum_group;
-mod waveform_group;
 
 use super::consistency::{check, check_all};
 use super::dimension_scales::{self, DimensionScale, attach};
@@ -164,8 +161,13 @@ impl Layout {
     ) -> hdf5::Result<usize> {
         let dataset = self.data(name, &[values.len()], values)?;
         Self::describe(&dataset, units, long_name)?;
-        self.scales.push(DimensionScale::coordinate(dataset, name)?);
-        Ok(self.scales.len() - 1)
+        Ok(self.scale(DimensionScale::new(dataset, name)?))
+    }
+
+    /// One more dimension; gives its number.
+    fn scale(&mut self, scale: DimensionScale) -> usize {
+        self.scales.push(scale);
+        self.scales.len() - 1
     }
 
     /// A dimension whose values 0, 1 and so on have names; gives its number.
@@ -182,8 +184,7 @@ impl Layout {
     fn labels(&mut self, name: &str, long_name: &str, words: &[String]) -> hdf5::Result<usize> {
         let dataset = self.data(name, &[words.len()], &texts(words)?)?;
         dimension_scales::text(&dataset, "long_name", long_name)?;
-        self.scales.push(DimensionScale::coordinate(dataset, name)?);
-        Ok(self.scales.len() - 1)
+        Ok(self.scale(DimensionScale::new(dataset, name)?))
     }
 
     /// The quantities that vary along a dimension.
@@ -232,8 +233,7 @@ impl Layout {
     /// A dimension without values.
     fn dimension(&mut self, name: &str, length: usize) -> hdf5::Result<usize> {
         let dataset = self.data(name, &[length], &vec![0u8; length])?;
-        self.scales.push(DimensionScale::bare(dataset)?);
-        Ok(self.scales.len() - 1)
+        Ok(self.scale(DimensionScale::bare(dataset)?))
     }
 
     /// Any variable over dimensions of these numbers.
@@ -258,37 +258,20 @@ impl Layout {
         Ok(dataset)
     }
 
-    /// A u8 variable whose codes have names.
-    fn flags(
-        &mut self,
-        name: &str,
-        long_name: &str,
-        dims: &[usize],
-        codes: &[u8],
-        meanings: &[(u8, String)],
-    ) -> hdf5::Result<Dataset> {
-        let dataset = self.variable(name, dims, codes)?;
-        dimension_scales::text(&dataset, "long_name", long_name)?;
-        let values: Vec<u8> = meanings.iter().map(|(code, _)| *code).collect();
-        let words: Vec<&str> = meanings.iter().map(|(_, word)| word.as_str()).collect();
-        dimension_scales::list(&dataset, "flag_values", &values)?;
-        dimension_scales::text(&dataset, "flag_meanings", &words.join(" "))?;
+    /// A u8 variable whose codes or bits have these values, and names.
+    fn flags(&mut self, flags: &Flags, dims: &[usize], codes: &[u8], values: &[u8]) -> hdf5::Result<Dataset> {
+        let dataset = self.variable(&flags.name, dims, codes)?;
+        dimension_scales::text(&dataset, "long_name", &flags.long_name)?;
+        dimension_scales::list(&dataset, if flags.bits { "flag_masks" } else { "flag_values" }, values)?;
+        dimension_scales::text(&dataset, "flag_meanings", &flags.meanings.join(" "))?;
         Ok(dataset)
     }
 
     /// Codes from 0 on, or bits.
     fn words(&mut self, flags: &Flags, dims: &[usize], codes: &[u8]) -> hdf5::Result<Dataset> {
-        let dataset = self.variable(&flags.name, dims, codes)?;
-        dimension_scales::text(&dataset, "long_name", &flags.long_name)?;
-        let count = flags.meanings.len() as u8;
-        if flags.bits {
-            let masks: Vec<u8> = (0..count).map(|bit| 1 << bit).collect();
-            dimension_scales::list(&dataset, "flag_masks", &masks)?;
-        } else {
-            dimension_scales::list(&dataset, "flag_values", &(0..count).collect::<Vec<u8>>())?;
-        }
-        dimension_scales::text(&dataset, "flag_meanings", &flags.meanings.join(" "))?;
-        Ok(dataset)
+        let value = |n: u8| if flags.bits { 1 << n } else { n };
+        let values: Vec<u8> = (0..flags.meanings.len() as u8).map(value).collect();
+        self.flags(flags, dims, codes, &values)
     }
 
     /// Variables over the instances, with the dimension `harmonic` behind them where asked for; their numbers are elsewhere, or

@@ -11,25 +11,18 @@ pub(super) fn history(command_line: Option<&str>) -> String {
 /// Now, as `2026-11-21T10:00:00Z`.
 pub fn now() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let (mut days, clock) = (seconds / 86_400, seconds % 86_400);
-    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    let mut year = 1970;
-    while days >= 365 + u64::from(leap(year)) {
-        days -= 365 + u64::from(leap(year));
-        year += 1;
-    }
-    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-    let mut month = 1;
-    for length in lengths {
-        if days < length {
-            break;
-        }
-        days -= length;
-        month += 1;
-    }
+    let (days, clock) = (seconds / 86_400, seconds % 86_400);
+    // Years from March on, in eras of 400 years: H. Hinnant, chrono-compatible low-level date algorithms.
+    let (era, day) = ((days + 719_468) / 146_097, (days + 719_468) % 146_097);
+    let of_era = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * of_era + of_era / 4 - of_era / 100);
+    let from_march = (5 * day + 2) / 153;
+    let (day, month) =
+        (day - (153 * from_march + 2) / 5, if from_march < 10 { from_march + 3 } else { from_march - 9 });
+    let year = 400 * era + of_era + u64::from(month < 3);
     format!(
         "{year:04}-{month:02}-{:02}T{:02}:{:02}:{:02}Z",
-        days + 1,
+        day + 1,
         clock / 3600,
         clock / 60 % 60,
         clock % 60

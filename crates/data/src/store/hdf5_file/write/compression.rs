@@ -166,9 +166,9 @@ fn fletcher32(bytes: &[u8]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::hdf5_image::in_memory;
+    use super::super::chunk_shape::chunk;
     use super::*;
-    use crate::store::hdf5_image::in_memory;
-    use crate::store::write::chunk_shape::chunk;
 
     /// Numbers of all kinds: noise, repetitions, one number, few of them.
     fn numbers(count: usize) -> Vec<f64> {

@@ -41,13 +41,12 @@ impl Source {
             }
             Err(e) => return Err(failed(e)),
         };
-        if metadata.is_dir() {
-            return Err(StoreError::Foreign { path: own(), why: "it is a folder".into() });
-        }
+        let foreign = |why: &str| Err(StoreError::foreign(path, why));
         if !metadata.is_file() {
-            return Err(StoreError::Foreign { path: own(), why: "it is no ordinary file".into() });
+            return foreign(if metadata.is_dir() { "it is a folder" } else { "it is no ordinary file" });
         }
-        let broken_off = path.extension().is_some_and(|extension| extension == "partial");
+        let ending = |wanted: &str| path.extension().is_some_and(|extension| extension == wanted);
+        let broken_off = ending("partial");
         let mut start = Vec::with_capacity(SIGNATURE.len());
         let mut stream = std::fs::File::open(path).map_err(failed)?;
         stream.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut start).map_err(failed)?;
@@ -55,22 +54,19 @@ impl Source {
             return Err(StoreError::InUse { path: own() });
         }
         if start != SIGNATURE {
-            return Err(match (start.is_empty(), broken_off) {
-                _ if start == TORN => StoreError::Partial { path: own() },
-                _ if journal::is_at(path) => StoreError::Running { path: own() },
-                (true, true) => StoreError::Partial { path: own() },
-                (true, false) => StoreError::Foreign { path: own(), why: "it is empty".into() },
-                _ if path.extension().is_some_and(|extension| extension == "toml") => StoreError::Foreign {
-                    path: own(),
-                    why: "it is a scene; `afmsweep run` makes results of it".into(),
-                },
-                _ => StoreError::Foreign { path: own(), why: "it is no HDF5 file".into() },
-            });
+            return match (start.is_empty(), broken_off) {
+                _ if start == TORN => Err(StoreError::Partial { path: own() }),
+                _ if journal::is_at(path) => Err(StoreError::Running { path: own() }),
+                (true, true) => Err(StoreError::Partial { path: own() }),
+                (true, false) => foreign("it is empty"),
+                _ if ending("toml") => foreign("it is a scene; `afmsweep run` makes results of it"),
+                _ => foreign("it is no HDF5 file"),
+            };
         }
         if !heap_check::is_sound(&mut stream).map_err(failed)? {
             return Err(match broken_off {
                 true => StoreError::Partial { path: own() },
-                false => StoreError::Damaged { path: own(), why: "its texts are spoilt".into() },
+                false => StoreError::damaged(path, "its texts are spoilt"),
             });
         }
         match File::open(path) {
@@ -79,12 +75,12 @@ impl Source {
                 Ok(Self { path: own(), file, room })
             }
             Err(_) if broken_off => Err(StoreError::Partial { path: own() }),
-            Err(e) => Err(StoreError::Damaged { path: own(), why: e.to_string() }),
+            Err(e) => Err(StoreError::damaged(path, e)),
         }
     }
 
     pub fn file_scene(&self) -> Result<String, StoreError> {
-        let foreign = |why: &str| StoreError::Foreign { path: self.path.clone(), why: why.into() };
+        let foreign = |why| StoreError::foreign(&self.path, why);
         let provenance = self.file.group(PROVENANCE).ok();
         let scene = provenance.and_then(|group| read_text(&group, "scene"));
         let scene = scene.ok_or_else(|| foreign("it names no scene"))?;
@@ -95,7 +91,7 @@ impl Source {
     }
 
     pub fn damaged(&self, why: impl std::fmt::Display) -> StoreError {
-        StoreError::Damaged { path: self.path.clone(), why: why.to_string() }
+        StoreError::damaged(&self.path, why)
     }
 
     /// Refuses results that are not what the run wrote, as the file itself tells, or less than its scene asks for.

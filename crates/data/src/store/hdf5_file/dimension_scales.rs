@@ -28,18 +28,14 @@ pub(super) struct DimensionScale {
 }
 
 impl DimensionScale {
-    /// Makes `dataset` the dimension (and coordinate) of its name.
-    pub fn coordinate(dataset: Dataset, name: &str) -> Result<Self> {
-        Self::new(dataset, name)
-    }
-
     /// Makes `dataset` a dimension whose values mean nothing.
     pub fn bare(dataset: Dataset) -> Result<Self> {
         let label = format!("{NO_VARIABLE}{:10}", dataset.size());
         Self::new(dataset, &label)
     }
 
-    fn new(dataset: Dataset, label: &str) -> Result<Self> {
+    /// Makes `dataset` a dimension; one that is labelled with its own name is a coordinate, too.
+    pub fn new(dataset: Dataset, label: &str) -> Result<Self> {
         fixed_text(&dataset, "CLASS", "DIMENSION_SCALE")?;
         fixed_text(&dataset, "NAME", label)?;
         let (path, length) = (dataset.name(), dataset.size());

@@ -2,7 +2,7 @@
 
 use super::super::checksums;
 use super::super::consistency::check_numbers;
-use super::super::{BranchTable, Flags, Results, StateSet, Variable, VariableSource};
+use super::super::{BranchTable, Flags, Results, StateSet, Unread, Variable, VariableSource};
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -37,36 +37,35 @@ impl<'a> FileContents<'a> {
         self.numbers.count()
     }
 
-    /// Notes the sum of so many numbers, if they are as many as there should be.
-    fn noted(&self, name: String, (found, width): (usize, usize), sum: u64) -> hdf5::Result<()> {
-        check_numbers(&name, found, (self.count(), width)).map_err(unread)?;
-        self.sums.borrow_mut().insert(name, sum);
-        Ok(())
+    /// Numbers whose sum is noted, if they are as many as there should be: `width` of each instance.
+    fn noted<T: Clone>(
+        &self,
+        (of, one): (StateSet, &str),
+        width: usize,
+        numbers: Result<Cow<'a, [T]>, Unread>,
+        sum: impl Fn(&[T]) -> u64,
+    ) -> hdf5::Result<Cow<'a, [T]>> {
+        let (numbers, name) = (numbers.map_err(unread)?, name(of, one));
+        check_numbers(&name, numbers.len(), (self.count(), width)).map_err(unread)?;
+        self.sums.borrow_mut().insert(name, sum(&numbers));
+        Ok(numbers)
     }
 
     pub fn variable(&self, of: StateSet, number: usize, one: &Variable) -> hdf5::Result<Cow<'a, [f64]>> {
-        let data = self.numbers.variable(of, number).map_err(unread)?;
-        let width = one.harmonics.unwrap_or(1);
-        self.noted(name(of, &one.name), (data.len(), width), checksums::of_variable(one, &data))?;
-        Ok(data)
+        let sum = |data: &[f64]| checksums::of_variable(one, data);
+        self.noted((of, &one.name), one.harmonics.unwrap_or(1), self.numbers.variable(of, number), sum)
     }
 
     pub fn flags(&self, of: StateSet, number: usize, one: &Flags) -> hdf5::Result<Cow<'a, [u8]>> {
-        let data = self.numbers.flags(of, number).map_err(unread)?;
-        self.noted(name(of, &one.name), (data.len(), 1), checksums::of_flags(one, &data))?;
-        Ok(data)
+        self.noted((of, &one.name), 1, self.numbers.flags(of, number), |data| checksums::of_flags(one, data))
     }
 
     pub fn status(&self, of: StateSet) -> hdf5::Result<Cow<'a, [u8]>> {
-        let data = self.numbers.status(of).map_err(unread)?;
-        self.noted(name(of, "status"), (data.len(), 1), checksums::of_codes(&data))?;
-        Ok(data)
+        self.noted((of, "status"), 1, self.numbers.status(of), checksums::of_codes)
     }
 
     pub fn steps(&self, of: StateSet) -> hdf5::Result<Cow<'a, [u32]>> {
-        let data = self.numbers.steps(of).map_err(unread)?;
-        self.noted(name(of, "steps_per_period"), (data.len(), 1), checksums::of_steps(&data))?;
-        Ok(data)
+        self.noted((of, "steps_per_period"), 1, self.numbers.steps(of), checksums::of_steps)
     }
 
     /// The second states' variables and flags.

@@ -5,7 +5,7 @@
 //! not of bytes: a file that was repacked, or that somebody has added to, still fits it.
 
 use super::{
-    Attribute, AuditTable, BranchTable, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Spectra,
+    Attribute, AuditTable, Coordinate, Flags, ForceCurve, OWN_ATTRIBUTES, Results, Spectra, StateSet, States,
     Variable, Waveforms,
 };
 use std::collections::HashMap;
@@ -74,8 +74,7 @@ fn all(results: &Results, known: &HashMap<String, u64>) -> Vec<(String, u64)> {
     }
     let names = axes.iter().fold(Sum::new().word(u64::from(*list)), |sum, axis| sum.text(&axis.name));
     put("axes", names);
-    let first = (&variables[..], &results.status[..], &results.steps_per_period[..], &results.flags[..]);
-    sums.extend(of_states("", first, known));
+    sums.extend(results.states(StateSet::First).iter().flat_map(|all| of_states("", *all, known)));
     let mut put = |name: &str, sum: Sum| sums.push((name.to_owned(), sum.0));
     if let Some(waveforms) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
         put("waveforms", of_waveforms(waveforms));
@@ -89,19 +88,20 @@ fn all(results: &Results, known: &HashMap<String, u64>) -> Vec<(String, u64)> {
     if let Some(table) = results.audit.as_ref().filter(|one| !one.instances.is_empty()) {
         of_audit(table).into_iter().for_each(|(name, sum)| put(&name, sum));
     }
-    if let Some(BranchTable { variables, status, steps_per_period, flags }) = &results.other_branch {
-        sums.extend(of_branch((variables, status, steps_per_period, flags), known));
+    if let Some(second) = results.states(StateSet::Second) {
+        let mut second_sums = of_states("other_branch/", second, known);
+        // What tells whether there is a state comes first.
+        let count = second.0.len();
+        second_sums[..count + 2].rotate_left(count);
+        sums.extend(second_sums);
     }
     sums
 }
 
-/// Variables, status codes, steps and flags over all instances.
-type OfStates<'a> = (&'a [Variable], &'a [u8], &'a [u32], &'a [Flags]);
-
 /// Of the instances' states.
 fn of_states(
     before: &str,
-    (variables, status, steps, flags): OfStates,
+    (variables, status, steps, flags): States,
     known: &HashMap<String, u64>,
 ) -> Vec<(String, u64)> {
     let mut sums = Vec::new();
@@ -114,14 +114,6 @@ fn of_states(
     put("status", &|| of_codes(status));
     put("steps_per_period", &|| of_steps(steps));
     flags.iter().for_each(|one| put(&one.name, &|| of_flags(one, &one.data)));
-    sums
-}
-
-/// Of second states: what tells whether there is one comes first.
-fn of_branch(all: OfStates, known: &HashMap<String, u64>) -> Vec<(String, u64)> {
-    let mut sums = of_states("other_branch/", all, known);
-    let count = all.0.len();
-    sums[..count + 2].rotate_left(count);
     sums
 }
 
@@ -138,13 +130,13 @@ pub(super) fn of_codes(codes: &[u8]) -> u64 {
 
 /// Of steps per period.
 pub(super) fn of_steps(all: &[u32]) -> u64 {
-    all.iter().fold(Sum::new(), |sum, steps| sum.word(u64::from(*steps))).0
+    Sum::new().words(all.iter().map(|steps| u64::from(*steps))).0
 }
 
 /// Of group `audit`, by name.
 fn of_audit(table: &AuditTable) -> Vec<(String, Sum)> {
     let AuditTable { instances, variables, observables, errors, flags } = table;
-    let instances = instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
+    let instances = Sum::new().words(instances.iter().copied());
     let errors = observables.iter().fold(Sum::new().numbers(errors), |sum, one| sum.text(one));
     let mut sums = vec![("audit/instance".to_owned(), instances), ("audit/error".to_owned(), errors)];
     sums.extend(
@@ -169,16 +161,16 @@ pub(super) fn of_variable(variable: &Variable, data: &[f64]) -> u64 {
 }
 
 fn of_waveforms(waveforms: &Waveforms) -> Sum {
-    let Waveforms { instances, time, tip_travel, actuator_top, indentation, force } = waveforms;
-    let sum = instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
-    let rows = [time, tip_travel, actuator_top, indentation, force].into_iter().flatten();
-    rows.fold(sum, |sum, row| sum.numbers(row))
+    let columns = Waveforms::COLUMNS.iter().flat_map(|column| (column.of)(waveforms));
+    of_rows(&waveforms.instances, waveforms.time.iter().chain(columns))
 }
 
 fn of_spectra(spectra: &Spectra) -> Sum {
-    let sum = spectra.instances.iter().fold(Sum::new(), |sum, one| sum.word(*one));
-    let rows = Spectra::COLUMNS.iter().flat_map(|column| (column.of)(spectra));
-    rows.fold(sum, |sum, row| sum.numbers(row))
+    of_rows(&spectra.instances, Spectra::COLUMNS.iter().flat_map(|column| (column.of)(spectra)))
+}
+
+fn of_rows<'a>(instances: &[u64], rows: impl Iterator<Item = &'a Vec<f64>>) -> Sum {
+    rows.fold(Sum::new().words(instances.iter().copied()), |sum, row| sum.numbers(row))
 }
 
 fn with_curve(sum: Sum, curve: &ForceCurve) -> Sum {
@@ -200,6 +192,10 @@ impl Sum {
         // Each step can be undone, so two different words never lead to one sum from the same place.
         let mixed = (self.0 ^ word).wrapping_mul(0xff51_afd7_ed55_8ccd);
         Self((mixed ^ (mixed >> 32)).wrapping_mul(0xc4ce_b9fe_1a85_ec53).rotate_left(29))
+    }
+
+    fn words(self, words: impl Iterator<Item = u64>) -> Self {
+        words.fold(self, Self::word)
     }
 
     fn numbers(self, numbers: &[f64]) -> Self {

@@ -98,6 +98,14 @@ impl StoreError {
         Self::Io { path: path.to_path_buf(), doing, remedy, source }
     }
 
+    pub(super) fn foreign(path: &Path, why: impl Into<String>) -> Self {
+        Self::Foreign { path: path.to_path_buf(), why: why.into() }
+    }
+
+    pub(super) fn damaged(path: &Path, why: impl std::fmt::Display) -> Self {
+        Self::Damaged { path: path.to_path_buf(), why: why.to_string() }
+    }
+
     pub(super) fn inconsistent(what: impl Into<String>) -> Self {
         Self::Inconsistent { what: what.into() }
     }

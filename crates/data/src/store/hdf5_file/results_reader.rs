@@ -5,7 +5,7 @@ use super::share::JOURNAL;
 use super::source::Source;
 use super::{
     Attribute, AuditTable, BranchTable, Coordinate, ERROR, Flags, ForceCurve, HDF5_VERSION, OBSERVABLE,
-    OWN_ATTRIBUTES, PROVENANCE, Results, Spectra, StoreError, Variable, Waveforms,
+    OWN_ATTRIBUTES, PROVENANCE, Results, RowColumn, Spectra, StoreError, Variable, Waveforms,
 };
 use hdf5::Group;
 use hdf5::types::TypeDescriptor;
@@ -29,8 +29,8 @@ pub fn scene_of(path: &Path) -> Result<String, StoreError> {
 impl Source {
     fn refuse_share(&self) -> Result<(), StoreError> {
         if self.file.link_exists(JOURNAL) {
-            let why = "it is a share of a run; `afmsweep merge` makes results of all of them".into();
-            return Err(StoreError::Foreign { path: self.path.clone(), why });
+            let why = "it is a share of a run; `afmsweep merge` makes results of all of them";
+            return Err(StoreError::foreign(&self.path, why));
         }
         Ok(())
     }
@@ -200,15 +200,12 @@ impl Source {
             [rows, length] if *rows == instances.len() && *length > 0 => (*rows, *length),
             shape => return Err(self.damaged(format_args!("the waveforms' time has dimensions {shape:?}"))),
         };
-        let table = |name| self.table(&group, name, instances.len(), length);
-        Ok(Some(Waveforms {
-            time: self.table(&group, "time", rows, length)?,
-            tip_travel: table("tip_travel")?,
-            actuator_top: table("actuator_top")?,
-            indentation: table("indentation")?,
-            force: table("force")?,
-            instances,
-        }))
+        let time = self.table(&group, "time", rows, length)?;
+        let mut waveforms = Waveforms { instances, time, ..Waveforms::default() };
+        for RowColumn { name, of_mut, .. } in Waveforms::COLUMNS {
+            *of_mut(&mut waveforms) = self.table(&group, name, waveforms.instances.len(), length)?;
+        }
+        Ok(Some(waveforms))
     }
 
     fn spectra(&self, root: &Group) -> Result<Option<Spectra>, StoreError> {
@@ -218,17 +215,11 @@ impl Source {
             [rows, length] if *rows == instances.len() && *length > 0 => *length,
             shape => return Err(self.damaged(format_args!("the spectra have dimensions {shape:?}"))),
         };
-        let table = |name| self.table(&group, name, instances.len(), length);
-        Ok(Some(Spectra {
-            frequency: table("frequency")?,
-            tip_amplitude: table("tip_amplitude")?,
-            tip_phase: table("tip_phase")?,
-            deflection_amplitude: table("deflection_amplitude")?,
-            deflection_phase: table("deflection_phase")?,
-            force_amplitude: table("force_amplitude")?,
-            force_phase: table("force_phase")?,
-            instances,
-        }))
+        let mut spectra = Spectra { instances, ..Spectra::default() };
+        for RowColumn { name, of_mut, .. } in Spectra::COLUMNS {
+            *of_mut(&mut spectra) = self.table(&group, name, spectra.instances.len(), length)?;
+        }
+        Ok(Some(spectra))
     }
 
     fn force_curves(&self, root: &Group) -> Result<Vec<ForceCurve>, StoreError> {
@@ -242,26 +233,18 @@ impl Source {
         let points: Vec<u32> = self.column(&group, "points", count)?;
         let laws = self.words(&group, "law", count)?;
         let branches = self.words(&group, "branch", count)?;
-        let mut indentation = self.table(&group, "indentation", count, length)?.into_iter();
-        let mut force = self.table(&group, "force", count, length)?.into_iter();
-        let mut radius = self.table(&group, "contact_radius", count, length)?.into_iter();
-        let mut curves = Vec::with_capacity(count);
-        for (((instance, points), law), branch) in instances.into_iter().zip(points).zip(laws).zip(branches) {
-            let cut = |rows: &mut std::vec::IntoIter<Vec<f64>>| {
-                let mut row = rows.next().unwrap_or_default();
-                row.truncate(points as usize);
-                row
-            };
-            curves.push(ForceCurve {
-                instance,
-                law,
-                branch,
-                indentation: cut(&mut indentation),
-                force: cut(&mut force),
-                contact_radius: cut(&mut radius),
-            });
-        }
-        Ok(curves)
+        let cut = |name| -> Result<Vec<Vec<f64>>, StoreError> {
+            let mut rows = self.table(&group, name, count, length)?;
+            rows.iter_mut().zip(&points).for_each(|(row, points)| row.truncate(*points as usize));
+            Ok(rows)
+        };
+        let mut columns = [cut("indentation")?, cut("force")?, cut("contact_radius")?];
+        let one = |(n, ((instance, law), branch))| {
+            let [indentation, force, contact_radius] =
+                columns.each_mut().map(|rows: &mut Vec<Vec<f64>>| std::mem::take(&mut rows[n]));
+            ForceCurve { instance, law, branch, indentation, force, contact_radius }
+        };
+        Ok(instances.into_iter().zip(laws).zip(branches).enumerate().map(one).collect())
     }
 
     /// The words behind a variable of codes.

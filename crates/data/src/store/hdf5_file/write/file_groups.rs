@@ -1,21 +1,18 @@
 //! The groups below the root: every file has all of them, so that readers need not ask which there are.
 
 use super::super::{ERROR, GROUPS, HDF5_VERSION, OBSERVABLE, PROVENANCE, Results};
-use super::{
-    Beside, FileContents, Layout, branch_group, dimension_scales, force_curve_group, spectrum_group,
-    waveform_group,
-};
-use crate::store::AuditTable;
+use super::{Beside, FileContents, Layout, dimension_scales, force_curve_group, root_group};
+use crate::store::{AuditTable, Spectra, Waveforms};
 use hdf5::File;
 
 /// Writes them. `scene_text` is the scene where the results do not hold it.
 pub(super) fn write(file: &File, filled: &FileContents, scene_text: &str) -> hdf5::Result<()> {
     let results = filled.frame;
     if let Some(one) = results.waveforms.as_ref().filter(|one| !one.instances.is_empty()) {
-        waveform_group::write(file, one)?;
+        waveforms(file, one)?;
     }
     if let Some(one) = results.spectra.as_ref().filter(|one| !one.instances.is_empty()) {
-        spectrum_group::write(file, one)?;
+        spectra(file, one)?;
     }
     if !results.force_curves.is_empty() {
         force_curve_group::write(file, &results.force_curves)?;
@@ -24,12 +21,49 @@ pub(super) fn write(file: &File, filled: &FileContents, scene_text: &str) -> hdf
         audit(file, table)?;
     }
     if let Some(branch) = filled.second() {
-        branch_group::write(Layout::group(file, "other_branch")?, filled, branch)?;
+        root_group::second_states(Layout::group(file, "other_branch")?, filled, branch)?;
     }
     for name in GROUPS.iter().filter(|name| !file.link_exists(name)) {
         Layout::group(file, name)?;
     }
     provenance(file, results, scene_text)
+}
+
+fn waveforms(file: &File, waveforms: &Waveforms) -> hdf5::Result<()> {
+    let mut layout = Layout::group(file, "waveforms")?;
+    let instance = layout.some_of("waveform", &waveforms.instances)?;
+    let long_name = "time from the drive's zero phase";
+    let own_time = waveforms.time.len() != 1;
+    let dims = if let [time] = waveforms.time.as_slice() {
+        vec![instance, layout.coordinate("time", "s", long_name, time)?]
+    } else {
+        let length = waveforms.time.first().map_or(0, Vec::len);
+        let dims = vec![instance, layout.dimension("sample", length)?];
+        layout.quantity("time", "s", long_name, &dims, &waveforms.time.concat())?;
+        dims
+    };
+    for column in Waveforms::COLUMNS {
+        let rows = (column.of)(waveforms).concat();
+        let dataset = layout.quantity(column.name, column.units, column.long_name, &dims, &rows)?;
+        // Not `instance`: in a list's file xarray shows no group whose coordinate has the name of the file's own dimension.
+        if own_time {
+            dimension_scales::text(&dataset, "coordinates", "time")?;
+        }
+    }
+    layout.close()
+}
+
+fn spectra(file: &File, spectra: &Spectra) -> hdf5::Result<()> {
+    let mut layout = Layout::group(file, "spectra")?;
+    let spectrum = layout.some_of("spectrum", &spectra.instances)?;
+    // Not `harmonic`: a group's dimension must not have the name of a longer or shorter one of the root's.
+    let orders: Vec<i32> = (1..=spectra.harmonics() as i32).collect();
+    let order = layout.coordinate("order", "1", "harmonic of the drive frequency", &orders)?;
+    for column in Spectra::COLUMNS {
+        let rows = (column.of)(spectra).concat();
+        layout.quantity(column.name, column.units, column.long_name, &[spectrum, order], &rows)?;
+    }
+    layout.close()
 }
 
 fn audit(file: &File, table: &AuditTable) -> hdf5::Result<()> {

@@ -73,14 +73,14 @@ pub fn open(path: &Path) -> Result<Journal, StoreError> {
         std::io::ErrorKind::NotFound => StoreError::Missing { path: path.to_path_buf() },
         _ => StoreError::io(path, "read", e),
     })?;
-    let foreign = |why: &str| StoreError::Foreign { path: path.to_path_buf(), why: why.into() };
+    let foreign = |why| StoreError::foreign(path, why);
     if !metadata.is_file() {
         return Err(foreign("it is no ordinary file"));
     }
-    let damaged = |why: String| StoreError::Damaged { path: path.to_path_buf(), why };
+    let damaged = |why: &str| StoreError::damaged(path, why);
     let as_written = is_as_written(path).map_err(|e| StoreError::io(path, "read", e))?;
     if as_written == Some(false) {
-        return Err(damaged("its bytes are not what the run wrote".into()));
+        return Err(damaged("its bytes are not what the run wrote"));
     }
     let file = File::open(path).map_err(|_| foreign("it is no HDF5 file, or cut short"))?;
     let Ok(dataset) = file.dataset(JOURNAL) else {
@@ -90,10 +90,10 @@ pub fn open(path: &Path) -> Result<Journal, StoreError> {
         }));
     };
     if as_written.is_none() {
-        return Err(damaged("its end is not what the run wrote".into()));
+        return Err(damaged("its end is not what the run wrote"));
     }
     if dataset.size() as u64 > metadata.len() {
-        return Err(damaged("its journal claims to be longer than the file".into()));
+        return Err(damaged("its journal claims to be longer than the file"));
     }
-    Journal::of(Bytes::Dataset(dataset)).map_err(damaged)
+    Journal::of(Bytes::Dataset(dataset)).map_err(|why| damaged(&why))
 }
