@@ -59,30 +59,20 @@ fn csv(all: &[BenchSeries]) -> String {
 }
 
 fn picture(title: &str, all: &[BenchSeries]) -> Result<String, ReportError> {
+    let line = |series: &BenchSeries| {
+        series.points.iter().map(|point| (point.instances as f64, point.rate)).collect()
+    };
     let chart = Chart {
         title: title.to_owned(),
         x: ChartField { label: "instances".into(), units: "1".into(), log: true },
         series: all
             .iter()
-            .map(|series| Look {
-                name: format!("{}, median error {:.0e}", name(series), series.error.median),
-                width: 2.0,
-                dashed: series.backend == "cpu",
-                dots: false,
+            .map(|series| {
+                let name = format!("{}, median error {:.0e}", name(series), series.error.median);
+                Look::line(&name, 2.0, series.backend == "cpu")
             })
             .collect(),
-        panels: vec![Plot {
-            label: "instance-steps per second".into(),
-            units: "1".into(),
-            lines: all
-                .iter()
-                .map(|series| {
-                    series.points.iter().map(|point| (point.instances as f64, point.rate)).collect()
-                })
-                .collect(),
-            marks: Vec::new(),
-            height: 340.0,
-        }],
+        panels: vec![Plot::new("instance-steps per second", "1", 340.0, all.iter().map(line).collect())],
     };
     chart.draw()
 }

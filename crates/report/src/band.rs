@@ -1,15 +1,18 @@
 //! What values are over an axis of many cases: the middle, and shaded where half of them and where nine of ten lie.
 
 use super::axis::PlotAxis;
-use super::canvas::{INK, LINES, picture};
+use super::canvas::{INK, LINES};
 use super::curve_forces::{is_ok, jumps};
-use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
-use super::labels::{brief, shown};
-use super::picture::places;
+use super::frame::{Frame, Legend};
+use super::hover::Hover;
+use super::labels::{capital, names, shown};
+use super::picture::{Picture, PictureKind, places};
+use super::stack::Stack;
 use super::view_request::DIRECTION;
-use super::{ReportError, SAMPLES};
+use super::{ReportError, SAMPLES, csv};
 use crate::store::{Coordinate, Results, Variable};
 
+const LAYOUT: Stack = Stack { width: 560.0, gap: 0.0, top: 40.0, key: None, beyond: 28.0 };
 /// So many curves make a band.
 const FEWEST: usize = 10;
 /// Bands in one picture at most.
@@ -48,20 +51,12 @@ impl Bands<'_> {
         entries.push((Legend::Line(middle), "median".to_owned()));
         entries.push((Legend::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
         entries.push((Legend::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
-        let (width, height, top) = (560.0, 360.0, 40.0);
-        let left = left_margin(&y_axis, height);
-        let total_width = left + width + 28.0;
-        let key_top = top + height + 64.0;
-        let total = (total_width, key_top + key_rows(width, &entries) * KEY_ROW);
-        picture(total, |canvas| {
-            title(canvas, self.title, left, total_width)?;
-            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+        LAYOUT.draw((self.title, &entries), &x_axis, &[(&y_axis, 360.0)], |_, frame| {
             frame.grid()?;
             for number in 0..self.series.len() {
-                self.band(&frame, number)?;
+                self.band(frame, number)?;
             }
-            frame.edges(true, true)?;
-            key(canvas, (left, key_top), left + width, &entries)
+            frame.edges(true, true)
         })
     }
 
@@ -104,20 +99,10 @@ impl Bands<'_> {
     }
 }
 
-/// A picture, a note on it and its numbers.
-pub(super) struct Band {
-    pub svg: String,
-    pub note: String,
-    pub csv: String,
-}
-
 /// The bands of a variable over many curves or samples. None where there are few.
-pub(super) fn draw(
-    results: &Results,
-    variable: &Variable,
-    heading: &str,
-) -> Result<Option<Band>, ReportError> {
-    if results.list || variable.harmonics.is_some() {
+pub(super) fn draw(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
+    let kind = PictureKind::of(variable);
+    if results.list || variable.harmonics.is_some() || kind == PictureKind::Computed {
         return Ok(None);
     }
     let axes = &results.axes;
@@ -136,15 +121,15 @@ pub(super) fn draw(
     let shown_bands = count.min(MOST);
     let length = axes[x].values.len();
     let mut held: Vec<Vec<f64>> = vec![Vec::new(); shown_bands * length];
-    let mut names = vec![String::new(); shown_bands];
+    let mut called = vec![String::new(); shown_bands];
     for i in (0..results.status.len()).filter(|i| is_ok(results, *i) && variable.data[*i].is_finite()) {
         let places = places(results, i);
         let band = apart.iter().fold(0, |band, axis| band * axes[*axis].values.len() + places[*axis].1);
         if band < shown_bands {
             held[band * length + places[x].1].push(variable.data[i]);
-            if names[band].is_empty() {
+            if called[band].is_empty() {
                 let one = |axis: &usize| shown(places[*axis].0, axes[*axis].values[places[*axis].1]);
-                names[band] = apart.iter().map(one).collect::<Vec<_>>().join(", ");
+                called[band] = apart.iter().map(one).collect::<Vec<_>>().join(", ");
             }
         }
     }
@@ -153,19 +138,20 @@ pub(super) fn draw(
         SHARES.map(|share| quantile(values, share))
     };
     let points: Vec<[f64; 5]> = held.iter_mut().map(quantiles).collect();
-    let series = names.into_iter().zip(points.chunks(length));
+    let series = called.into_iter().zip(points.chunks(length));
     let series: Vec<BandSeries> =
         series.map(|(name, points)| BandSeries { name, points: points.to_vec() }).collect();
-    let csv = csv(&axes[x], variable, &series);
-    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let label = brief(name, &variable.name);
-    let bands = Bands { title: heading, x: &axes[x], label: &label, units: &variable.units, series };
+    let csv = numbers(&axes[x], variable, &series);
+    let (name, label) = names(variable);
+    let title = format!("{}, median and bands", capital(name));
+    let bands = Bands { title: &title, x: &axes[x], label: &label, units: &variable.units, series };
     let what = if samples.is_some() { "samples" } else { "curves" };
     let mut note = format!("Of {pooled} {what}, at each point of those that are ok.");
     if count > MOST {
         note += &format!(" The first {MOST} of {count} bands.");
     }
-    Ok(Some(Band { svg: bands.draw()?, note, csv }))
+    let (svg, hover, name) = (bands.draw()?, Hover::default(), format!("{}_band", variable.name));
+    Ok(Some(Picture { kind, name, title, note, svg, hover, csv: Some(csv) }))
 }
 
 /// The axis that bands are drawn over: the last one of numbers; beside samples otherwise one of names.
@@ -176,20 +162,17 @@ fn axis_of(axes: &[Coordinate], many: bool) -> Option<usize> {
     all().find(numbers).or_else(|| all().find(usable))
 }
 
-fn csv(x: &Coordinate, variable: &Variable, series: &[BandSeries]) -> String {
-    let mut text = format!("band,{}", super::csv::head(&x.name, &x.units));
-    SHARES.iter().for_each(|share| text += &format!(",share {share} [{}]", variable.units));
-    text.push('\n');
+fn numbers(x: &Coordinate, variable: &Variable, series: &[BandSeries]) -> String {
+    let shares = SHARES.map(|share| format!("share {share} [{}]", variable.units));
+    let mut rows =
+        vec![["band".to_owned(), csv::head(&x.name, &x.units)].into_iter().chain(shares).collect()];
     for one in series {
-        for (i, (value, point)) in x.values.iter().zip(&one.points).enumerate() {
-            let place =
-                x.words.get(i).map_or_else(|| format!("{value:e}"), |word| super::csv::head(word, ""));
-            text += &format!("{},{place}", super::csv::head(&one.name, ""));
-            point.iter().for_each(|value| super::csv::cell(&mut text, *value));
-            text.push('\n');
-        }
+        rows.extend(one.points.iter().take(x.values.len()).enumerate().map(|(i, point)| {
+            let place = [csv::defused(one.name.clone()), csv::place(x, i)];
+            place.into_iter().chain(point.map(csv::number)).collect()
+        }));
     }
-    text
+    csv::table(rows)
 }
 
 /// The value below which this share of sorted values lies, between neighbours linear; NaN of none.

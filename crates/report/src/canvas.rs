@@ -113,17 +113,9 @@ impl Canvas<'_> {
         self.rectangle(a, b, PLACEHOLDER)
     }
 
-    pub fn outline(
-        &self,
-        a: (f64, f64),
-        b: (f64, f64),
-        colour: RGBColor,
-        width: f64,
-    ) -> Result<(), ReportError> {
+    pub fn outline(&self, a: (f64, f64), b: (f64, f64)) -> Result<(), ReportError> {
         // As a line: plotters gives rectangles no line width.
-        let mut corners = vec![a, (b.0, a.1), b, (a.0, b.1), a];
-        corners.push((b.0, a.1));
-        self.line(&corners, colour, width)
+        self.line(&[a, (b.0, a.1), b, (a.0, b.1), a, (b.0, a.1)], INK, 1.0)
     }
 
     pub fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Result<(), ReportError> {
@@ -132,6 +124,16 @@ impl Canvas<'_> {
         }
         let points: Vec<(i32, i32)> = points.iter().map(|&point| fine(point)).collect();
         self.area.draw(&PathElement::new(points, stroke(colour, width))).map_err(ReportError::draw)
+    }
+
+    /// A line, or one of dashes.
+    pub fn stroke(
+        &self,
+        points: &[(f64, f64)],
+        (colour, width): (RGBColor, f64),
+        dashed: bool,
+    ) -> Result<(), ReportError> {
+        if dashed { self.dashes(points, colour, width) } else { self.line(points, colour, width) }
     }
 
     /// A line of dashes, for what must be told from its neighbour without colour.

@@ -3,7 +3,9 @@
 use super::ReportError;
 use super::axis::{PlotAxis, least_of_decades};
 use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
-use super::frame::{Frame, KEY_ROW, Legend, SMALL, State, Tally, colour, key, key_rows, left_margin, title};
+use super::frame::{
+    Frame, KEY_ROW, Legend, SMALL, State, Tally, colour, is_place, key, key_rows, left_margin, title,
+};
 use super::hover::{Hint, Hover};
 use super::labels::{label, shown};
 use crate::store::Coordinate;
@@ -254,7 +256,7 @@ impl Point {
         let (x, y) = frame.at(self.x, self.value);
         let shown = self.state.has_value() || matches!(self.state, State::Zero | State::Excluded);
         let at = (x + self.shift, y.clamp(frame.top, frame.top + frame.height));
-        (shown && at.0.is_finite() && at.1.is_finite()).then_some(at)
+        (shown && is_place(&at)).then_some(at)
     }
 
     /// Whether a line leads to its neighbour: not across a jump, and not from one branch to another.
@@ -350,10 +352,7 @@ fn draw_piece(
     pen: &Pen,
 ) -> Result<(), ReportError> {
     let width = if thin { THIN } else { WIDE };
-    match pen.dashed {
-        true => frame.canvas.dashes(piece, shade, width)?,
-        false => frame.canvas.line(piece, shade, width)?,
-    }
+    frame.canvas.stroke(piece, (shade, width), pen.dashed)?;
     piece.clear();
     Ok(())
 }

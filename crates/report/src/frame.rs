@@ -70,6 +70,11 @@ impl State {
         if self.has_value() && value.abs() <= error { Self::Zero } else { self }
     }
 
+    /// A value that counts; what is nothing within its error is 0.
+    pub(super) fn counted(self, value: f64) -> Option<f64> {
+        if self == Self::Zero { Some(0.0) } else { self.has_value().then_some(value) }
+    }
+
     /// Whether there is a value to show.
     pub fn has_value(self) -> bool {
         matches!(self, Self::Good | Self::Doubtful(_))
@@ -201,6 +206,16 @@ pub(super) fn mark(canvas: &Canvas, at: (f64, f64)) -> Result<(), ReportError> {
     canvas.dot(at, 1.5, WHITE)
 }
 
+/// Whether a place can be shown.
+pub(super) fn is_place(at: &(f64, f64)) -> bool {
+    at.0.is_finite() && at.1.is_finite()
+}
+
+/// The pieces of a line between places that cannot be shown.
+pub(super) fn pieces(places: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+    places.split(|at| !is_place(at))
+}
+
 /// A plotting field with its two axes.
 pub(super) struct Frame<'a, 'c> {
     pub canvas: &'a Canvas<'c>,
@@ -222,6 +237,25 @@ impl Frame<'_, '_> {
     pub fn holds(&self, (x, y): (f64, f64)) -> bool {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
         (self.left..=right).contains(&x) && (self.top..=bottom).contains(&y)
+    }
+
+    /// The lines of zero, upright ones where asked for.
+    pub fn zeros(&self, upright: bool) -> Result<(), ReportError> {
+        let (x, y) = self.at(0.0, 0.0);
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        if (0.0..=1.0).contains(&self.y.place(0.0)) {
+            self.canvas.line(&[(self.left, y), (right, y)], INK, 0.8)?;
+        }
+        match upright && (0.0..=1.0).contains(&self.x.place(0.0)) {
+            true => self.canvas.line(&[(x, self.top), (x, bottom)], INK, 0.8),
+            false => Ok(()),
+        }
+    }
+
+    /// Words in its middle.
+    pub fn words(&self, text: &str) -> Result<(), ReportError> {
+        let middle = (self.left + self.width / 2.0, self.top + self.height / 2.0);
+        self.canvas.text(text, middle, SMALL, Anchor::Middle, INK)
     }
 
     /// The fine grid, to be drawn before the data.
@@ -296,7 +330,7 @@ impl Frame<'_, '_> {
             let x = self.left - 16.0 - widest(&ticks) - LABEL * 0.6;
             upward(canvas, self.y, (x, self.top + self.height / 2.0), self.height)?;
         }
-        canvas.outline((self.left, self.top), (right, bottom), INK, 1.0)
+        canvas.outline((self.left, self.top), (right, bottom))
     }
 }
 
@@ -324,26 +358,17 @@ pub(super) fn left_margin(axis: &PlotAxis, height: f64) -> f64 {
 pub(super) fn colour(place: f64) -> RGBColor {
     // Evenly spaced in the lightness of the Oklab space (0.26 to 0.92), the hue turning from 305 to 100
     // degrees, the saturation changing smoothly within what a screen can show.
-    const POINTS: [(u8, u8, u8); 12] = [
-        (52, 2, 85),
-        (49, 33, 110),
-        (40, 60, 126),
-        (26, 85, 137),
-        (19, 108, 143),
-        (33, 130, 146),
-        (42, 152, 150),
-        (67, 173, 148),
-        (104, 193, 140),
-        (149, 209, 126),
-        (200, 222, 109),
-        (253, 231, 95),
+    const POINTS: [u32; 12] = [
+        0x340255, 0x31216e, 0x283c7e, 0x1a5589, 0x136c8f, 0x218292, 0x2a9896, 0x43ad94, 0x68c18c, 0x95d17e,
+        0xc8de6d, 0xfde75f,
     ];
     let at = if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) } * (POINTS.len() - 1) as f64;
     let below = (at as usize).min(POINTS.len() - 2);
     let share = at - below as f64;
     let (a, b) = (POINTS[below], POINTS[below + 1]);
-    let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
-    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    let channel = |colour: u32, shift: u32| f64::from((colour >> shift) as u8);
+    let mix = |shift| (channel(a, shift) + share * (channel(b, shift) - channel(a, shift))).round() as u8;
+    RGBColor(mix(16), mix(8), mix(0))
 }
 
 /// A title from `left` on that ends before `right`: in smaller letters, or cut, where it is too long.

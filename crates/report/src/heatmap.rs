@@ -172,10 +172,7 @@ fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> 
         let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
         for piece in places.split(|&at| !frame.holds(at)) {
             frame.canvas.line(piece, WHITE, 3.6)?;
-            match number {
-                0 => frame.canvas.line(piece, INK, 1.6)?,
-                _ => frame.canvas.dashes(piece, INK, 1.6)?,
-            }
+            frame.canvas.stroke(piece, (INK, 1.6), number > 0)?;
         }
     }
     Ok(())
@@ -195,7 +192,7 @@ fn colour_bar(
         let shade = colour((step as f64 + 0.5) / STEPS as f64);
         canvas.rectangle((left, from), (left + width, (to - 1.0).max(top)), shade)?;
     }
-    canvas.outline((left, top), (left + width, bottom), INK, 1.0)?;
+    canvas.outline((left, top), (left + width, bottom))?;
     let (ticks, small) = bar.ticks((height / 45.0) as usize + 1);
     for (place, text) in &ticks {
         let y = bottom - place * height;

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{BACK, GREY, LINES, picture};
 use super::curve_picture::{Curve, absent, drawn, state_entries, values_axis};
-use super::frame::{Frame, KEY_ROW, Legend, State, colour, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, State, colour, is_place, key, key_rows, left_margin, title};
 use super::hover::{Hint, Hover};
 use super::labels::shown;
 use super::raster::Dots;
@@ -94,7 +94,7 @@ fn dense(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), Re
         let (value, state) = drawn(value);
         let place = frame.at(at, value);
         match state {
-            State::Excluded if place.0.is_finite() && place.1.is_finite() => {
+            State::Excluded if is_place(&place) => {
                 back.dot((place.0 - frame.left, place.1 - frame.top), 1.6, GREY);
                 any_back = true;
             }
@@ -122,7 +122,7 @@ fn told(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Vec<Hint> {
         let (value, _) = drawn(value);
         let at = frame.at(x, value);
         let text = || format!("instance {number}, {}: {}", shown(parameter, x), frame.y.unit.value(value));
-        (at.0.is_finite() && at.1.is_finite()).then(|| (at, text()))
+        is_place(&at).then(|| (at, text()))
     };
     series.values.iter().zip(parameter.values.iter()).enumerate().step_by(every).filter_map(one).collect()
 }

@@ -6,7 +6,7 @@ use super::curve_picture::{Curve, CurvePlot, Style};
 use super::frame::{SMALL, State};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
-use super::labels::{brief, capital, caption, label, shown};
+use super::labels::{capital, caption, label, names, short, shown};
 use super::picture::{Picture, PictureKind, case, numbers, second_states, states};
 use super::view_request::{DIRECTION, View, ViewRequest};
 use super::{ReportError, SAMPLES, branch_states, scatter};
@@ -52,12 +52,12 @@ pub(super) fn draw(
     variable: &Variable,
     wish: &ViewRequest,
 ) -> Result<Vec<Picture>, ReportError> {
-    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    let (name, axis_name) = names(variable);
     let (branches, branch) = branch_states::of_states(results);
     let mut subject = Subject {
         units: &variable.units,
         heading: capital(name),
-        axis_name: brief(name, &variable.name),
+        axis_name,
         harmonics: variable.harmonics.unwrap_or(1).max(1),
         states: states(results, variable),
         second: second_states(results, variable),
@@ -185,7 +185,7 @@ impl Subject<'_> {
                 let by = view.curves.map(|axis| &axes[axis]);
                 let by = by.map_or(String::new(), |axis| match axis.name.as_str() {
                     DIRECTION => WAYS.to_owned(),
-                    name => brief(label(axis), name),
+                    _ => short(axis),
                 });
                 let style = if x.words.is_empty() { Style::Lines } else { Style::Symbols };
                 self.curves((x, &by, style), columns, panels, note)

@@ -35,8 +35,6 @@ fn draw(params: &Params) -> Result<String, StudyError> {
             curve.indentation_m.iter().copied().zip(forces).collect()
         })
     };
-    let look =
-        |name: &str, width: f64, dashed: bool| Look { name: name.to_owned(), width, dashed, dots: false };
     let jkr = contact(params, LawChoice::Jkr);
     let (fold, touch) = (jkr.law().release(), jkr.force(0.0, true));
     let release = jkr.force(fold, true);
@@ -46,10 +44,10 @@ fn draw(params: &Params) -> Result<String, StudyError> {
         title: "Figure 3: force against deformation".into(),
         x: ChartField { label: "deformation, negative for a gap".into(), units: "m".into(), log: false },
         series: vec![
-            look("Hertz", 2.0, false),
-            look("DMT", 2.0, false),
-            look("JKR, approach", 2.6, false),
-            look("JKR, retraction", 1.8, true),
+            Look::line("Hertz", 2.0, false),
+            Look::line("DMT", 2.0, false),
+            Look::line("JKR, approach", 2.6, false),
+            Look::line("JKR, retraction", 1.8, true),
         ],
         panels: vec![Plot {
             label: "force on the tip".into(),

@@ -2,11 +2,13 @@
 
 use super::super::ReportError;
 use super::super::axis::PlotAxis;
-use super::super::canvas::{GREY, LINES, picture};
-use super::super::frame::{Frame, KEY_ROW, Legend, colour, key, left_margin, title};
+use super::super::canvas::{GREY, LINES};
+use super::super::frame::{Frame, Legend, colour, is_place};
 use super::super::raster::{self, FINER};
+use super::super::stack::Stack;
 use plotters::style::RGBColor;
 
+const LAYOUT: Stack = Stack { width: 420.0, gap: 0.0, top: 36.0, key: Some(42.0), beyond: 0.0 };
 /// Rows that are drawn as dots.
 const DOTS: usize = 1500;
 /// Cells each way.
@@ -25,7 +27,7 @@ pub(in super::super) fn rows(
         let radius = if x.len() > 300 { 1.3 } else { 2.2 };
         for (x, y) in x.iter().zip(y) {
             let at = frame.at(*x, *y);
-            if at.0.is_finite() && at.1.is_finite() {
+            if is_place(&at) {
                 frame.canvas.dot(at, radius, LINES[0])?;
             }
         }
@@ -35,7 +37,7 @@ pub(in super::super) fn rows(
     let mut shares = vec![0.0; cells * cells];
     for (n, (x, y)) in x.iter().zip(y).enumerate() {
         let (across, up) = (frame.x.place(*x), frame.y.place(*y));
-        if across.is_finite() && up.is_finite() {
+        if is_place(&(across, up)) {
             let cell = |place: f64| ((place * cells as f64) as usize).min(cells - 1);
             shares[cell(up) * cells + cell(across)] += weights.get(n).copied().unwrap_or(1.0);
         }
@@ -69,23 +71,18 @@ impl Side<'_> {
 /// A picture of an observable over a parameter; rows that failed are strokes at the lower edge, at their parameter.
 pub(super) fn draw(heading: &str, x: &Side, y: &Side, failed: &[f64]) -> Result<String, ReportError> {
     let (x_axis, y_axis) = (x.axis(0.0), y.axis(0.02));
-    let (width, height) = (420.0, 300.0);
-    let left = left_margin(&y_axis, height);
     let entries: Vec<(Legend, String)> = match failed.len() {
         0 => Vec::new(),
         count => vec![(Legend::Tick(GREY), format!("{count} left out"))],
     };
-    let top = 36.0 + if entries.is_empty() { 0.0 } else { KEY_ROW };
-    picture((left + width + 24.0, top + height + 52.0), |canvas| {
-        title(canvas, heading, left, left + width)?;
-        key(canvas, (left, 42.0), left + width, &entries)?;
-        let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
+    LAYOUT.draw((heading, &entries), &x_axis, &[(&y_axis, 300.0)], |_, frame| {
         frame.grid()?;
-        rows(&frame, x.values, y.values, &[])?;
+        rows(frame, x.values, y.values, &[])?;
+        let bottom = frame.top + frame.height;
         for value in failed.iter().take(DOTS) {
-            let at = left + x_axis.place(*value) * width;
-            if (left..=left + width).contains(&at) {
-                canvas.line(&[(at, top + height - 8.0), (at, top + height)], GREY, 1.0)?;
+            let at = frame.at(*value, f64::NAN).0;
+            if (frame.left..=frame.left + frame.width).contains(&at) {
+                frame.canvas.line(&[(at, bottom - 8.0), (at, bottom)], GREY, 1.0)?;
             }
         }
         frame.edges(true, true)

@@ -9,7 +9,7 @@ mod prior_posterior;
 mod shares;
 
 use super::band::{self, Bands};
-use super::labels::{brief, capital, caption, short};
+use super::labels::{brief, capital, caption, ends, short};
 use super::{Document, ReportError, save, shown};
 use crate::stats::{Estimate, SHARES, SensitivityIndices, Study, StudyOutput, Summary};
 use crate::store::Coordinate;
@@ -194,8 +194,7 @@ fn numbers(output: &StudyOutput, summary: &Summary) -> Vec<Vec<String>> {
 
 /// The side of a parameter, of these of its values.
 fn side<'a>(parameter: &'a Coordinate, label: &'a str, values: &'a [f64]) -> Side<'a> {
-    let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
-    let (least, most) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
+    let (least, most) = ends(values.iter().copied());
     Side { values, label, units: &parameter.units, log: least > 0.0 && most > DECADE * least }
 }
 
@@ -217,41 +216,25 @@ fn decides(
 ) -> Result<(), ReportError> {
     let names = study.design.group_names();
     let title = format!("What decides: {}", output.long_name);
-    let (rows, label, units) = match &summary.indices {
-        SensitivityIndices::Saltelli(all) => (
-            vec![
-                IndexRow { word: "first order S1", values: &all.first },
-                IndexRow { word: "total ST", values: &all.total },
-            ],
-            "share of the variance",
-            "1",
-        ),
-        SensitivityIndices::Morris(effects) => (
-            vec![IndexRow { word: "mean size of an effect", values: &effects.mu_star }],
-            "effect of a step over all levels",
-            output.units.as_str(),
-        ),
-        SensitivityIndices::Bins(first) => {
-            (vec![IndexRow { word: "first order S1, by bins", values: first }], "share of the variance", "1")
+    let row = |word, values| IndexRow { word, values };
+    let shares = ("share of the variance", "1");
+    let (rows, axis) = match &summary.indices {
+        SensitivityIndices::Saltelli(all) => {
+            (vec![row("first order S1", &all.first), row("total ST", &all.total)], shares)
         }
+        SensitivityIndices::Morris(effects) => (
+            vec![row("mean size of an effect", &effects.mu_star)],
+            ("effect of a step over all levels", output.units.as_str()),
+        ),
+        SensitivityIndices::Bins(first) => (vec![row("first order S1, by bins", first)], shares),
     };
-    let svg = shares::draw(&title, &names, &rows, (label, units))?;
-    let lost: Vec<String> = rows
-        .iter()
-        .map(|row| {
-            (
-                row.word,
-                names
-                    .iter()
-                    .zip(row.values)
-                    .filter(|(_, one)| one.holds_zero())
-                    .map(|(name, _)| name.as_str()),
-            )
-        })
-        .map(|(word, names)| (word, names.collect::<Vec<_>>()))
-        .filter(|(_, names)| !names.is_empty())
-        .map(|(word, names)| format!("{} ({word})", names.join(", ")))
-        .collect();
+    let svg = shares::draw(&title, &names, &rows, axis)?;
+    let lost = |row: &IndexRow| {
+        let zero = names.iter().zip(row.values).filter(|(_, one)| one.holds_zero());
+        let zero: Vec<&str> = zero.map(|(name, _)| name.as_str()).collect();
+        (!zero.is_empty()).then(|| format!("{} ({})", zero.join(", "), row.word))
+    };
+    let lost: Vec<String> = rows.iter().filter_map(lost).collect();
     let caption = match lost.is_empty() {
         true => title,
         false => format!("{title}. Not told apart from zero: {}", lost.join("; ")),
