@@ -82,7 +82,7 @@ pub fn main(args: &BenchArgs, voice: Verbosity) -> anyhow::Result<()> {
     backends.dedup();
     let command =
         format!("afmsweep bench {name} --backend {} --sizes {}", backends.join(","), sizes.join(","));
-    let files = bench::files(&format!("{name} on {}", short(&device)), &command, &now(), &all)?;
+    let files = bench::files(&format!("{name} on {}", short(&device)), &command, &now(), &all);
     save(&folder, GENERATOR, &files)?;
     if args.json {
         print_json(&serde_json::json!({ "series": all }))?;

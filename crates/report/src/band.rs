@@ -9,7 +9,7 @@ use super::labels::{capital, names, shown};
 use super::picture::{Picture, PictureKind, places};
 use super::stack::Stack;
 use super::view_request::DIRECTION;
-use super::{ReportError, SAMPLES, csv};
+use super::{SAMPLES, csv};
 use crate::store::{Coordinate, Results, Variable};
 
 const LAYOUT: Stack = Stack { width: 560.0, gap: 0.0, top: 40.0, key: None, beyond: 28.0 };
@@ -39,7 +39,7 @@ pub(super) struct Bands<'a> {
 
 impl Bands<'_> {
     /// The picture as SVG. Names along the axis have bars in place of areas.
-    pub fn draw(&self) -> Result<String, ReportError> {
+    pub fn draw(&self) -> String {
         let x_axis = PlotAxis::of(self.x, 0.0);
         let values = self.series.iter().flat_map(|one| &one.points).flatten().copied();
         let y_axis = PlotAxis::over(values, self.units, self.label, false, 0.06);
@@ -52,16 +52,16 @@ impl Bands<'_> {
         entries.push((Legend::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
         entries.push((Legend::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
         LAYOUT.draw((self.title, &entries), &x_axis, &[(&y_axis, 360.0)], |_, frame| {
-            frame.grid()?;
+            frame.grid();
             for number in 0..self.series.len() {
-                self.band(frame, number)?;
+                self.band(frame, number);
             }
             frame.edges(true, true)
         })
     }
 
     /// One band; places without values interrupt it.
-    fn band(&self, frame: &Frame, number: usize) -> Result<(), ReportError> {
+    fn band(&self, frame: &Frame, number: usize) {
         let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
         let mut order: Vec<usize> = (0..self.x.values.len()).collect();
         order.sort_by(|a, b| self.x.values[*a].total_cmp(&self.x.values[*b]));
@@ -81,33 +81,32 @@ impl Bands<'_> {
                         canvas.shade(
                             &[(a.0 - 4.0, a.1), (a.0 + 4.0, a.1), (b.0 + 4.0, b.1), (b.0 - 4.0, b.1)],
                             (shade, cover),
-                        )?;
+                        );
                     }
                 } else {
                     let there = piece.iter().map(|i| at(i, low));
                     let back = piece.iter().rev().map(|i| at(i, high));
-                    canvas.shade(&there.chain(back).collect::<Vec<_>>(), (shade, cover))?;
+                    canvas.shade(&there.chain(back).collect::<Vec<_>>(), (shade, cover));
                 }
             }
             let middle: Vec<(f64, f64)> = piece.iter().map(|i| at(i, 2)).collect();
             match frame.x.has_names() || piece.len() == 1 {
-                true => middle.iter().try_for_each(|at| canvas.dot(*at, 3.4, shade))?,
-                false => canvas.line(&middle, shade, 2.2)?,
+                true => middle.iter().for_each(|at| canvas.dot(*at, 3.4, shade)),
+                false => canvas.line(&middle, shade, 2.2),
             }
         }
-        Ok(())
     }
 }
 
 /// The bands of a variable over many curves or samples. None where there are few.
-pub(super) fn draw(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
+pub(super) fn draw(results: &Results, variable: &Variable) -> Option<Picture> {
     let kind = PictureKind::of(variable);
     if results.list || variable.harmonics.is_some() || kind == PictureKind::Computed {
-        return Ok(None);
+        return None;
     }
     let axes = &results.axes;
     let samples = axes.iter().position(|axis| axis.scene_path == SAMPLES);
-    let Some(x) = axis_of(axes, samples.is_some() || jumps(results).is_some()) else { return Ok(None) };
+    let x = axis_of(axes, samples.is_some() || jumps(results).is_some())?;
     // What is not pooled makes bands of their own: the ways, and beside samples all other axes.
     let apart: Vec<usize> = (0..axes.len())
         .filter(|axis| *axis != x && samples != Some(*axis))
@@ -116,7 +115,7 @@ pub(super) fn draw(results: &Results, variable: &Variable) -> Result<Option<Pict
     let count: usize = apart.iter().map(|axis| axes[*axis].values.len()).product();
     let pooled = results.status.len() / (count * axes[x].values.len()).max(1);
     if pooled < FEWEST {
-        return Ok(None);
+        return None;
     }
     let shown_bands = count.min(MOST);
     let length = axes[x].values.len();
@@ -150,8 +149,8 @@ pub(super) fn draw(results: &Results, variable: &Variable) -> Result<Option<Pict
     if count > MOST {
         note += &format!(" The first {MOST} of {count} bands.");
     }
-    let (svg, hover, name) = (bands.draw()?, Hover::default(), format!("{}_band", variable.name));
-    Ok(Some(Picture { kind, name, title, note, svg, hover, csv: Some(csv) }))
+    let (svg, hover, name) = (bands.draw(), Hover::default(), format!("{}_band", variable.name));
+    Some(Picture { kind, name, title, note, svg, hover, csv: Some(csv) })
 }
 
 /// The axis that bands are drawn over: the last one of numbers; beside samples otherwise one of names.

@@ -1,6 +1,5 @@
 //! Lines over a common axis, in one panel or several above each other, with marked points.
 
-use super::ReportError;
 use super::axis::{PlotAxis, spans_decades};
 use super::canvas::{Anchor, Canvas, INK, LINES, WHITE};
 use super::frame::{Frame, Legend, SMALL, is_place, pieces};
@@ -65,10 +64,7 @@ pub struct Chart {
 
 impl Chart {
     /// The picture as SVG. Values that are all positive and span decades get a logarithmic axis.
-    ///
-    /// # Errors
-    /// [`ReportError::Draw`].
-    pub fn draw(&self) -> Result<String, ReportError> {
+    pub fn draw(&self) -> String {
         let points = || self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
         let x_axis =
             PlotAxis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
@@ -86,25 +82,25 @@ impl Chart {
         let heights = self.panels.iter().map(|panel| panel.height);
         let panels: Vec<(&PlotAxis, f64)> = axes.iter().zip(heights).collect();
         LAYOUT.draw((&self.title, &entries), &x_axis, &panels, |number, frame| {
-            self.panel(frame, &self.panels[number])?;
+            self.panel(frame, &self.panels[number]);
             frame.edges(number + 1 == panels.len(), true)
         })
     }
 
-    fn panel(&self, frame: &Frame, panel: &Plot) -> Result<(), ReportError> {
-        frame.grid()?;
-        frame.zeros(false)?;
+    fn panel(&self, frame: &Frame, panel: &Plot) {
+        frame.grid();
+        frame.zeros(false);
         for (number, (line, look)) in panel.lines.iter().zip(&self.series).enumerate() {
             let shade = LINES[number % LINES.len()];
             let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
             for piece in pieces(&places) {
-                frame.canvas.stroke(piece, (shade, look.width), look.dashed)?;
+                frame.canvas.stroke(piece, (shade, look.width), look.dashed);
                 if look.dots {
-                    piece.iter().try_for_each(|at| frame.canvas.dot(*at, 1.2 + look.width, shade))?;
+                    piece.iter().for_each(|at| frame.canvas.dot(*at, 1.2 + look.width, shade));
                 }
             }
         }
-        panel.marks.iter().try_for_each(|mark| mark.draw(frame.canvas, frame.at(mark.x, mark.y)))
+        panel.marks.iter().for_each(|mark| mark.draw(frame.canvas, frame.at(mark.x, mark.y)))
     }
 }
 
@@ -128,15 +124,15 @@ impl Plot {
 }
 
 impl Mark {
-    fn draw(&self, canvas: &Canvas, at: (f64, f64)) -> Result<(), ReportError> {
+    fn draw(&self, canvas: &Canvas, at: (f64, f64)) {
         if !is_place(&at) {
-            return Ok(());
+            return;
         }
-        canvas.dot(at, 4.4, WHITE)?;
-        canvas.dot(at, 3.2, INK)?;
+        canvas.dot(at, 4.4, WHITE);
+        canvas.dot(at, 3.2, INK);
         let anchor = if self.offset.0 < 0.0 { Anchor::Right } else { Anchor::Left };
         let place = (at.0 + self.offset.0, at.1 - self.offset.1);
-        canvas.line(&[at, place], INK, 0.7)?;
+        canvas.line(&[at, place], INK, 0.7);
         canvas.text(&self.text, (place.0 + self.offset.0.signum() * 3.0, place.1), SMALL, anchor, INK)
     }
 }

@@ -1,6 +1,5 @@
 //! Force against indentation of one instance: the law, and the forces that its motion tells, where something happens.
 
-use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::LINES;
 use super::curve_forces::{LARGEST, ORBIT};
@@ -17,7 +16,7 @@ const ROOM: f64 = 0.1;
 
 /// The picture of all curves of one instance. A law without memory has one: its approach and its retraction are the same.
 /// `decay` is the law's decay length, m, where it has one.
-pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) -> Result<String, ReportError> {
+pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) -> String {
     let repeats = |one: &ForceCurve, other: &ForceCurve| one.law == other.law && points(one) == points(other);
     let told = |n: &usize| !curves[..*n].iter().any(|before| repeats(curves[*n], before));
     let name = |n: usize| match curves[n + 1..].iter().any(|after| repeats(curves[n], after)) {
@@ -48,25 +47,25 @@ pub(super) fn draw(curves: &[&ForceCurve], heading: &str, decay: Option<f64>) ->
         entries.push((sample, names[number].clone()));
     }
     LAYOUT.draw((heading, &entries), &x_axis, &[(&y_axis, 360.0)], |_, frame| {
-        frame.grid()?;
-        frame.zeros(true)?;
+        frame.grid();
+        frame.zeros(true);
         for (number, curve) in curves.iter().enumerate() {
-            stroke(frame, curve, number)?;
+            stroke(frame, curve, number);
         }
         frame.edges(true, true)
     })
 }
 
 /// Draws the curve of this number, as far as it is in the frame.
-fn stroke(frame: &Frame, curve: &ForceCurve, number: usize) -> Result<(), ReportError> {
+fn stroke(frame: &Frame, curve: &ForceCurve, number: usize) {
     let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
     let places: Vec<(f64, f64)> = pairs(curve).map(|(depth, force)| frame.at(depth, force)).collect();
     if is_cloud(curve) {
-        let mut shown = places.into_iter().filter(|at| frame.holds(*at));
-        return shown.try_for_each(|at| canvas.dot(at, 1.8, shade));
+        let shown = places.into_iter().filter(|at| frame.holds(*at));
+        return shown.for_each(|at| canvas.dot(at, 1.8, shade));
     }
     let pieces = inside(frame, &places);
-    pieces.iter().try_for_each(|piece| canvas.stroke(piece, (shade, 2.0), is_retraction(curve)))
+    pieces.iter().for_each(|piece| canvas.stroke(piece, (shade, 2.0), is_retraction(curve)))
 }
 
 const X: &str = "indentation, negative for a gap";
@@ -177,14 +176,12 @@ mod tests {
     /// Truth: by hand.
     #[test]
     fn lines_are_cut_at_the_edges() {
-        let made = crate::canvas::picture((100.0, 100.0), |canvas| {
+        crate::canvas::picture((100.0, 100.0), |canvas| {
             let axis = PlotAxis::over([0.0, 1.0].into_iter(), "1", "", false, 0.0);
             let (width, height) = (10.0, 10.0);
             let frame = Frame { canvas, left: 0.0, top: 0.0, width, height, x: &axis, y: &axis };
             let found = inside(&frame, &[(-5.0, 5.0), (5.0, 5.0), (5.0, 25.0), (50.0, 50.0)]);
             assert_eq!(found, [vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)]]);
-            Ok(())
         });
-        made.unwrap();
     }
 }

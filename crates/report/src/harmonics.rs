@@ -1,6 +1,5 @@
 //! One instance's harmonics as sticks: travel and force in panels above each other.
 
-use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::LINES;
 use super::csv::{number, table};
@@ -31,7 +30,7 @@ struct Panel<'a> {
 }
 
 /// The picture of row `row` of the spectra, and what the pointer is told of it.
-pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(String, Hover), ReportError> {
+pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> (String, Hover) {
     let of = |rows: &'_ [Vec<f64>]| rows.get(row).cloned().unwrap_or_default();
     let frequency = of(&spectra.frequency);
     let (tip, tip_phase) = (of(&spectra.tip_amplitude), of(&spectra.tip_phase));
@@ -47,11 +46,11 @@ pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(Stri
     let places: Vec<(&PlotAxis, f64)> = panels.iter().map(|panel| (&panel.axis, 190.0)).collect();
     let mut hover = Hover::default();
     let svg = LAYOUT.draw((heading, &[]), &x_axis, &places, |number, frame| {
-        frame.grid()?;
-        hover.points(panels[number].sticks(frame, &frequency)?);
+        frame.grid();
+        hover.points(panels[number].sticks(frame, &frequency));
         frame.edges(number == 1, true)
-    })?;
-    Ok((svg, hover))
+    });
+    (svg, hover)
 }
 
 /// The last harmonic that any of the panels shows, 1 at least.
@@ -71,7 +70,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
-    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<Hint>, ReportError> {
+    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Vec<Hint> {
         let bottom = frame.top + frame.height;
         // Many of them are thin.
         let apart = frame.at(2.0, f64::NAN).0 - frame.at(1.0, f64::NAN).0;
@@ -83,16 +82,16 @@ impl<'a> Panel<'a> {
                 continue;
             }
             let value = |all: &[f64], units| shown(all.get(i).copied().unwrap_or(f64::NAN), units, 4);
-            frame.canvas.line(&[(at.0, bottom), at], LINES[0], width)?;
-            frame.canvas.dot(at, radius, LINES[0])?;
+            frame.canvas.line(&[(at.0, bottom), at], LINES[0], width);
+            frame.canvas.dot(at, radius, LINES[0]);
             let (number, label, size) = (i + 1, self.label, shown(amplitude, self.units, 4));
             let (hz, lag) = (value(frequency, "Hz"), value(self.phase, "degree"));
             told.push((at, format!("harmonic {number} at {hz}: {label} {size}, lag {lag}")));
         }
         if told.is_empty() {
-            frame.words("nothing")?;
+            frame.words("nothing");
         }
-        Ok(told)
+        told
     }
 }
 

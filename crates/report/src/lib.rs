@@ -68,8 +68,6 @@ pub enum ReportError {
     NotAFolder { path: PathBuf },
     #[error("cannot {doing} {}: {source}; -o names another folder", path.display())]
     Io { path: PathBuf, doing: &'static str, source: io::Error },
-    #[error("a picture could not be drawn: {why}")]
-    Draw { why: String },
     #[error("{option} {name}: expected {expected}")]
     Wish { option: &'static str, name: String, expected: String },
 }

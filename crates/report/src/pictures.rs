@@ -34,23 +34,23 @@ pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture,
             Some(line) => undrawn.push(line),
             None => {
                 pictures.extend(variable::draw(results, one, wish)?);
-                pictures.extend(band::draw(results, one)?);
+                pictures.extend(band::draw(results, one));
             }
         }
     }
     if let Some(waveforms) = &results.waveforms {
         let words = (PictureKind::Asked, "Waveform", "waveforms");
         pictures.extend(of_instances(results, words, &waveforms.instances, |row, instance, title| {
-            let svg = waveform::draw(waveforms, row, title, curve_forces::sticks(results, instance))?;
-            Ok((svg, Hover::default(), String::new(), csv::of_waveform(waveforms, row)))
-        })?);
+            let svg = waveform::draw(waveforms, row, title, curve_forces::sticks(results, instance));
+            (svg, Hover::default(), String::new(), csv::of_waveform(waveforms, row))
+        }));
     }
     if let Some(spectra) = &results.spectra {
         let words = (PictureKind::Spectrum, "Spectrum", "spectra");
         pictures.extend(of_instances(results, words, &spectra.instances, |row, _, title| {
-            let (svg, hover) = harmonics::draw(spectra, row, title)?;
-            Ok((svg, hover, harmonics::told(spectra, row), harmonics::csv(spectra, row)))
-        })?);
+            let (svg, hover) = harmonics::draw(spectra, row, title);
+            (svg, hover, harmonics::told(spectra, row), harmonics::csv(spectra, row))
+        }));
     }
     let instances: BTreeSet<u64> = results.force_curves.iter().map(|curve| curve.instance).collect();
     let instances: Vec<u64> = instances.into_iter().collect();
@@ -59,9 +59,9 @@ pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture,
         let told = curve_forces::forces(results, instance);
         let laws = results.force_curves.iter().filter(|curve| curve.instance == instance);
         let curves: Vec<&ForceCurve> = laws.chain(&told).collect();
-        let svg = force_curve::draw(&curves, title, curve_forces::decay_length(results, instance))?;
-        Ok((svg, Hover::default(), String::new(), csv::of_force_curves(&curves)))
-    })?);
+        let svg = force_curve::draw(&curves, title, curve_forces::decay_length(results, instance));
+        (svg, Hover::default(), String::new(), csv::of_force_curves(&curves))
+    }));
     Ok(DrawnPicture { pictures, left_out: undrawn })
 }
 
@@ -71,14 +71,14 @@ fn of_instances(
     results: &Results,
     (kind, noun, plural): (PictureKind, &str, &str),
     instances: &[u64],
-    mut draw: impl FnMut(usize, u64, &str) -> Result<(String, Hover, String, String), ReportError>,
-) -> Result<Vec<Picture>, ReportError> {
+    mut draw: impl FnMut(usize, u64, &str) -> (String, Hover, String, String),
+) -> Vec<Picture> {
     let one = |(row, instance): (usize, &u64)| {
         let title = with_case(results, &format!("{noun} of instance {instance}"), *instance);
-        let (svg, hover, told, csv) = draw(row, *instance, &title)?;
+        let (svg, hover, told, csv) = draw(row, *instance, &title);
         let note = format!("{told} {}", left_out(row, instances.len(), plural)).trim().to_owned();
         let name = format!("{}_{instance}", noun.to_lowercase().replace(' ', "_"));
-        Ok(Picture { kind, name, title, note, svg, hover, csv: Some(csv) })
+        Picture { kind, name, title, note, svg, hover, csv: Some(csv) }
     };
     instances.iter().enumerate().take(MOST_INSTANCES).map(one).collect()
 }

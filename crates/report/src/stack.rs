@@ -1,6 +1,5 @@
 //! Panels of one width above each other, with their title above them and their key above or below.
 
-use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::picture;
 use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
@@ -25,8 +24,8 @@ impl Stack {
         (heading, entries): (&str, &[(Legend, String)]),
         x: &PlotAxis,
         panels: &[(&PlotAxis, f64)],
-        mut draw: impl FnMut(usize, &Frame) -> Result<(), ReportError>,
-    ) -> Result<String, ReportError> {
+        mut draw: impl FnMut(usize, &Frame),
+    ) -> String {
         let width = self.width;
         let left = panels.iter().map(|(y, height)| left_margin(y, *height)).fold(0.0, f64::max);
         let right = left + width;
@@ -38,15 +37,18 @@ impl Stack {
             None => ((right + 28.0, bottom + 64.0 + room), bottom + 64.0),
         };
         picture(size, |canvas| {
-            title(canvas, heading, left, right + self.beyond)?;
-            let words = || key(canvas, (left, key_top), right, entries);
-            self.key.map_or(Ok(()), |_| words())?;
+            title(canvas, heading, left, right + self.beyond);
+            if self.key.is_some() {
+                key(canvas, (left, key_top), right, entries);
+            }
             let mut top = top;
             for (number, (y, height)) in panels.iter().enumerate() {
-                draw(number, &Frame { canvas, left, top, width, height: *height, x, y })?;
+                draw(number, &Frame { canvas, left, top, width, height: *height, x, y });
                 top += height + self.gap;
             }
-            if self.key.is_none() { words() } else { Ok(()) }
+            if self.key.is_none() {
+                key(canvas, (left, key_top), right, entries);
+            }
         })
     }
 }

@@ -1,6 +1,5 @@
 //! One instance over time: travel, indentation and force in panels above each other.
 
-use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{LINES, PALE};
 use super::frame::{Frame, Legend, pieces};
@@ -19,12 +18,7 @@ struct Panel<'a> {
 
 /// The picture of row `row` of the waveforms. Contact is where the tip is inside the sample; where it `sticks`, as under JKR, which
 /// has no force without contact, also where a force holds it outside.
-pub(super) fn draw(
-    waveforms: &Waveforms,
-    row: usize,
-    heading: &str,
-    sticks: bool,
-) -> Result<String, ReportError> {
+pub(super) fn draw(waveforms: &Waveforms, row: usize, heading: &str, sticks: bool) -> String {
     let nothing = Vec::new();
     let of = |rows: &'_ [Vec<f64>]| rows.get(row).cloned().unwrap_or_default();
     let time = waveforms.time.get(row).or(waveforms.time.first()).unwrap_or(&nothing);
@@ -49,8 +43,8 @@ pub(super) fn draw(
     let axes: Vec<PlotAxis> = panels.iter().map(Panel::axis).collect();
     let places: Vec<(&PlotAxis, f64)> = axes.iter().map(|axis| (axis, 150.0)).collect();
     LAYOUT.draw((heading, &panels[0].entries()), &t_axis, &places, |number, frame| {
-        contact(frame, time, &in_contact)?;
-        panels[number].draw(frame, time)?;
+        contact(frame, time, &in_contact);
+        panels[number].draw(frame, time);
         frame.edges(number == 2, true)
     })
 }
@@ -71,45 +65,42 @@ impl Panel<'_> {
     }
 
     /// Draws the grid, the line of zero and the panel's lines.
-    fn draw(&self, frame: &Frame, time: &[f64]) -> Result<(), ReportError> {
-        frame.grid()?;
-        frame.zeros(false)?;
+    fn draw(&self, frame: &Frame, time: &[f64]) {
+        frame.grid();
+        frame.zeros(false);
         for (number, (_, values)) in self.lines.iter().enumerate() {
             let places: Vec<(f64, f64)> =
                 time.iter().zip(*values).map(|(&t, &value)| frame.at(t, value)).collect();
             let pen = (LINES[number % LINES.len()], 1.6);
-            pieces(&places).try_for_each(|piece| frame.canvas.stroke(piece, pen, number > 0))?;
+            pieces(&places).for_each(|piece| frame.canvas.stroke(piece, pen, number > 0));
         }
-        match self.lines.iter().all(|(_, values)| !values.iter().any(|value| value.is_finite())) {
-            true => frame.words("no values"),
-            false => Ok(()),
+        if self.lines.iter().all(|(_, values)| !values.iter().any(|value| value.is_finite())) {
+            frame.words("no values");
         }
     }
 }
 
 /// Shades the times in contact.
-fn contact(frame: &Frame, time: &[f64], in_contact: &[bool]) -> Result<(), ReportError> {
+fn contact(frame: &Frame, time: &[f64], in_contact: &[bool]) {
     let mut start = None;
     for (&t, touches) in time.iter().zip(in_contact) {
         match (touches, start) {
             (true, None) => start = Some(t),
             (false, Some(from)) => {
-                shade(frame, from, t)?;
+                shade(frame, from, t);
                 start = None;
             }
             _ => {}
         }
     }
-    match (start, time.last()) {
-        (Some(from), Some(&to)) => shade(frame, from, to),
-        _ => Ok(()),
+    if let (Some(from), Some(&to)) = (start, time.last()) {
+        shade(frame, from, to);
     }
 }
 
-fn shade(frame: &Frame, from: f64, to: f64) -> Result<(), ReportError> {
+fn shade(frame: &Frame, from: f64, to: f64) {
     let (a, b) = (frame.at(from, f64::NAN).0, frame.at(to, f64::NAN).0);
     if a.is_finite() && b.is_finite() {
-        frame.canvas.rectangle((a, frame.top), (b, frame.top + frame.height), PALE)?;
+        frame.canvas.rectangle((a, frame.top), (b, frame.top + frame.height), PALE);
     }
-    Ok(())
 }

@@ -37,8 +37,8 @@ pub(super) fn find(numbers: &mut Numbers, folder: &Path) -> Result<Vec<Picture>,
     let apart = Apart::of(coupled, prescribed);
     apart.note(numbers, coupled);
     Ok(vec![
-        ("coupling_response.svg".to_owned(), response([coupled, prescribed, printed])?),
-        ("coupling_map.svg".to_owned(), apart.draw(coupled)?),
+        ("coupling_response.svg".to_owned(), response([coupled, prescribed, printed])),
+        ("coupling_map.svg".to_owned(), apart.draw(coupled)),
     ])
 }
 
@@ -154,7 +154,7 @@ impl Apart {
         }
     }
 
-    fn draw(&self, map: &Map) -> Result<String, StudyError> {
+    fn draw(&self, map: &Map) -> String {
         let count = self.columns / BLOCK;
         let middles = (0..count).map(|i| {
             let block = &map.frequencies[i * BLOCK..][..BLOCK];
@@ -196,7 +196,7 @@ impl Apart {
             panels: vec![panel],
             lines: vec!["1 %; more below the line".into()],
         };
-        Ok(heatmap.draw()?)
+        heatmap.draw()
     }
 }
 
@@ -214,7 +214,7 @@ fn crossing(masses: &[f64], values: &[f64]) -> f64 {
 }
 
 /// Amplitude over frequency, three models, for the paper's rod and a light one.
-fn response(maps: [&Map; 3]) -> Result<String, StudyError> {
+fn response(maps: [&Map; 3]) -> String {
     let light = maps[0].nearest(100.0);
     let panel = |mass: usize| {
         let beams = shown(maps[0].masses[mass] / maps[0].lever, "1", 2);
@@ -228,5 +228,5 @@ fn response(maps: [&Map; 3]) -> Result<String, StudyError> {
         series: MODELS.iter().zip(widths).map(|(model, width)| Look::line(model.1, width, false)).collect(),
         panels: vec![panel(0), panel(light)],
     };
-    Ok(chart.draw()?)
+    chart.draw()
 }

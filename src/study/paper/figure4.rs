@@ -174,7 +174,7 @@ fn picture(runs: &[SceneRun], title: &str) -> Result<String, StudyError> {
             panel("(d) force", "N", force),
         ],
     };
-    Ok(chart.draw()?)
+    Ok(chart.draw())
 }
 
 /// Figure 4(c) and (d) for JKR read both ways: deformation as travel less gap; or the contact radius from
@@ -208,5 +208,5 @@ fn readings(numbers: &mut Numbers, runs: &[SceneRun]) -> Result<String, StudyErr
         ],
         panels: vec![panel("(c) deformation", "m", depths), panel("(d) force", "N", forces)],
     };
-    Ok(chart.draw()?)
+    Ok(chart.draw())
 }

@@ -1,6 +1,5 @@
 //! A measured curve over what is predicted: points with their standard deviations, the median, the band of 95 %.
 
-use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, INK, LINES};
 use super::super::frame::{Frame, Legend, is_place, pieces};
@@ -51,7 +50,7 @@ pub(super) fn draw(
     output: &StudyOutput,
     (along, units): (&str, &str),
     ways: &[PredictionPath],
-) -> Result<String, ReportError> {
+) -> String {
     let places = ways.iter().flat_map(|way| way.band.iter().map(|(place, _)| *place));
     let x = PlotAxis::over(places, units, along, false, 0.02);
     let values = |way: &'_ PredictionPath| {
@@ -71,17 +70,17 @@ pub(super) fn draw(
     }
     let panels: Vec<(&PlotAxis, f64)> = ways.iter().map(|_| (&y, 280.0)).collect();
     LAYOUT.draw((heading, &entries), &x, &panels, |n, frame| {
-        frame.grid()?;
-        panel(frame, &ways[n])?;
-        frame.edges(n + 1 == ways.len(), true)?;
-        match ways[n].name.as_str() {
-            "" => Ok(()),
-            name => frame.canvas.text(name, (frame.left + 8.0, frame.top + 12.0), 12.0, Anchor::Left, INK),
+        frame.grid();
+        panel(frame, &ways[n]);
+        frame.edges(n + 1 == ways.len(), true);
+        if !ways[n].name.is_empty() {
+            let at = (frame.left + 8.0, frame.top + 12.0);
+            frame.canvas.text(&ways[n].name, at, 12.0, Anchor::Left, INK);
         }
     })
 }
 
-fn panel(frame: &Frame, way: &PredictionPath) -> Result<(), ReportError> {
+fn panel(frame: &Frame, way: &PredictionPath) {
     let canvas = frame.canvas;
     let at = |n: usize, share: usize| frame.at(way.band[n].0, way.band[n].1[share]);
     for n in 1..way.band.len() {
@@ -101,21 +100,20 @@ fn panel(frame: &Frame, way: &PredictionPath) -> Result<(), ReportError> {
             let b = between(low, low_to, middle).max(a + 1.6);
             // Slices lie over each other by a hair: between two that only touch the ground shows.
             let end = between(from, to, share(1.0)) + 0.5 * (to - from).signum();
-            canvas.rectangle((between(from, to, share(0.0)), a), (end, b), LINES[5])?;
+            canvas.rectangle((between(from, to, share(0.0)), a), (end, b), LINES[5]);
         }
     }
     let median: Vec<(f64, f64)> = (0..way.band.len()).map(|n| at(n, 1)).collect();
     for piece in pieces(&median) {
-        canvas.line(piece, INK, 1.2)?;
+        canvas.line(piece, INK, 1.2);
     }
     for (place, value, sd) in &way.points {
         let (x, y) = frame.at(*place, *value);
         let (low, high) = (frame.at(*place, value - sd).1, frame.at(*place, value + sd).1);
-        canvas.line(&[(x, low), (x, high)], LINES[1], 1.3)?;
+        canvas.line(&[(x, low), (x, high)], LINES[1], 1.3);
         for end in [low, high] {
-            canvas.line(&[(x - 2.5, end), (x + 2.5, end)], LINES[1], 1.3)?;
+            canvas.line(&[(x - 2.5, end), (x + 2.5, end)], LINES[1], 1.3);
         }
-        canvas.dot((x, y), 2.6, LINES[1])?;
+        canvas.dot((x, y), 2.6, LINES[1]);
     }
-    Ok(())
 }

@@ -1,6 +1,5 @@
 //! How values are distributed, weighted or not, with quantiles as lines.
 
-use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{INK, LINES};
 use super::super::frame::{Frame, Legend};
@@ -43,15 +42,14 @@ impl Bars {
     }
 
     /// Draws the bars into a frame whose y axis holds their shares.
-    pub fn draw(&self, frame: &Frame) -> Result<(), ReportError> {
+    pub fn draw(&self, frame: &Frame) {
         let bottom = frame.top + frame.height;
         let wide = frame.width / self.shares.len() as f64;
         for (n, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
             let left = frame.left + n as f64 * wide;
             let top = frame.top + (1.0 - frame.y.place(*share)) * frame.height;
-            frame.canvas.rectangle((left + 0.3, top), (left + wide - 0.3, bottom), LINES[5])?;
+            frame.canvas.rectangle((left + 0.3, top), (left + wide - 0.3, bottom), LINES[5]);
         }
-        Ok(())
     }
 }
 
@@ -62,7 +60,7 @@ pub(super) fn draw(
     (label, units): (&str, &str),
     quantiles: &[(f64, f64)],
     left_out: &str,
-) -> Result<String, ReportError> {
+) -> String {
     let x = PlotAxis::over(values.iter().copied(), units, label, false, 0.0);
     let bars = Bars::over(x, values, &[], values.len() as f64);
     let shares = [0.0].into_iter().chain(bars.shares.iter().copied());
@@ -80,13 +78,13 @@ pub(super) fn draw(
         entries.push((Legend::Hatched, format!("left out: {left_out}")));
     }
     LAYOUT.draw((heading, &entries), &bars.axis, &[(&y, 260.0)], |_, frame| {
-        frame.grid()?;
-        bars.draw(frame)?;
+        frame.grid();
+        bars.draw(frame);
         for (share, value) in quantiles {
             let x = frame.at(*value, f64::NAN).0;
             let middle = *share == 0.5;
             let pen = (INK, if middle { 1.4 } else { 1.0 });
-            frame.canvas.stroke(&[(x, frame.top), (x, frame.top + frame.height)], pen, !middle)?;
+            frame.canvas.stroke(&[(x, frame.top), (x, frame.top + frame.height)], pen, !middle);
         }
         frame.edges(true, true)
     })
