@@ -125,8 +125,7 @@ fn main() {
         date: afmsweep::store::now(),
         paragraphs: story(&arguments, &devices, &versions, &counted),
     };
-    let written =
-        page::files(&points, &states, &story).and_then(|files| save(folder, page::GENERATOR, &files));
+    let written = save(folder, page::GENERATOR, &page::files(&points, &states, &story));
     written.unwrap_or_else(|error| panic!("{error}"));
     println!("{}", folder.join("README.md").display());
 }

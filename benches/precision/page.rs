@@ -4,7 +4,7 @@ use crate::level::Cost;
 use crate::measure::Point;
 use crate::problem::PERIODS;
 use crate::settled::{NAME, Settled};
-use afmsweep::report::{Chart, ChartField, Document, Look, Plot, ReportError};
+use afmsweep::report::{Chart, ChartField, Document, Look, Plot};
 use std::fmt::Write;
 
 /// Marks the page, so that the folder may be written again.
@@ -193,7 +193,7 @@ fn look(name: &str, number: usize) -> Look {
 }
 
 /// Median, 95th percentile and largest error over time or steps, for engines and two opponents.
-fn diagram(points: &[Point], law: &str, x: ChartField, over: Value) -> Result<String, ReportError> {
+fn diagram(points: &[Point], law: &str, x: ChartField, over: Value) -> String {
     const SOLVERS: [&str; 6] =
         ["cpu f32", "cpu f64", "gpu f32", "gpu f64", "RK4 by hand", "ode_solvers dop853"];
     let present: Vec<&str> = SOLVERS
@@ -227,7 +227,7 @@ fn diagram(points: &[Point], law: &str, x: ChartField, over: Value) -> Result<St
 }
 
 /// Median error over CPU time, each family by its points that no other one of it beats in both.
-fn peers(points: &[Point], law: &str) -> Result<String, ReportError> {
+fn peers(points: &[Point], law: &str) -> String {
     let families: Vec<(&str, Vec<&Point>)> = FAMILIES[1..]
         .iter()
         .map(|family| (family.name, front(family.of(points, law))))
@@ -267,14 +267,7 @@ fn front(mut points: Vec<&Point>) -> Vec<&Point> {
 }
 
 /// The files, by name.
-///
-/// # Errors
-/// A picture that cannot be drawn.
-pub fn files(
-    points: &[Point],
-    settled: &[Settled],
-    story: &Story,
-) -> Result<Vec<(String, String)>, ReportError> {
+pub fn files(points: &[Point], settled: &[Settled], story: &Story) -> Vec<(String, String)> {
     let mut page = Document { title: "Work and precision".to_owned(), ..Document::default() };
     page.paragraph("", format!("Made by the command \"{}\", {}.", story.command, story.date));
     for (lead, text) in &story.paragraphs {
@@ -304,15 +297,15 @@ pub fn files(
         let time = ChartField { label: "time per instance".into(), units: "s".into(), log: true };
         let steps = ChartField { label: "steps per period".into(), units: "1".into(), log: true };
         let drawn = [
-            (format!("{law}_peers.svg"), peers(points, &law)?, "Median error over CPU time, all solvers"),
+            (format!("{law}_peers.svg"), peers(points, &law), "Median error over CPU time, all solvers"),
             (
                 format!("{law}_time.svg"),
-                diagram(points, &law, time, |point| point.seconds)?,
+                diagram(points, &law, time, |point| point.seconds),
                 "Errors over time per instance; every line is one solver",
             ),
             (
                 format!("{law}_steps.svg"),
-                diagram(points, &law, steps, |point| point.steps.unwrap_or(f64::NAN))?,
+                diagram(points, &law, steps, |point| point.steps.unwrap_or(f64::NAN)),
                 "Errors over steps per drive period; the adaptive solver by its mean of accepted steps",
             ),
         ];
@@ -333,5 +326,5 @@ pub fn files(
         ("precision.csv".to_owned(), csv(points, settled)),
     ];
     files.extend(pictures);
-    Ok(files)
+    files
 }

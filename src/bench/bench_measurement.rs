@@ -30,18 +30,19 @@ pub struct BenchOptions {
 }
 
 /// One timed run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Point {
     pub instances: usize,
     pub periods: u32,
     /// s, of the engine's whole run: packing, transfers and observables included.
     pub seconds: f64,
     /// Instance-steps per second.
+    #[serde(rename = "instance_steps_per_second")]
     pub rate: f64,
 }
 
 /// Errors against the reference: of each instance the worst of the scene's observables, on its scale.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct ErrorSample {
     pub median: f64,
     pub largest: f64,
@@ -51,7 +52,7 @@ pub struct ErrorSample {
 }
 
 /// One engine in one precision.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct BenchSeries {
     pub backend: &'static str,
     pub device: String,

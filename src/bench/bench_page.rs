@@ -1,7 +1,7 @@
 //! Table, picture and files of a bench.
 
 use super::BenchSeries;
-use crate::report::{Chart, ChartField, Document, Look, Plot, ReportError};
+use crate::report::{Chart, ChartField, Document, Look, Plot};
 use std::fmt::Write;
 
 /// Marks the page, so that the folder may be written again.
@@ -58,45 +58,27 @@ fn csv(all: &[BenchSeries]) -> String {
     text
 }
 
-fn picture(title: &str, all: &[BenchSeries]) -> Result<String, ReportError> {
+fn picture(title: &str, all: &[BenchSeries]) -> String {
+    let line = |series: &BenchSeries| {
+        series.points.iter().map(|point| (point.instances as f64, point.rate)).collect()
+    };
     let chart = Chart {
         title: title.to_owned(),
         x: ChartField { label: "instances".into(), units: "1".into(), log: true },
         series: all
             .iter()
-            .map(|series| Look {
-                name: format!("{}, median error {:.0e}", name(series), series.error.median),
-                width: 2.0,
-                dashed: series.backend == "cpu",
-                dots: false,
+            .map(|series| {
+                let name = format!("{}, median error {:.0e}", name(series), series.error.median);
+                Look::line(&name, 2.0, series.backend == "cpu")
             })
             .collect(),
-        panels: vec![Plot {
-            label: "instance-steps per second".into(),
-            units: "1".into(),
-            lines: all
-                .iter()
-                .map(|series| {
-                    series.points.iter().map(|point| (point.instances as f64, point.rate)).collect()
-                })
-                .collect(),
-            marks: Vec::new(),
-            height: 340.0,
-        }],
+        panels: vec![Plot::new("instance-steps per second", "1", 340.0, all.iter().map(line).collect())],
     };
     chart.draw()
 }
 
 /// The bench's files, by name: the page as HTML and Markdown, the picture, the numbers.
-///
-/// # Errors
-/// A picture that cannot be drawn.
-pub fn files(
-    title: &str,
-    command: &str,
-    date: &str,
-    all: &[BenchSeries],
-) -> Result<Vec<(String, String)>, ReportError> {
+pub fn files(title: &str, command: &str, date: &str, all: &[BenchSeries]) -> Vec<(String, String)> {
     let mut page = Document { title: format!("Speed and error: {title}"), ..Document::default() };
     page.paragraph("", format!("Made by the command \"{command}\", {date}."));
     let mut devices: Vec<String> =
@@ -113,10 +95,10 @@ pub fn files(
     );
     page.table("", table(all));
     page.figure("speed.svg", "Instance-steps per second over the size of the ensemble");
-    Ok(vec![
+    vec![
         ("index.html".into(), page.html(GENERATOR)),
         ("README.md".into(), page.markdown()),
-        ("speed.svg".into(), picture(title, all)?),
+        ("speed.svg".into(), picture(title, all)),
         ("bench.csv".into(), csv(all)),
-    ])
+    ]
 }

@@ -3,6 +3,7 @@
 use super::Verbosity;
 use afmsweep::sweep::{self, EngineChoice};
 use afmsweep::{Precision, Scene, Sweep};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// Which engine runs it, and how.
 #[derive(clap::Args)]
@@ -16,8 +17,8 @@ pub struct EngineArgs {
     device: Option<String>,
     /// Arithmetic of the inner loop [default: by a trial of both; where none is worth while f64, on a GPU f32 for accuracy
     /// 1e-3 or more]
-    #[arg(long, value_enum)]
-    precision: Option<PrecisionArg>,
+    #[arg(long, value_parser = PossibleValuesParser::new(["f32", "f64"]).map(precision))]
+    precision: Option<Precision>,
     /// Steps per drive period for every instance, in place of the plan's choice
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1_000_000))]
     steps_per_period: Option<u32>,
@@ -42,10 +43,8 @@ enum Backend {
     Reference,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum PrecisionArg {
-    F32,
-    F64,
+fn precision(word: String) -> Precision {
+    if word == "f32" { Precision::F32 } else { Precision::F64 }
 }
 
 impl EngineArgs {
@@ -65,14 +64,10 @@ impl EngineArgs {
             Backend::Cpu => sweep::Backend::Cpu,
             Backend::Reference => sweep::Backend::Reference,
         };
-        let precision = self.precision.map(|precision| match precision {
-            PrecisionArg::F32 => Precision::F32,
-            PrecisionArg::F64 => Precision::F64,
-        });
         Ok(Sweep::new(scene)
             .backend(backend)
             .device(self.device.clone())
-            .precision(precision)
+            .precision(self.precision)
             .threads(self.threads)
             .steps_per_period(self.steps_per_period))
     }

@@ -1,14 +1,13 @@
 //! `afmsweep bench`: speed and error of each engine.
 
 use super::{Verbosity, load, print, print_json};
-use afmsweep::bench::{self, BenchOptions, BenchSeries, GENERATOR, Machine};
+use afmsweep::bench::{self, BenchOptions, GENERATOR, Machine};
 use afmsweep::engine::gpu::{Gpu, adapters};
 use afmsweep::engine::{Cpu, on_threads, processor};
 use afmsweep::plan::Precision;
 use afmsweep::report::{check_folder, save};
 use afmsweep::scene::Scene;
 use afmsweep::store::now;
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// What is benched unless a scene is named: the example sweep.
@@ -83,10 +82,10 @@ pub fn main(args: &BenchArgs, voice: Verbosity) -> anyhow::Result<()> {
     backends.dedup();
     let command =
         format!("afmsweep bench {name} --backend {} --sizes {}", backends.join(","), sizes.join(","));
-    let files = bench::files(&format!("{name} on {}", short(&device)), &command, &now(), &all)?;
+    let files = bench::files(&format!("{name} on {}", short(&device)), &command, &now(), &all);
     save(&folder, GENERATOR, &files)?;
     if args.json {
-        print_json(&json!({ "series": all.iter().map(series_json).collect::<Vec<_>>() }))?;
+        print_json(&serde_json::json!({ "series": all }))?;
     } else {
         print(&aligned(&bench::table(&all)))?;
     }
@@ -137,33 +136,6 @@ fn slug(device: &str) -> String {
     let words: Vec<&str> =
         letters.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
     if words.is_empty() { "device".into() } else { words.join("-") }
-}
-
-fn series_json(series: &BenchSeries) -> Value {
-    let points: Vec<Value> = series
-        .points
-        .iter()
-        .map(|point| {
-            json!({
-                "instances": point.instances,
-                "periods": point.periods,
-                "seconds": point.seconds,
-                "instance_steps_per_second": point.rate,
-            })
-        })
-        .collect();
-    json!({
-        "backend": series.backend,
-        "device": series.device,
-        "precision": series.precision.name(),
-        "points": points,
-        "error": {
-            "median": series.error.median,
-            "largest": series.error.largest,
-            "counted": series.error.counted,
-            "tried": series.error.tried,
-        },
-    })
 }
 
 /// A table in columns, the first to the left, the others to the right.

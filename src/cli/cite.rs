@@ -13,59 +13,12 @@ pub struct CiteArgs {
     file: PathBuf,
 }
 
-/// The instrument of rod and lever.
-const ROD: &str = r#"@article{ha2005afm,
-  author  = {Ha, J.-L. and Fung, R.-F. and Chen, Y.-C.},
-  title   = {Dynamic Responses of an Atomic Force Microscope Interacting With Samples},
-  journal = {Journal of Dynamic Systems, Measurement, and Control},
-  volume  = {127},
-  number  = {4},
-  pages   = {705--709},
-  year    = {2005}
-}
-"#;
+/// An entry for the instrument of rod and lever and for each contact law, with a blank line between two.
+const REFERENCES: &str = include_str!("references.bib");
 
-/// By a law's name in the file, where it comes from.
-const LAWS: [(&str, &str); 3] = [
-    (
-        "hertz",
-        r#"@article{hertz1882contact,
-  author  = {Hertz, Heinrich},
-  title   = {{\"U}ber die Ber{\"u}hrung fester elastischer K{\"o}rper},
-  journal = {Journal f{\"u}r die reine und angewandte Mathematik},
-  volume  = {92},
-  pages   = {156--171},
-  year    = {1882}
-}
-"#,
-    ),
-    (
-        "dmt",
-        r#"@article{derjaguin1975effect,
-  author  = {Derjaguin, B. V. and Muller, V. M. and Toporov, Yu. P.},
-  title   = {Effect of contact deformations on the adhesion of particles},
-  journal = {Journal of Colloid and Interface Science},
-  volume  = {53},
-  number  = {2},
-  pages   = {314--326},
-  year    = {1975}
-}
-"#,
-    ),
-    (
-        "jkr",
-        r#"@article{johnson1971surface,
-  author  = {Johnson, K. L. and Kendall, K. and Roberts, A. D.},
-  title   = {Surface energy and the contact of elastic solids},
-  journal = {Proceedings of the Royal Society of London A},
-  volume  = {324},
-  number  = {1558},
-  pages   = {301--313},
-  year    = {1971}
-}
-"#,
-    ),
-];
+/// By a law's name in the file, the key of its source.
+const LAWS: [(&str, &str); 3] =
+    [("hertz", "hertz1882contact"), ("dmt", "derjaguin1975effect"), ("jkr", "johnson1971surface")];
 
 pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     let results = store::read(&args.file)?;
@@ -74,11 +27,17 @@ pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     let scene =
         Scene::parse(&args.file, text).with_context(|| format!("the scene in {}", args.file.display()))?;
     if scene.base.instrument.actuator.model != ActuatorModel::Rigid {
-        entries.push(ROD.into());
+        entries.push(entry("ha2005afm"));
     }
     let used = laws(&results);
-    entries.extend(LAWS.iter().filter(|(law, _)| used.contains(law)).map(|(_, entry)| (*entry).into()));
+    entries.extend(LAWS.iter().filter(|(law, _)| used.contains(law)).map(|(_, key)| entry(key)));
     print(&entries.join("\n"))
+}
+
+/// The entry of that key, on lines of its own.
+fn entry(key: &str) -> String {
+    let found = REFERENCES.trim_end().split("\n\n").find(|entry| entry.contains(key));
+    found.map_or_else(String::new, |entry| format!("{entry}\n"))
 }
 
 /// The program, in the version that wrote the file.

@@ -6,6 +6,7 @@ use super::glossary::{GlossaryRow, all};
 use super::print;
 use afmsweep::scene::{self, Meant};
 use anyhow::bail;
+use std::collections::BTreeSet;
 
 #[derive(clap::Args)]
 #[command(
@@ -16,13 +17,16 @@ pub struct ExplainArgs {
     word: Vec<String>,
 }
 
+/// All words in their order.
+fn words<'a>(rows: &[GlossaryRow<'a>]) -> Vec<&'a str> {
+    let words: BTreeSet<&str> = rows.iter().flat_map(GlossaryRow::words).collect();
+    words.into_iter().collect()
+}
+
 pub fn main(args: &ExplainArgs) -> anyhow::Result<()> {
     let rows = all();
     if args.word.is_empty() {
-        let mut words: Vec<&str> = rows.iter().flat_map(|row| row.words()).collect();
-        words.sort_unstable();
-        words.dedup();
-        return print(&(words.join("\n") + "\n"));
+        return print(&(words(&rows).join("\n") + "\n"));
     }
     // As it is written, or as names here are: `set-point` and `contact time` with underscores.
     let spelled = args.word.join("_");
@@ -42,10 +46,7 @@ pub fn main(args: &ExplainArgs) -> anyhow::Result<()> {
         };
     }
     if found.is_empty() {
-        let mut like: Vec<&str> =
-            rows.iter().flat_map(|row| row.words()).filter(|one| one.contains(&**word)).collect();
-        like.sort_unstable();
-        like.dedup();
+        let like: Vec<&str> = words(&rows).into_iter().filter(|one| one.contains(&**word)).collect();
         match like.as_slice() {
             [] => {
                 let near = scene::nearest(word, rows.iter().flat_map(|row| row.words()));

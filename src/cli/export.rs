@@ -1,7 +1,7 @@
 //! `afmsweep export`: the rows of a results file for other programs, and a journal as a results file.
 
 use super::cells::{head, number};
-use super::{Verbosity, peek, print};
+use super::{Verbosity, peek, write};
 use afmsweep::report::defused;
 use afmsweep::stats::{Study, outputs, sorted_out, status_word};
 use afmsweep::store::{Coordinate, Results};
@@ -75,7 +75,7 @@ pub fn main(args: &ExportArgs, voice: Verbosity) -> anyhow::Result<()> {
 fn of_results(args: &ExportArgs, format: Format, voice: Verbosity) -> anyhow::Result<()> {
     let results = store::read(&args.file)?;
     if args.group == Some(Group::Waveforms) {
-        return put(args, &waveforms(&results, &args.file)?);
+        return write(args.output.as_deref(), &waveforms(&results, &args.file)?);
     }
     let failed = results.status.iter().filter(|code| **code != Status::Ok as u8).count();
     if failed > 0 && args.failed == Failed::Refuse {
@@ -86,7 +86,7 @@ fn of_results(args: &ExportArgs, format: Format, voice: Verbosity) -> anyhow::Re
         );
     }
     match format {
-        Format::Csv => put(args, &csv(&results, args.failed)?)?,
+        Format::Csv => write(args.output.as_deref(), &csv(&results, args.failed)?)?,
         Format::Salib => {
             let folder = args.output.clone().unwrap_or_else(|| args.file.with_extension(""));
             salib(&Study::of(&results)?, args.failed, &folder)?;
@@ -98,14 +98,6 @@ fn of_results(args: &ExportArgs, format: Format, voice: Verbosity) -> anyhow::Re
         voice.say(format_args!("{failed} instances that are not ok were {done}"));
     }
     Ok(())
-}
-
-fn put(args: &ExportArgs, text: &str) -> anyhow::Result<()> {
-    args.output.as_ref().map_or_else(|| print(text), |path| write(path, text))
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// The rows that are written at a point.
@@ -227,13 +219,14 @@ fn salib(study: &Study, failed: Failed, folder: &Path) -> anyhow::Result<()> {
         let kept = rows(study, failed, point);
         let columns: Vec<&[f64]> = study.parameters.iter().map(|one| &one.values[..]).collect();
         let names: Vec<String> = study.parameters.iter().map(|one| head(&one.name, &one.units)).collect();
-        write(&folder.join(format!("X{number}.txt")), &table(&names, &kept, |row, n| columns[n][row]))?;
+        let file = |letter: &str| folder.join(format!("{letter}{number}.txt"));
+        write(Some(&file("X")), &table(&names, &kept, |row, n| columns[n][row]))?;
         let names: Vec<String> = study.outputs.iter().map(|one| head(&one.name, &one.units)).collect();
         let value = |row: usize, n: usize| study.outputs[n].values[study.instance(point, row)];
-        write(&folder.join(format!("Y{number}.txt")), &table(&names, &kept, value))?;
+        write(Some(&file("Y")), &table(&names, &kept, value))?;
     }
     let problem = serde_json::to_string_pretty(&study.design.problem)? + "\n";
-    write(&folder.join("problem.json"), &problem)
+    write(Some(&folder.join("problem.json")), &problem)
 }
 
 fn table(names: &[String], rows: &[usize], value: impl Fn(usize, usize) -> f64) -> String {

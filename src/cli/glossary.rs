@@ -1,5 +1,7 @@
 //! What words mean: the rows of the tables in docs/scene.md and docs/results.md, which a test holds to the program.
 
+use afmsweep::report::capital;
+
 const DOCUMENTS: [(&str, &str); 2] = [
     ("scene file", include_str!("../../docs/scene.md")),
     ("results file", include_str!("../../docs/results.md")),
@@ -86,8 +88,7 @@ impl<'a> GlossaryRow<'a> {
         };
         let meaning = cells().filter(|(column, _)| **column == "meaning").map(|(_, cell)| plain(cell));
         let others = cells().filter(|(column, _)| **column != "meaning");
-        let others =
-            others.map(|(column, cell)| format!("{}: {}.", first_large(&plain(column)), plain(cell)));
+        let others = others.map(|(column, cell)| format!("{}: {}.", capital(&plain(column)), plain(cell)));
         meaning.chain(others).collect::<Vec<_>>().join(" ")
     }
 
@@ -100,11 +101,6 @@ impl<'a> GlossaryRow<'a> {
         }
         text
     }
-}
-
-fn first_large(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Text without the marks of code and of links.

@@ -1,12 +1,12 @@
 //! `afmsweep merge`: the results that one run would have made, of the files of its shares.
 
-use super::run::lost;
+use super::run::{audit, lost};
 use super::stop_message::Stopped;
 use super::{Verbosity, signals};
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, ExistingFile, Journal, RunFile};
 use afmsweep::sweep::{Recipe, RunJournal, Share, command_of, is_of_merge, read_header};
-use afmsweep::{Audit, Error, Sweep};
+use afmsweep::{Error, Sweep};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -76,14 +76,9 @@ pub fn main(args: &MergeArgs, voice: Verbosity) -> anyhow::Result<()> {
     let prepared = first.prepared.clone();
     let share = Share { number: 1, of: first.share.of };
     let again = Again::of(&parts);
-    let audit = match args.audit {
-        _ if args.no_audit => Audit::None,
-        Some(count) => Audit::Instances(count),
-        None => Audit::Auto,
-    };
     let sweep = Sweep::new(prepared.scene()?)
         .told_as(&prepared)
-        .audit(audit)
+        .audit(audit(args.audit, args.no_audit))
         .threads(args.threads)
         .watched_by(&progress)
         .command_line(super::run::command_line());

@@ -238,7 +238,12 @@ fn coloured(terminal: bool, kind: Option<OsString>, no_color: Option<OsString>) 
 
 /// `1 instance`, `2 instances`.
 fn instances(count: usize) -> String {
-    format!("{count} instance{}", if count == 1 { "" } else { "s" })
+    counted(count, "instance")
+}
+
+/// `1 portion`, `2 portions`.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// `sample Young's modulus 1 GPa, ...` of an instance; nothing without a sweep.
@@ -275,6 +280,12 @@ fn print(text: &str) -> anyhow::Result<()> {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),
     }
+}
+
+/// Writes to a file, or to standard output where none is named.
+fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
+    let Some(path) = path else { return print(text) };
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// JSON with an end of line, on standard output.

@@ -2,20 +2,16 @@
 
 use super::backend::{EngineArgs, say_choice};
 use super::table::TableArgs;
-use super::{Verbosity, instances, plan_notice, print, print_json};
+use super::{SceneArgs, Verbosity, instances, plan_notice, print, print_json};
 use afmsweep::Observer;
 use afmsweep::engine::estimate;
 use afmsweep::sweep::{EngineChoice, Forecast};
-use std::path::PathBuf;
 
 #[derive(clap::Args)]
 #[command(after_help = "Examples: afmsweep plan lever.toml\n          afmsweep plan lever.toml --json")]
 pub struct PlanArgs {
-    /// Scene file (TOML)
-    scene: PathBuf,
-    /// Machine-readable answer on standard output, SI units
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    scene: SceneArgs,
     #[command(flatten)]
     table: TableArgs,
     #[command(flatten)]
@@ -23,15 +19,16 @@ pub struct PlanArgs {
 }
 
 pub fn main(args: &PlanArgs, voice: Verbosity) -> anyhow::Result<()> {
-    let sweep = args.engine.sweep(args.table.load(&args.scene)?)?;
+    let sweep = args.engine.sweep(args.table.load(&args.scene.scene)?)?;
     plan_notice::announce(sweep.scene(), voice);
-    let (plan, engine) = sweep.plan(&PlanObserver(Verbosity { quiet: voice.quiet || args.json, ..voice }))?;
+    let (plan, engine) =
+        sweep.plan(&PlanObserver(Verbosity { quiet: voice.quiet || args.scene.json, ..voice }))?;
     let scene = sweep.scene();
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
     let forecast = sweep.forecast()?;
     let mut warnings = scene.warnings();
     warnings.extend(plan.doubts());
-    if args.json {
+    if args.scene.json {
         let mut answer = summary.json().clone();
         answer["from_preset"] = scene.from_preset().into_iter().map(|(path, _)| path).collect();
         answer["warnings"] = warnings.into();

@@ -1,7 +1,7 @@
 //! `afmsweep report`: pictures and tables from a results file.
 
 use super::{Verbosity, print_json};
-use afmsweep::report::{self, Best, ViewRequest};
+use afmsweep::report::{self, ViewRequest};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -60,22 +60,12 @@ pub fn main(args: &ReportArgs, voice: Verbosity) -> anyhow::Result<()> {
     let page = report.folder.join("index.html");
     voice.say(format_args!("report in {}", page.display()));
     if args.json {
-        let pictures: Vec<serde_json::Value> = report
-            .pictures
-            .iter()
-            .map(|one| serde_json::json!({ "title": one.title, "file": one.file, "csv": one.csv }))
-            .collect();
-        let best = |best: &Best| serde_json::json!({ "observable": best.observable, "instance": best.instance, "value": best.value });
-        let kept = report.kept.as_ref().map(|kept| {
-            let best = kept.best.as_ref().map(best);
-            serde_json::json!({ "instances": kept.instances, "of": kept.of, "best": best })
-        });
         print_json(&serde_json::json!({
             "version": 1,
             "page": page.to_string_lossy(),
             "findings": report.findings,
-            "kept": kept,
-            "pictures": pictures,
+            "kept": report.kept,
+            "pictures": report.pictures,
             "left_out": report.left_out,
         }))?;
     }

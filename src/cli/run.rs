@@ -9,7 +9,7 @@ use super::prepare;
 use super::signals;
 use super::stop_message::Stopped;
 use super::table::TableArgs;
-use super::{STANDARD_INPUT, Verbosity, plan_notice, print_json, values};
+use super::{STANDARD_INPUT, Verbosity, counted, plan_notice, print_json, values};
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, ExistingFile, Journal, RunFile};
@@ -131,14 +131,6 @@ impl RunArgs {
         }
     }
 
-    fn audit(&self) -> Audit {
-        match self.audit {
-            _ if self.no_audit => Audit::None,
-            Some(count) => Audit::Instances(count),
-            None => Audit::Auto,
-        }
-    }
-
     /// Whether there is nothing left to go on with: the results stand there.
     fn is_done(&self, output: &Path, scene: &Scene) -> bool {
         self.resume.is_some()
@@ -196,12 +188,17 @@ fn begin(
         .sweep(scene)?
         .estimate(!args.no_estimate)
         .cold(args.cold)
-        .audit(args.audit())
+        .audit(audit(args.audit, args.no_audit))
         .portion(args.portion.map(|count| count as usize))
         .prepared(prepared)
         .watched_by(progress)
         .command_line(command_line());
     Ok(StartedRun { sweep, keeper, output, folder })
+}
+
+/// How many instances are redone, by `--audit` and `--no-audit`.
+pub(super) fn audit(count: Option<u32>, none: bool) -> Audit {
+    if none { Audit::None } else { count.map_or(Audit::Auto, Audit::Instances) }
 }
 
 /// Says what of a journal cannot be gone on with.
@@ -216,11 +213,6 @@ pub(super) fn lost(journal: &Journal, path: &Path, voice: Verbosity) {
     if journal.spoilt > 0 {
         voice.say(format_args!("{}: {} spoilt; left out", path.display(), counted(journal.spoilt, "record")));
     }
-}
-
-/// `1 portion`, `2 portions`.
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {

@@ -2,10 +2,10 @@
 
 use super::cells::{head, number};
 use super::table::TableArgs;
-use super::{Verbosity, instances, print};
+use super::{Verbosity, instances, write};
 use afmsweep::report::defused;
 use afmsweep::scene::{Axis, Scene};
-use anyhow::{Context, bail};
+use anyhow::bail;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -31,15 +31,12 @@ pub fn main(args: &SampleArgs, voice: Verbosity) -> anyhow::Result<()> {
         );
     };
     let text = csv(&columns, ids)?;
-    match &args.output {
-        None => print(&text),
-        Some(path) => {
-            std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
-            let rows = columns.first().map_or(0, |column| column.values.len());
-            voice.say(format_args!("{} in {}", instances(rows), path.display()));
-            Ok(())
-        }
+    write(args.output.as_deref(), &text)?;
+    if let Some(path) = &args.output {
+        let rows = columns.first().map_or(0, |column| column.values.len());
+        voice.say(format_args!("{} in {}", instances(rows), path.display()));
     }
+    Ok(())
 }
 
 /// The quantities that vary together over the samples, and the names of these.

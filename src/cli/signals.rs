@@ -6,41 +6,25 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// What asked a run to end.
+/// What asked a run to end: its number on every system that has signals, and what became of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Signal {
-    /// Ctrl-C, SIGINT.
-    Interrupt,
-    /// SIGTERM, as `kill`, `timeout` and batch queues send it.
-    Terminate,
-    /// SIGHUP, of a terminal that closes.
-    HangUp,
+pub struct Signal {
+    number: i32,
+    pub word: &'static str,
 }
 
 impl Signal {
-    const ALL: [Self; 3] = [Self::Interrupt, Self::Terminate, Self::HangUp];
-
-    /// Its number on every system that has signals.
-    fn number(self) -> i32 {
-        match self {
-            Self::Interrupt => 2,
-            Self::Terminate => 15,
-            Self::HangUp => 1,
-        }
-    }
+    /// Ctrl-C, SIGINT.
+    pub const INTERRUPT: Self = Self { number: 2, word: "interrupted" };
+    /// SIGTERM, as `kill`, `timeout` and batch queues send it.
+    const TERMINATE: Self = Self { number: 15, word: "terminated" };
+    /// SIGHUP, of a terminal that closes.
+    const HANG_UP: Self = Self { number: 1, word: "hung up" };
+    const ALL: [Self; 3] = [Self::INTERRUPT, Self::TERMINATE, Self::HANG_UP];
 
     /// The exit code by which shells know it.
     pub fn code(self) -> u8 {
-        128 + self.number() as u8
-    }
-
-    /// What became of the run.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Interrupt => "interrupted",
-            Self::Terminate => "terminated",
-            Self::HangUp => "hung up",
-        }
+        128 + self.number as u8
     }
 }
 
@@ -68,7 +52,7 @@ pub fn listen(progress: &Arc<Progress>, voice: Verbosity) {
 /// The signal that came first, if one came.
 pub fn first() -> Option<Signal> {
     let number = FIRST.load(Ordering::Relaxed);
-    Signal::ALL.into_iter().find(|signal| signal.number() == number)
+    Signal::ALL.into_iter().find(|signal| signal.number == number)
 }
 
 /// Does `work`, which takes a moment and which a second signal does not cut short: a file is not left half written.
@@ -101,14 +85,14 @@ mod system {
 
     pub fn listen() {
         for signal in Signal::ALL {
-            let number = signal.number();
+            let number = signal.number;
             // SAFETY: zeros are a valid `sigaction`; the pointers are to live values of this function; the handler
             // does nothing that a handler must not do.
             unsafe {
                 let mut action: libc::sigaction = std::mem::zeroed();
                 libc::sigaction(number, std::ptr::null(), &raw mut action);
                 // `nohup` ignores hang-ups for those it starts.
-                if signal == Signal::HangUp && action.sa_sigaction == libc::SIG_IGN {
+                if signal == Signal::HANG_UP && action.sa_sigaction == libc::SIG_IGN {
                     continue;
                 }
                 action = std::mem::zeroed();
@@ -126,7 +110,7 @@ mod system {
     use super::{Signal, came};
 
     pub fn listen() {
-        let number = Signal::Interrupt.number();
+        let number = Signal::INTERRUPT.number;
         let asked = ctrlc::set_handler(move || {
             if came(number) {
                 std::process::exit(128 + number);

@@ -1,6 +1,6 @@
 //! `afmsweep slurm`: the script that runs a scene's shares on a cluster.
 
-use super::{Verbosity, load, print};
+use super::{Verbosity, load, print, write};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
 
@@ -69,7 +69,7 @@ pub fn main(args: &SlurmArgs, voice: Verbosity) -> anyhow::Result<()> {
     if output.exists() && !args.overwrite {
         anyhow::bail!("{} is there; --overwrite replaces it, -o names another file", output.display());
     }
-    std::fs::write(output, script).with_context(|| format!("cannot write {}", output.display()))?;
+    write(Some(output), &script)?;
     voice.say(format_args!("wrote {}: `bash {}` submits it", output.display(), output.display()));
     Ok(())
 }

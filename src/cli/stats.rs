@@ -9,7 +9,7 @@ use afmsweep::stats::{
 };
 use afmsweep::store;
 use anyhow::bail;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -104,35 +104,35 @@ pub fn main(args: &StatsArgs, voice: Verbosity) -> anyhow::Result<()> {
 
 fn as_json(args: &StatsArgs, study: &Study, points: &[Told]) -> Value {
     let design = &study.design;
-    let mut answer = Map::new();
-    let mut say = |key: &str, value: Value| drop(answer.insert(key.into(), value));
-    say("version", 1.into());
-    say("file", args.file.to_string_lossy().into());
-    say("kind", design.kind.word().into());
-    say("samples", design.samples.into());
-    say("replicates", design.replicates.into());
-    say("rows", design.rows.into());
-    say("names", design.group_names().into());
+    let mut answer = json!({
+        "version": 1,
+        "file": args.file.to_string_lossy(),
+        "kind": design.kind.word(),
+        "samples": design.samples,
+        "replicates": design.replicates,
+        "rows": design.rows,
+        "names": design.group_names(),
+    });
     let of = |told: &Told| -> Map<String, Value> {
         let one = |(output, told): &(&StudyOutput, Result<Summary, StatsError>)| {
             let value = match told {
                 Ok(summary) => stats_json::summary(summary, output),
-                Err(error) => serde_json::json!({ "error": error.to_string() }),
+                Err(error) => json!({ "error": error.to_string() }),
             };
             (output.name.clone(), value)
         };
         told.iter().map(one).collect()
     };
     match (study.beside.is_empty(), points) {
-        (true, [only]) => say("observables", of(only).into()),
+        (true, [only]) => answer["observables"] = of(only).into(),
         _ => {
             let one = |(point, told): (usize, &Told)| -> Value {
-                serde_json::json!({ "at": stats_json::place(study, point), "observables": of(told) })
+                json!({ "at": stats_json::place(study, point), "observables": of(told) })
             };
-            say("points", points.iter().enumerate().map(one).collect());
+            answer["points"] = points.iter().enumerate().map(one).collect();
         }
     }
-    Value::Object(answer)
+    answer
 }
 
 fn as_text(study: &Study, points: &[Told]) -> String {

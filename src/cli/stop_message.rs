@@ -20,8 +20,8 @@ pub struct Stopped {
 impl Stopped {
     fn new(text: impl FnOnce(&str) -> String) -> Self {
         // Nothing but a signal stops a run.
-        let signal = signals::first().unwrap_or(Signal::Interrupt);
-        Self { code: signal.code(), text: text(signal.word()) }
+        let signal = signals::first().unwrap_or(Signal::INTERRUPT);
+        Self { code: signal.code(), text: text(signal.word) }
     }
 
     /// Instances were not run though nothing stopped the run.

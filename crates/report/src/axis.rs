@@ -1,6 +1,6 @@
 //! One axis of a picture: what range it shows, linear or logarithmic, and where its ticks stand.
 
-use super::labels::short;
+use super::labels::{ends, short};
 use super::quantity_text::{DisplayUnit, number, superscript};
 use crate::store::Coordinate;
 
@@ -33,11 +33,8 @@ impl PlotAxis {
         let finite = values.filter(|value| value.is_finite() && (!log || *value > 0.0));
         let largest = finite.clone().fold(0.0, |most: f64, value| most.max(value.abs()));
         let unit = DisplayUnit::fitting(units, largest);
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in finite {
-            let at = if log { unit.show(value).log10() } else { unit.show(value) };
-            (low, high) = (low.min(at), high.max(at));
-        }
+        let scaled = |value: f64| if log { unit.show(value).log10() } else { unit.show(value) };
+        let (mut low, mut high) = ends(finite.map(scaled));
         if low > high {
             (low, high) = (0.0, 1.0);
         }
@@ -208,10 +205,7 @@ pub(super) fn is_log_spaced(values: &[f64]) -> bool {
 
 /// True where positive values span so many decades that a linear axis would hide most of them.
 pub(super) fn spans_decades(values: impl Iterator<Item = f64>) -> bool {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for value in values.filter(|value| value.is_finite()) {
-        (low, high) = (low.min(value), high.max(value));
-    }
+    let (low, high) = ends(values.filter(|value| value.is_finite()));
     low > 0.0 && high / low > 300.0
 }
 

@@ -1,15 +1,18 @@
 //! What values are over an axis of many cases: the middle, and shaded where half of them and where nine of ten lie.
 
 use super::axis::PlotAxis;
-use super::canvas::{INK, LINES, picture};
+use super::canvas::{INK, LINES};
 use super::curve_forces::{is_ok, jumps};
-use super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
-use super::labels::{brief, shown};
-use super::picture::places;
+use super::frame::{Frame, Legend};
+use super::hover::Hover;
+use super::labels::{capital, names, shown};
+use super::picture::{Picture, PictureKind, places};
+use super::stack::Stack;
 use super::view_request::DIRECTION;
-use super::{ReportError, SAMPLES};
+use super::{SAMPLES, csv};
 use crate::store::{Coordinate, Results, Variable};
 
+const LAYOUT: Stack = Stack { width: 560.0, gap: 0.0, top: 40.0, key: None, beyond: 28.0 };
 /// So many curves make a band.
 const FEWEST: usize = 10;
 /// Bands in one picture at most.
@@ -36,7 +39,7 @@ pub(super) struct Bands<'a> {
 
 impl Bands<'_> {
     /// The picture as SVG. Names along the axis have bars in place of areas.
-    pub fn draw(&self) -> Result<String, ReportError> {
+    pub fn draw(&self) -> String {
         let x_axis = PlotAxis::of(self.x, 0.0);
         let values = self.series.iter().flat_map(|one| &one.points).flatten().copied();
         let y_axis = PlotAxis::over(values, self.units, self.label, false, 0.06);
@@ -48,25 +51,17 @@ impl Bands<'_> {
         entries.push((Legend::Line(middle), "median".to_owned()));
         entries.push((Legend::Shade(middle, COVER[0] + COVER[1]), "25 to 75 %".to_owned()));
         entries.push((Legend::Shade(middle, COVER[0]), "5 to 95 %".to_owned()));
-        let (width, height, top) = (560.0, 360.0, 40.0);
-        let left = left_margin(&y_axis, height);
-        let total_width = left + width + 28.0;
-        let key_top = top + height + 64.0;
-        let total = (total_width, key_top + key_rows(width, &entries) * KEY_ROW);
-        picture(total, |canvas| {
-            title(canvas, self.title, left, total_width)?;
-            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &y_axis };
-            frame.grid()?;
+        LAYOUT.draw((self.title, &entries), &x_axis, &[(&y_axis, 360.0)], |_, frame| {
+            frame.grid();
             for number in 0..self.series.len() {
-                self.band(&frame, number)?;
+                self.band(frame, number);
             }
-            frame.edges(true, true)?;
-            key(canvas, (left, key_top), left + width, &entries)
+            frame.edges(true, true)
         })
     }
 
     /// One band; places without values interrupt it.
-    fn band(&self, frame: &Frame, number: usize) -> Result<(), ReportError> {
+    fn band(&self, frame: &Frame, number: usize) {
         let (canvas, shade) = (frame.canvas, LINES[number % LINES.len()]);
         let mut order: Vec<usize> = (0..self.x.values.len()).collect();
         order.sort_by(|a, b| self.x.values[*a].total_cmp(&self.x.values[*b]));
@@ -86,43 +81,32 @@ impl Bands<'_> {
                         canvas.shade(
                             &[(a.0 - 4.0, a.1), (a.0 + 4.0, a.1), (b.0 + 4.0, b.1), (b.0 - 4.0, b.1)],
                             (shade, cover),
-                        )?;
+                        );
                     }
                 } else {
                     let there = piece.iter().map(|i| at(i, low));
                     let back = piece.iter().rev().map(|i| at(i, high));
-                    canvas.shade(&there.chain(back).collect::<Vec<_>>(), (shade, cover))?;
+                    canvas.shade(&there.chain(back).collect::<Vec<_>>(), (shade, cover));
                 }
             }
             let middle: Vec<(f64, f64)> = piece.iter().map(|i| at(i, 2)).collect();
             match frame.x.has_names() || piece.len() == 1 {
-                true => middle.iter().try_for_each(|at| canvas.dot(*at, 3.4, shade))?,
-                false => canvas.line(&middle, shade, 2.2)?,
+                true => middle.iter().for_each(|at| canvas.dot(*at, 3.4, shade)),
+                false => canvas.line(&middle, shade, 2.2),
             }
         }
-        Ok(())
     }
-}
-
-/// A picture, a note on it and its numbers.
-pub(super) struct Band {
-    pub svg: String,
-    pub note: String,
-    pub csv: String,
 }
 
 /// The bands of a variable over many curves or samples. None where there are few.
-pub(super) fn draw(
-    results: &Results,
-    variable: &Variable,
-    heading: &str,
-) -> Result<Option<Band>, ReportError> {
-    if results.list || variable.harmonics.is_some() {
-        return Ok(None);
+pub(super) fn draw(results: &Results, variable: &Variable) -> Option<Picture> {
+    let kind = PictureKind::of(variable);
+    if results.list || variable.harmonics.is_some() || kind == PictureKind::Computed {
+        return None;
     }
     let axes = &results.axes;
     let samples = axes.iter().position(|axis| axis.scene_path == SAMPLES);
-    let Some(x) = axis_of(axes, samples.is_some() || jumps(results).is_some()) else { return Ok(None) };
+    let x = axis_of(axes, samples.is_some() || jumps(results).is_some())?;
     // What is not pooled makes bands of their own: the ways, and beside samples all other axes.
     let apart: Vec<usize> = (0..axes.len())
         .filter(|axis| *axis != x && samples != Some(*axis))
@@ -131,20 +115,20 @@ pub(super) fn draw(
     let count: usize = apart.iter().map(|axis| axes[*axis].values.len()).product();
     let pooled = results.status.len() / (count * axes[x].values.len()).max(1);
     if pooled < FEWEST {
-        return Ok(None);
+        return None;
     }
     let shown_bands = count.min(MOST);
     let length = axes[x].values.len();
     let mut held: Vec<Vec<f64>> = vec![Vec::new(); shown_bands * length];
-    let mut names = vec![String::new(); shown_bands];
+    let mut called = vec![String::new(); shown_bands];
     for i in (0..results.status.len()).filter(|i| is_ok(results, *i) && variable.data[*i].is_finite()) {
         let places = places(results, i);
         let band = apart.iter().fold(0, |band, axis| band * axes[*axis].values.len() + places[*axis].1);
         if band < shown_bands {
             held[band * length + places[x].1].push(variable.data[i]);
-            if names[band].is_empty() {
+            if called[band].is_empty() {
                 let one = |axis: &usize| shown(places[*axis].0, axes[*axis].values[places[*axis].1]);
-                names[band] = apart.iter().map(one).collect::<Vec<_>>().join(", ");
+                called[band] = apart.iter().map(one).collect::<Vec<_>>().join(", ");
             }
         }
     }
@@ -153,19 +137,20 @@ pub(super) fn draw(
         SHARES.map(|share| quantile(values, share))
     };
     let points: Vec<[f64; 5]> = held.iter_mut().map(quantiles).collect();
-    let series = names.into_iter().zip(points.chunks(length));
+    let series = called.into_iter().zip(points.chunks(length));
     let series: Vec<BandSeries> =
         series.map(|(name, points)| BandSeries { name, points: points.to_vec() }).collect();
-    let csv = csv(&axes[x], variable, &series);
-    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let label = brief(name, &variable.name);
-    let bands = Bands { title: heading, x: &axes[x], label: &label, units: &variable.units, series };
+    let csv = numbers(&axes[x], variable, &series);
+    let (name, label) = names(variable);
+    let title = format!("{}, median and bands", capital(name));
+    let bands = Bands { title: &title, x: &axes[x], label: &label, units: &variable.units, series };
     let what = if samples.is_some() { "samples" } else { "curves" };
     let mut note = format!("Of {pooled} {what}, at each point of those that are ok.");
     if count > MOST {
         note += &format!(" The first {MOST} of {count} bands.");
     }
-    Ok(Some(Band { svg: bands.draw()?, note, csv }))
+    let (svg, hover, name) = (bands.draw(), Hover::default(), format!("{}_band", variable.name));
+    Some(Picture { kind, name, title, note, svg, hover, csv: Some(csv) })
 }
 
 /// The axis that bands are drawn over: the last one of numbers; beside samples otherwise one of names.
@@ -176,20 +161,17 @@ fn axis_of(axes: &[Coordinate], many: bool) -> Option<usize> {
     all().find(numbers).or_else(|| all().find(usable))
 }
 
-fn csv(x: &Coordinate, variable: &Variable, series: &[BandSeries]) -> String {
-    let mut text = format!("band,{}", super::csv::head(&x.name, &x.units));
-    SHARES.iter().for_each(|share| text += &format!(",share {share} [{}]", variable.units));
-    text.push('\n');
+fn numbers(x: &Coordinate, variable: &Variable, series: &[BandSeries]) -> String {
+    let shares = SHARES.map(|share| format!("share {share} [{}]", variable.units));
+    let mut rows =
+        vec![["band".to_owned(), csv::head(&x.name, &x.units)].into_iter().chain(shares).collect()];
     for one in series {
-        for (i, (value, point)) in x.values.iter().zip(&one.points).enumerate() {
-            let place =
-                x.words.get(i).map_or_else(|| format!("{value:e}"), |word| super::csv::head(word, ""));
-            text += &format!("{},{place}", super::csv::head(&one.name, ""));
-            point.iter().for_each(|value| super::csv::cell(&mut text, *value));
-            text.push('\n');
-        }
+        rows.extend(one.points.iter().take(x.values.len()).enumerate().map(|(i, point)| {
+            let place = [csv::defused(one.name.clone()), csv::place(x, i)];
+            place.into_iter().chain(point.map(csv::number)).collect()
+        }));
     }
-    text
+    csv::table(rows)
 }
 
 /// The value below which this share of sorted values lies, between neighbours linear; NaN of none.

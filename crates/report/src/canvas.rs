@@ -1,32 +1,35 @@
-//! An SVG picture drawn with plotters, in pixels with fractions.
+//! An SVG picture, in pixels with fractions.
 
-use super::ReportError;
-use plotters::coord::Shift;
-use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
-use plotters::prelude::{DrawingArea, IntoDrawingArea, SVGBackend};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
 use std::cell::RefCell;
+use std::fmt::{Display, Formatter, Write};
 
-/// Plotters places things on whole units; a pixel is this many of them.
+/// Places are whole numbers in the picture's text; a pixel is this many of them.
 const FINE: f64 = 10.0;
 
-pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
-pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
-pub(super) const PALE: RGBColor = RGBColor(228, 228, 228);
+/// A colour by its red, green and blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Rgb(pub u8, pub u8, pub u8);
+
+impl Display for Rgb {
+    fn fmt(&self, to: &mut Formatter) -> std::fmt::Result {
+        write!(to, "#{:02X}{:02X}{:02X}", self.0, self.1, self.2)
+    }
+}
+
+pub(super) const INK: Rgb = Rgb(34, 34, 34);
+pub(super) const GREY: Rgb = Rgb(120, 120, 120);
+pub(super) const PALE: Rgb = Rgb(228, 228, 228);
 /// What stands back: outside the limits asked for.
-pub(super) const BACK: RGBColor = RGBColor(202, 202, 202);
-pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
-/// Stands for an image until the picture is whole.
-const PLACEHOLDER: RGBColor = RGBColor(1, 2, 3);
+pub(super) const BACK: Rgb = Rgb(202, 202, 202);
+pub(super) const WHITE: Rgb = Rgb(255, 255, 255);
 /// Lines told apart by readers with any colour vision: blue, vermilion, green, plum, ochre, sky.
-pub(super) const LINES: [RGBColor; 6] = [
-    RGBColor(0, 95, 170),
-    RGBColor(205, 85, 10),
-    RGBColor(0, 140, 105),
-    RGBColor(175, 95, 150),
-    RGBColor(190, 130, 0),
-    RGBColor(70, 165, 220),
+pub(super) const LINES: [Rgb; 6] = [
+    Rgb(0, 95, 170),
+    Rgb(205, 85, 10),
+    Rgb(0, 140, 105),
+    Rgb(175, 95, 150),
+    Rgb(190, 130, 0),
+    Rgb(70, 165, 220),
 ];
 
 /// Where a text stands relative to its point.
@@ -39,54 +42,25 @@ pub(super) enum Anchor {
     Upward,
 }
 
-pub(super) struct Canvas<'a> {
-    area: DrawingArea<SVGBackend<'a>, Shift>,
-    /// Addresses of images, in the order of their placeholders.
-    images: RefCell<Vec<String>>,
+/// A picture while it is drawn.
+pub(super) struct Canvas {
+    /// In the picture's own units.
+    size: (i32, i32),
+    svg: RefCell<String>,
 }
 
 /// Draws a picture of this size in pixels and gives its SVG text.
-pub(super) fn picture(
-    (width, height): (f64, f64),
-    draw: impl FnOnce(&Canvas) -> Result<(), ReportError>,
-) -> Result<String, ReportError> {
-    let mut svg = String::new();
-    let images;
-    let size = ((width * FINE) as u32, (height * FINE) as u32);
-    {
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        let canvas = Canvas { area, images: RefCell::default() };
-        canvas.rectangle((0.0, 0.0), (width, height), WHITE)?;
-        draw(&canvas)?;
-        canvas.area.present().map_err(ReportError::draw)?;
-        images = canvas.images.into_inner();
-    }
-    for address in images {
-        svg = with_image(&svg, &address);
-    }
+pub(super) fn picture((width, height): (f64, f64), draw: impl FnOnce(&Canvas)) -> String {
     // The drawing keeps its fine units; the picture is shown at its size in pixels.
-    let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
-    // Said of every shape and true without saying: a third of a map's size.
-    let svg = svg.replace(" opacity=\"1\"", "").replace(" stroke=\"none\"", "");
-    Ok(svg.replacen(&fine, &format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox"), 1))
-}
-
-/// The picture with an image in place of the first placeholder.
-fn with_image(svg: &str, address: &str) -> String {
-    let shade = format!("fill=\"#{:02X}{:02X}{:02X}\"", PLACEHOLDER.0, PLACEHOLDER.1, PLACEHOLDER.2);
-    let Some(begin) = svg.find(&shade).and_then(|at| svg[..at].rfind("<rect")) else { return svg.to_owned() };
-    let Some(length) = svg[begin..].find("/>") else { return svg.to_owned() };
-    let place = svg[begin..begin + length].trim_start_matches("<rect").replace(&shade, "");
-    let image = format!("<image{place} preserveAspectRatio=\"none\" href=\"{address}\"/>");
-    format!("{}{image}{}", &svg[..begin], &svg[begin + length + 2..])
-}
-
-fn fine((x, y): (f64, f64)) -> (i32, i32) {
-    ((x * FINE).round() as i32, (y * FINE).round() as i32)
-}
-
-fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
-    ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: ((width * FINE) as u32).max(1) }
+    let size @ (wide, high) = ((width * FINE) as i32, (height * FINE) as i32);
+    let head = format!(
+        "<svg width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {wide} {high}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n"
+    );
+    let canvas = Canvas { size, svg: RefCell::new(head) };
+    canvas.rectangle((0.0, 0.0), (width, height), WHITE);
+    draw(&canvas);
+    canvas.svg.into_inner() + "</svg>\n"
 }
 
 /// Width of a text in pixels, roughly: the viewer's font is not known here.
@@ -94,48 +68,73 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * 0.56
 }
 
-impl Canvas<'_> {
-    pub fn rectangle(&self, a: (f64, f64), b: (f64, f64), colour: RGBColor) -> Result<(), ReportError> {
-        let shape = Rectangle::new([fine(a), fine(b)], colour.filled());
-        self.area.draw(&shape).map_err(ReportError::draw)
+impl Canvas {
+    /// A place in the picture's own units; what lies outside stands at its edge.
+    fn fine(&self, (x, y): (f64, f64)) -> (i32, i32) {
+        let within = |pixels: f64, end: i32| ((pixels * FINE).round() as i32).clamp(0, end);
+        (within(x, self.size.0), within(y, self.size.1))
+    }
+
+    /// Places as shapes have them.
+    fn listed(&self, points: &[(f64, f64)]) -> String {
+        let places = points.iter().map(|&point| self.fine(point));
+        places.fold(String::new(), |list, (x, y)| list + &format!("{x},{y} "))
+    }
+
+    /// Left and upper end of a rectangle, its width and its height.
+    fn sides(&self, a: (f64, f64), b: (f64, f64)) -> (i32, i32, i32, i32) {
+        let (a, b) = (self.fine(a), self.fine(b));
+        (a.0.min(b.0), a.1.min(b.1), (a.0 - b.0).abs(), (a.1 - b.1).abs())
+    }
+
+    /// Adds an element.
+    fn add(&self, element: std::fmt::Arguments) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.svg.borrow_mut(), "<{element}>");
+    }
+
+    pub fn rectangle(&self, a: (f64, f64), b: (f64, f64), colour: Rgb) {
+        let (x, y, width, height) = self.sides(a, b);
+        self.add(format_args!(
+            "rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{colour}\"/"
+        ));
     }
 
     /// An area that covers its ground by this share.
-    pub fn shade(&self, points: &[(f64, f64)], (colour, cover): (RGBColor, f64)) -> Result<(), ReportError> {
-        let points: Vec<(i32, i32)> = points.iter().map(|&point| fine(point)).collect();
-        self.area.draw(&Polygon::new(points, colour.mix(cover).filled())).map_err(ReportError::draw)
+    pub fn shade(&self, points: &[(f64, f64)], (colour, cover): (Rgb, f64)) {
+        let points = self.listed(points);
+        self.add(format_args!("polygon opacity=\"{cover}\" fill=\"{colour}\" points=\"{points}\"/"));
     }
 
-    /// An image, given by its address, that fills this rectangle. The drawing library has no such element: a rectangle of a
-    /// colour that nothing else has stands for it until the picture is whole.
-    pub fn image(&self, a: (f64, f64), b: (f64, f64), address: String) -> Result<(), ReportError> {
-        self.images.borrow_mut().push(address);
-        self.rectangle(a, b, PLACEHOLDER)
+    /// An image, given by its address, that fills this rectangle.
+    pub fn image(&self, a: (f64, f64), b: (f64, f64), address: &str) {
+        let (x, y, width, height) = self.sides(a, b);
+        self.add(format_args!(
+            "image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"  preserveAspectRatio=\"none\" \
+             href=\"{address}\"/"
+        ));
     }
 
-    pub fn outline(
-        &self,
-        a: (f64, f64),
-        b: (f64, f64),
-        colour: RGBColor,
-        width: f64,
-    ) -> Result<(), ReportError> {
-        // As a line: plotters gives rectangles no line width.
-        let mut corners = vec![a, (b.0, a.1), b, (a.0, b.1), a];
-        corners.push((b.0, a.1));
-        self.line(&corners, colour, width)
+    pub fn outline(&self, a: (f64, f64), b: (f64, f64)) {
+        self.line(&[a, (b.0, a.1), b, (a.0, b.1), a, (b.0, a.1)], INK, 1.0);
     }
 
-    pub fn line(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Result<(), ReportError> {
-        if points.len() < 2 {
-            return Ok(());
+    pub fn line(&self, points: &[(f64, f64)], colour: Rgb, width: f64) {
+        if points.len() > 1 {
+            let (width, points) = (((width * FINE) as u32).max(1), self.listed(points));
+            self.add(format_args!(
+                "polyline fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" points=\"{points}\"/"
+            ));
         }
-        let points: Vec<(i32, i32)> = points.iter().map(|&point| fine(point)).collect();
-        self.area.draw(&PathElement::new(points, stroke(colour, width))).map_err(ReportError::draw)
+    }
+
+    /// A line, or one of dashes.
+    pub fn stroke(&self, points: &[(f64, f64)], (colour, width): (Rgb, f64), dashed: bool) {
+        if dashed { self.dashes(points, colour, width) } else { self.line(points, colour, width) }
     }
 
     /// A line of dashes, for what must be told from its neighbour without colour.
-    pub fn dashes(&self, points: &[(f64, f64)], colour: RGBColor, width: f64) -> Result<(), ReportError> {
+    pub fn dashes(&self, points: &[(f64, f64)], colour: Rgb, width: f64) {
         const DASH: f64 = 6.0;
         let mut travelled = 0.0;
         let mut dash: Vec<(f64, f64)> = Vec::new();
@@ -149,34 +148,35 @@ impl Canvas<'_> {
                 if on {
                     dash.push((pair[0].0 + share * dx, pair[0].1 + share * dy));
                 } else {
-                    self.line(&dash, colour, width)?;
+                    self.line(&dash, colour, width);
                     dash.clear();
                 }
             }
             travelled += length;
         }
-        self.line(&dash, colour, width)
+        self.line(&dash, colour, width);
     }
 
-    pub fn dot(&self, at: (f64, f64), radius: f64, colour: RGBColor) -> Result<(), ReportError> {
-        let shape = Circle::new(fine(at), (radius * FINE) as i32, colour.filled());
-        self.area.draw(&shape).map_err(ReportError::draw)
+    pub fn dot(&self, at: (f64, f64), radius: f64, colour: Rgb) {
+        let ((x, y), radius) = (self.fine(at), (radius * FINE) as i32);
+        self.add(format_args!(
+            "circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{colour}\" stroke-width=\"1\"/"
+        ));
     }
 
-    pub fn ring(&self, at: (f64, f64), radius: f64, colour: RGBColor) -> Result<(), ReportError> {
-        // As two dots: plotters gives circles no line width.
-        self.dot(at, radius, colour)?;
-        self.dot(at, radius - 1.3, WHITE)
+    pub fn ring(&self, at: (f64, f64), radius: f64, colour: Rgb) {
+        self.dot(at, radius, colour);
+        self.dot(at, radius - 1.3, WHITE);
     }
 
-    pub fn cross(&self, (x, y): (f64, f64), half: f64, colour: RGBColor) -> Result<(), ReportError> {
-        self.line(&[(x - half, y - half), (x + half, y + half)], colour, 1.3)?;
-        self.line(&[(x - half, y + half), (x + half, y - half)], colour, 1.3)
+    pub fn cross(&self, (x, y): (f64, f64), half: f64, colour: Rgb) {
+        self.line(&[(x - half, y - half), (x + half, y + half)], colour, 1.3);
+        self.line(&[(x - half, y + half), (x + half, y - half)], colour, 1.3);
     }
 
     /// A grey rectangle with slanted lines: a case that failed.
-    pub fn hatched(&self, a: (f64, f64), b: (f64, f64)) -> Result<(), ReportError> {
-        self.rectangle(a, b, PALE)?;
+    pub fn hatched(&self, a: (f64, f64), b: (f64, f64)) {
+        self.rectangle(a, b, PALE);
         let (left, right, top, bottom) = (a.0.min(b.0), a.0.max(b.0), a.1.min(b.1), a.1.max(b.1));
         // Lines x + y = const on one lattice for the whole picture, so that neighbours join.
         let first = ((left + top) / 6.0).ceil() as i64;
@@ -185,37 +185,26 @@ impl Canvas<'_> {
             let sum = number as f64 * 6.0;
             let from = (sum - top).min(right);
             let to = (sum - bottom).max(left);
-            self.line(&[(from, sum - from), (to, sum - to)], GREY, 0.8)?;
+            self.line(&[(from, sum - from), (to, sum - to)], GREY, 0.8);
         }
-        Ok(())
     }
 
     /// A text whose middle is at the height of `at`; `size` is that of the letters in pixels.
-    pub fn text(
-        &self,
-        text: &str,
-        at: (f64, f64),
-        size: f64,
-        anchor: Anchor,
-        colour: RGBColor,
-    ) -> Result<(), ReportError> {
-        // Plotters takes the height of a line, 1.24 times that of the letters.
-        let font = ("sans-serif", size * 1.24 * FINE).into_font();
-        let (font, across) = match anchor {
-            Anchor::Left => (font, HPos::Left),
-            Anchor::Middle => (font, HPos::Center),
-            Anchor::Right => (font, HPos::Right),
-            Anchor::Upward => (font.transform(FontTransform::Rotate270), HPos::Center),
+    pub fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor, colour: Rgb) {
+        let (x, y) = self.fine(at);
+        let (across, turned) = match anchor {
+            Anchor::Left => ("start", String::new()),
+            Anchor::Middle => ("middle", String::new()),
+            Anchor::Right => ("end", String::new()),
+            Anchor::Upward => ("middle", format!(" transform=\"rotate(270, {x}, {y})\"")),
         };
-        let style = TextStyle::from(font).color(&colour).pos(Pos::new(across, VPos::Center));
-        self.area.draw(&Text::new(text.to_owned(), fine(at), style)).map_err(ReportError::draw)
-    }
-}
-
-impl ReportError {
-    pub(super) fn draw<E: std::error::Error + Send + Sync>(
-        error: plotters::drawing::DrawingAreaErrorKind<E>,
-    ) -> Self {
-        Self::Draw { why: error.to_string() }
+        // This way round the last digit is that of earlier pictures.
+        let size = size * 1.24 * FINE / 1.24;
+        let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+        let text = text.replace('"', "&quot;").replace('\'', "&apos;");
+        self.add(format_args!(
+            "text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{across}\" font-family=\"sans-serif\" \
+             font-size=\"{size}\" fill=\"{colour}\"{turned}>\n{text}\n</text"
+        ));
     }
 }

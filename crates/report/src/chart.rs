@@ -1,9 +1,11 @@
 //! Lines over a common axis, in one panel or several above each other, with marked points.
 
-use super::ReportError;
 use super::axis::{PlotAxis, spans_decades};
-use super::canvas::{Anchor, Canvas, INK, LINES, WHITE, picture};
-use super::frame::{Frame, KEY_ROW, Legend, SMALL, key, key_rows, left_margin, title};
+use super::canvas::{Anchor, Canvas, INK, LINES, WHITE};
+use super::frame::{Frame, Legend, SMALL, is_place, pieces};
+use super::stack::Stack;
+
+const LAYOUT: Stack = Stack { width: 640.0, gap: 18.0, top: 48.0, key: Some(46.0), beyond: 24.0 };
 
 /// How a series is drawn, the same in every panel.
 #[derive(Clone, Debug)]
@@ -62,10 +64,7 @@ pub struct Chart {
 
 impl Chart {
     /// The picture as SVG. Values that are all positive and span decades get a logarithmic axis.
-    ///
-    /// # Errors
-    /// [`ReportError::Draw`].
-    pub fn draw(&self) -> Result<String, ReportError> {
+    pub fn draw(&self) -> String {
         let points = || self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
         let x_axis =
             PlotAxis::over(points().map(|point| point.0), &self.x.units, &self.x.label, self.x.log, 0.0);
@@ -80,52 +79,44 @@ impl Chart {
                 (sample, look.name.clone())
             })
             .collect();
-        let (width, gap) = (640.0, 18.0);
-        let margins = self.panels.iter().zip(&axes).map(|(panel, axis)| left_margin(axis, panel.height));
-        let left = margins.fold(0.0, f64::max);
-        let total_width = left + width + 24.0;
-        let top = 48.0 + key_rows(width, &entries) * KEY_ROW;
-        let heights: f64 = self.panels.iter().map(|panel| panel.height + gap).sum();
-        picture((total_width, top + heights - gap + 52.0), |canvas| {
-            title(canvas, &self.title, left, total_width)?;
-            key(canvas, (left, 46.0), left + width, &entries)?;
-            let mut at = top;
-            for (number, (panel, y_axis)) in self.panels.iter().zip(&axes).enumerate() {
-                let height = panel.height;
-                let frame = Frame { canvas, left, top: at, width, height, x: &x_axis, y: y_axis };
-                self.panel(&frame, panel)?;
-                frame.edges(number + 1 == self.panels.len(), true)?;
-                at += height + gap;
-            }
-            Ok(())
+        let heights = self.panels.iter().map(|panel| panel.height);
+        let panels: Vec<(&PlotAxis, f64)> = axes.iter().zip(heights).collect();
+        LAYOUT.draw((&self.title, &entries), &x_axis, &panels, |number, frame| {
+            self.panel(frame, &self.panels[number]);
+            frame.edges(number + 1 == panels.len(), true)
         })
     }
 
-    fn panel(&self, frame: &Frame, panel: &Plot) -> Result<(), ReportError> {
-        frame.grid()?;
-        let zero = frame.y.place(0.0);
-        if (0.0..=1.0).contains(&zero) {
-            let y = frame.top + (1.0 - zero) * frame.height;
-            frame.canvas.line(&[(frame.left, y), (frame.left + frame.width, y)], INK, 0.8)?;
-        }
+    fn panel(&self, frame: &Frame, panel: &Plot) {
+        frame.grid();
+        frame.zeros(false);
         for (number, (line, look)) in panel.lines.iter().zip(&self.series).enumerate() {
             let shade = LINES[number % LINES.len()];
             let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
-            for piece in places.split(|at| !(at.0.is_finite() && at.1.is_finite())) {
-                match look.dashed {
-                    true => frame.canvas.dashes(piece, shade, look.width)?,
-                    false => frame.canvas.line(piece, shade, look.width)?,
-                }
+            for piece in pieces(&places) {
+                frame.canvas.stroke(piece, (shade, look.width), look.dashed);
                 if look.dots {
-                    piece.iter().try_for_each(|at| frame.canvas.dot(*at, 1.2 + look.width, shade))?;
+                    piece.iter().for_each(|at| frame.canvas.dot(*at, 1.2 + look.width, shade));
                 }
             }
         }
-        panel.marks.iter().try_for_each(|mark| mark.draw(frame.canvas, frame.at(mark.x, mark.y)))
+        panel.marks.iter().for_each(|mark| mark.draw(frame.canvas, frame.at(mark.x, mark.y)))
+    }
+}
+
+impl Look {
+    /// A line without marks at its points.
+    pub fn line(name: &str, width: f64, dashed: bool) -> Self {
+        Self { name: name.to_owned(), width, dashed, dots: false }
     }
 }
 
 impl Plot {
+    /// A panel of this height without marked points.
+    pub fn new(label: &str, units: &str, height: f64, lines: Vec<Vec<(f64, f64)>>) -> Self {
+        Self { label: label.to_owned(), units: units.to_owned(), lines, marks: Vec::new(), height }
+    }
+
     fn axis(&self) -> PlotAxis {
         let values = self.lines.iter().flatten().map(|point| point.1);
         PlotAxis::over(values.clone(), &self.units, &self.label, spans_decades(values), 0.06)
@@ -133,15 +124,15 @@ impl Plot {
 }
 
 impl Mark {
-    fn draw(&self, canvas: &Canvas, at: (f64, f64)) -> Result<(), ReportError> {
-        if !(at.0.is_finite() && at.1.is_finite()) {
-            return Ok(());
+    fn draw(&self, canvas: &Canvas, at: (f64, f64)) {
+        if !is_place(&at) {
+            return;
         }
-        canvas.dot(at, 4.4, WHITE)?;
-        canvas.dot(at, 3.2, INK)?;
+        canvas.dot(at, 4.4, WHITE);
+        canvas.dot(at, 3.2, INK);
         let anchor = if self.offset.0 < 0.0 { Anchor::Right } else { Anchor::Left };
         let place = (at.0 + self.offset.0, at.1 - self.offset.1);
-        canvas.line(&[at, place], INK, 0.7)?;
+        canvas.line(&[at, place], INK, 0.7);
         canvas.text(&self.text, (place.0 + self.offset.0.signum() * 3.0, place.1), SMALL, anchor, INK)
     }
 }

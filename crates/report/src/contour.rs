@@ -1,6 +1,5 @@
 //! Lines of equal value over the cells of a map, at the round values that stand beside its colours.
 
-use super::ReportError;
 use super::canvas::{Anchor, INK, WHITE, text_width};
 use super::frame::{Frame, State};
 use super::heat_cells::CellField;
@@ -17,12 +16,12 @@ const LETTERS: f64 = 11.0;
 
 /// Draws the lines of a panel and their values; `cells` are those that the panel shows, the lowest row first, and `branches`
 /// the branch of each.
-pub(super) fn draw(field: &CellField, cells: &[(f64, State)], branches: &[u8]) -> Result<(), ReportError> {
+pub(super) fn draw(field: &CellField, cells: &[(f64, State)], branches: &[u8]) {
     let CellField { frame, across, up, bar } = field;
     let values = || cells.iter().filter(|cell| cell.1.has_value()).map(|cell| cell.0);
     // Counts have no values between.
     if across.axis.has_names() || up.axis.has_names() || values().all(|value| value.fract() == 0.0) {
-        return Ok(());
+        return;
     }
     let place = |(value, state): &(f64, State)| match state {
         State::Zero => bar.place(0.0),
@@ -43,8 +42,8 @@ pub(super) fn draw(field: &CellField, cells: &[(f64, State)], branches: &[u8]) -
         }
         lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
         for line in &lines {
-            frame.canvas.line(line, WHITE, 2.6)?;
-            frame.canvas.line(line, INK, 1.1)?;
+            frame.canvas.line(line, WHITE, 2.6);
+            frame.canvas.line(line, INK, 1.1);
         }
         labels.on(&lines, &bar.unit.of(&text));
     }
@@ -150,8 +149,8 @@ fn length(line: &[(f64, f64)]) -> f64 {
 }
 
 /// The values on the lines, drawn after all lines.
-struct Labels<'a, 'b, 'c> {
-    frame: &'a Frame<'b, 'c>,
+struct Labels<'a, 'b> {
+    frame: &'a Frame<'b>,
     taken: Vec<Label>,
 }
 
@@ -162,7 +161,7 @@ struct Label {
     text: String,
 }
 
-impl Labels<'_, '_, '_> {
+impl Labels<'_, '_> {
     /// Finds a place on the longest of these lines that has one.
     fn on(&mut self, lines: &[Vec<(f64, f64)>], text: &str) {
         let half = (text_width(text, LETTERS) / 2.0 + 2.0, LETTERS / 2.0 + 2.0);
@@ -186,12 +185,11 @@ impl Labels<'_, '_, '_> {
         self.taken.extend(place.map(|at| Label { at, half, text: text.to_owned() }));
     }
 
-    fn draw(&self) -> Result<(), ReportError> {
+    fn draw(&self) {
         for Label { at: (x, y), half: (across, up), text } in &self.taken {
-            self.frame.canvas.rectangle((x - across, y - up), (x + across, y + up), WHITE)?;
-            self.frame.canvas.text(text, (*x, *y), LETTERS, Anchor::Middle, INK)?;
+            self.frame.canvas.rectangle((x - across, y - up), (x + across, y + up), WHITE);
+            self.frame.canvas.text(text, (*x, *y), LETTERS, Anchor::Middle, INK);
         }
-        Ok(())
     }
 }
 

@@ -3,17 +3,32 @@
 use super::frame::EXCLUDED;
 use super::picture::places;
 use crate::observe::Status;
-use crate::store::{ForceCurve, NO_STATE, Results, Variable, Waveforms};
-use std::fmt::Write;
+use crate::store::{Coordinate, ForceCurve, NO_STATE, Results, Variable, Waveforms};
 
 /// Rows at most: whoever wants more reads the results file.
 const MOST_ROWS: usize = 100_000;
 
 /// A name with its unit, as a column's head.
 pub(super) fn head(name: &str, units: &str) -> String {
-    let text = defused(if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") });
-    // A comma or a quote would end the cell.
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+    defused(if matches!(units, "" | "1") { name.to_owned() } else { format!("{name} [{units}]") })
+}
+
+/// Rows of cells below each other, the head first.
+pub(super) fn table(rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut writer = ::csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+    // Writing to memory cannot fail.
+    rows.into_iter().for_each(|row| drop(writer.write_record(row)));
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+/// A number that reads back as it is; nothing for one that is not there.
+pub(super) fn number(value: f64) -> String {
+    if value.is_nan() { String::new() } else { format!("{value:e}") }
+}
+
+/// What stands at a place of an axis.
+pub(super) fn place(axis: &Coordinate, at: usize) -> String {
+    axis.words.get(at).map_or_else(|| number(axis.values[at]), |word| defused(word.clone()))
 }
 
 /// A text that no spreadsheet takes for a formula: what begins as one gets an apostrophe before it. Numbers stay numbers.
@@ -65,33 +80,18 @@ pub(super) fn of_variable(results: &Results, variable: &Variable) -> Option<Stri
         heads.extend(names("second_"));
         heads.push("second_status".to_owned());
     }
-    let mut text = heads.join(",") + "\n";
-    for i in 0..count {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{i}");
-        for (axis, at) in places(results, i) {
-            match axis.words.get(at) {
-                Some(word) => text = text + "," + &head(word, ""),
-                None => cell(&mut text, axis.values[at]),
-            }
-        }
-        variable.data[i * width..][..width].iter().for_each(|value| cell(&mut text, *value));
-        let _ = write!(text, ",{}", word(results.status[i]));
+    let row = |i: usize| {
+        let mut row = vec![i.to_string()];
+        row.extend(places(results, i).into_iter().map(|(axis, at)| place(axis, at)));
+        row.extend(variable.data[i * width..][..width].iter().map(|value| number(*value)));
+        row.push(word(results.status[i]));
         if let Some((branch, second)) = second {
-            second.data[i * width..][..width].iter().for_each(|value| cell(&mut text, *value));
-            let _ = write!(text, ",{}", word(branch.status[i]));
+            row.extend(second.data[i * width..][..width].iter().map(|value| number(*value)));
+            row.push(word(branch.status[i]));
         }
-        text.push('\n');
-    }
-    Some(text)
-}
-
-/// A number that reads back as it is; nothing for one that is not there.
-pub(super) fn cell(text: &mut String, value: f64) {
-    text.push(',');
-    if !value.is_nan() {
-        let _ = write!(text, "{value:e}");
-    }
+        row
+    };
+    Some(table(std::iter::once(heads).chain((0..count).map(row))))
 }
 
 /// One instance over time.
@@ -99,27 +99,25 @@ pub(super) fn of_waveform(waveforms: &Waveforms, row: usize) -> String {
     let nothing = Vec::new();
     let time = waveforms.time.get(row).or(waveforms.time.first()).unwrap_or(&nothing);
     let columns = [&waveforms.tip_travel, &waveforms.actuator_top, &waveforms.indentation, &waveforms.force];
-    let mut text = "time [s],tip_travel [m],actuator_top [m],indentation [m],force [N]\n".to_owned();
-    for (i, time) in time.iter().enumerate() {
-        let _ = write!(text, "{time:e}");
-        let value =
-            |column: &[Vec<f64>]| column.get(row).and_then(|row| row.get(i)).copied().unwrap_or(f64::NAN);
-        columns.iter().for_each(|column| cell(&mut text, value(column)));
-        text.push('\n');
-    }
-    text
+    let heads = ["time [s]", "tip_travel [m]", "actuator_top [m]", "indentation [m]", "force [N]"];
+    let rows = time.iter().enumerate().map(|(i, time)| {
+        let value = |column: &&Vec<Vec<f64>>| column.get(row).and_then(|row| row.get(i)).copied();
+        let values = columns.iter().map(|column| number(value(column).unwrap_or(f64::NAN)));
+        std::iter::once(format!("{time:e}")).chain(values).collect()
+    });
+    table(std::iter::once(heads.map(str::to_owned).to_vec()).chain(rows))
 }
 
 /// All curves of one instance, below each other.
 pub(super) fn of_force_curves(curves: &[&ForceCurve]) -> String {
-    let mut text = "law,branch,indentation [m],force [N],contact_radius [m]\n".to_owned();
-    for curve in curves {
-        for ((depth, force), radius) in curve.indentation.iter().zip(&curve.force).zip(&curve.contact_radius)
-        {
-            let _ = write!(text, "{},{}", head(&curve.law, ""), head(&curve.branch, ""));
-            [depth, force, radius].into_iter().for_each(|value| cell(&mut text, *value));
-            text.push('\n');
-        }
-    }
-    text
+    let heads = ["law", "branch", "indentation [m]", "force [N]", "contact_radius [m]"];
+    let row = |curve: &ForceCurve, n: usize| {
+        let names = [&curve.law, &curve.branch].map(|name| defused(name.clone()));
+        let values = [curve.indentation[n], curve.force[n], curve.contact_radius[n]].map(number);
+        names.into_iter().chain(values).collect()
+    };
+    let length =
+        |curve: &ForceCurve| curve.indentation.len().min(curve.force.len()).min(curve.contact_radius.len());
+    let rows = curves.iter().flat_map(|curve| (0..length(curve)).map(|n| row(curve, n)));
+    table(std::iter::once(heads.map(str::to_owned).to_vec()).chain(rows))
 }

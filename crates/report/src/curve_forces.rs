@@ -1,6 +1,7 @@
 //! Forces that an instance's curve tells, to stand beside its law: the largest ones met, the orbit's own, and what can be
 //! reconstructed from amplitudes and shifts.
 
+use super::error_floor::data;
 use super::frame::State;
 use super::picture::places;
 use super::view_request::DIRECTION;
@@ -104,11 +105,6 @@ impl Points {
         let orbits: Vec<Orbit> = until.map(orbit).collect();
         Some(force(&orbits, stiffness).into_iter().map(|(distance, force)| (-distance, force)).unzip())
     }
-}
-
-fn data<'a>(results: &'a Results, name: &str) -> Option<&'a [f64]> {
-    let found = results.variables.iter().find(|one| one.name == name && one.harmonics.is_none());
-    found.map(|one| one.data.as_slice())
 }
 
 /// Of a run along curves, where states were not reached continuously.

@@ -1,13 +1,13 @@
 //! Values over one axis as curves, and values of a list as clouds of points.
 
-use super::ReportError;
 use super::axis::{PlotAxis, least_of_decades};
-use super::canvas::{Anchor, BACK, GREY, INK, LINES, picture};
-use super::frame::{Frame, KEY_ROW, Legend, SMALL, State, Tally, colour, key, key_rows, left_margin, title};
+use super::canvas::{Anchor, BACK, GREY, INK, LINES, Rgb, picture};
+use super::frame::{
+    Frame, KEY_ROW, Legend, SMALL, State, Tally, colour, is_place, key, key_rows, left_margin, title,
+};
 use super::hover::{Hint, Hover};
 use super::labels::{label, shown};
 use crate::store::Coordinate;
-use plotters::style::RGBColor;
 
 /// Markers on a curve are drawn up to this many points.
 const MOST_MARKERS: usize = 80;
@@ -66,7 +66,7 @@ pub(super) struct CurvePlot<'a> {
 
 impl CurvePlot<'_> {
     /// The picture, and what lies where in it.
-    pub fn draw(&self) -> Result<(String, Hover), ReportError> {
+    pub fn draw(&self) -> (String, Hover) {
         let x = self.x;
         let x_axis = match self.style {
             Style::Sticks => PlotAxis::over(x.values.iter().copied(), &x.units, label(x), false, 0.06),
@@ -92,7 +92,7 @@ impl CurvePlot<'_> {
         let total = (total_width, key_top + key_rows(field.0, &entries) * KEY_ROW);
         let mut hover = Hover::default();
         let svg = picture(total, |canvas| {
-            title(canvas, self.heading, left, total_width)?;
+            title(canvas, self.heading, left, total_width);
             for (number, (caption, series)) in self.panels.iter().enumerate() {
                 let (row, column) = (number / columns, number % columns);
                 let frame = Frame {
@@ -105,32 +105,34 @@ impl CurvePlot<'_> {
                     y: &y_axis,
                 };
                 let middle = (frame.left + width / 2.0, frame.top - 10.0);
-                canvas.text(caption, middle, SMALL, Anchor::Middle, INK)?;
-                frame.grid()?;
-                hover.points(self.series(&frame, series, &order)?);
-                frame.ticks(number + columns >= self.panels.len(), column == 0)?;
+                canvas.text(caption, middle, SMALL, Anchor::Middle, INK);
+                frame.grid();
+                hover.points(self.series(&frame, series, &order));
+                frame.ticks(number + columns >= self.panels.len(), column == 0);
             }
             // One label for all columns, below the lowest row.
             let below = Frame { canvas, left, top, width, height: field.1, x: &x_axis, y: &y_axis };
-            below.x_label(left + field.0 / 2.0)?;
+            below.x_label(left + field.0 / 2.0);
             key(canvas, (left, key_top), left + field.0, &entries)
-        })?;
-        Ok((svg, hover))
+        });
+        (svg, hover)
     }
 
     /// The curves of one panel; gives its points with what they stand for.
-    fn series(&self, frame: &Frame, series: &[Curve], order: &[usize]) -> Result<Vec<Hint>, ReportError> {
+    fn series(&self, frame: &Frame, series: &[Curve], order: &[usize]) -> Vec<Hint> {
         let mut told = Vec::new();
         for (number, one) in series.iter().enumerate() {
             let pen = self.pen(series, number);
             let points: Vec<Point> = order.iter().map(|&i| self.point(one, i, &pen)).collect();
             match self.style {
-                Style::Lines => draw_line(frame, &points, &pen)?,
-                style => draw_apart(frame, &points, style)?,
+                Style::Lines => draw_line(frame, &points, &pen),
+                style => draw_apart(frame, &points, style),
             }
-            draw_markers(frame, &points, self.style != Style::Lines)?;
-            for (point, _) in points.iter().zip(order).filter(|(_, i)| one.jumps.get(**i) == Some(&true)) {
-                point.place(frame).map_or(Ok(()), |at| frame.canvas.dot(at, JUMP, point.shade))?;
+            draw_markers(frame, &points, self.style != Style::Lines);
+            for (point, i) in points.iter().zip(order) {
+                if let Some(at) = point.place(frame).filter(|_| one.jumps.get(*i) == Some(&true)) {
+                    frame.canvas.dot(at, JUMP, point.shade);
+                }
             }
             for (point, i) in points.iter().zip(order) {
                 let Some(at) = point.place(frame) else { continue };
@@ -140,7 +142,7 @@ impl CurvePlot<'_> {
                 told.push((at, format!("{x}{name}{second}: {}", frame.y.unit.value(point.value))));
             }
         }
-        Ok(told)
+        told
     }
 
     fn point(&self, series: &Curve, i: usize, pen: &Pen) -> Point {
@@ -212,7 +214,7 @@ impl CurvePlot<'_> {
 
 /// How a curve is drawn.
 struct Pen {
-    shade: RGBColor,
+    shade: Rgb,
     dashed: bool,
     /// Whether signs stand for points without a place: below the first curve.
     signs: bool,
@@ -225,7 +227,7 @@ struct Pen {
 
 /// Colours told apart, or, of more curves than there are, from dark to light in their order: neither so dark nor so light
 /// that they are lost on a dark or on a light page.
-fn shade(place: usize, count: usize) -> RGBColor {
+fn shade(place: usize, count: usize) -> Rgb {
     match count {
         0..=LINES_AT_MOST => LINES[place % LINES.len()],
         _ => colour(0.3 + 0.55 * place as f64 / (count - 1) as f64),
@@ -244,7 +246,7 @@ struct Point {
     shift: f64,
     torn: bool,
     branch: u8,
-    shade: RGBColor,
+    shade: Rgb,
     thin: bool,
 }
 
@@ -254,7 +256,7 @@ impl Point {
         let (x, y) = frame.at(self.x, self.value);
         let shown = self.state.has_value() || matches!(self.state, State::Zero | State::Excluded);
         let at = (x + self.shift, y.clamp(frame.top, frame.top + frame.height));
-        (shown && at.0.is_finite() && at.1.is_finite()).then_some(at)
+        (shown && is_place(&at)).then_some(at)
     }
 
     /// Whether a line leads to its neighbour: not across a jump, and not from one branch to another.
@@ -265,7 +267,7 @@ impl Point {
 }
 
 /// Joins the points that are neighbours; to one that is doubtful there is no line.
-fn draw_line(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), ReportError> {
+fn draw_line(frame: &Frame, points: &[Point], pen: &Pen) {
     // Points of one look, and the look of each piece.
     let mut piece: Vec<(f64, f64)> = Vec::new();
     let mut look = (pen.shade, false);
@@ -274,21 +276,21 @@ fn draw_line(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), ReportErr
         let place = point.place(frame);
         let x = frame.at(point.x, f64::NAN).0;
         if place.is_none() && x.is_finite() && pen.signs {
-            absent(frame, x, point.state)?;
+            absent(frame, x, point.state);
         }
         let Some(at) = place.filter(|_| !matches!(point.state, State::Doubtful(_))) else {
-            draw_piece(frame, &mut piece, look, pen)?;
+            draw_piece(frame, &mut piece, look, pen);
             before = None;
             continue;
         };
         match before.filter(|before| before.joins(point)) {
-            None => draw_piece(frame, &mut piece, look, pen)?,
+            None => draw_piece(frame, &mut piece, look, pen),
             Some(before) => {
                 let back = if before.state == State::Excluded { before } else { point };
                 let next = (back.shade, point.thin);
                 if next != look && piece.len() > 1 {
                     let last = piece.last().copied();
-                    draw_piece(frame, &mut piece, look, pen)?;
+                    draw_piece(frame, &mut piece, look, pen);
                     piece.extend(last);
                 }
                 look = next;
@@ -301,23 +303,22 @@ fn draw_line(frame: &Frame, points: &[Point], pen: &Pen) -> Result<(), ReportErr
 }
 
 /// Symbols or sticks without lines between them.
-fn draw_apart(frame: &Frame, points: &[Point], style: Style) -> Result<(), ReportError> {
+fn draw_apart(frame: &Frame, points: &[Point], style: Style) {
     for point in points {
         match point.place(frame) {
             Some(at) if style == Style::Sticks => {
                 let zero = frame.top + (1.0 - frame.y.place(0.0)) * frame.height;
                 let bottom = frame.top + frame.height;
                 let foot = if zero.is_finite() { zero.clamp(frame.top, bottom) } else { bottom };
-                frame.canvas.line(&[(at.0, foot), at], point.shade, 2.4)?;
+                frame.canvas.line(&[(at.0, foot), at], point.shade, 2.4);
             }
-            None => absent(frame, frame.at(point.x, f64::NAN).0 + point.shift, point.state)?,
+            None => absent(frame, frame.at(point.x, f64::NAN).0 + point.shift, point.state),
             _ => {}
         }
     }
-    Ok(())
 }
 
-fn draw_markers(frame: &Frame, points: &[Point], always: bool) -> Result<(), ReportError> {
+fn draw_markers(frame: &Frame, points: &[Point], always: bool) {
     for (number, point) in points.iter().enumerate() {
         let Some(at) = point.place(frame) else { continue };
         let beside = |i: Option<usize>| {
@@ -327,15 +328,12 @@ fn draw_markers(frame: &Frame, points: &[Point], always: bool) -> Result<(), Rep
         let alone = !beside(number.checked_sub(1)) && !beside(Some(number + 1));
         let radius = if always { 3.6 } else { 2.6 };
         match point.state {
-            State::Doubtful(_) => frame.canvas.ring(at, 3.5, point.shade)?,
-            State::Zero => frame.canvas.dot(at, radius, GREY)?,
-            _ if always || points.len() <= MOST_MARKERS || alone => {
-                frame.canvas.dot(at, radius, point.shade)?
-            }
+            State::Doubtful(_) => frame.canvas.ring(at, 3.5, point.shade),
+            State::Zero => frame.canvas.dot(at, radius, GREY),
+            _ if always || points.len() <= MOST_MARKERS || alone => frame.canvas.dot(at, radius, point.shade),
             _ => {}
         }
     }
-    Ok(())
 }
 
 /// Where a value stands: one that is nothing, at 0.
@@ -343,23 +341,14 @@ pub(super) fn drawn((value, state): (f64, State)) -> (f64, State) {
     (if state == State::Zero { 0.0 } else { value }, state)
 }
 
-fn draw_piece(
-    frame: &Frame,
-    piece: &mut Vec<(f64, f64)>,
-    (shade, thin): (RGBColor, bool),
-    pen: &Pen,
-) -> Result<(), ReportError> {
+fn draw_piece(frame: &Frame, piece: &mut Vec<(f64, f64)>, (shade, thin): (Rgb, bool), pen: &Pen) {
     let width = if thin { THIN } else { WIDE };
-    match pen.dashed {
-        true => frame.canvas.dashes(piece, shade, width)?,
-        false => frame.canvas.line(piece, shade, width)?,
-    }
+    frame.canvas.stroke(piece, (shade, width), pen.dashed);
     piece.clear();
-    Ok(())
 }
 
 /// A sign at the lower edge for an instance without a value.
-pub(super) fn absent(frame: &Frame, x: f64, state: State) -> Result<(), ReportError> {
+pub(super) fn absent(frame: &Frame, x: f64, state: State) {
     let y = frame.top + frame.height - 8.0;
     match state {
         State::Failed(_) => frame.canvas.cross((x, y), 3.5, GREY),

@@ -262,30 +262,9 @@ pub(super) fn open(title: &str, generator: &str) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"generator\" content=\"{generator}\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+         <title>{title}</title>\n<style>{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n",
+        include_str!("page.css").lines().collect::<String>()
     )
 }
 
 pub(super) const CLOSE: &str = "</body>\n</html>\n";
-
-const STYLE: &str = "body{font:16px/1.5 sans-serif;color:#222;background:#fff;max-width:76rem;margin:2rem auto;\
-padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.15rem;margin-top:2rem}.wide{overflow-x:auto}\
-.wide::-webkit-scrollbar{height:.5rem}.wide::-webkit-scrollbar-track{background:#8883}\
-.wide::-webkit-scrollbar-thumb{background:#888;border-radius:.25rem}\
-p{max-width:48rem}.pictures{display:grid;gap:0 1.5rem;\
-grid-template-columns:repeat(auto-fit,minmax(min(100%,34rem),1fr))}.pictures figure{min-width:0}.alone{grid-column:1/-1}\
-summary{cursor:pointer}#tip{display:none;position:absolute;max-width:15rem;padding:.2rem .5rem;\
-background:#222;color:#fff;font-size:.85rem;border-radius:.2rem;pointer-events:none}\
-table{border-collapse:collapse;font-size:.9rem}td,th{padding:.25rem .8rem .25rem 0;text-align:left;\
-vertical-align:top;border-bottom:1px solid #ddd}th{color:#555;font-weight:600}figure{margin:1.5rem 0}\
-figure svg,figure img{max-width:100%;height:auto}\
-@media(max-width:640px){figure svg,figure img{max-width:max(100%,29rem)}\
-.alone svg,.alone img{max-width:none}}\
-@media(prefers-color-scheme:dark){body{color:#ddd;background:#191919}a{color:#8bf}td,th{border-color:#444 !important}\
-th,figcaption,.caption{color:#aaa !important}pre{background:#262626 !important}#tip{background:#ddd;color:#191919}\
-svg [fill='#FFFFFF']{fill:#191919}svg [fill='#222222']{fill:#ddd}svg [stroke='#222222']{stroke:#ddd}\
-svg [fill='#CACACA']{fill:#505050}svg [stroke='#CACACA']{stroke:#505050}\
-svg [fill='#E4E4E4']{fill:#333}svg [stroke='#E4E4E4']{stroke:#333}svg [fill='#787878']{fill:#999}\
-svg [stroke='#787878']{stroke:#999}\
-svg [fill='#005FAA']{fill:#5aaef0}svg [stroke='#005FAA']{stroke:#5aaef0}}figcaption,.caption{font-size:.85rem;color:#555}\
-pre{background:#f5f5f5;padding:.8rem;overflow-x:auto;font-size:.85rem}details{margin:.5rem 0}";

@@ -8,10 +8,7 @@ pub(super) const SCALES: [&str; 1] = ["drive_work"];
 /// Of each instance the error of this variable, in its unit: its scale times the estimate, or the accuracy asked for
 /// where nothing was estimated. None where the file does not tell the scale.
 pub(super) fn errors(results: &Results, variable: &Variable) -> Option<Vec<f64>> {
-    let data = |name: &str| {
-        let found = results.variables.iter().find(|one| one.name == name && one.harmonics.is_none());
-        found.map(|one| one.data.as_slice())
-    };
+    let data = |name: &str| data(results, name);
     let count = results.status.len();
     let scales: Vec<f64> = match variable.name.as_str() {
         "dissipation" | "virial" => data("drive_work")?.to_vec(),
@@ -27,6 +24,12 @@ pub(super) fn errors(results: &Results, variable: &Variable) -> Option<Vec<f64>>
     let estimates = data("error_estimate");
     let share = |i: usize| estimates.map(|all| all[i]).filter(|one| one.is_finite()).or(accuracy);
     Some(scales.iter().enumerate().map(|(i, scale)| scale * share(i).unwrap_or(0.0)).collect())
+}
+
+/// The values of the variable of this name, where each instance has one.
+pub(super) fn data<'a>(results: &'a Results, name: &str) -> Option<&'a [f64]> {
+    let found = results.variables.iter().find(|one| one.name == name && one.harmonics.is_none());
+    found.map(|one| one.data.as_slice())
 }
 
 /// The accuracy that the scene asks for, as far as the file tells.

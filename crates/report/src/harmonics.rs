@@ -1,12 +1,15 @@
 //! One instance's harmonics as sticks: travel and force in panels above each other.
 
-use super::ReportError;
 use super::axis::PlotAxis;
-use super::canvas::{Anchor, INK, LINES, picture};
-use super::frame::{Frame, SMALL, left_margin, title};
+use super::canvas::LINES;
+use super::csv::{number, table};
+use super::frame::{Frame, is_place};
 use super::hover::{Hint, Hover};
 use super::quantity_text::shown;
+use super::stack::Stack;
 use crate::store::Spectra;
+
+const LAYOUT: Stack = Stack { width: 640.0, gap: 16.0, top: 40.0, key: Some(40.0), beyond: 24.0 };
 
 /// Amplitudes below this share of a panel's largest are not drawn.
 const FLOOR: f64 = 1e-6;
@@ -27,7 +30,7 @@ struct Panel<'a> {
 }
 
 /// The picture of row `row` of the spectra, and what the pointer is told of it.
-pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(String, Hover), ReportError> {
+pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> (String, Hover) {
     let of = |rows: &'_ [Vec<f64>]| rows.get(row).cloned().unwrap_or_default();
     let frequency = of(&spectra.frequency);
     let (tip, tip_phase) = (of(&spectra.tip_amplitude), of(&spectra.tip_phase));
@@ -40,23 +43,14 @@ pub(super) fn draw(spectra: &Spectra, row: usize, heading: &str) -> Result<(Stri
     let first = frequency.first().copied().unwrap_or(f64::NAN);
     let label = format!("harmonic of {}", shown(first, "Hz", 6));
     let x_axis = PlotAxis::over([0.0, last + 1.0].into_iter(), "1", &label, false, 0.0);
-    let (width, height, gap, top) = (640.0, 190.0, 16.0, 40.0);
-    let left = panels.iter().map(|panel| left_margin(&panel.axis, height)).fold(0.0, f64::max);
-    let total_width = left + width + 24.0;
-    let bottom = top + 2.0 * (height + gap) - gap;
+    let places: Vec<(&PlotAxis, f64)> = panels.iter().map(|panel| (&panel.axis, 190.0)).collect();
     let mut hover = Hover::default();
-    let svg = picture((total_width, bottom + 52.0), |canvas| {
-        title(canvas, heading, left, total_width)?;
-        for (number, panel) in panels.iter().enumerate() {
-            let top = top + number as f64 * (height + gap);
-            let frame = Frame { canvas, left, top, width, height, x: &x_axis, y: &panel.axis };
-            frame.grid()?;
-            hover.points(panel.sticks(&frame, &frequency)?);
-            frame.edges(number == 1, true)?;
-        }
-        Ok(())
-    })?;
-    Ok((svg, hover))
+    let svg = LAYOUT.draw((heading, &[]), &x_axis, &places, |number, frame| {
+        frame.grid();
+        hover.points(panels[number].sticks(frame, &frequency));
+        frame.edges(number == 1, true)
+    });
+    (svg, hover)
 }
 
 /// The last harmonic that any of the panels shows, 1 at least.
@@ -76,7 +70,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Draws a stick for each harmonic above the floor; gives their ends with what they stand for.
-    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Result<Vec<Hint>, ReportError> {
+    fn sticks(&self, frame: &Frame, frequency: &[f64]) -> Vec<Hint> {
         let bottom = frame.top + frame.height;
         // Many of them are thin.
         let apart = frame.at(2.0, f64::NAN).0 - frame.at(1.0, f64::NAN).0;
@@ -84,29 +78,20 @@ impl<'a> Panel<'a> {
         let mut told = Vec::new();
         for (i, &amplitude) in self.amplitude.iter().enumerate().filter(|(_, value)| **value >= self.floor) {
             let at = frame.at((i + 1) as f64, amplitude);
-            if !(at.0.is_finite() && at.1.is_finite()) {
+            if !is_place(&at) {
                 continue;
             }
             let value = |all: &[f64], units| shown(all.get(i).copied().unwrap_or(f64::NAN), units, 4);
-            frame.canvas.line(&[(at.0, bottom), at], LINES[0], width)?;
-            frame.canvas.dot(at, radius, LINES[0])?;
-            told.push((
-                at,
-                format!(
-                    "harmonic {} at {}: {} {}, lag {}",
-                    i + 1,
-                    value(frequency, "Hz"),
-                    self.label,
-                    shown(amplitude, self.units, 4),
-                    value(self.phase, "degree")
-                ),
-            ));
+            frame.canvas.line(&[(at.0, bottom), at], LINES[0], width);
+            frame.canvas.dot(at, radius, LINES[0]);
+            let (number, label, size) = (i + 1, self.label, shown(amplitude, self.units, 4));
+            let (hz, lag) = (value(frequency, "Hz"), value(self.phase, "degree"));
+            told.push((at, format!("harmonic {number} at {hz}: {label} {size}, lag {lag}")));
         }
         if told.is_empty() {
-            let middle = (frame.left + frame.width / 2.0, frame.top + frame.height / 2.0);
-            frame.canvas.text("nothing", middle, SMALL, Anchor::Middle, INK)?;
+            frame.words("nothing");
         }
-        Ok(told)
+        told
     }
 }
 
@@ -144,15 +129,10 @@ pub(super) fn told(spectra: &Spectra, row: usize) -> String {
 /// Its numbers; harmonics that its steps do not resolve have none.
 pub(super) fn csv(spectra: &Spectra, row: usize) -> String {
     let heads = Spectra::COLUMNS.map(|column| format!("{} [{}]", column.name, column.units));
-    let mut text = format!("harmonic,{}\n", heads.join(","));
-    for i in 0..spectra.harmonics() {
-        text += &(i + 1).to_string();
-        for column in Spectra::COLUMNS {
-            let value = (column.of)(spectra).get(row).and_then(|row| row.get(i)).copied();
-            text +=
-                &value.filter(|value| !value.is_nan()).map_or(",".to_owned(), |value| format!(",{value:e}"));
-        }
-        text.push('\n');
-    }
-    text
+    let rows = (0..spectra.harmonics()).map(|i| {
+        let value = |rows: &[Vec<f64>]| rows.get(row).and_then(|row| row.get(i)).copied();
+        let values = Spectra::COLUMNS.map(|column| number(value((column.of)(spectra)).unwrap_or(f64::NAN)));
+        std::iter::once((i + 1).to_string()).chain(values).collect()
+    });
+    table(std::iter::once(std::iter::once("harmonic".to_owned()).chain(heads).collect()).chain(rows))
 }

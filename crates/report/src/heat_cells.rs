@@ -1,22 +1,19 @@
 //! The cells of a map: which values they show, and how they are drawn.
 
-use super::ReportError;
 use super::axis::PlotAxis;
-use super::canvas::{BACK, Canvas, GREY, PALE};
+use super::canvas::{BACK, Canvas, GREY, PALE, Rgb};
 use super::frame::{BEYOND, Frame, NOTHING, State, colour, mark, status_word};
 use super::hover;
-use super::labels::short;
-use super::labels::shown;
-use super::raster::{self, FINER};
+use super::labels::{short, shown};
+use super::raster::{self, CLEAR, FINER, Pixel, solid};
 use crate::store::Coordinate;
-use plotters::style::{Color, RGBAColor, RGBColor};
 
 /// The colour of a value that is nothing within its error.
-pub(super) const NONE: RGBColor = RGBColor(176, 176, 176);
+pub(super) const NONE: Rgb = Rgb(176, 176, 176);
 /// Cells along an axis at most; finer grids are averaged.
 pub(super) const MOST_CELLS: usize = 512;
 /// Over [`PALE`], what [`BACK`] is on a light and on a dark page.
-const VEIL: RGBAColor = RGBAColor(144, 144, 144, 0.31);
+const VEIL: Pixel = [144, 144, 144, 79];
 /// More cells than this in a picture are drawn as images.
 pub(super) const RASTER: usize = 2000;
 /// Doubtful cells of panels with at most so many are marked.
@@ -68,14 +65,14 @@ impl HeatCells {
 }
 
 /// One panel's cells on their frame.
-pub(super) struct CellField<'a, 'c> {
-    pub frame: &'a Frame<'a, 'c>,
+pub(super) struct CellField<'a> {
+    pub frame: &'a Frame<'a>,
     pub across: &'a HeatCells,
     pub up: &'a HeatCells,
     pub bar: &'a PlotAxis,
 }
 
-impl CellField<'_, '_> {
+impl CellField<'_> {
     /// What each cell shows, the lowest row first, of values in rows of this width.
     pub fn merged(&self, values: &[(f64, State)], width: usize) -> Vec<(f64, State)> {
         self.of_each(width, |members| merge(members.filter_map(|i| values.get(i))))
@@ -111,24 +108,23 @@ impl CellField<'_, '_> {
     }
 
     /// Draws them, as an image where asked for, and marks what is doubtful.
-    pub fn draw(&self, cells: &[(f64, State)], raster: bool) -> Result<(), ReportError> {
+    pub fn draw(&self, cells: &[(f64, State)], raster: bool) {
         if raster {
-            self.image(cells)?
+            self.image(cells)
         } else {
-            self.shapes(cells)?
+            self.shapes(cells)
         }
         if cells.len() > MARKED {
-            return Ok(());
+            return;
         }
         let (columns, rows) = self.centres();
         for (number, _) in cells.iter().enumerate().filter(|(_, cell)| matches!(cell.1, State::Doubtful(_))) {
-            mark(self.frame.canvas, (columns[number % columns.len()], rows[number / columns.len()]))?;
+            mark(self.frame.canvas, (columns[number % columns.len()], rows[number / columns.len()]));
         }
-        Ok(())
     }
 
     /// The colour of a cell, except of one that failed.
-    fn shade(&self, (value, state): (f64, State)) -> Option<RGBColor> {
+    fn shade(&self, (value, state): (f64, State)) -> Option<Rgb> {
         match state {
             State::Failed(_) => None,
             State::Empty => Some(PALE),
@@ -139,7 +135,7 @@ impl CellField<'_, '_> {
     }
 
     /// Rectangles: neighbours of one colour are one.
-    fn shapes(&self, cells: &[(f64, State)]) -> Result<(), ReportError> {
+    fn shapes(&self, cells: &[(f64, State)]) {
         let canvas = self.frame.canvas;
         let end = (self.frame.left + self.frame.width, self.frame.top);
         for (row, cells) in cells.chunks(self.across.members.len().max(1)).enumerate() {
@@ -153,22 +149,21 @@ impl CellField<'_, '_> {
                 match (self.shade(*cell), &mut run) {
                     (Some(shade), Some((_, end, same))) if shade == *same => *end = b,
                     (shade, _) => {
-                        fill(canvas, run.take())?;
+                        fill(canvas, run.take());
                         match shade {
                             Some(shade) => run = Some((a, b, shade)),
-                            None => canvas.hatched(a, b)?,
+                            None => canvas.hatched(a, b),
                         }
                     }
                 }
             }
-            fill(canvas, run)?;
+            fill(canvas, run);
         }
-        Ok(())
     }
 
     /// One image of all cells; what failed is striped in it. What has no value is clear: the ground behind it follows the
     /// page's colours.
-    fn image(&self, cells: &[(f64, State)]) -> Result<(), ReportError> {
+    fn image(&self, cells: &[(f64, State)]) {
         let Frame { canvas, left, top, width, height, .. } = *self.frame;
         let (wide, high) = ((width * FINER) as usize, (height * FINER) as usize);
         let right: Vec<f64> = self.across.edges[1..].iter().map(|edge| self.x_at(*edge)).collect();
@@ -183,15 +178,15 @@ impl CellField<'_, '_> {
             let row = upper.partition_point(|end| *end > y).min(upper.len() - 1);
             for (i, column) in column_of.iter().enumerate() {
                 colours.push(match self.shade(cells[row * columns + column]) {
-                    None => ((i + j) % 12 < 2).then_some(GREY.to_rgba()),
-                    Some(PALE) => None,
-                    Some(BACK) => Some(VEIL),
-                    Some(shade) => Some(shade.to_rgba()),
+                    None if (i + j) % 12 < 2 => solid(GREY),
+                    None | Some(PALE) => CLEAR,
+                    Some(BACK) => VEIL,
+                    Some(shade) => solid(shade),
                 });
             }
         }
-        canvas.rectangle((left, top), (left + width, top + height), PALE)?;
-        canvas.image((left, top), (left + width, top + height), raster::image(wide, high, &colours)?)
+        canvas.rectangle((left, top), (left + width, top + height), PALE);
+        canvas.image((left, top), (left + width, top + height), &raster::image(wide, high, &colours));
     }
 
     /// What the cells stand for, for the pointer.
@@ -225,10 +220,12 @@ impl CellField<'_, '_> {
 }
 
 /// Corners and colour of cells to be drawn as one.
-type Run = ((f64, f64), (f64, f64), RGBColor);
+type Run = ((f64, f64), (f64, f64), Rgb);
 
-fn fill(canvas: &Canvas, run: Option<Run>) -> Result<(), ReportError> {
-    run.map_or(Ok(()), |(a, b, shade)| canvas.rectangle(a, b, shade))
+fn fill(canvas: &Canvas, run: Option<Run>) {
+    if let Some((a, b, shade)) = run {
+        canvas.rectangle(a, b, shade);
+    }
 }
 
 /// The mean of a cell's values, and what most of its instances are.

@@ -1,6 +1,5 @@
 //! Values over two axes as coloured cells, alone or as panels over slices of further axes.
 
-use super::ReportError;
 use super::axis::{PlotAxis, least_of_decades, spans_decades};
 use super::canvas::{Anchor, BACK, Canvas, INK, PALE, WHITE, picture};
 use super::contour;
@@ -42,16 +41,13 @@ pub struct Heatmap<'a> {
 
 impl Heatmap<'_> {
     /// The picture as SVG.
-    ///
-    /// # Errors
-    /// [`ReportError::Draw`].
-    pub fn draw(&self) -> Result<String, ReportError> {
+    pub fn draw(&self) -> String {
         let values = || self.values();
-        Ok(self.over(spans_decades(values()), values(), false)?.0)
+        self.over(spans_decades(values()), values(), false).0
     }
 
     /// The picture with lines at round values, and what lies where in it.
-    pub(super) fn draw_told(&self) -> Result<(String, Hover), ReportError> {
+    pub(super) fn draw_told(&self) -> (String, Hover) {
         let least = least_of_decades(self.values());
         self.over(
             least.is_some(),
@@ -66,12 +62,7 @@ impl Heatmap<'_> {
     }
 
     /// Over a bar of these values, with contours or without.
-    fn over(
-        &self,
-        log: bool,
-        values: impl Iterator<Item = f64> + Clone,
-        contours: bool,
-    ) -> Result<(String, Hover), ReportError> {
+    fn over(&self, log: bool, values: impl Iterator<Item = f64> + Clone, contours: bool) -> (String, Hover) {
         let mut hover = Hover::default();
         let (across, up) = (HeatCells::along(self.x), HeatCells::along(self.y));
         let states = self.panels.iter().flat_map(|panel| &panel.values).map(|(_, state)| *state);
@@ -96,7 +87,7 @@ impl Heatmap<'_> {
         let key_top = top + field.1 + 64.0;
         let total = (total_width, key_top + key_rows(total_width - left, &entries) * KEY_ROW);
         let svg = picture(total, |canvas| {
-            title(canvas, &self.title, left, total_width)?;
+            title(canvas, &self.title, left, total_width);
             for (number, panel) in self.panels.iter().enumerate() {
                 let (row, column) = (number / columns, number % columns);
                 let frame = Frame {
@@ -109,35 +100,29 @@ impl Heatmap<'_> {
                     y: &up.axis,
                 };
                 let caption_at = (frame.left + width / 2.0, frame.top - 10.0);
-                canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK)?;
+                canvas.text(&panel.caption, caption_at, SMALL, Anchor::Middle, INK);
                 let map = CellField { frame: &frame, across: &across, up: &up, bar: &bar };
-                self.panel(&map, panel, (raster, contours), &mut hover)?;
+                self.panel(&map, panel, (raster, contours), &mut hover);
                 let lowest = number + columns >= self.panels.len();
-                frame.ticks(lowest, column == 0)?;
+                frame.ticks(lowest, column == 0);
                 // One label for all columns, below the lowest row.
                 if number + 1 == self.panels.len() {
-                    frame.x_label(left + field.0 / 2.0)?;
+                    frame.x_label(left + field.0 / 2.0);
                 }
             }
-            colour_bar(canvas, &bar, (bar_left, top + captions), field.1 - captions)?;
+            colour_bar(canvas, &bar, (bar_left, top + captions), field.1 - captions);
             key(canvas, (left, key_top), total_width, &entries)
-        })?;
-        Ok((svg, hover))
+        });
+        (svg, hover)
     }
 
     /// The cells of a panel and the lines over them.
-    fn panel(
-        &self,
-        map: &CellField,
-        panel: &Panel,
-        (raster, contours): (bool, bool),
-        hover: &mut Hover,
-    ) -> Result<(), ReportError> {
+    fn panel(&self, map: &CellField, panel: &Panel, (raster, contours): (bool, bool), hover: &mut Hover) {
         let cells = map.merged(&panel.values, self.x.values.len());
-        map.draw(&cells, raster)?;
+        map.draw(&cells, raster);
         if contours {
             let branches = map.firsts(&panel.branches, self.x.values.len());
-            contour::draw(map, &cells, &branches)?;
+            contour::draw(map, &cells, &branches);
         }
         hover.cells(map.told(&cells, self.x, self.y));
         overlay(map.frame, &panel.lines)
@@ -167,44 +152,35 @@ impl Heatmap<'_> {
 }
 
 /// Lines over the cells: dark on a light border, to be seen on any colour.
-fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) -> Result<(), ReportError> {
+fn overlay(frame: &Frame, lines: &[Vec<(f64, f64)>]) {
     for (number, line) in lines.iter().enumerate() {
         let places: Vec<(f64, f64)> = line.iter().map(|&(x, y)| frame.at(x, y)).collect();
         for piece in places.split(|&at| !frame.holds(at)) {
-            frame.canvas.line(piece, WHITE, 3.6)?;
-            match number {
-                0 => frame.canvas.line(piece, INK, 1.6)?,
-                _ => frame.canvas.dashes(piece, INK, 1.6)?,
-            }
+            frame.canvas.line(piece, WHITE, 3.6);
+            frame.canvas.stroke(piece, (INK, 1.6), number > 0);
         }
     }
-    Ok(())
 }
 
-fn colour_bar(
-    canvas: &Canvas,
-    bar: &PlotAxis,
-    (left, top): (f64, f64),
-    height: f64,
-) -> Result<(), ReportError> {
+fn colour_bar(canvas: &Canvas, bar: &PlotAxis, (left, top): (f64, f64), height: f64) {
     const STEPS: usize = 100;
     let (width, bottom) = (18.0, top + height);
     for step in 0..STEPS {
         let from = bottom - height * step as f64 / STEPS as f64;
         let to = bottom - height * (step + 1) as f64 / STEPS as f64;
         let shade = colour((step as f64 + 0.5) / STEPS as f64);
-        canvas.rectangle((left, from), (left + width, (to - 1.0).max(top)), shade)?;
+        canvas.rectangle((left, from), (left + width, (to - 1.0).max(top)), shade);
     }
-    canvas.outline((left, top), (left + width, bottom), INK, 1.0)?;
+    canvas.outline((left, top), (left + width, bottom));
     let (ticks, small) = bar.ticks((height / 45.0) as usize + 1);
     for (place, text) in &ticks {
         let y = bottom - place * height;
-        canvas.line(&[(left + width, y), (left + width + 5.0, y)], INK, 1.0)?;
-        canvas.text(text, (left + width + 8.0, y), SMALL, Anchor::Left, INK)?;
+        canvas.line(&[(left + width, y), (left + width + 5.0, y)], INK, 1.0);
+        canvas.text(text, (left + width + 8.0, y), SMALL, Anchor::Left, INK);
     }
     for place in small {
         let y = bottom - place * height;
-        canvas.line(&[(left + width, y), (left + width + 3.0, y)], INK, 0.8)?;
+        canvas.line(&[(left + width, y), (left + width + 3.0, y)], INK, 0.8);
     }
     let x = left + width + left_margin(bar, height) - LABEL * 0.6;
     upward(canvas, bar, (x, top + height / 2.0), height)

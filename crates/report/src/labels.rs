@@ -1,7 +1,7 @@
 //! Words for axes, values and texts.
 
 use super::quantity_text::DisplayUnit;
-use crate::store::Coordinate;
+use crate::store::{Coordinate, Variable};
 
 /// What an axis is called beside it: its label, or its name in the file where that is too long.
 pub(super) fn short(coordinate: &Coordinate) -> String {
@@ -21,6 +21,18 @@ pub(super) fn brief(label: &str, name: &str) -> String {
 /// What an axis is called.
 pub(super) fn label(coordinate: &Coordinate) -> &str {
     if coordinate.long_name.is_empty() { &coordinate.name } else { &coordinate.long_name }
+}
+
+/// What a variable is called: in full, and where there is little room.
+pub(super) fn names(variable: &Variable) -> (&str, String) {
+    let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    (label, brief(label, &variable.name))
+}
+
+/// The least and the largest of some values; infinities, the wrong way round, of none.
+pub(super) fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    values.fold(ends, |(low, high), value| (low.min(value), high.max(value)))
 }
 
 /// A value of an axis in the unit that fits it; zero, which none fits, in the axis' own.
@@ -52,9 +64,7 @@ pub(super) fn telling(one: f64, other: f64) -> usize {
 /// `2 nm to 5 nm`, in the unit of the larger, with as many digits as tell both ends apart; the one value where they are
 /// all the same.
 pub(super) fn span(values: impl Iterator<Item = f64>, units: &str) -> Option<String> {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = ends(values.filter(|value| value.is_finite()));
     if low > high {
         return None;
     }
@@ -73,7 +83,7 @@ pub(super) fn caption(axis: &Coordinate, value: f64) -> String {
 }
 
 /// First letter large.
-pub(super) fn capital(text: &str) -> String {
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -28,6 +28,7 @@ mod pictures;
 mod quantity_text;
 mod raster;
 mod scatter;
+mod stack;
 mod tables;
 pub mod uncertainty;
 mod variable;
@@ -39,6 +40,7 @@ pub use csv::defused;
 pub use document::{Block, Document, DocumentTable};
 pub use frame::State;
 pub use heatmap::{Heatmap, Panel};
+pub use labels::capital;
 pub use quantity_text::shown;
 pub use view_request::ViewRequest;
 
@@ -66,8 +68,6 @@ pub enum ReportError {
     NotAFolder { path: PathBuf },
     #[error("cannot {doing} {}: {source}; -o names another folder", path.display())]
     Io { path: PathBuf, doing: &'static str, source: io::Error },
-    #[error("a picture could not be drawn: {why}")]
-    Draw { why: String },
     #[error("{option} {name}: expected {expected}")]
     Wish { option: &'static str, name: String, expected: String },
 }
@@ -95,7 +95,7 @@ pub struct Report {
 }
 
 /// What is left within the limits that a reader asked for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Kept {
     /// Instances within the limits, of those that are looked at.
@@ -106,7 +106,7 @@ pub struct Kept {
 }
 
 /// The largest value of an observable, or the smallest where all limits are lower ones.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Best {
     pub observable: String,
@@ -116,7 +116,7 @@ pub struct Best {
 }
 
 /// A picture of a page.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Pictured {
     pub title: String,

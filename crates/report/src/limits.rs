@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use super::frame::{EXCLUDED, State};
-use super::labels::{brief, label, shown, span};
+use super::labels::{names, short, shown, span};
 use super::picture::{PictureKind, places, second_states, states};
 use super::quantity_text::DisplayUnit;
 use super::view_request::{ViewRequest, typed, unknown};
@@ -60,12 +60,9 @@ fn limits<'a>(results: &'a Results, wish: &ViewRequest) -> Result<Vec<Limit<'a>>
     below.chain(wish.above.iter().map(|(name, text)| limit(false, name, text))).collect()
 }
 
-/// A value that counts; what is nothing within its error is 0.
+/// A value that counts.
 fn counted((value, state): &(f64, State)) -> Option<f64> {
-    match state {
-        State::Zero => Some(0.0),
-        state => state.has_value().then_some(*value),
-    }
+    state.counted(*value)
 }
 
 /// The results with the instances outside the limits marked as that, and what is left of those that are looked at; none
@@ -141,10 +138,7 @@ pub(super) fn kept(results: &Results, wish: &ViewRequest) -> Result<(Kept, Strin
         return Ok((kept, format!("{count} with {words}.")));
     };
     kept.best = Some(Best { observable: variable.name.clone(), instance, value });
-    let name = brief(
-        if variable.long_name.is_empty() { &variable.name } else { &variable.long_name },
-        &variable.name,
-    );
+    let (_, name) = names(variable);
     let said = DisplayUnit::fitting(&variable.units, value.abs()).short(value);
     let what = match (smallest, name.strip_prefix("largest ")) {
         (false, rest) => format!("Largest {}", rest.unwrap_or(&name)),
@@ -169,9 +163,8 @@ fn at(results: &Results, instance: usize) -> String {
     let all = places(results, instance);
     let told = |named: bool| {
         let several = all.iter().filter(|(axis, _)| axis.values.len() > 1 && axis.words.is_empty() != named);
-        let one = |(axis, at): &(&Coordinate, usize)| {
-            format!("{} {}", brief(label(axis), &axis.name), shown(axis, axis.values[*at]))
-        };
+        let one =
+            |(axis, at): &(&Coordinate, usize)| format!("{} {}", short(axis), shown(axis, axis.values[*at]));
         several.map(one).collect::<Vec<_>>().join(", ")
     };
     let (numbers, names) = (told(false), told(true));
@@ -196,7 +189,7 @@ fn over(results: &Results, left: &[usize]) -> String {
             continue;
         }
         let kept = || (0..there.len()).filter(|at| there[*at]);
-        let name = brief(label(axis), &axis.name);
+        let name = short(axis);
         parts.push(match axis.words.is_empty() {
             true => span(kept().map(|at| axis.values[at]), &axis.units)
                 .map_or(String::new(), |span| format!("{name} {span}")),

@@ -4,8 +4,7 @@ use super::SAMPLES;
 use super::branch_states;
 use super::error_floor::accuracy;
 use super::frame::{EXCLUDED, State, status_word};
-use super::labels::capital;
-use super::labels::{brief, label, shown, span};
+use super::labels::{capital, ends, names, short, shown, span};
 use super::picture::{PictureKind, places, second_states, states};
 use super::quantity_text::number;
 use crate::observe::Status;
@@ -85,16 +84,13 @@ fn jumps(results: &Results) -> Option<String> {
             way @ ("forward" | "backward") => format!(" {way}"),
             way => format!(" on {way}"),
         });
-        let (first, last) = (
-            places.iter().copied().fold(f64::INFINITY, f64::min),
-            places.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        );
+        let (first, last) = ends(places.iter().copied());
         let place = match places.len() {
             0 => return None,
             _ if first == last => shown(x, first),
             _ => format!("{} to {}", shown(x, first), shown(x, last)),
         };
-        Some(format!("{}{word} at {} {place}", places.len(), brief(label(x), &x.name)))
+        Some(format!("{}{word} at {} {place}", places.len(), short(x)))
     };
     let told: Vec<String> = (0..ways.map_or(1, Vec::len)).filter_map(told).collect();
     Some(match told.as_slice() {
@@ -158,13 +154,11 @@ fn ranges(results: &Results, fixed: &[(usize, usize)]) -> Option<String> {
         .enumerate()
         .filter(|(number, axis)| axis.words.is_empty() && fixed.iter().all(|one| one.0 != *number))
         .filter(|(_, axis)| axis.scene_path != SAMPLES)
-        .filter_map(|(_, axis)| {
-            Some(format!("{} {}", brief(label(axis), &axis.name), over(&axis.values, &axis.units)?))
-        })
+        .filter_map(|(_, axis)| Some(format!("{} {}", short(axis), over(&axis.values, &axis.units)?)))
         .collect();
     let at = |(axis, at): &(usize, usize)| {
         let axis = &results.axes[*axis];
-        format!("{} {}", brief(label(axis), &axis.name), shown(axis, axis.values[*at]))
+        format!("{} {}", short(axis), shown(axis, axis.values[*at]))
     };
     let at: Vec<String> = fixed.iter().map(at).collect();
     let at = if at.is_empty() { String::new() } else { format!("at {}, ", at.join(", ")) };
@@ -180,10 +174,7 @@ fn range(results: &Results, variable: &Variable) -> Option<String> {
 }
 
 fn range_of(variable: &Variable, states: &[(f64, State)], status: &[u8]) -> Option<String> {
-    let name = brief(
-        if variable.long_name.is_empty() { &variable.name } else { &variable.long_name },
-        &variable.name,
-    );
+    let (_, name) = names(variable);
     // What is doubtful is no finding.
     let value = |((value, state), status): (&(f64, State), &u8)| match state {
         State::Zero if *status == Status::Ok as u8 => Some(0.0),

@@ -1,17 +1,17 @@
 //! Which pictures a results file gets.
 
 use super::ReportError;
-use super::band::{self, Band};
 use super::error_floor::SCALES;
 use super::force_curve;
 use super::frame::{Legend, State, Tally};
 use super::hover::Hover;
-use super::labels::{capital, caption};
+use super::labels::{capital, caption, ends, names};
 use super::picture::{Picture, PictureKind, places, states};
 use super::quantity_text::DisplayUnit;
 use super::view_request::{View, ViewRequest};
-use super::{csv, curve_forces, harmonics, variable, waveform};
+use super::{band, csv, curve_forces, harmonics, variable, waveform};
 use crate::store::{Coordinate, ForceCurve, Results, Variable};
+use std::collections::BTreeSet;
 
 /// Pictures of single instances at most, of each kind.
 const MOST_INSTANCES: usize = 24;
@@ -34,71 +34,53 @@ pub(super) fn all(results: &Results, wish: &ViewRequest) -> Result<DrawnPicture,
             Some(line) => undrawn.push(line),
             None => {
                 pictures.extend(variable::draw(results, one, wish)?);
-                pictures.extend(band_of(results, one)?);
+                pictures.extend(band::draw(results, one));
             }
         }
     }
     if let Some(waveforms) = &results.waveforms {
-        for (row, instance) in waveforms.instances.iter().enumerate().take(MOST_INSTANCES) {
-            let title = with_case(results, &format!("Waveform of instance {instance}"), *instance);
-            let svg = waveform::draw(waveforms, row, &title, curve_forces::sticks(results, *instance))?;
-            let note = left_out(row, waveforms.instances.len(), "waveforms");
-            let name = format!("waveform_{instance}");
-            let csv = Some(csv::of_waveform(waveforms, row));
-            let hover = Hover::default();
-            pictures.push(Picture { kind: PictureKind::Asked, name, title, note, svg, hover, csv });
-        }
+        let words = (PictureKind::Asked, "Waveform", "waveforms");
+        pictures.extend(of_instances(results, words, &waveforms.instances, |row, instance, title| {
+            let svg = waveform::draw(waveforms, row, title, curve_forces::sticks(results, instance));
+            (svg, Hover::default(), String::new(), csv::of_waveform(waveforms, row))
+        }));
     }
     if let Some(spectra) = &results.spectra {
-        for (row, instance) in spectra.instances.iter().enumerate().take(MOST_INSTANCES) {
-            let title = with_case(results, &format!("Spectrum of instance {instance}"), *instance);
-            let (svg, hover) = harmonics::draw(spectra, row, &title)?;
-            let note = format!(
-                "{} {}",
-                harmonics::told(spectra, row),
-                left_out(row, spectra.instances.len(), "spectra")
-            );
-            let (kind, name) = (PictureKind::Spectrum, format!("spectrum_{instance}"));
-            let csv = Some(harmonics::csv(spectra, row));
-            pictures.push(Picture { kind, name, title, note: note.trim_end().to_owned(), svg, hover, csv });
-        }
+        let words = (PictureKind::Spectrum, "Spectrum", "spectra");
+        pictures.extend(of_instances(results, words, &spectra.instances, |row, _, title| {
+            let (svg, hover) = harmonics::draw(spectra, row, title);
+            (svg, hover, harmonics::told(spectra, row), harmonics::csv(spectra, row))
+        }));
     }
-    let mut instances: Vec<u64> = results.force_curves.iter().map(|curve| curve.instance).collect();
-    instances.dedup();
-    instances.sort_unstable();
-    instances.dedup();
-    for (row, instance) in instances.iter().enumerate().take(MOST_INSTANCES) {
-        let told = curve_forces::forces(results, *instance);
-        let laws = results.force_curves.iter().filter(|curve| curve.instance == *instance);
+    let instances: BTreeSet<u64> = results.force_curves.iter().map(|curve| curve.instance).collect();
+    let instances: Vec<u64> = instances.into_iter().collect();
+    let words = (PictureKind::Asked, "Force curve", "force curves");
+    pictures.extend(of_instances(results, words, &instances, |_, instance, title| {
+        let told = curve_forces::forces(results, instance);
+        let laws = results.force_curves.iter().filter(|curve| curve.instance == instance);
         let curves: Vec<&ForceCurve> = laws.chain(&told).collect();
-        let title = with_case(results, &format!("Force curve of instance {instance}"), *instance);
-        let svg = force_curve::draw(&curves, &title, curve_forces::decay_length(results, *instance))?;
-        let note = left_out(row, instances.len(), "force curves");
-        let name = format!("force_curve_{instance}");
-        let csv = Some(csv::of_force_curves(&curves));
-        let (kind, hover) = (PictureKind::Asked, Hover::default());
-        pictures.push(Picture { kind, name, title, note, svg, hover, csv });
-    }
+        let svg = force_curve::draw(&curves, title, curve_forces::decay_length(results, instance));
+        (svg, Hover::default(), String::new(), csv::of_force_curves(&curves))
+    }));
     Ok(DrawnPicture { pictures, left_out: undrawn })
 }
 
-/// What an observable is over many curves.
-fn band_of(results: &Results, variable: &Variable) -> Result<Option<Picture>, ReportError> {
-    let kind = PictureKind::of(variable);
-    if kind == PictureKind::Computed {
-        return Ok(None);
-    }
-    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-    let title = format!("{}, median and bands", capital(name));
-    Ok(band::draw(results, variable, &title)?.map(|Band { svg, note, csv }| Picture {
-        kind,
-        name: format!("{}_band", variable.name),
-        title,
-        note,
-        svg,
-        hover: Hover::default(),
-        csv: Some(csv),
-    }))
+/// Pictures of single instances, named by a noun and its plural. Of a row, an instance and a title `draw` makes the picture, what
+/// the pointer is told, a note and the numbers.
+fn of_instances(
+    results: &Results,
+    (kind, noun, plural): (PictureKind, &str, &str),
+    instances: &[u64],
+    mut draw: impl FnMut(usize, u64, &str) -> (String, Hover, String, String),
+) -> Vec<Picture> {
+    let one = |(row, instance): (usize, &u64)| {
+        let title = with_case(results, &format!("{noun} of instance {instance}"), *instance);
+        let (svg, hover, told, csv) = draw(row, *instance, &title);
+        let note = format!("{told} {}", left_out(row, instances.len(), plural)).trim().to_owned();
+        let name = format!("{}_{instance}", noun.to_lowercase().replace(' ', "_"));
+        Picture { kind, name, title, note, svg, hover, csv: Some(csv) }
+    };
+    instances.iter().enumerate().take(MOST_INSTANCES).map(one).collect()
 }
 
 /// Why a variable of several instances needs no picture: it is nothing within its error everywhere, or the same.
@@ -106,13 +88,11 @@ fn says_nothing(results: &Results, variable: &Variable) -> Option<String> {
     if results.status.len() < 2 {
         return None;
     }
-    let name = capital(if variable.long_name.is_empty() { &variable.name } else { &variable.long_name });
+    let name = capital(names(variable).0);
     let states = states(results, variable);
     let zeros = states.iter().filter(|(_, state)| *state == State::Zero).count();
     let values: Vec<f64> = states.iter().filter(|one| one.1.has_value()).map(|one| one.0).collect();
-    let (low, high) = values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
+    let (low, high) = ends(values.iter().copied());
     match (zeros, values.len()) {
         (0, 0) => Some(without(&name, &states)),
         (0, 1) => None,

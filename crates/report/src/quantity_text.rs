@@ -1,19 +1,7 @@
 //! Numbers and units as people read them: `1.5 nN`, not `1.5e-9 N`.
 
-/// SI prefixes by power of ten.
-const PREFIXES: [(i32, &str); 11] = [
-    (-18, "a"),
-    (-15, "f"),
-    (-12, "p"),
-    (-9, "n"),
-    (-6, "µ"),
-    (-3, "m"),
-    (0, ""),
-    (3, "k"),
-    (6, "M"),
-    (9, "G"),
-    (12, "T"),
-];
+/// SI prefixes from 1e-18 to 1e12, a thousand apart.
+const PREFIXES: [&str; 11] = ["a", "f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
 
 /// How values of one quantity are shown: `shown = SI value / size`.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +32,7 @@ impl DisplayUnit {
         // 999.9996 would be shown as 1000; take the next prefix there.
         let power = ((largest * 1.000_001).log10() / 3.0).floor() as i32 * 3;
         let power = power.clamp(-18, most);
-        let prefix = PREFIXES.iter().find(|(p, _)| *p == power).map_or("", |(_, prefix)| prefix);
+        let prefix = PREFIXES[((power + 18) / 3) as usize];
         Self { size: 10f64.powi(power), text: format!("{prefix}{pretty}") }
     }
 

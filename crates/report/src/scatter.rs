@@ -1,10 +1,9 @@
 //! Values of a list as clouds of points, a panel for each parameter; of very many, how dense they lie.
 
-use super::ReportError;
 use super::axis::PlotAxis;
 use super::canvas::{BACK, GREY, LINES, picture};
 use super::curve_picture::{Curve, absent, drawn, state_entries, values_axis};
-use super::frame::{Frame, KEY_ROW, Legend, State, colour, key, key_rows, left_margin, title};
+use super::frame::{Frame, KEY_ROW, Legend, State, colour, is_place, key, key_rows, left_margin, title};
 use super::hover::{Hint, Hover};
 use super::labels::shown;
 use super::raster::Dots;
@@ -22,7 +21,7 @@ pub(super) fn draw(
     (units, long_name): (&str, &str),
     parameters: &[Coordinate],
     series: &Curve,
-) -> Result<(String, Hover), ReportError> {
+) -> (String, Hover) {
     let y_axis = values_axis(std::iter::once(series), units, long_name);
     let count = series.values.len();
     let columns = if parameters.len() == 4 { 2 } else { parameters.len().clamp(1, 3) };
@@ -40,7 +39,7 @@ pub(super) fn draw(
     let total = (total_width, key_top + key_rows(field, &entries) * KEY_ROW);
     let mut hover = Hover::default();
     let svg = picture(total, |canvas| {
-        title(canvas, heading, left, total_width)?;
+        title(canvas, heading, left, total_width);
         for (number, parameter) in parameters.iter().enumerate() {
             let x_axis = PlotAxis::of(parameter, 0.04);
             let (row, column) = (number / columns, number % columns);
@@ -53,21 +52,21 @@ pub(super) fn draw(
                 x: &x_axis,
                 y: &y_axis,
             };
-            frame.grid()?;
+            frame.grid();
             match shapes {
-                true => cloud(&frame, parameter, series)?,
-                false => dense(&frame, parameter, series)?,
+                true => cloud(&frame, parameter, series),
+                false => dense(&frame, parameter, series),
             }
             hover.points(told(&frame, parameter, series));
-            frame.edges(true, column == 0)?;
+            frame.edges(true, column == 0);
         }
         key(canvas, (left, key_top), left + field, &entries)
-    })?;
-    Ok((svg, hover))
+    });
+    (svg, hover)
 }
 
 /// The points of one panel as shapes.
-fn cloud(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), ReportError> {
+fn cloud(frame: &Frame, parameter: &Coordinate, series: &Curve) {
     for (&value, &x) in series.values.iter().zip(parameter.values.iter()) {
         let (value, state) = drawn(value);
         let at = frame.at(x, value);
@@ -75,18 +74,17 @@ fn cloud(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), Re
             continue;
         }
         match state {
-            State::Good if at.1.is_finite() => frame.canvas.dot(at, 2.4, LINES[0])?,
-            State::Excluded if at.1.is_finite() => frame.canvas.dot(at, 2.0, BACK)?,
-            State::Zero if at.1.is_finite() => frame.canvas.dot(at, 2.4, GREY)?,
-            State::Doubtful(_) if at.1.is_finite() => frame.canvas.ring(at, 3.0, LINES[0])?,
-            state => absent(frame, at.0, state)?,
+            State::Good if at.1.is_finite() => frame.canvas.dot(at, 2.4, LINES[0]),
+            State::Excluded if at.1.is_finite() => frame.canvas.dot(at, 2.0, BACK),
+            State::Zero if at.1.is_finite() => frame.canvas.dot(at, 2.4, GREY),
+            State::Doubtful(_) if at.1.is_finite() => frame.canvas.ring(at, 3.0, LINES[0]),
+            state => absent(frame, at.0, state),
         }
     }
-    Ok(())
 }
 
 /// Where the points of one panel lie how densely, over those outside the limits.
-fn dense(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), ReportError> {
+fn dense(frame: &Frame, parameter: &Coordinate, series: &Curve) {
     let (mut x, mut y, mut lost) = (Vec::new(), Vec::new(), Vec::new());
     let mut back = Dots::new(frame.width, frame.height);
     let mut any_back = false;
@@ -94,7 +92,7 @@ fn dense(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), Re
         let (value, state) = drawn(value);
         let place = frame.at(at, value);
         match state {
-            State::Excluded if place.0.is_finite() && place.1.is_finite() => {
+            State::Excluded if is_place(&place) => {
                 back.dot((place.0 - frame.left, place.1 - frame.top), 1.6, GREY);
                 any_back = true;
             }
@@ -107,12 +105,12 @@ fn dense(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Result<(), Re
     }
     let end = (frame.left + frame.width, frame.top + frame.height);
     if any_back {
-        frame.canvas.image((frame.left, frame.top), end, back.image()?)?;
+        frame.canvas.image((frame.left, frame.top), end, &back.image());
     }
-    density::rows(frame, &x, &y, &[])?;
+    density::rows(frame, &x, &y, &[]);
     let every = lost.len().div_ceil(MOST_TOLD / 2).max(1);
     let some = lost.into_iter().step_by(every).filter(|(x, _)| x.is_finite());
-    some.into_iter().try_for_each(|(x, state)| absent(frame, x, state))
+    some.into_iter().for_each(|(x, state)| absent(frame, x, state))
 }
 
 /// Some of the points with what they stand for.
@@ -122,7 +120,7 @@ fn told(frame: &Frame, parameter: &Coordinate, series: &Curve) -> Vec<Hint> {
         let (value, _) = drawn(value);
         let at = frame.at(x, value);
         let text = || format!("instance {number}, {}: {}", shown(parameter, x), frame.y.unit.value(value));
-        (at.0.is_finite() && at.1.is_finite()).then(|| (at, text()))
+        is_place(&at).then(|| (at, text()))
     };
     series.values.iter().zip(parameter.values.iter()).enumerate().step_by(every).filter_map(one).collect()
 }

@@ -2,8 +2,7 @@
 
 use super::document::DocumentTable;
 use super::frame::{NOTHING, State, status_word};
-use super::labels::is_long;
-use super::labels::{brief, label};
+use super::labels::{ends, is_long, label, names, short};
 use super::picture::{case, states};
 use super::quantity_text::{DisplayUnit, number};
 use crate::observe::Status;
@@ -33,7 +32,7 @@ fn failed(results: &Results) -> DocumentTable {
     let ok = Status::Ok as u8;
     let bad: Vec<usize> =
         (0..results.status.len()).filter(|i| ![ok, NO_STATE].contains(&results.status[*i])).collect();
-    let names = results.axes.iter().map(|axis| brief(label(axis), &axis.name));
+    let names = results.axes.iter().map(short);
     let mut rows: Vec<Vec<String>> = vec![
         ["instance".to_owned()].into_iter().chain(names).chain(["status".into(), "why".into()]).collect(),
     ];
@@ -82,17 +81,14 @@ fn run(results: &Results) -> DocumentTable {
 fn axes(results: &Results) -> DocumentTable {
     let mut rows = vec![row(["swept", "name", "values", "smallest or first", "largest or last"])];
     for axis in &results.axes {
-        let finite = axis.values.iter().copied().filter(|value| value.is_finite());
-        let (low, high) =
-            (finite.clone().fold(f64::INFINITY, f64::min), finite.fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) = ends(axis.values.iter().copied().filter(|value| value.is_finite()));
         let unit = DisplayUnit::fitting(&axis.units, low.abs().max(high.abs()));
-        let label = if axis.long_name.is_empty() { &axis.name } else { &axis.long_name };
         // What has words counts them from 0: the numbers tell nothing.
         let (from, to) = match (axis.words.first(), axis.words.last()) {
             (Some(first), Some(last)) => (first.clone(), last.clone()),
             _ => (unit.value(low), unit.value(high)),
         };
-        rows.push(vec![label.clone(), axis.name.clone(), axis.values.len().to_string(), from, to]);
+        rows.push(vec![label(axis).to_owned(), axis.name.clone(), axis.values.len().to_string(), from, to]);
     }
     let caption = if results.list { "Sweep (a list of samples)" } else { "Sweep (a grid)" };
     DocumentTable { caption: caption.into(), rows }
@@ -154,8 +150,7 @@ fn single(results: &Results) -> DocumentTable {
             }
             _ => "–".to_owned(),
         };
-        let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
-        rows.push(vec![label.clone(), variable.name.clone(), value]);
+        rows.push(vec![names(variable).0.to_owned(), variable.name.clone(), value]);
     }
     DocumentTable { caption: "Observables".into(), rows }
 }
@@ -168,11 +163,7 @@ fn observables(results: &Results) -> DocumentTable {
     for variable in &results.variables {
         let states = states(results, variable);
         // What is nothing within its error counts as that.
-        let value = |&(value, state): &(f64, State)| match state {
-            State::Zero => Some(0.0),
-            state => state.has_value().then_some(value),
-        };
-        let mut values: Vec<f64> = states.iter().filter_map(value).collect();
+        let mut values: Vec<f64> = states.iter().filter_map(|(value, state)| state.counted(*value)).collect();
         let nothing = states.iter().any(|(_, state)| *state == State::Zero);
         values.sort_by(f64::total_cmp);
         let middle = match values.as_slice() {
@@ -190,9 +181,8 @@ fn observables(results: &Results) -> DocumentTable {
             0.0 => DisplayUnit::fitting(&variable.units, largest).value(0.0),
             value => DisplayUnit::fitting(&variable.units, value.abs()).value(value),
         };
-        let label = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
         rows.push(vec![
-            label.clone(),
+            names(variable).0.to_owned(),
             variable.name.clone(),
             show(low),
             show(middle),

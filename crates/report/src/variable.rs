@@ -6,7 +6,7 @@ use super::curve_picture::{Curve, CurvePlot, Style};
 use super::frame::{SMALL, State};
 use super::heatmap::{Heatmap, Panel};
 use super::hover::Hover;
-use super::labels::{brief, capital, caption, label, shown};
+use super::labels::{capital, caption, label, names, short, shown};
 use super::picture::{Picture, PictureKind, case, numbers, second_states, states};
 use super::view_request::{DIRECTION, View, ViewRequest};
 use super::{ReportError, SAMPLES, branch_states, scatter};
@@ -52,12 +52,12 @@ pub(super) fn draw(
     variable: &Variable,
     wish: &ViewRequest,
 ) -> Result<Vec<Picture>, ReportError> {
-    let name = if variable.long_name.is_empty() { &variable.name } else { &variable.long_name };
+    let (name, axis_name) = names(variable);
     let (branches, branch) = branch_states::of_states(results);
     let mut subject = Subject {
         units: &variable.units,
         heading: capital(name),
-        axis_name: brief(name, &variable.name),
+        axis_name,
         harmonics: variable.harmonics.unwrap_or(1).max(1),
         states: states(results, variable),
         second: second_states(results, variable),
@@ -85,7 +85,7 @@ pub(super) fn draw(
     let instances = results.status.len();
     if subject.harmonics > 1 && instances <= MOST_STICKS && wish.x.is_none() && wish.y.is_none() {
         let names = (0..instances).map(|i| case(results, i).join(", ")).collect();
-        return Ok(vec![picture(&subject, "", subject.over_harmonics(names)?)]);
+        return Ok(vec![picture(&subject, "", subject.over_harmonics(names))]);
     }
     let Some(view) = View::of(results, wish)? else { return Ok(Vec::new()) };
     // The number of a sample says nothing: the band over all of them does.
@@ -94,13 +94,13 @@ pub(super) fn draw(
     if view.panels.iter().chain(&view.curves).chain(&view.y).chain([&view.x]).any(|axis| numbered(*axis)) {
         return Ok(Vec::new());
     }
-    let mut pictures = vec![picture(&subject, "", subject.over(&results.axes, &view)?)];
+    let mut pictures = vec![picture(&subject, "", subject.over(&results.axes, &view))];
     // Curves show both states in one picture, maps cannot.
     if let Some(second) = subject.second.take().filter(|_| view.y.is_some()) {
         subject.states = second;
         subject.branch.swap(0, 1);
         subject.heading += ", second state";
-        pictures.push(picture(&subject, "_second", subject.over(&results.axes, &view)?));
+        pictures.push(picture(&subject, "_second", subject.over(&results.axes, &view)));
     }
     Ok(pictures)
 }
@@ -121,19 +121,19 @@ impl Subject<'_> {
         match (results.list, results.axes.as_slice()) {
             (true, []) => {
                 let instances = numbers("instance", "instance number", 0..results.status.len());
-                self.over_list(&[instances]).map(Some)
+                Ok(Some(self.over_list(&[instances])))
             }
             (true, parameters) => {
                 let chosen = super::view_request::parameter(results, wish)?;
-                self.over_list(chosen.map_or(parameters, std::slice::from_ref)).map(Some)
+                Ok(Some(self.over_list(chosen.map_or(parameters, std::slice::from_ref))))
             }
-            _ if self.harmonics > 1 => self.over_harmonics(vec![String::new()]).map(Some),
+            _ if self.harmonics > 1 => Ok(Some(self.over_harmonics(vec![String::new()]))),
             _ => Ok(None),
         }
     }
 
     /// The harmonics of a few instances of these names, as sticks.
-    fn over_harmonics(&self, names: Vec<String>) -> Result<Shown, ReportError> {
+    fn over_harmonics(&self, names: Vec<String>) -> Shown {
         let orders = numbers("harmonic", "harmonic of the drive frequency", 1..self.harmonics + 1);
         let series = names.into_iter().zip(self.states.chunks(self.harmonics));
         let series = series.map(|(name, values)| Curve { name, values: values.to_vec(), ..Curve::default() });
@@ -142,19 +142,19 @@ impl Subject<'_> {
     }
 
     /// Clouds of points, one for each parameter, and a note on what is left out.
-    fn over_list(&self, parameters: &[Coordinate]) -> Result<Shown, ReportError> {
+    fn over_list(&self, parameters: &[Coordinate]) -> Shown {
         let note = match self.harmonics {
             1 => String::new(),
             harmonics => format!("The first of {harmonics} harmonics."),
         };
         let series = Curve { values: self.harmonic(0), ..Curve::default() };
-        let (svg, hover) = scatter::draw(&self.heading, (self.units, &self.axis_name), parameters, &series)?;
-        Ok((svg, hover, note))
+        let (svg, hover) = scatter::draw(&self.heading, (self.units, &self.axis_name), parameters, &series);
+        (svg, hover, note)
     }
 
     /// A grid: maps or curves, in panels over slices of further axes. Slices of the first of these stand in columns,
     /// those of the next one, or the harmonics, in rows.
-    fn over(&self, axes: &[Coordinate], view: &View) -> Result<Shown, ReportError> {
+    fn over(&self, axes: &[Coordinate], view: &View) -> Shown {
         let slow: Vec<&Coordinate> = view.panels.iter().map(|axis| &axes[*axis]).collect();
         let most = |depth| match depth {
             0 => MOST_ACROSS,
@@ -185,7 +185,7 @@ impl Subject<'_> {
                 let by = view.curves.map(|axis| &axes[axis]);
                 let by = by.map_or(String::new(), |axis| match axis.name.as_str() {
                     DIRECTION => WAYS.to_owned(),
-                    name => brief(label(axis), name),
+                    _ => short(axis),
                 });
                 let style = if x.words.is_empty() { Style::Lines } else { Style::Symbols };
                 self.curves((x, &by, style), columns, panels, note)
@@ -293,15 +293,15 @@ impl Subject<'_> {
         columns: usize,
         panels: Vec<(String, Vec<Curve>)>,
         note: String,
-    ) -> Result<Shown, ReportError> {
+    ) -> Shown {
         let (heading, units, long_name) = (self.heading.as_str(), self.units, self.axis_name.as_str());
         let branches = self.branches.clone();
         // Ways along a curve say themselves what they are.
         let ways = by == WAYS;
         let by = if ways { String::new() } else { by.to_owned() };
         let curves = CurvePlot { heading, units, long_name, x, columns, by, ways, branches, style, panels };
-        let (svg, hover) = curves.draw()?;
-        Ok((svg, hover, note))
+        let (svg, hover) = curves.draw();
+        (svg, hover, note)
     }
 
     fn maps(
@@ -311,7 +311,7 @@ impl Subject<'_> {
         columns: usize,
         panels: Vec<Slice>,
         note: String,
-    ) -> Result<Shown, ReportError> {
+    ) -> Shown {
         let (units, long_name, title) = (self.units, self.axis_name.as_str(), self.heading.clone());
         let [branch, _] = &self.branch;
         let panel = |Slice { caption, values, instances, .. }: Slice| Panel {
@@ -322,8 +322,8 @@ impl Subject<'_> {
         };
         let panels = panels.into_iter().map(panel).collect();
         let (svg, hover) =
-            Heatmap { title, units, long_name, x, y, columns, panels, lines: Vec::new() }.draw_told()?;
-        Ok((svg, hover, note))
+            Heatmap { title, units, long_name, x, y, columns, panels, lines: Vec::new() }.draw_told();
+        (svg, hover, note)
     }
 }
 

@@ -14,24 +14,24 @@ impl Reading<'_> {
         let Some(text) = self.sheet.number(&cells[column]) else { return Ok(None) };
         let value =
             si(&format!("{text} {}", self.units[column]), units).ok().filter(|value| value.is_finite());
-        let value = value.with_context(|| {
-            format!(
-                "{}, column `{}`: found `{}`, expected a number",
-                self.sheet.at(line),
-                self.sheet.head[column],
-                cells[column]
-            )
-        })?;
-        Ok(Some(value))
+        let found = || self.wrong(line, column, &format!("`{}`", cells[column]), "a number");
+        Ok(Some(value.with_context(found)?))
+    }
+
+    /// What is wrong with a cell.
+    fn wrong(&self, line: u64, column: usize, found: &str, expected: &str) -> String {
+        let (at, head) = (self.sheet.at(line), &self.sheet.head[column]);
+        format!("{at}, column `{head}`: found {found}, expected {expected}")
     }
 
     /// The rows of ways that the file has, and how many are of another.
     pub fn rows(&self) -> anyhow::Result<(CurveMeasurement, usize)> {
         let study = self.study;
-        let values: Vec<(usize, usize)> = self.columns(|part| match part {
-            CurvePart::Value(number) => Some(*number),
+        let value = |(column, part): (usize, &CurvePart)| match part {
+            CurvePart::Value(output) => Some((column, *output)),
             _ => None,
-        });
+        };
+        let values: Vec<(usize, usize)> = self.parts.iter().enumerate().filter_map(value).collect();
         if values.is_empty() {
             bail!("{} has no observable: expected one of {}", self.sheet.name, {
                 let names: Vec<&str> = study.outputs.iter().map(|one| one.name.as_str()).collect();
@@ -74,37 +74,24 @@ impl Reading<'_> {
         Ok((measured, other_way))
     }
 
-    /// Columns of a kind: their numbers, and those of their observables.
-    fn columns(&self, of: impl Fn(&CurvePart) -> Option<usize>) -> Vec<(usize, usize)> {
-        self.parts.iter().enumerate().filter_map(|(n, part)| Some((n, of(part)?))).collect()
+    /// The column that is this.
+    fn column(&self, part: CurvePart) -> Option<usize> {
+        self.parts.iter().position(|one| *one == part)
     }
 
     fn place(&self, row: Row) -> anyhow::Result<f64> {
-        let place = self.parts.iter().enumerate().find_map(|(n, part)| match part {
-            CurvePart::Place { travels } => Some((n, *travels)),
-            _ => None,
-        });
-        let (column, travels) = place.unwrap_or_default();
-        let value = self.number(row, column, &self.coordinate().units)?.with_context(|| {
-            format!(
-                "{}, column `{}`: found nothing, expected a number",
-                self.sheet.at(row.0),
-                self.sheet.head[column]
-            )
-        })?;
-        Ok(if travels { -value } else { value })
+        let travel = self.column(CurvePart::Place { travels: true });
+        let column = travel.or(self.column(CurvePart::Place { travels: false })).unwrap_or_default();
+        let value = self.number(row, column, &self.coordinate().units)?;
+        let value = value.with_context(|| self.wrong(row.0, column, "nothing", "a number"))?;
+        Ok(if travel.is_some() { -value } else { value })
     }
 
     /// The standard deviation of an observable that `--sd` gives for all rows; none where a column does.
     fn sd_of(&self, output: usize) -> anyhow::Result<Option<f64>> {
         let output_of = |name: &str| self.output(name) == Some(output);
         let one = &self.study.outputs[output];
-        let column = !self
-            .columns(|part| match part {
-                CurvePart::Sd(of) if *of == output => Some(*of),
-                _ => None,
-            })
-            .is_empty();
+        let column = self.column(CurvePart::Sd(output)).is_some();
         let told = self.args.sds.iter().find(|(name, _)| output_of(name));
         match (told, column) {
             (Some(_), true) => bail!(
@@ -132,25 +119,17 @@ impl Reading<'_> {
 
     /// The standard deviation of an observable in a row.
     fn sd(&self, row: Row, output: usize) -> anyhow::Result<f64> {
-        let column = self.columns(|part| match part {
-            CurvePart::Sd(of) if *of == output => Some(*of),
-            _ => None,
-        });
-        let column = column.first().map_or(0, |(column, _)| *column);
+        let column = self.column(CurvePart::Sd(output)).unwrap_or_default();
         let sd = self.number(row, column, &self.study.outputs[output].units)?;
         sd.filter(|sd| *sd > 0.0).with_context(|| {
-            format!(
-                "{}, column `{}`: found `{}`, expected a standard deviation above zero",
-                self.sheet.at(row.0),
-                self.sheet.head[column],
-                row.1[column]
-            )
+            let found = format!("`{}`", row.1[column]);
+            self.wrong(row.0, column, &found, "a standard deviation above zero")
         })
     }
 
     /// The way of a row; none where the file has not got it.
     fn way(&self, (line, cells): Row) -> anyhow::Result<Option<usize>> {
-        let column = self.parts.iter().position(|part| matches!(part, CurvePart::Direction));
+        let column = self.column(CurvePart::Direction);
         let both = self.study.ways().is_some();
         let (word, place) = match (column, &self.args.direction) {
             (Some(column), _) => {

@@ -64,6 +64,7 @@ pub(super) struct ObservedCurve {
 }
 
 /// What a column of the file is.
+#[derive(PartialEq)]
 pub(super) enum CurvePart {
     Place { travels: bool },
     Direction,
@@ -93,7 +94,7 @@ pub(super) fn read(file: &Path, study: &Study, args: &CurveArgs) -> anyhow::Resu
     let mut reading = Reading { sheet, study, args, axis, parts: Vec::new(), units };
     reading.parts = reading.head(&names)?;
     let (measured, other_way) = reading.rows()?;
-    let travels = reading.parts.iter().any(|part| matches!(part, CurvePart::Place { travels: true }));
+    let travels = reading.parts.contains(&CurvePart::Place { travels: true });
     let mut seen = ObservedCurve {
         file: reading.sheet.name.clone(),
         free: FreeParameter::default(),
@@ -208,7 +209,7 @@ impl Reading<'_> {
                 bail!("{}: column `{name}` stands twice", self.sheet.name);
             }
             if let Err(expected) = fits(&self.units[n], units)
-                && !matches!(part, CurvePart::Direction)
+                && part != CurvePart::Direction
             {
                 bail!(
                     "{}, column `{}`: found {}, expected {expected}",

@@ -37,8 +37,8 @@ pub(super) fn find(numbers: &mut Numbers, folder: &Path) -> Result<Vec<Picture>,
     let apart = Apart::of(coupled, prescribed);
     apart.note(numbers, coupled);
     Ok(vec![
-        ("coupling_response.svg".to_owned(), response([coupled, prescribed, printed])?),
-        ("coupling_map.svg".to_owned(), apart.draw(coupled)?),
+        ("coupling_response.svg".to_owned(), response([coupled, prescribed, printed])),
+        ("coupling_map.svg".to_owned(), apart.draw(coupled)),
     ])
 }
 
@@ -133,19 +133,11 @@ impl Apart {
     }
 
     fn note(&self, numbers: &mut Numbers, map: &Map) {
-        let largest = |row: &[f64]| {
-            row.iter()
-                .copied()
-                .enumerate()
-                .fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most })
-        };
+        let larger = |most: (usize, f64), one: (usize, f64)| if one.1 > most.1 { one } else { most };
+        let largest = |row: &[f64]| row.iter().copied().enumerate().fold((0, 0.0), larger);
         let (at, worst) = largest(self.row(0));
-        numbers.add(
-            "apart.table1.largest",
-            "largest difference over 10 to 400 kHz, the paper's rod, Q = 100",
-            worst,
-            "1",
-        );
+        let meaning = "largest difference over 10 to 400 kHz, the paper's rod, Q = 100";
+        numbers.add("apart.table1.largest", meaning, worst, "1");
         numbers.add("apart.table1.frequency", "where", map.frequencies[at], "Hz");
         let drive = map.frequencies.iter().position(|&hz| hz >= 30e3).unwrap_or(0);
         numbers.add("apart.table1.drive", "difference at 30 kHz, the paper's rod", self.row(0)[drive], "1");
@@ -162,30 +154,22 @@ impl Apart {
         }
     }
 
-    fn draw(&self, map: &Map) -> Result<String, StudyError> {
+    fn draw(&self, map: &Map) -> String {
         let count = self.columns / BLOCK;
         let middles = (0..count).map(|i| {
             let block = &map.frequencies[i * BLOCK..][..BLOCK];
             (block[0] * block[BLOCK - 1]).sqrt()
         });
-        let x = Coordinate {
-            name: "drive_frequency".into(),
-            units: "Hz".into(),
-            long_name: "drive frequency".into(),
-            scene_path: String::new(),
-            words: Vec::new(),
-            columns: Vec::new(),
-            values: Arc::new(middles.collect()),
+        let axis = |name: &str, units: &str, long_name: &str, values: Vec<f64>| Coordinate {
+            name: name.into(),
+            units: units.into(),
+            long_name: long_name.into(),
+            values: Arc::new(values),
+            ..Coordinate::default()
         };
-        let y = Coordinate {
-            name: "rod_mass".into(),
-            units: "1".into(),
-            long_name: "rod mass in beam masses".into(),
-            scene_path: String::new(),
-            words: Vec::new(),
-            columns: Vec::new(),
-            values: Arc::new(map.masses.iter().map(|mass| mass / map.lever).collect()),
-        };
+        let x = axis("drive_frequency", "Hz", "drive frequency", middles.collect());
+        let masses = map.masses.iter().map(|mass| mass / map.lever);
+        let y = axis("rod_mass", "1", "rod mass in beam masses", masses.collect());
         let cell = |mass: usize, i: usize| {
             let block = &self.row(mass)[i * BLOCK..][..BLOCK];
             (block.iter().fold(0.0, |most: f64, &value| most.max(value)), State::Good)
@@ -212,7 +196,7 @@ impl Apart {
             panels: vec![panel],
             lines: vec!["1 %; more below the line".into()],
         };
-        Ok(heatmap.draw()?)
+        heatmap.draw()
     }
 }
 
@@ -230,29 +214,19 @@ fn crossing(masses: &[f64], values: &[f64]) -> f64 {
 }
 
 /// Amplitude over frequency, three models, for the paper's rod and a light one.
-fn response(maps: [&Map; 3]) -> Result<String, StudyError> {
+fn response(maps: [&Map; 3]) -> String {
     let light = maps[0].nearest(100.0);
-    let panel = |label: String, mass: usize| Plot {
-        label,
-        units: "m".into(),
-        lines: maps.iter().map(|map| map.line(mass)).collect(),
-        marks: Vec::new(),
-        height: 210.0,
+    let panel = |mass: usize| {
+        let beams = shown(maps[0].masses[mass] / maps[0].lever, "1", 2);
+        let lines = maps.iter().map(|map| map.line(mass)).collect();
+        Plot::new(&format!("rod of {beams} beam masses"), "m", 210.0, lines)
     };
-    let beams = |mass: usize| shown(maps[0].masses[mass] / maps[0].lever, "1", 2);
     let widths = [4.2, 1.4, 1.6];
     let chart = Chart {
         title: "Free tip's amplitude at 15 V, Q = 100".into(),
         x: ChartField { label: "drive frequency".into(), units: "Hz".into(), log: true },
-        series: MODELS
-            .iter()
-            .zip(widths)
-            .map(|((_, name, _), width)| Look { name: (*name).to_owned(), width, dashed: false, dots: false })
-            .collect(),
-        panels: vec![
-            panel(format!("rod of {} beam masses", beams(0)), 0),
-            panel(format!("rod of {} beam masses", beams(light)), light),
-        ],
+        series: MODELS.iter().zip(widths).map(|(model, width)| Look::line(model.1, width, false)).collect(),
+        panels: vec![panel(0), panel(light)],
     };
-    Ok(chart.draw()?)
+    chart.draw()
 }

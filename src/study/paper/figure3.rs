@@ -23,10 +23,10 @@ pub(super) fn find(numbers: &mut Numbers, params: &Params) -> Result<Vec<Picture
     let (delta, force) = jkr_at_radius(&jkr, (jkr.radius * DEEP).sqrt());
     numbers.add("law.jkr.depth_read", "deformation at a²/R = 150 nm, jkr", delta, "m");
     numbers.add("law.jkr.force_read", "force at a²/R = 150 nm, jkr", force, "N");
-    Ok(vec![("figure_3.svg".to_owned(), draw(params)?)])
+    Ok(vec![("figure_3.svg".to_owned(), draw(params))])
 }
 
-fn draw(params: &Params) -> Result<String, StudyError> {
+fn draw(params: &Params) -> String {
     let curve = |law: LawChoice, branch: CurveBranch| -> Vec<(f64, f64)> {
         let curves = contact(params, law).curves_to(DEEP).curves;
         let found = curves.iter().find(|curve| curve.branch == branch);
@@ -35,8 +35,6 @@ fn draw(params: &Params) -> Result<String, StudyError> {
             curve.indentation_m.iter().copied().zip(forces).collect()
         })
     };
-    let look =
-        |name: &str, width: f64, dashed: bool| Look { name: name.to_owned(), width, dashed, dots: false };
     let jkr = contact(params, LawChoice::Jkr);
     let (fold, touch) = (jkr.law().release(), jkr.force(0.0, true));
     let release = jkr.force(fold, true);
@@ -46,10 +44,10 @@ fn draw(params: &Params) -> Result<String, StudyError> {
         title: "Figure 3: force against deformation".into(),
         x: ChartField { label: "deformation, negative for a gap".into(), units: "m".into(), log: false },
         series: vec![
-            look("Hertz", 2.0, false),
-            look("DMT", 2.0, false),
-            look("JKR, approach", 2.6, false),
-            look("JKR, retraction", 1.8, true),
+            Look::line("Hertz", 2.0, false),
+            Look::line("DMT", 2.0, false),
+            Look::line("JKR, approach", 2.6, false),
+            Look::line("JKR, retraction", 1.8, true),
         ],
         panels: vec![Plot {
             label: "force on the tip".into(),
@@ -67,5 +65,5 @@ fn draw(params: &Params) -> Result<String, StudyError> {
             height: 360.0,
         }],
     };
-    Ok(chart.draw()?)
+    chart.draw()
 }

@@ -21,9 +21,7 @@ const EVERY: usize = 3;
 pub(super) fn find(numbers: &mut Numbers, folder: &Path) -> Result<Vec<Picture>, StudyError> {
     let mut pictures = Vec::new();
     let printed = three(numbers, "fig4", None)?;
-    for (ran, (law, _)) in printed.iter().zip(LAWS) {
-        ran.save(&folder.join(format!("figure_4_{law}.h5")))?;
-    }
+    save(&printed, folder, "figure_4")?;
     pictures.push((
         "figure_4.svg".to_owned(),
         picture(&printed, "Figure 4: 15 V at 30 kHz from rest, undamped")?,
@@ -31,13 +29,16 @@ pub(super) fn find(numbers: &mut Numbers, folder: &Path) -> Result<Vec<Picture>,
     let voltage = voltage_for(DEEP)?;
     numbers.add("scaled.voltage", "voltage at which a²/R reaches 150 nm under Hertz", voltage, "V");
     let scaled = three(numbers, "scaled", Some(voltage))?;
-    for (ran, (law, _)) in scaled.iter().zip(LAWS) {
-        ran.save(&folder.join(format!("figure_4_scaled_{law}.h5")))?;
-    }
+    save(&scaled, folder, "figure_4_scaled")?;
     let title = format!("Figure 4 with {voltage:.1} V, so that a²/R reaches 150 nm");
     pictures.push(("figure_4_scaled.svg".to_owned(), picture(&scaled, &title)?));
     pictures.push(("figure_4_readings.svg".to_owned(), readings(numbers, &scaled)?));
     Ok(pictures)
+}
+
+/// Writes the results file of each law.
+fn save(runs: &[SceneRun], folder: &Path, name: &str) -> Result<(), StudyError> {
+    runs.iter().zip(LAWS).try_for_each(|(ran, (law, _))| ran.save(&folder.join(format!("{name}_{law}.h5"))))
 }
 
 /// Scene of figure 4 under the `law`-th law, at another voltage.
@@ -85,20 +86,10 @@ fn three(numbers: &mut Numbers, key: &str, voltage: Option<f64>) -> Result<Vec<S
     for (ran, (law, name)) in all.iter().zip(LAWS).skip(1) {
         let other = waveform(ran)?;
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let tip = apart(&hertz.tip, &other.tip);
-        let top = apart(&hertz.top, &other.top);
-        numbers.add(
-            format!("{key}.{law}.tip_apart"),
-            format!("largest distance of the tip's travel from that under Hertz, {name}"),
-            tip,
-            "m",
-        );
-        numbers.add(
-            format!("{key}.{law}.top_apart"),
-            format!("the same for the rod's top, {name}"),
-            top,
-            "m",
-        );
+        let tip = format!("largest distance of the tip's travel from that under Hertz, {name}");
+        numbers.add(format!("{key}.{law}.tip_apart"), tip, apart(&hertz.tip, &other.tip), "m");
+        let top = format!("the same for the rod's top, {name}");
+        numbers.add(format!("{key}.{law}.top_apart"), top, apart(&hertz.top, &other.top), "m");
     }
     Ok(all)
 }
@@ -153,7 +144,7 @@ fn pairs(time: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
 }
 
 fn panel(label: &str, units: &str, lines: Vec<Vec<(f64, f64)>>) -> Plot {
-    Plot { label: label.into(), units: units.into(), lines, marks: Vec::new(), height: 150.0 }
+    Plot::new(label, units, 150.0, lines)
 }
 
 fn time_axis() -> ChartField {
@@ -175,11 +166,7 @@ fn picture(runs: &[SceneRun], title: &str) -> Result<String, StudyError> {
     let chart = Chart {
         title: title.to_owned(),
         x: time_axis(),
-        series: LAWS
-            .iter()
-            .zip(widths)
-            .map(|((_, name), width)| Look { name: (*name).to_owned(), width, dashed: false, dots: false })
-            .collect(),
+        series: LAWS.iter().zip(widths).map(|((_, name), width)| Look::line(name, width, false)).collect(),
         panels: vec![
             panel("(a) rod's top", "m", top),
             panel("(b) tip", "m", tip),
@@ -187,7 +174,7 @@ fn picture(runs: &[SceneRun], title: &str) -> Result<String, StudyError> {
             panel("(d) force", "N", force),
         ],
     };
-    Ok(chart.draw()?)
+    Ok(chart.draw())
 }
 
 /// Figure 4(c) and (d) for JKR read both ways: deformation as travel less gap; or the contact radius from
@@ -211,16 +198,15 @@ fn readings(numbers: &mut Numbers, runs: &[SceneRun]) -> Result<String, StudyErr
     let travel = depths[1].clone();
     depths.push(travel.iter().map(|&(t, value)| (t, read(value).0)).collect());
     forces.push(travel.iter().map(|&(t, value)| (t, read(value).1)).collect());
-    let look = |name: &str, width: f64| Look { name: name.to_owned(), width, dashed: false, dots: false };
     let chart = Chart {
         title: "Figure 4(c) and (d), the two readings".into(),
         x: time_axis(),
         series: vec![
-            look("Hertz", 5.0),
-            look("JKR, deformation = travel less gap", 2.2),
-            look("JKR, the paper's reading: a²/R = travel less gap", 1.4),
+            Look::line("Hertz", 5.0, false),
+            Look::line("JKR, deformation = travel less gap", 2.2, false),
+            Look::line("JKR, the paper's reading: a²/R = travel less gap", 1.4, false),
         ],
         panels: vec![panel("(c) deformation", "m", depths), panel("(d) force", "N", forces)],
     };
-    Ok(chart.draw()?)
+    Ok(chart.draw())
 }

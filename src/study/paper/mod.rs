@@ -2,8 +2,8 @@
 //! Force Microscope Interacting With Samples", J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 //!
 //! One file a question: `table1.rs` (what follows from Table 1), `printed_choices.rs` (what hangs on the choices the
-//! printed text leaves), `figure3.rs`, `figure4.rs`, `coupling.rs` (their first conclusion), `ensemble.rs`
-//! (what they could not do). Each finds numbers and draws pictures; `page.rs` tells about them.
+//! printed text leaves), `figure3.rs`, `figure4.rs`, `coupling.rs` (their first conclusion), `ensemble/`
+//! (what they could not do). Each finds numbers and draws pictures; `page/` tells about them.
 
 mod coupling;
 mod ensemble;

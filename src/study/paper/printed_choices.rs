@@ -95,12 +95,8 @@ fn profile(numbers: &mut Numbers, params: &Params) {
     let meaning = "deformation at a²/R = 150 nm, (17b) as printed";
     numbers.add("choice.profile.depth", meaning, jkr_at_radius(&dmt, a).0, "m");
     let half = 0.5 * dmt.decay_length;
-    numbers.add(
-        "choice.attraction.ours",
-        "DMT's force at D0/2 from the sample",
-        dmt.force(-half, false),
-        "N",
-    );
+    let ours = dmt.force(-half, false);
+    numbers.add("choice.attraction.ours", "DMT's force at D0/2 from the sample", ours, "N");
     let printed = -2.0 * PI * dmt.radius * dmt.work / 0.25;
     numbers.add("choice.attraction.printed", "the same, (18) as printed with D > 0", printed, "N");
 }

@@ -1,9 +1,9 @@
 //! A measured curve over what is predicted: points with their standard deviations, the median, the band of 95 %.
 
-use super::super::ReportError;
 use super::super::axis::PlotAxis;
-use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{Frame, KEY_ROW, Legend, key, key_rows, left_margin, title};
+use super::super::canvas::{Anchor, INK, LINES};
+use super::super::frame::{Frame, Legend, is_place, pieces};
+use super::super::stack::Stack;
 use crate::stats::StudyOutput;
 
 /// A measured curve beside what the weighted samples say.
@@ -42,8 +42,7 @@ pub struct PredictionPath {
 
 /// Pixels of a slice of the band.
 const SLICE: f64 = 1.5;
-/// Of a panel, without the words around it.
-const SIZE: (f64, f64) = (560.0, 280.0);
+const LAYOUT: Stack = Stack { width: 560.0, gap: 30.0, top: 40.0, key: Some(44.0), beyond: 0.0 };
 
 /// One panel for each way.
 pub(super) fn draw(
@@ -51,7 +50,7 @@ pub(super) fn draw(
     output: &StudyOutput,
     (along, units): (&str, &str),
     ways: &[PredictionPath],
-) -> Result<String, ReportError> {
+) -> String {
     let places = ways.iter().flat_map(|way| way.band.iter().map(|(place, _)| *place));
     let x = PlotAxis::over(places, units, along, false, 0.02);
     let values = |way: &'_ PredictionPath| {
@@ -60,15 +59,8 @@ pub(super) fn draw(
         band.chain(points).collect::<Vec<f64>>()
     };
     let label = super::called(output);
-    let y = PlotAxis::over(
-        ways.iter().flat_map(values).collect::<Vec<_>>().into_iter(),
-        &output.units,
-        &label,
-        false,
-        0.06,
-    );
-    let (width, height) = SIZE;
-    let left = left_margin(&y, height);
+    let all: Vec<f64> = ways.iter().flat_map(values).collect();
+    let y = PlotAxis::over(all.into_iter(), &output.units, &label, false, 0.06);
     let mut entries = vec![
         (Legend::Swatch(LINES[5]), "predicted, 95 %".to_owned()),
         (Legend::Line(INK), "median".to_owned()),
@@ -76,32 +68,24 @@ pub(super) fn draw(
     if ways.iter().any(|way| !way.points.is_empty()) {
         entries.insert(0, (Legend::Dot(LINES[1]), "measured, one standard deviation".to_owned()));
     }
-    let top = 40.0 + key_rows(width, &entries) * KEY_ROW;
-    let step = height + 30.0;
-    let total = top + step * ways.len() as f64 + 22.0;
-    picture((left + width + 24.0, total), |canvas| {
-        title(canvas, heading, left, left + width)?;
-        key(canvas, (left, 44.0), left + width, &entries)?;
-        for (n, way) in ways.iter().enumerate() {
-            let frame = Frame { canvas, left, top: top + n as f64 * step, width, height, x: &x, y: &y };
-            frame.grid()?;
-            panel(&frame, way)?;
-            frame.edges(n + 1 == ways.len(), true)?;
-            if !way.name.is_empty() {
-                let at = (left + 8.0, frame.top + 12.0);
-                canvas.text(&way.name, at, 12.0, super::super::canvas::Anchor::Left, INK)?;
-            }
+    let panels: Vec<(&PlotAxis, f64)> = ways.iter().map(|_| (&y, 280.0)).collect();
+    LAYOUT.draw((heading, &entries), &x, &panels, |n, frame| {
+        frame.grid();
+        panel(frame, &ways[n]);
+        frame.edges(n + 1 == ways.len(), true);
+        if !ways[n].name.is_empty() {
+            let at = (frame.left + 8.0, frame.top + 12.0);
+            frame.canvas.text(&ways[n].name, at, 12.0, Anchor::Left, INK);
         }
-        Ok(())
     })
 }
 
-fn panel(frame: &Frame, way: &PredictionPath) -> Result<(), ReportError> {
+fn panel(frame: &Frame, way: &PredictionPath) {
     let canvas = frame.canvas;
     let at = |n: usize, share: usize| frame.at(way.band[n].0, way.band[n].1[share]);
     for n in 1..way.band.len() {
         let corners = [at(n - 1, 0), at(n, 0), at(n - 1, 2), at(n, 2)];
-        if !corners.iter().all(|(x, y)| x.is_finite() && y.is_finite()) {
+        if !corners.iter().all(is_place) {
             continue;
         }
         let [(from, low), (to, low_to), (_, high), (_, high_to)] = corners;
@@ -111,28 +95,25 @@ fn panel(frame: &Frame, way: &PredictionPath) -> Result<(), ReportError> {
             let share = |end: f64| (slice as f64 + end) / slices;
             let between = |a: f64, b: f64, share: f64| a + share * (b - a);
             let middle = share(0.5);
+            let a = between(high, high_to, middle);
             // Where the band is thinner than a line it is one.
-            let (a, b) = (
-                between(high, high_to, middle),
-                between(low, low_to, middle).max(between(high, high_to, middle) + 1.6),
-            );
+            let b = between(low, low_to, middle).max(a + 1.6);
             // Slices lie over each other by a hair: between two that only touch the ground shows.
             let end = between(from, to, share(1.0)) + 0.5 * (to - from).signum();
-            canvas.rectangle((between(from, to, share(0.0)), a), (end, b), LINES[5])?;
+            canvas.rectangle((between(from, to, share(0.0)), a), (end, b), LINES[5]);
         }
     }
     let median: Vec<(f64, f64)> = (0..way.band.len()).map(|n| at(n, 1)).collect();
-    for piece in median.split(|at| !(at.0.is_finite() && at.1.is_finite())) {
-        canvas.line(piece, INK, 1.2)?;
+    for piece in pieces(&median) {
+        canvas.line(piece, INK, 1.2);
     }
     for (place, value, sd) in &way.points {
         let (x, y) = frame.at(*place, *value);
         let (low, high) = (frame.at(*place, value - sd).1, frame.at(*place, value + sd).1);
-        canvas.line(&[(x, low), (x, high)], LINES[1], 1.3)?;
+        canvas.line(&[(x, low), (x, high)], LINES[1], 1.3);
         for end in [low, high] {
-            canvas.line(&[(x - 2.5, end), (x + 2.5, end)], LINES[1], 1.3)?;
+            canvas.line(&[(x - 2.5, end), (x + 2.5, end)], LINES[1], 1.3);
         }
-        canvas.dot((x, y), 2.6, LINES[1])?;
+        canvas.dot((x, y), 2.6, LINES[1]);
     }
-    Ok(())
 }

@@ -1,7 +1,6 @@
 //! What quantities are after observations: each by itself on the diagonal, with what was known before; each pair below it,
 //! and their correlation above.
 
-use super::super::ReportError;
 use super::super::axis::PlotAxis;
 use super::super::canvas::{Anchor, GREY, INK, picture, text_width};
 use super::super::frame::{Frame, left_margin, title};
@@ -17,16 +16,12 @@ const GAP: f64 = 14.0;
 const FINE: f64 = 4.0;
 
 /// A corner of panels.
-pub(super) fn draw(
-    heading: &str,
-    known: &[PriorPosterior],
-    posterior: &Posterior,
-) -> Result<String, ReportError> {
+pub(super) fn draw(heading: &str, known: &[PriorPosterior], posterior: &Posterior) -> String {
     let left = known.iter().map(|one| left_margin(&one.axis, PANEL)).fold(0.0, f64::max);
     let size = known.len() as f64 * (PANEL + GAP);
     let top = 40.0;
     picture((left + size + 20.0, top + size + 52.0), |canvas| {
-        title(canvas, heading, left, left + size)?;
+        title(canvas, heading, left, left + size);
         let place = |row: usize, column: usize| {
             (left + column as f64 * (PANEL + GAP), top + row as f64 * (PANEL + GAP))
         };
@@ -38,27 +33,26 @@ pub(super) fn draw(
                 let frame = Frame { canvas, left, top, width: PANEL, height: PANEL, x, y };
                 let lowest = row + 1 == known.len();
                 match own {
-                    true => alone(&frame, across, posterior)?,
+                    true => alone(&frame, across, posterior),
                     false => {
-                        pair(&frame, across, up, &posterior.weights)?;
+                        pair(&frame, across, up, &posterior.weights);
                         let (x, y) = place(column, row);
                         let number = correlation(across, up, &posterior.weights);
                         let at = (x + PANEL / 2.0, y + PANEL / 2.0);
-                        canvas.text(&number, at, 16.0, Anchor::Middle, INK)?;
+                        canvas.text(&number, at, 16.0, Anchor::Middle, INK);
                     }
                 }
-                frame.ticks(lowest, column == 0 && !own)?;
+                frame.ticks(lowest, column == 0 && !own);
                 if lowest {
-                    below(&frame, x)?;
+                    below(&frame, x);
                 }
             }
         }
-        Ok(())
     })
 }
 
 /// A quantity by itself: bars after, a line before. `frame` has its own axis upwards, and lends its place.
-fn alone(frame: &Frame, known: &PriorPosterior, posterior: &Posterior) -> Result<(), ReportError> {
+fn alone(frame: &Frame, known: &PriorPosterior, posterior: &Posterior) {
     let bars = |values: &[f64], weights: &[f64]| {
         Bars::over(known.axis.clone(), values, weights, FINE * posterior.effective)
     };
@@ -66,7 +60,7 @@ fn alone(frame: &Frame, known: &PriorPosterior, posterior: &Posterior) -> Result
     let most = after.shares.iter().chain(&before.shares).copied();
     let y = PlotAxis::over([0.0].into_iter().chain(most), "1", "", false, 0.02);
     let frame = Frame { y: &y, ..*frame };
-    after.draw(&frame)?;
+    after.draw(&frame);
     let wide = frame.width / before.shares.len() as f64;
     let step = |(n, share): (usize, &f64)| {
         let up = frame.top + (1.0 - y.place(*share)) * frame.height;
@@ -77,12 +71,7 @@ fn alone(frame: &Frame, known: &PriorPosterior, posterior: &Posterior) -> Result
 }
 
 /// A pair of quantities, where both are in their panels.
-fn pair(
-    frame: &Frame,
-    across: &PriorPosterior,
-    up: &PriorPosterior,
-    weights: &[f64],
-) -> Result<(), ReportError> {
+fn pair(frame: &Frame, across: &PriorPosterior, up: &PriorPosterior, weights: &[f64]) {
     let inside = |axis: &PlotAxis, value: f64| (0.0..=1.0).contains(&axis.place(value));
     let shown: Vec<usize> = (0..weights.len())
         .filter(|n| inside(frame.x, across.values[*n]) && inside(frame.y, up.values[*n]))
@@ -106,7 +95,7 @@ fn correlation(a: &PriorPosterior, b: &PriorPosterior, weights: &[f64]) -> Strin
 }
 
 /// The words below a panel, in letters small enough for it, or else what stands before their comma.
-fn below(frame: &Frame, axis: &PlotAxis) -> Result<(), ReportError> {
+fn below(frame: &Frame, axis: &PlotAxis) {
     let brief = match (axis.label.split_once(", "), axis.unit.text.as_str()) {
         (Some((first, _)), "") => first.to_owned(),
         (Some((first, _)), unit) => format!("{first} ({unit})"),

@@ -1,10 +1,12 @@
 //! How values are distributed, weighted or not, with quantiles as lines.
 
-use super::super::ReportError;
 use super::super::axis::PlotAxis;
-use super::super::canvas::{INK, LINES, picture};
-use super::super::frame::{Frame, KEY_ROW, Legend, key, left_margin, title};
+use super::super::canvas::{INK, LINES};
+use super::super::frame::{Frame, Legend};
 use super::super::quantity_text::DisplayUnit;
+use super::super::stack::Stack;
+
+const LAYOUT: Stack = Stack { width: 560.0, gap: 0.0, top: 40.0, key: Some(44.0), beyond: 0.0 };
 
 /// Most bars.
 const BARS: usize = 60;
@@ -17,13 +19,8 @@ pub(super) struct Bars {
 }
 
 impl Bars {
-    /// Of values that are finite; `weights` has one for each, or is empty where all count the same.
-    pub fn of(values: &[f64], weights: &[f64], (label, units): (&str, &str), log: bool) -> Self {
-        let axis = PlotAxis::over(values.iter().copied(), units, label, log, 0.0);
-        Self::over(axis, values, weights, values.len() as f64)
-    }
-
-    /// Over this axis, in as many steps as so many values fill; what lies beyond its ends is in no bar.
+    /// Over this axis, in as many steps as so many values fill; what lies beyond its ends is in no bar. `weights` has one for
+    /// each value, or is empty where all count the same.
     pub fn over(axis: PlotAxis, values: &[f64], weights: &[f64], effective: f64) -> Self {
         let count = (effective.sqrt() as usize).clamp(8, BARS);
         let mut shares = vec![0.0; count];
@@ -45,15 +42,14 @@ impl Bars {
     }
 
     /// Draws the bars into a frame whose y axis holds their shares.
-    pub fn draw(&self, frame: &Frame) -> Result<(), ReportError> {
+    pub fn draw(&self, frame: &Frame) {
         let bottom = frame.top + frame.height;
         let wide = frame.width / self.shares.len() as f64;
         for (n, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
             let left = frame.left + n as f64 * wide;
             let top = frame.top + (1.0 - frame.y.place(*share)) * frame.height;
-            frame.canvas.rectangle((left + 0.3, top), (left + wide - 0.3, bottom), LINES[5])?;
+            frame.canvas.rectangle((left + 0.3, top), (left + wide - 0.3, bottom), LINES[5]);
         }
-        Ok(())
     }
 }
 
@@ -64,21 +60,13 @@ pub(super) fn draw(
     (label, units): (&str, &str),
     quantiles: &[(f64, f64)],
     left_out: &str,
-) -> Result<String, ReportError> {
-    let bars = Bars::of(values, &[], (label, units), false);
-    let y = PlotAxis::over(
-        [0.0].into_iter().chain(bars.shares.iter().copied()),
-        "1",
-        "share of the rows",
-        false,
-        0.02,
-    );
-    let (width, height) = (560.0, 260.0);
-    let left = left_margin(&y, height);
-    let unit = DisplayUnit::fitting(
-        units,
-        quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs())),
-    );
+) -> String {
+    let x = PlotAxis::over(values.iter().copied(), units, label, false, 0.0);
+    let bars = Bars::over(x, values, &[], values.len() as f64);
+    let shares = [0.0].into_iter().chain(bars.shares.iter().copied());
+    let y = PlotAxis::over(shares, "1", "share of the rows", false, 0.02);
+    let largest = quantiles.iter().fold(0.0, |most: f64, (_, value)| most.max(value.abs()));
+    let unit = DisplayUnit::fitting(units, largest);
     let mut entries: Vec<(Legend, String)> = quantiles
         .iter()
         .map(|(share, value)| {
@@ -89,18 +77,14 @@ pub(super) fn draw(
     if !left_out.is_empty() {
         entries.push((Legend::Hatched, format!("left out: {left_out}")));
     }
-    let rows = super::super::frame::key_rows(width, &entries);
-    let top = 40.0 + rows * KEY_ROW;
-    picture((left + width + 24.0, top + height + 52.0), |canvas| {
-        title(canvas, heading, left, left + width)?;
-        key(canvas, (left, 44.0), left + width, &entries)?;
-        let frame = Frame { canvas, left, top, width, height, x: &bars.axis, y: &y };
-        frame.grid()?;
-        bars.draw(&frame)?;
+    LAYOUT.draw((heading, &entries), &bars.axis, &[(&y, 260.0)], |_, frame| {
+        frame.grid();
+        bars.draw(frame);
         for (share, value) in quantiles {
-            let x = left + bars.axis.place(*value) * width;
-            let line = [(x, top), (x, top + height)];
-            if *share == 0.5 { canvas.line(&line, INK, 1.4)? } else { canvas.dashes(&line, INK, 1.0)? }
+            let x = frame.at(*value, f64::NAN).0;
+            let middle = *share == 0.5;
+            let pen = (INK, if middle { 1.4 } else { 1.0 });
+            frame.canvas.stroke(&[(x, frame.top), (x, frame.top + frame.height)], pen, !middle);
         }
         frame.edges(true, true)
     })

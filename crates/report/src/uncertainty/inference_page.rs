@@ -56,7 +56,7 @@ pub fn inference(inference: &Inference, folder: &Path) -> Result<PathBuf, Report
         for panel in &curve.panels {
             let output = &study.outputs[panel.output];
             let title = format!("{} over {}", capital(&super::called(output)), curve.along);
-            let svg = comparison::draw(&title, output, (&curve.along, &curve.units), &panel.ways)?;
+            let svg = comparison::draw(&title, output, (&curve.along, &curve.units), &panel.ways);
             page.figure(&format!("{}_predicted", output.name), &title, svg);
         }
     }
@@ -69,7 +69,7 @@ pub fn inference(inference: &Inference, folder: &Path) -> Result<PathBuf, Report
         known.drain(kept..study.parameters.len());
     }
     let title = "What the quantities are after the observations, and before (grey)";
-    page.figure("corner", title, corner::draw(title, &known, posterior)?);
+    page.figure("corner", title, corner::draw(title, &known, posterior));
     page.save(folder, INFER)
 }
 

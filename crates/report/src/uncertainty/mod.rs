@@ -9,7 +9,7 @@ mod prior_posterior;
 mod shares;
 
 use super::band::{self, Bands};
-use super::labels::{brief, capital, caption, short};
+use super::labels::{brief, capital, caption, ends, short};
 use super::{Document, ReportError, save, shown};
 use crate::stats::{Estimate, SHARES, SensitivityIndices, Study, StudyOutput, Summary};
 use crate::store::Coordinate;
@@ -76,7 +76,7 @@ pub fn statistics(study: &Study, told: &StudySummaries, folder: &Path) -> Result
             if design.replicates > 1 { format!(", {} replicates", design.replicates) } else { String::new() }
         ),
     );
-    bands(&mut page, study, told)?;
+    bands(&mut page, study, told);
     let every = told.len().div_ceil(MOST_POINTS).max(1);
     for (point, observables) in told.iter().enumerate().step_by(every) {
         let at = place(study, point);
@@ -88,7 +88,7 @@ pub fn statistics(study: &Study, told: &StudySummaries, folder: &Path) -> Result
         for (output, summary) in observables {
             page.document.heading(&capital(&output.long_name));
             match summary {
-                Some(summary) => observable(&mut page, study, (point, output), summary)?,
+                Some(summary) => observable(&mut page, study, (point, output), summary),
                 None => page.document.paragraph(&output.name, "too many rows failed: nothing is told"),
             }
         }
@@ -115,12 +115,7 @@ fn words(study: &Study, point: usize) -> impl Iterator<Item = String> + '_ {
     study.beside.iter().zip(study.place(point)).map(|(axis, at)| caption(axis, axis.values[at]))
 }
 
-fn observable(
-    page: &mut Page,
-    study: &Study,
-    (point, output): (usize, &StudyOutput),
-    summary: &Summary,
-) -> Result<(), ReportError> {
+fn observable(page: &mut Page, study: &Study, (point, output): (usize, &StudyOutput), summary: &Summary) {
     let stem = if study.points() == 1 { output.name.clone() } else { format!("{}_{point}", output.name) };
     let (status, all) = (study.at(&study.status, point), study.at(&output.values, point));
     let counts = |row: &usize| status[*row] == 0 && all[*row].is_finite();
@@ -139,7 +134,7 @@ fn observable(
         let label = called(output);
         let label = (label.as_str(), output.units.as_str());
         let svg =
-            histogram::draw(&capital(&output.long_name), &values, label, &quantiles, &left_out.join(", "))?;
+            histogram::draw(&capital(&output.long_name), &values, label, &quantiles, &left_out.join(", "));
         let caption = format!(
             "{}: mean {}, standard deviation {}",
             capital(&output.long_name),
@@ -149,17 +144,16 @@ fn observable(
         page.figure(&format!("{stem}_distribution"), &caption, svg);
     }
     page.document.table("", numbers(output, summary));
-    decides(page, study, (&stem, output), summary)?;
+    decides(page, study, (&stem, output), summary);
     for parameter in study.parameters.iter().take(MOST_PARAMETERS) {
         let at = |rows: &[usize]| rows.iter().map(|row| parameter.values[*row]).collect::<Vec<f64>>();
         let (x, failed) = (at(&kept), at(&failed));
         let (across, up) = (short(parameter), called(output));
         let y = Side { values: &values, label: &up, units: &output.units, log: false };
         let heading = format!("{} over {}", capital(&up), across);
-        let svg = density::draw(&heading, &side(parameter, &across, &x), &y, &failed)?;
+        let svg = density::draw(&heading, &side(parameter, &across, &x), &y, &failed);
         page.figure(&format!("{stem}_{}", parameter.name), &heading, svg);
     }
-    Ok(())
 }
 
 /// What is known of an observable as a table: estimates, the mean from half of the samples, the simulation's own error.
@@ -194,8 +188,7 @@ fn numbers(output: &StudyOutput, summary: &Summary) -> Vec<Vec<String>> {
 
 /// The side of a parameter, of these of its values.
 fn side<'a>(parameter: &'a Coordinate, label: &'a str, values: &'a [f64]) -> Side<'a> {
-    let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
-    let (least, most) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
+    let (least, most) = ends(values.iter().copied());
     Side { values, label, units: &parameter.units, log: least > 0.0 && most > DECADE * least }
 }
 
@@ -209,49 +202,28 @@ fn with_interval(one: &Estimate, units: &str) -> String {
 }
 
 /// The picture of indices or effects.
-fn decides(
-    page: &mut Page,
-    study: &Study,
-    (stem, output): (&str, &StudyOutput),
-    summary: &Summary,
-) -> Result<(), ReportError> {
+fn decides(page: &mut Page, study: &Study, (stem, output): (&str, &StudyOutput), summary: &Summary) {
     let names = study.design.group_names();
     let title = format!("What decides: {}", output.long_name);
-    let (rows, label, units) = match &summary.indices {
-        SensitivityIndices::Saltelli(all) => (
-            vec![
-                IndexRow { word: "first order S1", values: &all.first },
-                IndexRow { word: "total ST", values: &all.total },
-            ],
-            "share of the variance",
-            "1",
-        ),
-        SensitivityIndices::Morris(effects) => (
-            vec![IndexRow { word: "mean size of an effect", values: &effects.mu_star }],
-            "effect of a step over all levels",
-            output.units.as_str(),
-        ),
-        SensitivityIndices::Bins(first) => {
-            (vec![IndexRow { word: "first order S1, by bins", values: first }], "share of the variance", "1")
+    let row = |word, values| IndexRow { word, values };
+    let shares = ("share of the variance", "1");
+    let (rows, axis) = match &summary.indices {
+        SensitivityIndices::Saltelli(all) => {
+            (vec![row("first order S1", &all.first), row("total ST", &all.total)], shares)
         }
+        SensitivityIndices::Morris(effects) => (
+            vec![row("mean size of an effect", &effects.mu_star)],
+            ("effect of a step over all levels", output.units.as_str()),
+        ),
+        SensitivityIndices::Bins(first) => (vec![row("first order S1, by bins", first)], shares),
     };
-    let svg = shares::draw(&title, &names, &rows, (label, units))?;
-    let lost: Vec<String> = rows
-        .iter()
-        .map(|row| {
-            (
-                row.word,
-                names
-                    .iter()
-                    .zip(row.values)
-                    .filter(|(_, one)| one.holds_zero())
-                    .map(|(name, _)| name.as_str()),
-            )
-        })
-        .map(|(word, names)| (word, names.collect::<Vec<_>>()))
-        .filter(|(_, names)| !names.is_empty())
-        .map(|(word, names)| format!("{} ({word})", names.join(", ")))
-        .collect();
+    let svg = shares::draw(&title, &names, &rows, axis);
+    let lost = |row: &IndexRow| {
+        let zero = names.iter().zip(row.values).filter(|(_, one)| one.holds_zero());
+        let zero: Vec<&str> = zero.map(|(name, _)| name.as_str()).collect();
+        (!zero.is_empty()).then(|| format!("{} ({})", zero.join(", "), row.word))
+    };
+    let lost: Vec<String> = rows.iter().filter_map(lost).collect();
     let caption = match lost.is_empty() {
         true => title,
         false => format!("{title}. Not told apart from zero: {}", lost.join("; ")),
@@ -259,7 +231,6 @@ fn decides(
     let overlap = summary.overlap_told().map_or_else(String::new, |told| format!(". {}", capital(&told)));
     let caption = caption + &overlap;
     page.figure(&format!("{stem}_indices"), &caption, svg);
-    Ok(())
 }
 
 /// The axis that bands are drawn over: the last one of the sweep.
@@ -268,8 +239,8 @@ fn over(study: &Study) -> Option<&Coordinate> {
 }
 
 /// Quantiles of each observable over the last axis of the sweep.
-fn bands(page: &mut Page, study: &Study, told: &StudySummaries) -> Result<(), ReportError> {
-    let Some(axis) = over(study) else { return Ok(()) };
+fn bands(page: &mut Page, study: &Study, told: &StudySummaries) {
+    let Some(axis) = over(study) else { return };
     let length = axis.values.len();
     for (number, (output, _)) in told.first().into_iter().flatten().enumerate() {
         for (first, row) in told.chunks(length).enumerate().take(MOST_POINTS) {
@@ -290,8 +261,7 @@ fn bands(page: &mut Page, study: &Study, told: &StudySummaries) -> Result<(), Re
                 units: &output.units,
                 series: vec![band::BandSeries { name: String::new(), points }],
             };
-            page.figure(&format!("{}_bands_{first}", output.name), &heading, chart.draw()?);
+            page.figure(&format!("{}_bands_{first}", output.name), &heading, chart.draw());
         }
     }
-    Ok(())
 }

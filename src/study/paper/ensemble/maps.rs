@@ -5,7 +5,7 @@ use super::super::{LAWS, Picture};
 use super::{RADII, reach};
 use crate::contact::{DMT_BELOW, JKR_ABOVE};
 use crate::engine::Finished;
-use crate::report::{Heatmap, Panel, ReportError, State, shown};
+use crate::report::{Heatmap, Panel, State, shown};
 use crate::scene::{Axis, Params};
 use crate::store::Coordinate;
 use std::f64::consts::PI;
@@ -13,6 +13,9 @@ use std::sync::Arc;
 
 /// The tip radius of the paper, m, for maps of the three laws beside each other.
 const PAPER: f64 = 30e-9;
+
+/// What the line of the fold is called.
+const FOLD: &str = "left of it JKR never lets go";
 
 /// What a map shows.
 struct Kind {
@@ -48,7 +51,7 @@ const KINDS: [Kind; 3] = [
     },
 ];
 
-pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
+pub(super) fn draw(runs: &[SceneRun]) -> Vec<Picture> {
     let mut pictures = Vec::new();
     for kind in &KINDS {
         let panels = runs.iter().zip(LAWS).map(|(ran, (law, name))| Panel {
@@ -57,8 +60,7 @@ pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
             lines: if law == "jkr" { vec![fold(ran, PAPER)] } else { Vec::new() },
             ..Panel::default()
         });
-        let lines = vec!["left of it JKR never lets go".into()];
-        pictures.push((kind.file.into(), picture(&runs[0], kind, panels.collect(), lines)?));
+        pictures.push((kind.file.into(), picture(&runs[0], kind, panels.collect(), vec![FOLD.into()])));
     }
     let jkr = &runs[2];
     let radii = |kind: &Kind, lines: &dyn Fn(f64) -> Vec<Vec<(f64, f64)>>| -> Vec<Panel> {
@@ -79,8 +81,7 @@ pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
         value: |one| if one.measured.contacts > 0.0 { one.measured.dissipation } else { f64::NAN },
     };
     let panels = radii(&loss, &|radius| vec![fold(jkr, radius)]);
-    let lines = vec!["left of it JKR never lets go".into()];
-    pictures.push((loss.file.into(), picture(jkr, &loss, panels, lines)?));
+    pictures.push((loss.file.into(), picture(jkr, &loss, panels, vec![FOLD.into()])));
     let regimes = Kind {
         file: "ensemble_regimes.svg",
         title: "Where JKR lets go and where it belongs, by tip radius",
@@ -89,18 +90,12 @@ pub(super) fn draw(runs: &[SceneRun]) -> Result<Vec<Picture>, ReportError> {
     let panels = radii(&regimes, &|radius| {
         vec![fold(jkr, radius), tabor(jkr, radius, JKR_ABOVE), tabor(jkr, radius, DMT_BELOW)]
     });
-    let lines =
-        vec!["left of it JKR never lets go".into(), "Tabor's parameter 5 (left) and 0.1 (right)".into()];
-    pictures.push((regimes.file.into(), picture(jkr, &regimes, panels, lines)?));
-    Ok(pictures)
+    let lines = vec![FOLD.into(), "Tabor's parameter 5 (left) and 0.1 (right)".into()];
+    pictures.push((regimes.file.into(), picture(jkr, &regimes, panels, lines)));
+    pictures
 }
 
-fn picture(
-    ran: &SceneRun,
-    kind: &Kind,
-    panels: Vec<Panel>,
-    lines: Vec<String>,
-) -> Result<String, ReportError> {
+fn picture(ran: &SceneRun, kind: &Kind, panels: Vec<Panel>, lines: Vec<String>) -> String {
     let axes = &ran.scene.sweep.axes;
     let (x, y) = (coordinate(&axes[2]), coordinate(&axes[1]));
     Heatmap {

@@ -34,7 +34,7 @@ pub(super) fn find(numbers: &mut Numbers, folder: &Path, extent: Extent) -> Resu
     }
     regimes(numbers, &runs);
     letting_go(numbers, &runs[2]);
-    Ok(maps::draw(&runs)?)
+    Ok(maps::draw(&runs))
 }
 
 /// Smallest, median and largest of the finite values; NaN without any.
