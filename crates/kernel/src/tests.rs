@@ -144,7 +144,7 @@ fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
         let mut run_sums = RunSums::new();
         for _ in 0..12 {
             period(&case, &mut state, &waves, None, Wants::ALL, &mut tally);
-            run_sums.close(&tally, STEPS as f64, Some(Wants::ALL));
+            run_sums.close(&tally, L::splat(STEPS as f64), Some(Wants::ALL));
             tally.next_period();
             unmeasured_period(&case, &mut alone, &waves[0]);
         }
