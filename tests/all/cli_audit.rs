@@ -38,12 +38,12 @@ measure = 4
 observables = ["amplitude", "force_max"]
 "#;
 
-/// The same with all modes of a beam, most of them too fast for sixteen steps, which miss the accuracy everywhere.
+/// The same with a second mode that is too fast for sixteen steps, which miss the accuracy everywhere.
 fn beam() -> String {
     let one = "modes = [{ stiffness = \"5 N/m\", frequency = \"75 kHz\", quality_factor = 20 }]";
-    let all = "stiffness = \"5 N/m\"\nfrequency = \"75 kHz\"\nquality_factor = 20";
+    let second = "{ stiffness = \"196 N/m\", frequency = \"470 kHz\", quality_factor = 20 }";
     assert!(SCENE.contains(one));
-    SCENE.replace(one, all)
+    SCENE.replace(one, &one.replace("}]", &format!("}}, {second}]")))
 }
 
 fn number(results: &Results, name: &str) -> f64 {

@@ -35,7 +35,9 @@ const FAULTS: &[Fault] = &[
     ("jkr", "rates left as they are", |text| {
         text.replace("states[at(STATE_U_1, i)] = places[at(HALF_NUMBERS + 1u, i)];", "")
     }),
-    ("hertz", "sums of the period before kept", |text| text.replace("    store_run_sums(i, begin_run());", "")),
+    ("hertz", "sums of the period before kept", |text| {
+        text.replace("    store_run_sums(i, begin_run());", "")
+    }),
     ("dmt", "free motion alone before the first sample", |text| {
         text.replace("-(cases[at(CASE_STILL, i)] + beyond)", "-cases[at(CASE_STILL, i)]")
     }),
