@@ -47,7 +47,6 @@ const CASES: &[(&str, Expect)] = &[
     ("branch_attractive", Within(|m| stays_off(m) && m.phase > 90.0)),
     ("branch_repulsive", Within(|m| taps(m) && m.phase < 90.0)),
     ("contact_every_second", Says(Status::NotSteady)),
-    ("contact_feels_far_modes", InDouble(taps)),
     ("contact_too_short", Says(Status::OutOfRange)),
     ("decay_10_fm", Within(taps)),
     ("decay_1_pm", Within(taps)),

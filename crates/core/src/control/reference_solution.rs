@@ -1,9 +1,7 @@
 //! Results of the reference engine for instances that a stepped engine has run.
 
 use super::{Arithmetic, ChunkRun, RunResult, step_reduction};
-use crate::engine::{
-    Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, dropped_flexibility, solve_near,
-};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
 use crate::observe::{Measured, Status};
 use crate::orbit::{self, OrbitSolution, OrbitTable};
 use crate::plan::{Plan, Precision, SectionState};
@@ -294,6 +292,8 @@ pub fn touches(one: &Finished) -> bool {
     one.measured.contact_time > 0.0
 }
 
+/// Share of the tip's flexibility up to which the reference truncates modes.
+const REFERENCE_DROP_SHARE: f64 = 1e-6;
 /// Largest error from replacing modes far faster than the contact by an oscillator or two, found on random levers redone with
 /// all modes (0.23 N/m on 33 GPa, JKR, requested accuracy 1e-4). At a looser accuracy more modes are replaced, so the error
 /// is bounded by a share of the accuracy.
@@ -305,8 +305,18 @@ const MAX_TRUNCATION_MODES: f64 = 100.0;
 /// Upper bound of the reference's own error. Truncated modes act like a spring of their flexibility in series with the
 /// contact, unless there are enough of them for an oscillator. Its steps have a tolerance.
 pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
-    let case = plan.case(instance as u32);
-    let left = dropped_flexibility(plan.driven(instance as u32), &case.contact, case.gap);
+    let modes = &plan.driven(instance as u32).instrument.modes;
+    let mut shares: Vec<f64> =
+        modes.iter().map(|mode| (mode.inverse_mass() / (mode.omega * mode.omega)).abs()).collect();
+    shares.sort_by(f64::total_cmp);
+    let whole: f64 = shares.iter().sum();
+    let mut left = 0.0;
+    for share in shares {
+        if left + share > REFERENCE_DROP_SHARE * whole {
+            break;
+        }
+        left += share;
+    }
     let error = gives_way(plan, instance, measured, left);
     let most = MAX_REDUCED_FLEXIBILITY.max(REDUCED_FLEXIBILITY_SHARE * plan.run.accuracy);
     if error.is_finite() { error.clamp(MAX_TRUNCATION_MODES * TOLERANCE, most) } else { f64::NAN }

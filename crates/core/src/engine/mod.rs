@@ -32,7 +32,7 @@ pub use newton_search::{NewtonResult, NewtonResults, NewtonStart, NewtonStarts};
 pub use period_jacobian::{PeriodJacobian, PeriodJacobians};
 pub use profile::ProfileSection;
 pub use progress::{HeldPhase, Progress, ProgressPhase};
-pub use reference::{Model, Reference, TOLERANCE, Work, dropped_flexibility, solve, solve_near};
+pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use result_columns::{ResultColumns, WantedColumns};
 pub use return_map::{JacobianStart, ReturnMap};
 pub use threads::on_threads;

@@ -14,7 +14,6 @@ mod system;
 mod tableau;
 
 pub use reference_fixed_point::solve_near;
-pub use system::dropped_flexibility;
 
 use super::measurement::{finish_free, first_seen, fundamental, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
@@ -31,8 +30,8 @@ use system::System;
 /// What the reference engine integrates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
-    /// The instrument's own modes until less than 1e-6 of what the tip gives way to a force at the contact's rate is
-    /// left, and at least those that the plan keeps: shows the error of reduction and steps together.
+    /// The instrument's own modes until less than 1e-6 of the tip's flexibility is left, and at least
+    /// those that the plan keeps: shows the error of reduction and steps together.
     #[default]
     Whole,
     /// The plan's oscillators: shows the error of the steps alone.

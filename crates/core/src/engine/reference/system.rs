@@ -3,16 +3,13 @@
 use super::Model;
 use super::dop853::Rates;
 use super::reference_force::ReferenceForce;
-use crate::contact::Contact;
 use crate::engine::start;
 use crate::instrument::Mode;
 use crate::plan::{Case, Driven, compliance, reduced};
 use crate::scene::Start;
 use std::f64::consts::TAU;
 
-/// Modes in order of their share of the tip's flexibility are taken until less than this is left of what the tip gives way
-/// to a force at the contact's rate. Measured by the static flexibility alone, the modes left out of a soft lever on a stiff
-/// sample moved the largest force by 1e-4 to 2e-4 (levers 0, 61, 95, 139 of the accuracy bench, `--part shaken --seed 902`).
+/// Modes in order of their share of the tip's flexibility are taken until less than this is left.
 const DROP_SHARE: f64 = 1e-6;
 /// Onset and end of a contact are so many times faster than its middle.
 const ONSET: f64 = 4.0;
@@ -206,37 +203,6 @@ fn turned(mode: &Mode, time: f64, [x, v]: [f64; 2]) -> [f64; 2] {
     [a * x + b * v, c * x + d * v]
 }
 
-/// Static travel of the tip per force on it by a mode, m/N.
-fn flexibility(mode: &Mode) -> f64 {
-    mode.inverse_mass() / (mode.omega * mode.omega)
-}
-
-/// The modes that the tip feels, the most flexible first.
-fn by_flexibility(modes: &[Mode]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..modes.len()).filter(|&k| modes[k].inverse_mass() != 0.0).collect();
-    order.sort_by(|&a, &b| flexibility(&modes[b]).abs().total_cmp(&flexibility(&modes[a]).abs()));
-    order
-}
-
-/// The end of the `order` of modes that a contact of this rate (rad/s) hardly feels.
-fn negligible<'a>(modes: &[Mode], order: &'a [usize], rate: f64) -> &'a [usize] {
-    let all = compliance(modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), rate).abs();
-    let mut left = 0.0;
-    let felt = order.iter().rposition(|&k| {
-        left += flexibility(&modes[k]).abs();
-        left > DROP_SHARE * all
-    });
-    &order[felt.map_or(0, |last| last + 1)..]
-}
-
-/// The flexibility of the modes that the reference leaves out under this contact, m/N.
-pub fn dropped_flexibility(driven: &Driven, contact: &Contact, gap: f64) -> f64 {
-    let modes = &driven.instrument.modes;
-    let order = by_flexibility(modes);
-    let dropped = negligible(modes, &order, driven.contact_rate(contact, gap));
-    dropped.iter().map(|&k| flexibility(&modes[k]).abs()).sum()
-}
-
 /// Which mode, and frequency, frequency over quality factor, and inverse mass of each oscillator; the share left out.
 fn oscillators(
     case: &Case,
@@ -250,14 +216,22 @@ fn oscillators(
         return (kept.modes.iter().map(|m| m.index).collect(), each.collect(), kept.residual_share);
     }
     let modes = &driven.instrument.modes;
-    let rate = driven.contact_rate(&case.contact, case.gap);
-    let mut order = by_flexibility(modes);
-    // A mode that the plan keeps stays.
+    let share = |k: usize| modes[k].tip * modes[k].force / (modes[k].omega * modes[k].omega);
+    let whole: f64 = (0..modes.len()).map(share).sum();
+    let mut order: Vec<usize> = (0..modes.len()).filter(|&k| share(k) != 0.0).collect();
+    order.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()));
+    // From the smallest up: what may go. A mode that the plan keeps stays.
     let planned = |k: usize| driven.kept.modes.iter().any(|mode| mode.index == Some(k));
-    let dropped = negligible(modes, &order, rate).iter().rev().take_while(|&&k| !planned(k)).count();
-    let dropped = order.split_off(order.len() - dropped);
-    let total = |some: &[usize]| some.iter().map(|&k| flexibility(&modes[k])).sum::<f64>();
-    let left = total(&dropped) / (total(&order) + total(&dropped));
+    let (mut left, mut absolute) = (0.0, 0.0);
+    while let Some(&k) = order.last() {
+        absolute += (share(k) / whole).abs();
+        if absolute > DROP_SHARE || planned(k) {
+            break;
+        }
+        left += share(k) / whole;
+        order.pop();
+    }
+    let rate = driven.contact_rate(&case.contact, case.gap);
     if let Some(far) = far {
         let far = (far * rate).max(SLOWEST_RATIO * TAU * driven.instrument.lever_frequency);
         order.retain(|&k| modes[k].omega <= far || planned(k));
