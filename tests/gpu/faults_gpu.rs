@@ -12,7 +12,8 @@ use libtest_mimic::{Failed, Trial};
 /// A law, a fault, and how to plant it.
 type Fault = (&'static str, &'static str, fn(String) -> String);
 
-/// Replaces a piece of text, of the law as shaders/recorded/ has it or of the other files; where it is not there, no fault is planted and none will be seen.
+/// Replaces a piece of the shader's text; shaders/recorded/ shows what the program writes. Where the piece is not there, no fault
+/// is planted, and none will be seen.
 fn swap(text: &str, from: &str, to: &str) -> String {
     text.replace(from, to)
 }

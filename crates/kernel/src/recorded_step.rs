@@ -1,7 +1,7 @@
 //! The step and the sums in WGSL: [`Case`], [`Tally`] and [`RunSums`] write them, as laws write their kicks.
 //!
-//! Each structure of the shader has the members that a class needs. [`ShaderSpec::drive_fields`] and
-//! [`ShaderSpec::state_fields`] say where the buffers have them.
+//! Each structure of the shader has the members that a class needs. The lists of members are those of the buffers' fields, too
+//! ([`ShaderSpec::drive_fields`], [`ShaderSpec::state_fields`]).
 
 use super::constants::ZERO;
 use super::contact::{Approach, Interaction, Kick};
@@ -17,7 +17,7 @@ use super::wgsl::function;
 use super::{Lane, MODES_MAX, PeriodSums, Wants};
 
 /// A structure of the shader and what its members are called.
-struct Structure {
+pub(super) struct Structure {
     name: &'static str,
     /// What its values are called, and the beginning of its fields in the buffers.
     prefix: &'static str,
@@ -41,6 +41,11 @@ impl Structure {
         let Self { name, prefix, members } = self;
         let value = self.value(&members.iter().map(cell).collect::<Vec<_>>());
         format!("\nfn {prefix}_of(i: u32) -> {name} {{\n{first_line}    return {value};\n}}\n")
+    }
+
+    /// Its fields in the buffers.
+    pub fn fields(&self) -> impl Iterator<Item = String> {
+        self.members.iter().map(|member| format!("{}_{member}", self.prefix))
     }
 
     /// Where the instance's state has a member.
@@ -99,14 +104,13 @@ impl ShaderSpec {
     }
 
     /// Deviation of each mode at a sample before its kick, and the memory of contact.
-    fn state(&self) -> Structure {
+    pub(super) fn state(&self) -> Structure {
         let modes = in_turns(self.modes, |k| [format!("x_{k}"), format!("u_{k}")]);
         Structure { name: "State", prefix: "state", members: modes.chain(["touching".into()]).collect() }
     }
 
-    /// What is summed over the steps of a period.
-    fn tally(&self) -> Structure {
-        let sums = self.sums();
+    /// What is summed over the steps of a period: so much, and what links samples across its start.
+    pub(super) fn tally(&self, sums: Wants) -> Structure {
         let waves = in_turns(sums.harmonics, |n| [format!("cosine_{n}"), format!("sine_{n}")]);
         let mut members: Vec<String> = waves.chain(sums.kept().map(|sum| sum.name.into())).collect();
         if self.wants.looks_back() {
@@ -115,8 +119,8 @@ impl ShaderSpec {
         Structure { name: "Tally", prefix: "tally", members }
     }
 
-    /// What a period's end changes of the run's sums.
-    fn run_sums(&self, measured: bool) -> Structure {
+    /// What a period's end changes of the run's sums: of a measured one all of them.
+    pub(super) fn run_sums(&self, measured: bool) -> Structure {
         let mut members: Vec<String> =
             ["last_cosine", "last_sine", "change_0", "change_1", "change_2", "change_3"]
                 .map(str::to_owned)
@@ -144,7 +148,7 @@ impl ShaderSpec {
 
     /// The sums of a period: what a step adds, how they begin, and how a period's end takes them into the run's.
     pub fn sums_text(&self) -> String {
-        let (tally, run) = (self.tally(), self.run_sums(self.measured));
+        let (tally, run) = (self.tally(self.sums()), self.run_sums(self.measured));
         let added = || {
             let mut sums = self.recorded_tally();
             let wave = |n: usize| {
@@ -152,7 +156,7 @@ impl ShaderSpec {
                 vec![Wave { cosine: at(""), sine: at(" + 1u") }]
             };
             let waves: Vec<_> = (0..self.sums().harmonics).map(wave).collect();
-            sums.add(&recorded_sample(), &waves, 0, self.sums());
+            sums.add(&sample_at("sample"), &waves, 0, self.sums());
             self.tally_numbers(&sums)
         };
         let next = || {
@@ -224,26 +228,20 @@ impl ShaderSpec {
     }
 }
 
-fn recorded_kick() -> Kick<Recorded> {
-    let own = |member| named("kick", member);
+fn kick_at(place: &str) -> Kick<Recorded> {
+    let own = |member| named(place, member);
     Kick { impulse: own("impulse"), shift: own("shift"), contact: own("contact"), touching: own("touching") }
 }
 
-fn recorded_sample() -> Sample<Recorded> {
-    let own = |member| named("sample", member);
-    let kick = recorded_kick();
+fn sample_at(place: &str) -> Sample<Recorded> {
+    let own = |member| named(place, member);
     Sample {
         steady: own("steady"),
         beyond: own("beyond"),
         indentation: own("indentation"),
         work: own("work"),
         virial: own("virial"),
-        kick: Kick {
-            contact: own("kick.contact"),
-            impulse: own("kick.impulse"),
-            touching: own("kick.touching"),
-            ..kick
-        },
+        kick: kick_at(&format!("{place}.kick")),
     }
 }
 
@@ -270,7 +268,7 @@ impl WithLaw<Recorded> for StepText<'_> {
         };
         let fly = || {
             let mut state = state(spec);
-            case::<I>(spec).fly(&mut state, &recorded_kick());
+            case::<I>(spec).fly(&mut state, &kick_at("kick"));
             in_turns(spec.modes, |k| [state.x[k], state.u[k]]).chain([state.touching]).collect()
         };
         let sampled = || {
@@ -281,7 +279,7 @@ impl WithLaw<Recorded> for StepText<'_> {
                 acceleration: own("at.acceleration"),
             };
             let met = Met { steady: own("steady"), beyond: own("beyond"), excess: own("excess"), approach };
-            let sample = case::<I>(spec).sampled(&met, recorded_kick(), energy);
+            let sample = case::<I>(spec).sampled(&met, kick_at("kick"), energy);
             let work = energy.then_some([sample.work, sample.virial]).into_iter().flatten();
             [sample.beyond, sample.indentation].into_iter().chain(work).collect()
         };

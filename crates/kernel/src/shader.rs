@@ -151,27 +151,15 @@ impl ShaderSpec {
 
     /// Fields of an instance's state, tally and run sums, in order; beside slopes those of its state and of the steps seen.
     pub fn state_fields(&self) -> Vec<String> {
-        let mut fields: Vec<String> =
-            (0..self.modes).flat_map(|k| [format!("state_x_{k}"), format!("state_u_{k}")]).collect();
-        fields.push("state_touching".into());
+        let mut fields: Vec<String> = self.state().fields().collect();
         if self.entry.of_slopes() {
             let here = ["indentation", "speed", "acceleration", "touching", "size", "contact"];
             fields.extend(here.map(|name| format!("here_{name}")));
             fields.extend(["indentation", "size"].map(|name| format!("before_{name}")));
             return fields;
         }
-        for sheet in ["tally", "run_sums"] {
-            for n in 0..self.wants.harmonics {
-                fields.extend([format!("{sheet}_cosine_{n}"), format!("{sheet}_sine_{n}")]);
-            }
-            fields.extend(self.wants.kept().map(|sum| format!("{sheet}_{}", sum.name)));
-        }
-        if self.wants.looks_back() {
-            fields.extend(["tally_last_0", "tally_last_1", "tally_touched"].map(str::to_owned));
-        }
-        let run_sums =
-            ["last_cosine", "last_sine", "change_0", "change_1", "change_2", "change_3", "largest"];
-        fields.extend(run_sums.map(|name| format!("run_sums_{name}")));
+        fields.extend(self.tally(self.wants).fields());
+        fields.extend(self.run_sums(true).fields());
         fields
     }
 

@@ -53,7 +53,8 @@ pub struct Sum {
     pub kept: fn(Wants) -> bool,
 }
 
-/// Each group has a flag in [`Wants`] and a function of its name in `tally.rs`, which says what a step adds. Observables ask for a group by a constant in `impl Wants` below.
+/// Each group has a flag in [`Wants`] and a function of its name in `tally.rs`, which says what a step adds. Observables ask for
+/// a group by a constant in `impl Wants` below.
 macro_rules! sums {
     ($($(#[$wanted:meta])* $group:ident { $($(#[$what:meta])* $name:ident: $how:ident,)* })*) => {
         /// Which sums and extremes an engine must keep; what nobody asked for is not computed.

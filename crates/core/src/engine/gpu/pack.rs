@@ -4,9 +4,7 @@ use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, member};
 use crate::engine::period_jacobian::begun;
 use crate::engine::start;
-use crate::kernel::{
-    Entry, HARMONICS, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers,
-};
+use crate::kernel::{Entry, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers};
 use crate::plan::{Class, Plan, SectionState};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -266,16 +264,16 @@ pub(super) fn write(spec: &ShaderSpec, place: &InstanceCheckpoint) -> Vec<f64> {
     }
     out.push(place.touching);
     out.extend(std::iter::repeat_n(0.0, tally_sums(spec)));
-    for n in 0..wants.harmonics {
-        out.extend([run_sums.cosine[n], run_sums.sine[n]]);
-    }
-    out.extend(run_sums.sums.kept(wants));
     if wants.looks_back() {
         out.extend([place.last[0], place.last[1], place.touched]);
     }
     out.extend([run_sums.last_cosine, run_sums.last_sine]);
     out.extend(run_sums.changes);
     out.push(run_sums.largest);
+    for n in 0..wants.harmonics {
+        out.extend([run_sums.cosine[n], run_sums.sine[n]]);
+    }
+    out.extend(run_sums.sums.kept(wants));
     out
 }
 
@@ -305,12 +303,6 @@ fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Inst
         next();
     });
     let mut run_sums = RunSums::new();
-    let (mut cosine, mut sine) = ([0.0; HARMONICS], [0.0; HARMONICS]);
-    for n in 0..wants.harmonics {
-        (cosine[n], sine[n]) = (next(), next());
-    }
-    (run_sums.cosine, run_sums.sine) = (cosine, sine);
-    run_sums.sums.kept_places(wants).for_each(|place| *place = next());
     let (mut last, mut touched) = ([0.0; 2], touching);
     if wants.looks_back() {
         last = [next(), next()];
@@ -319,5 +311,9 @@ fn read(spec: &ShaderSpec, next: &mut impl FnMut() -> f64, finite: bool) -> Inst
     (run_sums.last_cosine, run_sums.last_sine) = (next(), next());
     run_sums.changes = [next(), next(), next(), next()];
     run_sums.largest = next();
+    for n in 0..wants.harmonics {
+        (run_sums.cosine[n], run_sums.sine[n]) = (next(), next());
+    }
+    run_sums.sums.kept_places(wants).for_each(|place| *place = next());
     InstanceCheckpoint { x, u, touching, last, touched, run_sums, finite }
 }
