@@ -27,16 +27,19 @@ const FD_STEP_ROUGH: f64 = 3e-5;
 /// its distance shrinks to no less than this share from one to the next.
 const ALTERNATION_SHARE: f64 = 0.95;
 /// A mode is next to a harmonic of the drive if its periodic motion exceeds the force's effect in a period by this factor. It
-/// is then left to settle by itself.
+/// is then left to settle by itself, or becomes an unknown.
 const RESONANCE_RATIO: f64 = 100.0;
 /// Periods before a first and a second search, in which modes that the stepped engine does not keep begin to move; most
-/// evaluations of the map; periods measured at the end.
+/// evaluations of the map; most searches after each, every one with more unknowns; periods measured at the end.
 const WARM_UP_PERIODS: [u32; 2] = [4, 12];
 const MAX_EVALUATIONS: u32 = 200;
+const MAX_SEARCHES: u32 = 4;
 const MEASURED_PERIODS: u32 = 4;
-/// Modes that a second search has among its unknowns, and the least damping ratio of added ones: undamped modes never settle.
+/// Modes that a search adds to its unknowns, and the least damping ratio of added ones: undamped modes never settle.
 const MAX_WIDENED_MODES: usize = 6;
 const MIN_SLOW_DAMPING: f64 = 1e-5;
+/// A mode rests if it moves by less than this share of the tolerance in a period: a stiff contact feels it all the same.
+const REST_TOL_SHARE: f64 = 1e-2;
 
 /// The periodic state of an instance close to `station`, where a stepped engine was at a period's start. `None` if no state is
 /// found, or if the motion, which takes two periods, passes the state on alternate sides. Many times cheaper than
@@ -172,7 +175,7 @@ impl Map {
     /// alternate sides.
     fn find(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
         let (mut found, mut passed) = (None, Vec::new());
-        for (round, periods) in WARM_UP_PERIODS.into_iter().enumerate() {
+        for periods in WARM_UP_PERIODS {
             for _ in 0..periods {
                 if progress.stopped() {
                     return None;
@@ -181,17 +184,50 @@ impl Map {
                 passed.push(self.after.clone());
             }
             let warm = self.after.clone();
-            found = self.search(options, progress);
-            if found.is_some() || round > 0 {
+            found = self.at_rest(options, progress);
+            if found.is_some() {
                 break;
             }
             // Modes that the stepped engine does not keep may still ring for long: a second search includes more of them, and
             // starts later.
             self.after = warm;
-            self.widen();
+            let room = MAX_WIDENED_MODES.saturating_sub(self.slow.len() / 2);
+            let more: Vec<usize> = self.others().take(room).collect();
+            self.widen(&more);
         }
         let least = 10.0 * options.tolerance * options.scale;
         found.filter(|found| !self.alternates(&passed, &found.state, least))
+    }
+
+    /// The fixed point at which the modes that are not unknowns are at rest, too. Those that are not become unknowns.
+    fn at_rest(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
+        let least = REST_TOL_SHARE * options.tolerance * options.scale;
+        for _ in 0..MAX_SEARCHES {
+            let found = self.search(options, progress)?;
+            let before = self.after.clone();
+            self.go_on(&found.state)?;
+            let moved = |place: &usize| (self.after[*place] - before[*place]).abs();
+            let mut moving: Vec<usize> = self.others().filter(|place| moved(place) > least).collect();
+            if moving.is_empty() {
+                return Some(found);
+            }
+            moving.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
+            moving.truncate(MAX_WIDENED_MODES);
+            self.widen(&moving);
+        }
+        None
+    }
+
+    /// Damped modes that are not among the unknowns, those first that the tip force moves most.
+    fn others(&self) -> impl Iterator<Item = usize> {
+        let system = &self.walk.system;
+        (0..system.modes())
+            .filter(|place| system.oscillator(*place).1 > MIN_SLOW_DAMPING && !self.slow.contains(place))
+    }
+
+    fn widen(&mut self, more: &[usize]) {
+        let modes = self.walk.system.modes();
+        self.slow.extend(more.iter().flat_map(|place| [*place, modes + place]));
     }
 
     /// The fixed point close to the end of the last period.
@@ -212,17 +248,6 @@ impl Map {
             Some(PtcOutcome::Converged(found)) => Some((**found).clone()),
             _ => None,
         }
-    }
-
-    /// Adds modes to the unknowns, those that the tip force moves most.
-    fn widen(&mut self) {
-        let system = &self.walk.system;
-        let modes = system.modes();
-        let rings =
-            |place: &usize| system.oscillator(*place).1 > MIN_SLOW_DAMPING && !self.slow.contains(place);
-        let room = MAX_WIDENED_MODES.saturating_sub(self.slow.len() / 2);
-        let more: Vec<usize> = (0..modes).filter(rings).take(room).collect();
-        self.slow.extend(more.iter().flat_map(|place| [*place, modes + place]));
     }
 
     fn slow_part(&self, all: &DVector<f64>) -> DVector<f64> {
