@@ -3,7 +3,7 @@
 # make test-all    the long ones as well: independent integrators over wide grids, SciPy, signals, fuzz (two hours)
 # make site    the documents as pages, in target/site
 # make lint    formatting, clippy, documentation
-# make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program (a minute or two)
+# make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program, and without a warning (a minute or two)
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
@@ -53,11 +53,12 @@ test-all: deps library-check scipy-check signal-check kill-check fuzz-files
 	$(MAKE) --no-print-directory python-check
 	$(MAKE) --no-print-directory fuzz MUTANTS=$(or $(MUTANTS),2000)
 
+## The examples are documented too, so that the libraries have the features that the tests give them: without them cargo would
+## check all libraries once more. What warns in the library without its features, `library-check` says.
 lint: deps
 	cargo fmt --check
 	cargo clippy --all-targets $(FEATURES) -- -D warnings
-	cargo clippy --lib --no-default-features -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps $(FEATURES)
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --lib --examples $(FEATURES)
 
 site: $(PYTHON)
 	tools/site.sh

@@ -64,11 +64,14 @@ fn contact_beyond_the_free_amplitude_ends_where_a_multiplier_reaches_one() {
     assert!(multiplier(jump - 1) > 0.985 && multiplier(jump) < 0.97);
     assert!(values[jump - 1] <= fold && fold <= values[jump], "{fold}");
     let mut slow = Sweeper::free(system.modes, system.law(), system.place(values[0]));
-    let end = values.iter().skip(1).position(|value| {
-        let motion = slow.go(system.place(*value)).expect("it settles");
+    // Every tenth point at first: who lets go there already does not take hold again.
+    let near = jump.saturating_sub(20);
+    let points = (1..values.len()).filter(|n| *n >= near || n % 10 == 0);
+    let end = points.into_iter().find(|n| {
+        let motion = slow.go(system.place(values[*n])).expect("it settles");
         motion.amplitude < 16e-9
     });
-    assert_eq!(end.map(|n| n + 1), Some(jump));
+    assert_eq!(end, Some(jump));
 }
 
 /// Second states are looked for where the free oscillation does not reach the sample, too. Truth: the integrator, which holds contact

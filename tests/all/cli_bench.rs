@@ -4,23 +4,21 @@ use crate::program::Desk;
 
 const SMALL: &str = r#"
 [instrument.cantilever]
-stiffness = "40 N/m"
-frequency = "300 kHz"
-quality_factor = 20
+modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 20 }]
 [instrument.actuator]
 model = "rigid"
 [contact]
 law = "dmt"
 [drive]
 on = "tip"
-frequency = "resonance"
+frequency = "300 kHz"
 free_amplitude = "20 nm"
 [approach]
 gap = "14 nm"
 [sweep]
 "sample.youngs_modulus" = { from = "1 GPa", to = "2 GPa", points = 3 }
 [run]
-periods = 120
+periods = 60
 measure = 10
 "#;
 
@@ -70,7 +68,7 @@ fn misuse_is_told_before_anything_is_measured() {
     let free = SMALL.replace("law = \"dmt\"", "law = \"none\"");
     let path = desk.write("free.toml", &free);
     desk.refuses(&["bench", path.to_str().unwrap(), "--backend", "cpu", "-q"], &["nothing to step"]);
-    let single = SMALL.split("[sweep]").next().unwrap().to_owned() + "[run]\nperiods = 120\nmeasure = 10\n";
+    let single = SMALL.split("[sweep]").next().unwrap().to_owned() + "[run]\nperiods = 60\nmeasure = 10\n";
     let path = desk.write("single.toml", &single);
     let said = desk.call(&["bench", path.to_str().unwrap(), "--backend", "cpu", "--compared", "1", "-q"]);
     assert_eq!(said.code, Some(1));

@@ -3,7 +3,9 @@
 
 use crate::program::{Desk, numbers, scene, variable};
 use afmsweep::design::{Mix, normal_quantile};
+use afmsweep::store::read;
 use serde_json::Value;
+use std::sync::OnceLock;
 
 const SCENE: &str = r#"
 [instrument.cantilever]
@@ -39,8 +41,24 @@ samples = 512
 
 const FILE: &str = "results/curve.h5";
 
+/// A desk with the results of the scene as it is; several tests begin with them.
+fn desk() -> (Desk, afmsweep::store::Results) {
+    static RESULTS: OnceLock<Vec<u8>> = OnceLock::new();
+    let desk = Desk::new();
+    let path = desk.write("curve.toml", SCENE);
+    let run = || {
+        desk.run(&path, &[]);
+        std::fs::read(desk.path(FILE)).expect("the run leaves its file")
+    };
+    let bytes = RESULTS.get_or_init(run);
+    std::fs::create_dir_all(desk.path("results")).expect("the desk is a folder");
+    std::fs::write(desk.path(FILE), bytes).expect("there is room");
+    let results = read(&desk.path(FILE)).expect("it is a results file");
+    (desk, results)
+}
+
 /// A desk with the results of the scene, changed by `change`.
-fn desk(change: impl Fn(&str) -> String) -> (Desk, afmsweep::store::Results) {
+fn changed_desk(change: impl Fn(&str) -> String) -> (Desk, afmsweep::store::Results) {
     let desk = Desk::new();
     let path = desk.write("curve.toml", &change(SCENE));
     let results = desk.run(&path, &[]);
@@ -75,7 +93,7 @@ fn within(told: &Value, name: &str, truth: f64) {
 
 #[test]
 fn a_curve_is_one_however_its_file_is_written() {
-    let (desk, results) = desk(str::to_owned);
+    let (desk, results) = desk();
     let (rows, modulus) = measured(&results, 100, 0.0);
     desk.write("a.csv", &csv(HEAD, &rows, ","));
     let told = desk.json(&infer(&[&["--observed", "a.csv", "--json"][..], &SDS].concat()));
@@ -107,7 +125,7 @@ fn a_curve_is_one_however_its_file_is_written() {
 /// A page of an answer that nothing fits says so before it says what was found.
 #[test]
 fn the_page_of_a_curve_that_nothing_fits_warns_first() {
-    let (desk, results) = desk(str::to_owned);
+    let (desk, results) = desk();
     let (mut rows, _) = measured(&results, 100, 0.0);
     let options = ["--observed", "a.csv", "-o", "page", "--sd", "amplitude=0.15 nm", "--sd", "phase=4 deg"];
     let page = |rows: &[[f64; 3]]| {
@@ -128,7 +146,7 @@ fn the_page_of_a_curve_that_nothing_fits_warns_first() {
 
 #[test]
 fn an_offset_a_travel_and_a_factor_are_found() {
-    let (desk, results) = desk(str::to_owned);
+    let (desk, results) = desk();
     let (rows, modulus) = measured(&results, 100, 1.25);
     desk.write("a.csv", &csv(HEAD, &rows, ","));
     let sds = [&SDS[..], &["--json", "--offset"]].concat();
@@ -182,7 +200,7 @@ fn an_offset_a_travel_and_a_factor_are_found() {
 
 #[test]
 fn a_single_value_of_a_curve_needs_its_place() {
-    let (desk, results) = desk(str::to_owned);
+    let (desk, results) = desk();
     let seen = format!("amplitude={:e} m +- 50 pm", variable(&results, "amplitude")[11 * 100 + 4]);
     desk.refuses(
         &infer(&["--observed", &seen]),
@@ -206,8 +224,9 @@ fn a_single_value_of_a_curve_needs_its_place() {
 /// A curve there and back has two ways, and a row needs to be on one.
 #[test]
 fn ways_are_told_apart() {
-    let (desk, results) =
-        desk(|text| text.replace("points = 11", "points = 11\ndirection = \"both\"").replace("512", "1024"));
+    let (desk, results) = changed_desk(|text| {
+        text.replace("points = 11", "points = 11\ndirection = \"both\"").replace("512", "1024")
+    });
     let line = |way: usize, n: usize| {
         let at = 22 * 100 + 11 * way + n;
         let (amplitude, phase) = (variable(&results, "amplitude")[at], variable(&results, "phase")[at]);
@@ -235,7 +254,7 @@ fn ways_are_told_apart() {
 
 #[test]
 fn what_is_wrong_in_a_file_is_told_with_its_place() {
-    let (desk, results) = desk(|text| text.replace("512", "64"));
+    let (desk, results) = changed_desk(|text| text.replace("512", "64"));
     let (rows, _) = measured(&results, 10, 0.0);
     let refused = |text: String, more: &[&str], words: &[&str]| {
         desk.write("w.csv", &text);

@@ -144,18 +144,20 @@ fn sizes_beyond_what_is_usual_are_told_with_their_place() {
     assert!(said.out.contains("warning: deep.toml:15:1: approach.gap = -10 mm is beyond"), "{}", said.out);
 }
 
-/// Seconds passed before the first line. Truth: the number of rods in the scene.
+/// Seconds passed before the first line. Truth: the number of levers in the scene.
 #[test]
-fn a_plan_of_many_rods_is_told_before_it_begins() {
+fn a_plan_of_many_levers_is_told_before_it_begins() {
     let desk = Desk::new();
-    let rods = |count: usize| {
+    let levers = |count: usize| {
         format!(
-            "[instrument]\npreset = \"ha-fung-chen-2005\"\n[instrument.actuator]\nquality_factor = 100\n[sweep]\n\
-             \"instrument.actuator.length\" = {{ from = \"3.9 mm\", to = \"4.1 mm\", points = {count} }}\n"
+            "[instrument]\npreset = \"ha-fung-chen-2005\"\n[instrument.actuator]\nmodel = \"rigid\"\n\
+             [instrument.cantilever]\nquality_factor = 100\n[contact]\nlaw = \"none\"\n[drive]\non = \"tip\"\n\
+             frequency = \"resonance\"\nfree_amplitude = \"20 nm\"\n[sweep]\n\
+             \"instrument.cantilever.length\" = {{ from = \"240 um\", to = \"241 um\", points = {count} }}\n"
         )
     };
-    desk.write("many.toml", &rods(10_000));
-    desk.write("few.toml", &rods(20));
+    desk.write("many.toml", &levers(10_000));
+    desk.write("few.toml", &levers(20));
     let line = "planning 10000 instances with 10000 rods or levers ...\n";
     assert!(desk.works(&["plan", "many.toml"]).err.starts_with(line));
     assert!(!desk.works(&["plan", "many.toml", "-q"]).err.contains("planning"));

@@ -168,13 +168,13 @@ fn a_signal_at_any_moment_leaves_what_is_true() {
     assert!(cut > 0, "all nine runs had ended before their signals ({ended})");
 }
 
-/// A run that would last for a minute (six million steps of a thousand lanes) ends soon, and its exit code says by what.
+/// A run that would last for minutes (a million steps of ten thousand lanes) ends soon, and its exit code says by what.
 #[test]
 fn every_signal_keeps_what_is_complete_of_a_long_run() {
     let desk = Desk::new();
-    let text = "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"9 nm\", points = 4000 }\n\
+    let text = "[sweep]\n\"approach.gap\" = { from = \"1 nm\", to = \"9 nm\", points = 40000 }\n\
                 [contact]\nlaw = \"hertz\"\n[drive]\nfrequency = \"192 kHz\"\nvoltage = \"15 V\"\n\
-                [instrument.cantilever]\nquality_factor = 1e5\n[run]\nperiods = 20000\nsteps_per_period = 512\n";
+                [instrument.cantilever]\nquality_factor = 1e5\n[run]\nperiods = 2000\nsteps_per_period = 512\n";
     desk.write("long.toml", text);
     for (signal, code, word) in SIGNALS {
         let arguments = ["run", "long.toml", "-o", "long.h5"];
@@ -187,14 +187,14 @@ fn every_signal_keeps_what_is_complete_of_a_long_run() {
         assert_eq!(said.code, Some(code), "{}", said.err);
         assert!(said.err.contains(&format!("{word} in the stepping: ")), "{}", said.err);
         assert!(
-            said.err.contains("of 4000 instances") && said.err.contains("long.h5.partial"),
+            said.err.contains("of 40000 instances") && said.err.contains("long.h5.partial"),
             "{}",
             said.err
         );
         assert!(!desk.path("long.h5").exists());
         let kept = looked_into(&desk, "long.h5");
         std::fs::remove_file(desk.path("long.h5.partial")).unwrap();
-        assert_eq!(kept.status.len(), 4000);
+        assert_eq!(kept.status.len(), 40_000);
         assert!(kept.status.contains(&(Status::NotRun as u8)));
         assert_eq!((number(&kept, "complete"), kept.text("incomplete_phase")), (Some(0.0), Some("stepping")));
     }

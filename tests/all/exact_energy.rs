@@ -184,11 +184,11 @@ fn books_balance_for_every_steady_scene_file() {
             continue;
         }
         let count = scene.len();
-        // Five, spread over the sweep by the golden ratio.
-        let some: Vec<usize> = if count <= 5 {
+        // Three, spread over the sweep by the golden ratio.
+        let some: Vec<usize> = if count <= 3 {
             (0..count).collect()
         } else {
-            (1..=5).map(|i| ((f64::from(i) * 0.618_034).fract() * count as f64) as usize).collect()
+            (1..=3).map(|i| ((f64::from(i) * 0.618_034).fract() * count as f64) as usize).collect()
         };
         let ok = some
             .iter()

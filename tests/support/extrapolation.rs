@@ -44,24 +44,23 @@ impl Extrapolation {
         end: &mut [f64],
         error: &mut [f64],
     ) {
-        let size = y.len();
         rhs(t, y, &mut self.first);
         self.evaluations += 1;
         for (column, &n) in SUBSTEPS.iter().enumerate() {
             let sub = h / n as f64;
-            for i in 0..size {
-                self.old[i] = 0.0;
-                self.new[i] = sub * self.first[i];
+            self.old.fill(0.0);
+            for (new, first) in self.new.iter_mut().zip(&self.first) {
+                *new = sub * first;
             }
             for m in 1..n {
                 for ((place, start), gone) in self.place.iter_mut().zip(y).zip(&self.new) {
                     *place = start + gone;
                 }
                 rhs(t + sub * m as f64, &self.place, &mut self.slope);
-                for i in 0..size {
-                    let next = self.old[i] + 2.0 * sub * self.slope[i];
-                    self.old[i] = self.new[i];
-                    self.new[i] = next;
+                for ((old, new), slope) in self.old.iter_mut().zip(&mut self.new).zip(&self.slope) {
+                    let next = *old + 2.0 * sub * slope;
+                    *old = *new;
+                    *new = next;
                 }
             }
             self.evaluations += n as u64 - 1;
@@ -71,14 +70,13 @@ impl Extrapolation {
                 let ratio = n as f64 / SUBSTEPS[j] as f64;
                 let factor = 1.0 / (ratio * ratio - 1.0);
                 let (low, high) = self.table.split_at_mut(j + 1);
-                for i in 0..size {
-                    let better = high[0][i] + (high[0][i] - low[j][i]) * factor;
-                    low[j][i] = better;
+                for (low, high) in low[j].iter_mut().zip(&high[0]) {
+                    *low = high + (high - *low) * factor;
                 }
             }
         }
         // table[0] is the last row's best entry, table[1] the one before it
-        for i in 0..size {
+        for i in 0..y.len() {
             end[i] = y[i] + self.table[0][i];
             error[i] = self.table[0][i] - self.table[1][i];
         }

@@ -49,6 +49,51 @@ pub struct State {
     scale: f64,
 }
 
+/// What a mode's acceleration consists of, per radian of the drive's phase.
+struct ModeRates {
+    travel: f64,
+    force: f64,
+    push: f64,
+    damping: f64,
+    square: f64,
+}
+
+/// The equation of motion, with what stays the same worked out.
+struct Equation<'a> {
+    system: &'a System,
+    fold: f64,
+    modes: Vec<ModeRates>,
+}
+
+impl Equation<'_> {
+    /// Rates per radian: the modes', then the integrals of the measured quantities.
+    fn rates(&self, phase: f64, y: &[f64], touch: bool, harmonics: Option<usize>, out: &mut [f64]) {
+        let n = 2 * self.modes.len();
+        let system = self.system;
+        let (push, cosine) = phase.sin_cos();
+        let (mut z, mut rate) = (system.base * push, system.base * cosine);
+        // Indices, not chunks side by side: without link-time optimization each step of those is a call.
+        for (k, mode) in self.modes.iter().enumerate() {
+            z += mode.travel * y[2 * k];
+            rate += mode.travel * y[2 * k + 1];
+        }
+        let force = system.law.force_from(self.fold, -(system.gap + z), touch);
+        for (k, mode) in self.modes.iter().enumerate() {
+            let (x, v) = (y[2 * k], y[2 * k + 1]);
+            out[2 * k] = v;
+            out[2 * k + 1] = mode.force * force + mode.push * push - mode.damping * v - mode.square * x;
+        }
+        if let Some(harmonics) = harmonics {
+            out[n..n + 4].copy_from_slice(&[z, force, force * z, -force * rate]);
+            for h in 0..harmonics {
+                let (sine, cosine) = ((h + 1) as f64 * phase).sin_cos();
+                out[n + 4 + 2 * h] = z * sine;
+                out[n + 5 + 2 * h] = z * cosine;
+            }
+        }
+    }
+}
+
 impl System {
     /// One mode of stiffness `k` (N/m) and resonance `omega` (rad/s), driven by `force` (N) on the tip.
     pub fn one_mode(k: f64, omega: f64, quality: f64, force: f64, gap: f64, law: Law) -> Self {
@@ -111,27 +156,16 @@ impl System {
         -(self.gap + self.travel(phase, x).0)
     }
 
-    /// Rates per radian: the modes', then the integrals of the measured quantities.
-    fn rates(&self, phase: f64, y: &[f64], touch: bool, harmonics: Option<usize>, out: &mut [f64]) {
-        let n = 2 * self.modes.len();
-        let (z, rate) = self.travel(phase, y);
-        let force = self.law.force(-(self.gap + z), touch);
-        let push = phase.sin();
+    fn equation(&self) -> Equation<'_> {
         let unit = 1.0 / (self.drive * self.drive);
-        for (k, mode) in self.modes.iter().enumerate() {
-            let (x, v) = (y[2 * k], y[2 * k + 1]);
-            out[2 * k] = v;
-            let damping = mode.omega / mode.quality * self.drive * v;
-            out[2 * k + 1] = (mode.b * force + mode.g * push - damping - mode.omega * mode.omega * x) * unit;
-        }
-        if let Some(harmonics) = harmonics {
-            out[n..n + 4].copy_from_slice(&[z, force, force * z, -force * rate]);
-            for h in 0..harmonics {
-                let (sine, cosine) = ((h + 1) as f64 * phase).sin_cos();
-                out[n + 4 + 2 * h] = z * sine;
-                out[n + 5 + 2 * h] = z * cosine;
-            }
-        }
+        let modes = self.modes.iter().map(|mode| ModeRates {
+            travel: mode.c,
+            force: mode.b * unit,
+            push: mode.g * unit,
+            damping: mode.omega / mode.quality / self.drive,
+            square: mode.omega * mode.omega * unit,
+        });
+        Equation { system: self, fold: self.law.fold(), modes: modes.collect() }
     }
 
     /// Goes on by `span` radians of drive phase.
@@ -195,6 +229,7 @@ impl System {
         mut meter: Option<&mut Meter>,
     ) {
         let harmonics = meter.as_ref().map(|meter| meter.harmonics);
+        let equation = self.equation();
         let start = state.phase;
         let (mut end, mut error) = (state.x.clone(), state.x.clone());
         let mut gone = 0.0;
@@ -207,7 +242,8 @@ impl System {
             let phase = start + gone;
             let x = std::mem::take(&mut state.x);
             let mut go = |h: f64, end: &mut [f64], error: &mut [f64]| {
-                let mut rhs = |t: f64, y: &[f64], out: &mut [f64]| self.rates(t, y, touch, harmonics, out);
+                let mut rhs =
+                    |t: f64, y: &[f64], out: &mut [f64]| equation.rates(t, y, touch, harmonics, out);
                 tool.step(&mut rhs, (phase, &x), h, end, error);
             };
             // the measured integrals are not under error control: short steps for the highest harmonic
@@ -285,7 +321,7 @@ impl System {
             return speed > 0.0;
         }
         let mut out = vec![0.0; state.x.len()];
-        self.rates(phase, &state.x, state.touch, None, &mut out);
+        self.equation().rates(phase, &state.x, state.touch, None, &mut out);
         tool.evaluations += 1;
         let bend: f64 = self.modes.iter().enumerate().map(|(k, mode)| mode.c * out[2 * k + 1]).sum();
         bend - self.base * phase.sin() > 0.0

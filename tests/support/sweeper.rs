@@ -8,9 +8,6 @@ use std::f64::consts::{PI, TAU};
 
 /// Most modes.
 const MODES: usize = 2;
-/// Travel and rate (per radian of the drive) of each mode, then the fundamental's two integrals.
-type State = [f64; 2 * MODES + 2];
-
 /// A mode that moves the tip by as much as itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mode {
@@ -103,75 +100,179 @@ impl Sweeper {
 
     /// Goes on by one period and measures it.
     fn period(&mut self) -> Motion {
-        let mut y: State = [0.0; 2 * MODES + 2];
-        y[..2 * MODES].copy_from_slice(&self.place);
-        let fastest = self.modes.iter().map(|mode| mode.frequency).fold(self.at.frequency, f64::max);
-        let longest = TAU / STEPS * self.at.frequency / fastest;
+        match self.modes[1].stiffness > 0.0 {
+            true => self.period_of::<2>(),
+            false => self.period_of::<1>(),
+        }
+    }
+
+    fn period_of<const N: usize>(&mut self) -> Motion {
+        let equation = Equation::<N>::new(self);
+        let mut y = State {
+            z: std::array::from_fn(|k| self.place[k]),
+            v: std::array::from_fn(|k| self.place[MODES + k]),
+            sums: [0.0; 2],
+        };
         let mut phase = 0.0;
         while phase < TAU {
-            let distance = self.delta(&y).abs().min((self.delta(&y) - self.law.release()).abs()) + REACH;
-            let speed: f64 = y[MODES..2 * MODES].iter().sum();
-            let h = longest.min(SHARE * distance / speed.abs().max(1e-30)).min(TAU - phase);
-            let whole = self.stepped(phase, &y, h);
-            let (h, next) = if self.changes(&whole) { self.cut(phase, &y, h) } else { (h, whole) };
-            if self.changes(&next) {
+            let delta = equation.delta(&y);
+            let distance = delta.abs().min((delta - equation.release).abs()) + REACH;
+            let speed: f64 = y.v.iter().sum();
+            let h = equation.longest.min(SHARE * distance / speed.abs().max(1e-30)).min(TAU - phase);
+            let begin = Begin { y, wave: phase.sin_cos(), touching: self.touching };
+            let whole = equation.stepped(&begin, h);
+            let (h, next) =
+                if equation.past(&begin, &whole) > 0.0 { equation.cut(&begin, h) } else { (h, whole) };
+            if equation.past(&begin, &next) > 0.0 {
                 self.touching = !self.touching;
             }
             y = next;
             phase = if h == TAU - phase { TAU } else { phase + h };
         }
-        self.place.copy_from_slice(&y[..2 * MODES]);
-        let (sine, cosine) = (y[2 * MODES] / PI, y[2 * MODES + 1] / PI);
+        self.place[..N].copy_from_slice(&y.z);
+        self.place[MODES..MODES + N].copy_from_slice(&y.v);
+        let (sine, cosine) = (y.sums[0] / PI, y.sums[1] / PI);
         Motion { amplitude: sine.hypot(cosine), phase: (-cosine).atan2(sine).to_degrees().rem_euclid(360.0) }
     }
+}
 
-    fn delta(&self, y: &State) -> f64 {
-        -(self.at.gap + y[..MODES].iter().sum::<f64>())
+/// Travel and rate (per radian of the drive) of each mode, and the fundamental's two integrals.
+#[derive(Clone, Copy)]
+struct State<const N: usize> {
+    z: [f64; N],
+    v: [f64; N],
+    sums: [f64; 2],
+}
+
+impl<const N: usize> State<N> {
+    const ZERO: Self = Self { z: [0.0; N], v: [0.0; N], sums: [0.0; 2] };
+
+    // Loops, not iterators with closures: without link-time optimization each element of those is a call.
+    #[inline]
+    fn plus(&self, h: f64, k: &Self) -> Self {
+        let mut sum = *self;
+        for n in 0..N {
+            sum.z[n] += h * k.z[n];
+            sum.v[n] += h * k.v[n];
+        }
+        sum.sums[0] += h * k.sums[0];
+        sum.sums[1] += h * k.sums[1];
+        sum
     }
+}
 
-    /// Whether contact begins or ends by there.
-    fn changes(&self, y: &State) -> bool {
-        match self.touching {
-            true => self.delta(y) < self.law.release(),
-            false => self.delta(y) > 0.0,
+/// Where a step begins.
+struct Begin<const N: usize> {
+    y: State<N>,
+    /// Sine and cosine of the drive's phase.
+    wave: (f64, f64),
+    touching: bool,
+}
+
+/// What stays the same for a period: of each mode the square of its frequency, that over the stiffness, and its damping.
+struct Equation<const N: usize> {
+    squares: [f64; N],
+    gives: [f64; N],
+    damping: [f64; N],
+    gap: f64,
+    force: f64,
+    law: Law,
+    fold: f64,
+    release: f64,
+    /// The longest step, and sine and cosine of half of it.
+    longest: f64,
+    half: (f64, f64),
+}
+
+impl<const N: usize> Equation<N> {
+    fn new(of: &Sweeper) -> Self {
+        let fastest = of.modes.iter().map(|mode| mode.frequency).fold(of.at.frequency, f64::max);
+        let longest = TAU / STEPS * of.at.frequency / fastest;
+        let squares = std::array::from_fn(|k| (of.modes[k].frequency / of.at.frequency).powi(2));
+        Self {
+            squares,
+            gives: std::array::from_fn(|k| squares[k] / of.modes[k].stiffness),
+            damping: std::array::from_fn(|k| squares[k].sqrt() / of.modes[k].quality),
+            gap: of.at.gap,
+            force: of.at.force,
+            law: of.law,
+            fold: of.law.fold(),
+            release: of.law.release(),
+            longest,
+            half: (0.5 * longest).sin_cos(),
         }
     }
 
-    /// The shortest step after which contact has changed.
-    fn cut(&self, phase: f64, y: &State, h: f64) -> (f64, State) {
+    #[inline]
+    fn delta(&self, y: &State<N>) -> f64 {
+        let mut travel = 0.0;
+        for k in 0..N {
+            travel += y.z[k];
+        }
+        -(self.gap + travel)
+    }
+
+    /// How far the tip is past the place where contact begins or ends; negative before it.
+    fn past(&self, begin: &Begin<N>, y: &State<N>) -> f64 {
+        if begin.touching { self.release - self.delta(y) } else { self.delta(y) }
+    }
+
+    /// The shortest step after which contact has changed: between the nearest ones known, where a straight line meets that
+    /// place, and every third time in the middle.
+    fn cut(&self, begin: &Begin<N>, h: f64) -> (f64, State<N>) {
         let (mut before, mut after) = (0.0, h);
-        while after - before > MEETS * h {
+        let mut last = self.stepped(begin, h);
+        let (mut short, mut over) = (self.past(begin, &begin.y), self.past(begin, &last));
+        for n in 1.. {
+            if after - before <= MEETS * h {
+                break;
+            }
+            let line = before + (after - before) * short / (short - over);
             let middle = 0.5 * (before + after);
-            match self.changes(&self.stepped(phase, y, middle)) {
-                true => after = middle,
-                false => before = middle,
+            let least = 0.4 * MEETS * h;
+            let at = if n % 3 == 0 || !line.is_finite() {
+                middle
+            } else {
+                line.clamp(before + least, after - least)
+            };
+            let there = self.stepped(begin, at);
+            match self.past(begin, &there) {
+                past if past > 0.0 => (after, over, last) = (at, past, there),
+                past => (before, short) = (at, past),
             }
         }
-        (after, self.stepped(phase, y, after))
+        (after, last)
     }
 
-    fn stepped(&self, phase: f64, y: &State, h: f64) -> State {
-        let next = |k: &State, h: f64| std::array::from_fn(|n| y[n] + h * k[n]);
-        let a = self.rates(phase, y);
-        let b = self.rates(phase + 0.5 * h, &next(&a, 0.5 * h));
-        let c = self.rates(phase + 0.5 * h, &next(&b, 0.5 * h));
-        let d = self.rates(phase + h, &next(&c, h));
-        std::array::from_fn(|n| y[n] + h / 6.0 * (a[n] + 2.0 * (b[n] + c[n]) + d[n]))
+    fn stepped(&self, begin: &Begin<N>, h: f64) -> State<N> {
+        let Begin { y, wave, touching } = begin;
+        let half = if h == self.longest { self.half } else { (0.5 * h).sin_cos() };
+        let middle = turned(*wave, half);
+        let a = self.rates(*wave, y, *touching);
+        let b = self.rates(middle, &y.plus(0.5 * h, &a), *touching);
+        let c = self.rates(middle, &y.plus(0.5 * h, &b), *touching);
+        let d = self.rates(turned(middle, half), &y.plus(h, &c), *touching);
+        y.plus(h / 6.0, &a).plus(h / 3.0, &b).plus(h / 3.0, &c).plus(h / 6.0, &d)
     }
 
-    /// Rates per radian of the drive.
-    fn rates(&self, phase: f64, y: &State) -> State {
-        let mut rates: State = [0.0; 2 * MODES + 2];
-        let (sine, cosine) = phase.sin_cos();
-        let force = self.at.force * sine + self.law.force(self.delta(y), self.touching);
-        for (k, mode) in self.modes.iter().enumerate().filter(|(_, mode)| mode.stiffness > 0.0) {
-            let w = mode.frequency / self.at.frequency;
-            let (z, v) = (y[k], y[MODES + k]);
-            rates[k] = v;
-            rates[MODES + k] = w * w * (force / mode.stiffness - z) - w / mode.quality * v;
+    /// Rates per radian of the drive, by its sine and cosine.
+    #[inline]
+    fn rates(&self, (sine, cosine): (f64, f64), y: &State<N>, touching: bool) -> State<N> {
+        let force = self.force * sine + self.law.force_from(self.fold, self.delta(y), touching);
+        let mut rates = State::ZERO;
+        let mut travel = 0.0;
+        for k in 0..N {
+            travel += y.z[k];
+            rates.z[k] = y.v[k];
+            rates.v[k] = self.gives[k] * force - self.squares[k] * y.z[k] - self.damping[k] * y.v[k];
         }
-        let travel: f64 = y[..MODES].iter().sum();
-        (rates[2 * MODES], rates[2 * MODES + 1]) = (travel * sine, travel * cosine);
+        rates.sums = [travel * sine, travel * cosine];
         rates
     }
+}
+
+/// Sine and cosine of the sum of two angles, by those of each.
+#[inline]
+fn turned((sine, cosine): (f64, f64), by: (f64, f64)) -> (f64, f64) {
+    (sine * by.1 + cosine * by.0, cosine * by.1 - sine * by.0)
 }
