@@ -189,21 +189,76 @@ gap = "0.26942 nm"
 "#,
     ];
     for lever in levers {
-        let text = format!(
-            "{lever}[run]\nsteady = \"search\"\n[output]\nobservables = [\"amplitude\", \"force_max\", \"force_min\"]"
-        );
-        let scene = Scene::parse(Path::new("rests.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
-        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
-        let progress = Progress::default();
-        let run = control::run(&plan, &Cpu::default(), &progress).expect("it runs");
-        let redone =
-            control::audit_of(&run, &[0], &MemoryJournal::default(), &progress).expect("it is redone");
-        let worst = redone[0].worst.expect("both are ok");
-        println!("{worst:.1e}, estimated {:.1e}", run.estimates[0]);
-        assert!(
-            worst < 1e-3 && worst < 3.0 * run.estimates[0].max(1e-5),
-            "{worst:e}, {:?}",
-            redone[0].errors
-        );
+        let (worst, estimate) = audited(&format!("{lever}[run]\nsteady = \"search\"\n"));
+        assert!(worst < 1e-3 && worst < 3.0 * estimate.max(1e-5), "{worst:e}, {estimate:e}");
     }
+}
+
+/// A contact that is 600 times as stiff as its lever feels modes that a static force hardly bends. Truth: the stepped engine
+/// with its own choice of modes; the audits' reference left some out, and was off by 1.3 and 2 times this accuracy.
+#[test]
+fn audits_have_the_modes_that_the_stepped_engine_finds_in_a_stiff_contact() {
+    for [stiffness, frequency, quality, radius, mass, modulus, drive, free, gap] in [
+        [
+            "0.4646 N/m",
+            "17.4497 kHz",
+            "3.787",
+            "17.866 nm",
+            "2.4976e-12 kg",
+            "22.549 GPa",
+            "17.33295 kHz",
+            "85.312 nm",
+            "41.672 nm",
+        ],
+        [
+            "0.048098 N/m",
+            "94.9268 kHz",
+            "21.055",
+            "12.795 nm",
+            "2.944e-14 kg",
+            "87.642 GPa",
+            "84.14233 kHz",
+            "21.815 nm",
+            "12.772 nm",
+        ],
+    ] {
+        let (worst, _) = audited(&format!(
+            r#"
+[instrument.cantilever]
+stiffness = "{stiffness}"
+frequency = "{frequency}"
+quality_factor = {quality}
+[instrument.actuator]
+model = "rigid"
+[instrument.tip]
+radius = "{radius}"
+mass = "{mass}"
+[sample]
+youngs_modulus = "{modulus}"
+[contact]
+law = "hertz"
+[drive]
+on = "actuator"
+frequency = "{drive}"
+free_amplitude = "{free}"
+[approach]
+gap = "{gap}"
+[run]
+steady = "search"
+accuracy = 1e-4
+"#
+        ));
+        assert!(worst < 1e-4, "{worst:e}");
+    }
+}
+
+/// The largest error of a scene's only instance by its audit, and its estimate.
+fn audited(scene: &str) -> (f64, f64) {
+    let text = format!("{scene}[output]\nobservables = [\"amplitude\", \"force_max\", \"force_min\"]\n");
+    let scene = Scene::parse(Path::new("audited.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+    let progress = Progress::default();
+    let run = control::run(&plan, &Cpu::default(), &progress).expect("it runs");
+    let redone = control::audit_of(&run, &[0], &MemoryJournal::default(), &progress).expect("it is redone");
+    (redone[0].worst.expect("both are ok"), run.estimates[0])
 }
