@@ -1,7 +1,7 @@
 //! The paper, reproduced and questioned: J.-L. Ha, R.-F. Fung, Y.-C. Chen, "Dynamic Responses of an Atomic
 //! Force Microscope Interacting With Samples", J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 //!
-//! One file a question: `table1.rs` (what follows from Table 1), `printed_choices.rs` (what hangs on the choices the
+//! One file a question: `table1.rs` (what follows from Table 1), `printed_choices.rs` (what depends on the choices the
 //! printed text leaves), `figure3.rs`, `figure4.rs`, `coupling.rs` (their first conclusion), `ensemble/`
 //! (what they could not do). Each finds numbers and draws pictures; `page/` tells about them.
 

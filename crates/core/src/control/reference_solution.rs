@@ -297,8 +297,8 @@ const REFERENCE_DROP_SHARE: f64 = 1e-6;
 /// Largest error from replacing modes far faster than the contact by an oscillator or two, found on random levers redone with
 /// all modes (0.23 N/m on 33 GPa, JKR, requested accuracy 1e-4). At a looser accuracy more modes are replaced, so the error
 /// is bounded by a share of the accuracy.
-const MAX_REDUCED_FLEXIBILITY: f64 = 4e-5;
-const REDUCED_FLEXIBILITY_SHARE: f64 = 0.4;
+const REDUCTION_ERROR: f64 = 4e-5;
+const REDUCTION_ERROR_SHARE: f64 = 0.4;
 /// Largest distance from the periodic state that the reference's steps allow, in units of their tolerance.
 const MAX_TRUNCATION_MODES: f64 = 100.0;
 
@@ -318,7 +318,7 @@ pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f6
         left += share;
     }
     let error = gives_way(plan, instance, measured, left);
-    let most = MAX_REDUCED_FLEXIBILITY.max(REDUCED_FLEXIBILITY_SHARE * plan.run.accuracy);
+    let most = REDUCTION_ERROR.max(REDUCTION_ERROR_SHARE * plan.run.accuracy);
     if error.is_finite() { error.clamp(MAX_TRUNCATION_MODES * TOLERANCE, most) } else { f64::NAN }
 }
 

@@ -177,7 +177,7 @@ pub enum EngineError {
     #[error("no instance {instance}: the plan has {count}, numbered from 0")]
     NoInstance { instance: usize, count: usize },
     /// The record of a chunk.
-    #[error("what was written down of the run cannot be read again: {why}")]
+    #[error("the journal's record of a chunk cannot be read: {why}")]
     Unread { why: String },
 }
 

@@ -1,6 +1,7 @@
 //! Continuation along curves: periodic states followed from point to point, many curves side by side.
 
 use super::initial_guess::{CurvePrediction, InitialGuess};
+use super::period_map::distance;
 use super::search_batch::{self, BatchSolution};
 use super::verification::class_order;
 use super::{Jacobian, PeriodicState, period_map, time_integration};
@@ -329,10 +330,8 @@ fn ratio(plan: &Plan, first: u32, second: u32, third: u32) -> f64 {
 fn is_near(plan: &Plan, i: u32, found: &PeriodicState, other: &PeriodicState, most: f64) -> bool {
     let amplitude = plan.driven(i).free_amplitude();
     let scale = if plan.is_free(i) { amplitude.max(plan.case(i).gap) } else { amplitude };
-    section_distance(
-        &period_map::transfer_section(plan, i, found),
-        &period_map::transfer_section(plan, i, other),
-    ) <= most * scale
+    distance(&period_map::transfer_section(plan, i, found), &period_map::transfer_section(plan, i, other))
+        <= most * scale
 }
 
 /// Extrapolates the step from `there` to `here` by `strides` times its length.
@@ -343,12 +342,6 @@ pub(super) fn extrapolated(here: SectionState, there: &SectionState, strides: f6
         station.u[k] += strides * (here.u[k] - there.u[k]);
     }
     station
-}
-
-/// Distance between two section states of an instance, m.
-pub(super) fn section_distance(a: &SectionState, b: &SectionState) -> f64 {
-    let square = |k: usize| (a.x[k] - b.x[k]).powi(2) + (a.u[k] - b.u[k]).powi(2);
-    (0..MODES_MAX).map(square).sum::<f64>().sqrt()
 }
 
 /// Finds the states to which each instance's motion settles, by search, or by integration where that fails.

@@ -2,7 +2,7 @@
 
 use super::OrbitSolution;
 use super::initial_guess::InitialGuess;
-use super::period_map::{PeriodMap, section_numbers};
+use super::period_map::{PeriodMap, section, section_numbers};
 use super::tolerances;
 use super::verification::search_and_verify;
 use crate::engine::{Cpu, Engine, EngineError, JacobianStart, PeriodJacobian, ProfileSection, Progress};
@@ -63,7 +63,7 @@ pub(super) fn follow_and_search(
             taken[i] = envelope.evaluations();
             settled.periods[one.instance as usize] += taken[i];
             let rests = envelope.came() == Some(EnvelopeEnd::Settled);
-            places[i] = rests.then(|| station(envelope.state(), one.section.touching));
+            places[i] = rests.then(|| section(envelope.state().as_slice(), one.section.touching));
         }
     }
     settled.outcome.notes.extend(map.notes());
@@ -104,7 +104,7 @@ fn follow(
         let touching = |slot: u32| from[slot as usize].section.touching;
         let start = |(slot, one): &&mut (u32, Envelope)| JacobianStart {
             instance: *slot,
-            station: station(&one.ask(), touching(*slot)),
+            station: section(one.ask().as_slice(), touching(*slot)),
             least: 0.0,
         };
         let starts: Vec<JacobianStart> = open.iter().map(start).collect();
@@ -124,13 +124,4 @@ fn follow(
         });
     }
     Ok(all)
-}
-
-/// The section state with these numbers: travels of the kept modes, then rates.
-fn station(numbers: &DVector<f64>, touching: bool) -> SectionState {
-    let (x, u) = numbers.as_slice().split_at(numbers.len() / 2);
-    let mut station = SectionState { touching, ..SectionState::FREE };
-    station.x[..x.len()].copy_from_slice(x);
-    station.u[..u.len()].copy_from_slice(u);
-    station
 }

@@ -3,7 +3,7 @@
 
 use super::OrbitSolution;
 use super::initial_guess::InitialGuess;
-use super::period_map::{distance, station};
+use super::period_map::{distance, section};
 use super::size_dispatch::{BySize, by_size, with_size};
 use super::stencil::StencilStart;
 use super::transfer_cache::TransferCache;
@@ -77,7 +77,7 @@ impl BySize for MidpointSearch<'_> {
         let middle = |i: &u32| {
             let (state, far, touching) = leads[*i as usize].stencil()?.midpoint(plan, *i, &mut turns)?;
             let near = far <= MAX_MIDPOINT_DISTANCE * plan.driven(*i).free_amplitude();
-            near.then(|| (*i, station(&state, touching), far))
+            near.then(|| (*i, section(state.as_slice(), touching), far))
         };
         some.iter().filter_map(middle).collect()
     }

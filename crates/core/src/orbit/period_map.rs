@@ -351,15 +351,11 @@ where
     OVector::<f64, D>::from_iterator(station.x[..modes].iter().chain(&station.u[..modes]).copied())
 }
 
-/// The reverse of [`vector`].
-pub(super) fn station<D: Size + DimName>(vector: &OVector<f64, D>, touching: bool) -> SectionState
-where
-    DefaultAllocator: Memory<D>,
-{
-    let modes = D::DIM / 2;
-    let mut station = SectionState { touching, ..SectionState::FREE };
-    for k in 0..modes {
-        (station.x[k], station.u[k]) = (vector[k], vector[modes + k]);
-    }
-    station
+/// The section state of these numbers: travels of the modes, then their rates.
+pub(super) fn section(numbers: &[f64], touching: bool) -> SectionState {
+    let (x, u) = numbers.split_at(numbers.len() / 2);
+    let mut section = SectionState { touching, ..SectionState::FREE };
+    section.x[..x.len()].copy_from_slice(x);
+    section.u[..u.len()].copy_from_slice(u);
+    section
 }

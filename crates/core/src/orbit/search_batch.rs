@@ -2,7 +2,7 @@
 
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::instance_search::{InstanceSearch, padded};
-use super::period_map::{PeriodMap, station, vector};
+use super::period_map::{PeriodMap, section, vector};
 use super::size_dispatch::{BySize, by_size, with_size};
 use super::tolerances::{
     FALLBACK_TOL_F32, NEWTON_TOL_F32, fallback_tol, jacobian_columns, jacobian_drop_tol, newton_tol, scale,
@@ -233,7 +233,7 @@ impl SearchBatch<'_> {
             starts.clear();
             slopes.clear();
             for one in &all {
-                let places = one.search.ask().map(|state| station::<D>(&state, one.start.touching));
+                let places = one.search.ask().map(|state| section(state.as_slice(), one.start.touching));
                 if one.search.wants_jacobian() {
                     let least = jacobian_drop_tol(self.plan, self.instances[one.slot as usize]);
                     slopes.extend(places.map(|station| JacobianStart { instance: one.slot, station, least }));
@@ -361,7 +361,7 @@ impl SearchBatch<'_> {
             slot: one.slot,
             periods: one.stepped(),
             state: Ok(Box::new(PeriodicState {
-                section: station::<D>(&found.state, one.start.touching),
+                section: section(found.state.as_slice(), one.start.touching),
                 floquet: found.spectrum,
                 steps: case.steps,
                 basis: Arc::clone(&self.plan.driven(self.instances[one.slot as usize]).kept),

@@ -1,7 +1,8 @@
 //! The continuation of one instance to its set-point.
 
 use super::conservative_orbit::conservative_orbit;
-use super::continuation::{extrapolated, section_distance};
+use super::continuation::extrapolated;
+use super::period_map::distance;
 use super::{PeriodicState, period_map};
 use crate::plan::{Plan, SectionState, SetPoint};
 use crate::scene::{ForceBranch, Held};
@@ -80,15 +81,15 @@ impl SetPointBranch {
             period_map::transfer_section(part, i, found),
             period_map::transfer_section(part, i, &self.last.state),
         );
-        section_distance(&here, expected) <= MAX_PREDICTION_ERROR * amplitude
-            && section_distance(&here, &last) <= MAX_STATE_CHANGE * amplitude
+        distance(&here, expected) <= MAX_PREDICTION_ERROR * amplitude
+            && distance(&here, &last) <= MAX_STATE_CHANGE * amplitude
     }
 
     /// Whether a state is close enough to the last one to be on its branch.
     pub(super) fn is_near(&self, plan: &Plan, state: &PeriodicState) -> bool {
         let place = |state| period_map::transfer_section(plan, self.instance, state);
         let amplitude = plan.driven(self.instance).free_amplitude();
-        section_distance(&place(state), &place(&self.last.state)) <= MAX_PREDICTION_ERROR * amplitude
+        distance(&place(state), &place(&self.last.state)) <= MAX_PREDICTION_ERROR * amplitude
     }
 
     /// The predictor of instance `i` of `part`: the secant through the last two points.

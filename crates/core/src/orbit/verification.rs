@@ -197,7 +197,7 @@ pub(super) fn run_on(
     };
     let mut from = plan.starting_at(found.iter().map(start).collect());
     (from.run.periods, from.run.measure) = (CONFIRM_PERIODS, from.run.measure.min(CONFIRM_PERIODS - 1));
-    progress.task("running on", 0);
+    progress.task("confirming", 0);
     progress.foresee(from.instance_steps());
     let mut outcome = engine.run(&from, progress)?;
     outcome.ends = Vec::new();

@@ -43,7 +43,7 @@ pub(super) fn is_head_on(mode: &Mode, omega: f64) -> bool {
 }
 
 /// Loss of the mode under the nearest harmonic of the tip force: its compliance out of phase, m/N.
-fn relative_loss(mode: &Mode, omega: f64) -> f64 {
+fn lossy_compliance(mode: &Mode, omega: f64) -> f64 {
     let harmonic = nearest_harmonic(mode, omega);
     let (_, lags) = answer(mode, harmonic * omega);
     flexibility(mode) * lags * (SMOOTH_HARMONIC / harmonic).min(1.0).powi(4)
@@ -61,7 +61,7 @@ pub(super) fn resonant_modes(modes: &[Mode], omega: f64, accuracy: f64) -> Vec<u
     let least = MIN_LOSS_RATIO * accuracy * modes.iter().map(flexibility).sum::<f64>() / quality;
     let mut met: Vec<(usize, f64)> = modes
         .iter()
-        .map(|mode| relative_loss(mode, omega))
+        .map(|mode| lossy_compliance(mode, omega))
         .enumerate()
         .filter(|(_, lost)| *lost > least)
         .collect();
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_mode_at_resonance_loses_its_share_times_its_quality_factor() {
-        let lost = relative_loss(&mode(1e-5, 6.0, 100.0), std::f64::consts::TAU);
+        let lost = lossy_compliance(&mode(1e-5, 6.0, 100.0), std::f64::consts::TAU);
         assert!((lost / 1e-3 - 1.0).abs() < 1e-12, "{lost}");
     }
 

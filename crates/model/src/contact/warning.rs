@@ -30,7 +30,7 @@ pub enum Warning {
     #[error(
         "Tabor's parameter {tabor:.4} lies between dmt (below {DMT_BELOW}) and jkr (above \
          {JKR_ABOVE}): {law} is an approximation, its adhesion off by up to a third; run the other \
-         law as well to see what hangs on it"
+         law as well to see what depends on it"
     )]
     BetweenLaws { law: Law, tabor: f64 },
     /// Hertz was asked for, and adhesion is not negligible at this load.

@@ -56,7 +56,7 @@ pub enum GpuError {
     )]
     Twice { wanted: String, adapter: String },
     #[error(
-        "the GPU adapters of `{wanted}` are of different kinds ({}), whose last bits may differ, so that results would hang on which of them ran an instance: name adapters of one kind{}",
+        "the GPU adapters of `{wanted}` are of different kinds ({}); an instance's last bits would then depend on the adapter that ran it: name adapters of one kind{}",
         kinds.join("; "), advice(of_one_kind)
     )]
     Kinds { wanted: String, kinds: Vec<String>, of_one_kind: Vec<usize> },

@@ -30,8 +30,9 @@ use system::System;
 /// What the reference engine integrates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
-    /// The instrument's own modes until less than 1e-6 of the tip's flexibility is left, and at least
-    /// those that the plan keeps: shows the error of reduction and steps together.
+    /// The instrument's own modes until less than 1e-6 of the tip's flexibility is left, and less than 1e-5 of it at the
+    /// contact's rate among modes up to 16 times as fast; at least those that the plan keeps. Shows the error of reduction and
+    /// steps together.
     #[default]
     Whole,
     /// The plan's oscillators: shows the error of the steps alone.

@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 /// the least tolerance, in tolerances of the steps.
 const NEWTON_TOL_SHARE: f64 = 1e-4;
 const FALLBACK_TOL_SHARE: f64 = 1e-2;
-const MAX_DISTANCE_TOLERANCES: f64 = 100.0;
+const MIN_TOL_OVER_STEP_TOL: f64 = 100.0;
 /// Allowed error of the Jacobian due to the steps' tolerance, as a share of the slowest mode's loss in a period; and the least
 /// value of that loss.
 const JACOBIAN_ERROR_SHARE: f64 = 1e-2;
@@ -65,7 +65,7 @@ pub fn solve_near(
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { FD_STEP_ROUGH } else { FD_STEP_SMOOTH };
     let lost = least_lost(&system, driven, &slow);
-    let aim = (NEWTON_TOL_SHARE * accuracy).max(MAX_DISTANCE_TOLERANCES * options.tolerance);
+    let aim = (NEWTON_TOL_SHARE * accuracy).max(MIN_TOL_OVER_STEP_TOL * options.tolerance);
     let walk = Integrator::new(system, options.tolerance.min(JACOBIAN_ERROR_SHARE * step * lost));
     let mut map = Map { walk, remembers, touching: station.touching, slow, before: all.clone(), after: all };
     let options = NewtonOptions {

@@ -33,9 +33,8 @@ pub(super) struct Integrator {
     /// Scales of length (m) and force (N) for errors.
     length: f64,
     force: f64,
-    /// Next step to try; first steps to try after contact ended and after it began.
+    /// Next step to try.
     h: f64,
-    after: [f64; 2],
     longest: f64,
     /// Error of the last accepted step.
     before: f64,
@@ -62,7 +61,6 @@ impl Integrator {
             tolerance,
             length,
             h: FIRST_STEP_PHASE,
-            after: [FIRST_STEP_PHASE; 2],
             before: 1e-4,
             system,
         }
@@ -136,7 +134,7 @@ impl Integrator {
         if let Some(meter) = meter.as_deref_mut() {
             meter.begun += f64::from(u8::from(self.system.touching));
         }
-        self.h = self.after[usize::from(self.system.touching)].min(self.longest);
+        self.h = FIRST_STEP_PHASE.min(self.longest);
         self.before = 1e-4;
         self.begin(theta, meter);
     }
