@@ -135,6 +135,19 @@ fn what_has_no_periodic_state_is_waited_for() {
     assert!(settled.periods[0] >= plan.run.periods);
 }
 
+/// The waits before searches are 3, 32 and 128 periods, one after the other; none may pass the periods of the run, which would
+/// then have a negative number of periods left.
+#[test]
+fn waits_before_searches_end_with_the_run() {
+    let mut scene = Scene::load(Path::new("tests/hard/jkr_edge_between.toml")).unwrap();
+    for periods in [33, 140, 163] {
+        scene.run.periods = periods;
+        let (_, settled) = run(&scene, Steady::Search);
+        assert_eq!(settled.outcome.results[0].status, Status::NotSteady, "{periods}");
+        assert!(settled.periods[0] < 1000, "{periods}: {}", settled.periods[0]);
+    }
+}
+
 /// Bounds on the distance of two engines' states: see tests/all/agree_reference.rs for the steps' part.
 #[test]
 fn the_references_own_state_is_next_to_the_one_found() {

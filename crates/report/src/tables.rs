@@ -112,7 +112,9 @@ fn status(results: &Results) -> DocumentTable {
 fn cure(word: &str) -> &'static str {
     match word {
         "law_does_not_fit" => "set contact.law to the law that fits Tabor's parameter, or to \"auto\"",
-        "between_laws" => "adhesion off by up to a third: run the other law as well to see what depends on it",
+        "between_laws" => {
+            "adhesion off by up to a third: run the other law as well to see what depends on it"
+        }
         "adhesion_left_out" => "set contact.law to \"auto\", or sample.surface_energy to zero",
         "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
         "rigid_tip" => "give the tip its youngs_modulus and poisson_ratio",

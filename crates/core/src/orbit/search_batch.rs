@@ -114,6 +114,14 @@ impl BySize for SearchSlice<'_> {
 /// An instance without a state yet, the periods stepped for it so far, and the start of the last search.
 type UnsolvedSlot = (u32, u32, SectionState);
 
+/// Whether a search follows one of these waits, after `waited` periods, before the run's end.
+fn searches_later(waits: &[(u32, bool)], mut waited: u32, periods: u32) -> bool {
+    waits.iter().any(|(warm, searches)| {
+        waited += warm;
+        *searches && waited < periods
+    })
+}
+
 impl SearchBatch<'_> {
     fn case(&self, slot: u32) -> Case {
         self.plan.case(self.instances[slot as usize])
@@ -157,7 +165,7 @@ impl SearchBatch<'_> {
         let (mut waited, periods) = (0, plan.run.periods);
         for (n, &(warm, searches)) in from.warm_up().iter().enumerate() {
             // Integration to steady state is cheaper.
-            if left.is_empty() || warm >= periods {
+            if left.is_empty() || waited + warm >= periods {
                 break;
             }
             left = self.integrate_on(left, warm)?;
@@ -168,8 +176,7 @@ impl SearchBatch<'_> {
                     one.periods = stepped;
                     Box::new(one)
                 };
-                let last =
-                    !from.warm_up()[n + 1..].iter().any(|(warm, searches)| *searches && *warm < periods);
+                let last = !searches_later(&from.warm_up()[n + 1..], waited, periods);
                 left = self.run_to_end(left.into_iter().map(begun).collect(), last, &mut done)?;
             }
         }

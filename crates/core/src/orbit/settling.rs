@@ -269,7 +269,7 @@ pub(super) fn integrations(
     let mut groups: BTreeMap<u32, (Vec<u32>, Vec<SectionState>)> = BTreeMap::new();
     for one in left {
         // At least the measured periods run, however few are left.
-        let left = if one.not_settling { 0 } else { plan.run.periods - one.integrated };
+        let left = if one.not_settling { 0 } else { plan.run.periods.saturating_sub(one.integrated) };
         let periods = left.max(plan.run.measure + 1);
         let group = groups.entry(periods).or_default();
         group.0.push(one.instance);
