@@ -198,7 +198,8 @@ impl Canvas {
             Anchor::Right => ("end", String::new()),
             Anchor::Upward => ("middle", format!(" transform=\"rotate(270, {x}, {y})\"")),
         };
-        let size = size * FINE;
+        // This way round the last digit is that of earlier pictures.
+        let size = size * 1.24 * FINE / 1.24;
         let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
         let text = text.replace('"', "&quot;").replace('\'', "&apos;");
         self.add(format_args!(
