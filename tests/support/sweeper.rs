@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Most modes.
 const MODES: usize = 2;
+
 /// A mode that moves the tip by as much as itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mode {

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// Modes in order of their share of the tip's flexibility are taken until less than this is left.
 const DROP_SHARE: f64 = 1e-6;
-/// Modes up to so many times as fast as the contact stay as well, until less than this share of the flexibility at the
+/// Modes up to so many times as fast as the contact, or slower than one that stays, stay as well until less than this share of the flexibility at the
 /// contact's rate is left. Without them the largest force of a lever of 0.048 N/m on 88 GPa was 1.3e-4 off.
 const FELT_RATIO: f64 = 16.0;
 const FELT_SHARE: f64 = 1e-5;
@@ -254,34 +254,16 @@ fn chosen(driven: &Driven, rate: f64, far: Option<f64>) -> (Vec<usize>, f64) {
     let modes = &driven.instrument.modes;
     let share = |k: usize| modes[k].tip * modes[k].force / (modes[k].omega * modes[k].omega);
     let whole: f64 = (0..modes.len()).map(share).sum();
-    let mut order: Vec<usize> = (0..modes.len()).filter(|&k| share(k) != 0.0).collect();
-    order.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()));
-    // From the smallest up: what may go. A mode that the plan keeps stays.
     let planned = |k: usize| driven.kept.modes.iter().any(|mode| mode.index == Some(k));
-    let mut absolute = 0.0;
-    while let Some(&k) = order.last() {
-        absolute += (share(k) / whole).abs();
-        if absolute > DROP_SHARE || planned(k) {
-            break;
-        }
-        order.pop();
-    }
+    let moved = (0..modes.len()).filter(|&k| share(k) != 0.0).collect();
+    let mut order = largest(moved, |k| share(k) / whole, DROP_SHARE, planned);
     // A contact much stiffer than the lever feels modes of a smaller share, too, unless they are much faster. Modes that are
     // slower than one that stays cost no smaller steps.
     let slow = order.iter().map(|&k| modes[k].omega).fold(FELT_RATIO * rate, f64::max);
     let at_rate = |some: &[Mode]| compliance(some.iter().map(|m| (m.omega, m.inverse_mass())), rate);
     let one = |k: usize| at_rate(&modes[k..=k]);
-    let mut felt: Vec<usize> =
-        (0..modes.len()).filter(|k| modes[*k].omega <= slow && !order.contains(k)).collect();
-    felt.sort_by(|a, b| one(*b).abs().total_cmp(&one(*a).abs()));
-    let (mut gone, most) = (0.0, FELT_SHARE * at_rate(modes).abs());
-    while let Some(&k) = felt.last() {
-        gone += one(k).abs();
-        if gone > most {
-            break;
-        }
-        felt.pop();
-    }
+    let rest = (0..modes.len()).filter(|k| modes[*k].omega <= slow && !order.contains(k)).collect();
+    let felt = largest(rest, one, FELT_SHARE * at_rate(modes).abs(), |_| false);
     order.extend(felt);
     let left = 1.0 - order.iter().map(|&k| share(k)).sum::<f64>() / whole;
     if let Some(far) = far {
@@ -289,4 +271,23 @@ fn chosen(driven: &Driven, rate: f64, far: Option<f64>) -> (Vec<usize>, f64) {
         order.retain(|&k| modes[k].omega <= far || planned(k));
     }
     (order, left)
+}
+
+/// These modes without the smallest, which have no more than `most` together; a mode that `stays` keeps the larger ones, too.
+fn largest(
+    mut modes: Vec<usize>,
+    share: impl Fn(usize) -> f64,
+    most: f64,
+    stays: impl Fn(usize) -> bool,
+) -> Vec<usize> {
+    modes.sort_by(|a, b| share(*b).abs().total_cmp(&share(*a).abs()));
+    let mut gone = 0.0;
+    while let Some(&k) = modes.last() {
+        gone += share(k).abs();
+        if gone > most || stays(k) {
+            break;
+        }
+        modes.pop();
+    }
+    modes
 }
