@@ -206,3 +206,69 @@ impl ChunkRun {
         self.outcome.notes.extend(part.outcome.notes);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control;
+    use crate::engine::{Cpu, Outcome};
+    use crate::plan::Precision;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// The CPU engine, which confirms no state of plans with at least so many steps per period: every motion seems unsteady
+    /// in its first five periods.
+    struct Unconfirming {
+        steps: u32,
+    }
+
+    impl Engine for Unconfirming {
+        fn device(&self) -> String {
+            "unconfirming".into()
+        }
+
+        fn run(&self, plan: &Plan, progress: &Progress) -> Result<Outcome, EngineError> {
+            let mut outcome = Cpu::default().run(plan, progress)?;
+            if plan.run.periods <= 5 && plan.steps(0) >= self.steps {
+                outcome.results.iter_mut().for_each(|one| one.status = Status::NotSteady);
+            }
+            Ok(outcome)
+        }
+    }
+
+    /// Truth: the same sweep with an engine that confirms states.
+    #[test]
+    fn states_that_no_run_confirms_are_integrated_as_instances_without_a_state_are() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 10 }]
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            free_amplitude = "20 nm"
+            [sweep]
+            "sample.youngs_modulus" = { from = "1 GPa", to = "2 GPa", points = 32, scale = "log" }
+            "approach.gap" = { from = "14 nm", to = "16 nm", points = 32 }
+            [run]
+            steady = "search"
+            accuracy = 1e-2
+            periods = 100
+            [output]
+            observables = ["amplitude"]
+        "#;
+        let scene = Scene::parse(Path::new("grid.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let run = |engine: &dyn Engine| control::run(&plan, engine, &Progress::default()).expect("it runs");
+        let truth = run(&Cpu::default());
+        // The first run finds states, and the second confirms none.
+        let integrated = run(&Unconfirming { steps: truth.plan.steps(0) });
+        let amplitude = plan.driven(0).free_amplitude();
+        for (i, (one, other)) in integrated.results.iter().zip(truth.results.iter()).enumerate() {
+            assert_eq!((one.status, other.status), (Status::Ok, Status::Ok), "instance {i}");
+            let off = (one.measured.harmonics[0] - other.measured.harmonics[0]).abs() / amplitude;
+            assert!(off < 1e-2, "instance {i}: amplitudes differ by {off:e}");
+        }
+    }
+}

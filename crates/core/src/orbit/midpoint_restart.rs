@@ -8,7 +8,7 @@ use super::size_dispatch::{BySize, by_size, with_size};
 use super::stencil::StencilStart;
 use super::transfer_cache::TransferCache;
 use super::verification::search_and_verify;
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::engine::{Engine, EngineError, Progress};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Plan, SectionState};
 use nalgebra::{DefaultAllocator, DimName};
@@ -49,7 +49,7 @@ impl OrbitSolution {
             search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         for (n, (_, place, far)) in middles.iter().enumerate() {
             if own.state(n).is_some_and(|state| distance(&state.section, place) > MIDPOINT_REACH * far) {
-                (own.found[n], own.outcome.results[n]) = (None, Finished::NOT_RUN);
+                own.drop_state(n as u32);
             }
         }
         self.take(&numbers, own);

@@ -5,7 +5,7 @@ use super::period_map::distance;
 use super::stencil::{Stencil, StencilPoint, StencilStart};
 use super::verification::search_and_verify;
 use super::{OrbitSolution, PeriodicState, quasi_newton, search_or_integrate};
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::engine::{Engine, EngineError, Progress};
 use crate::plan::{Plan, Precision, SectionState};
 
 /// Two states within this distance, in free amplitudes, are the same.
@@ -42,7 +42,7 @@ pub fn solve_from_neighbours(
     if plan.precision == Precision::F32 {
         // The states are known in f64, but measured in f32 as the plan asks.
         let unsure = settled.confirm_by_residual(plan, &led, engine, progress)?;
-        unsure.into_iter().for_each(|i| settled.found[i as usize] = None);
+        unsure.into_iter().for_each(|i| settled.drop_state(i));
         led.retain(|i| settled.found[*i as usize].is_some());
     }
     settled.vote_of_neighbours(
@@ -147,7 +147,7 @@ impl OrbitSolution {
             search_and_verify(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         for (n, (i, place)) in agreed.into_iter().zip(&places).enumerate() {
             if own.state(n).is_some_and(|state| apart(i, &state.section, place)) {
-                (own.found[n], own.outcome.results[n]) = (None, Finished::NOT_RUN);
+                own.drop_state(n as u32);
             }
         }
         self.take(&numbers, own);

@@ -2,7 +2,7 @@
 
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::{OrbitSolution, PeriodicState, gather, residual, search_batch};
-use crate::engine::{Cpu, Engine, EngineError, Outcome, Progress};
+use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::{Plan, Precision, SectionState, StartState};
 
 /// Periods that continue from a state that one period does not confirm; all but the first are measured. A few are as good as
@@ -62,11 +62,16 @@ fn search_by_travel(
         // Rounding in f32 lets a weakly damped state drift too far.
         settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
     }
-    left(&settled).into_iter().for_each(|i| settled.found[i as usize] = None);
+    left(&settled).into_iter().for_each(|i| settled.drop_state(i));
     Ok((settled, searched.left))
 }
 
 impl OrbitSolution {
+    /// Forgets a state that a run does not confirm. The instance counts as not run, so that other starts follow.
+    pub(super) fn drop_state(&mut self, i: u32) {
+        (self.found[i as usize], self.outcome.results[i as usize]) = (None, Finished::NOT_RUN);
+    }
+
     /// Measures one period of each of the states found of `chosen`, and takes it as the result where its residual confirms the
     /// state. Returns the others.
     pub(super) fn confirm_by_residual(
