@@ -37,11 +37,12 @@ pub(super) fn remaining_error_factor(plan: &Plan, i: u32) -> f64 {
 }
 
 /// Share of the difference between two numbers of steps that remains in the finer run's error, the coarser run having
-/// `coarser` steps in a period.
+/// `coarser` steps in a period. Above the accuracy `corners_below` oscillators that a run cannot follow are too small a part.
 pub(super) fn remaining_step_error(plan: &Plan, i: u32, coarser: u32) -> f64 {
-    let driven = plan.driven(i);
+    let (driven, policy) = (plan.driven(i), &plan.policy);
     let turn = TAU * driven.kept.fastest() / (driven.free.omega * f64::from(coarser));
-    if turn > PI { plan.policy.left_of_aliased } else { plan.policy.left_of_steps }
+    let aliased = turn > PI && plan.run.accuracy < policy.corners_below;
+    if aliased { policy.left_of_aliased } else { policy.left_of_steps }
 }
 
 /// Whether the rate of the contact determines the instance's oscillators.

@@ -117,10 +117,7 @@ pub(super) fn run(
         let i = stepped[place as usize];
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
         let of_both = rough.status == Status::Ok && !same_basis;
-        let left = match of_both {
-            true => remaining_error_factor(&begun.plan, i),
-            false => remaining_step_error(&begun.plan, i, coarse.steps(place)),
-        };
+        let left = remaining(&begun.plan, i, of_both, coarse.steps(place));
         // A first run that was cut short gives no estimate.
         let told =
             rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
@@ -129,12 +126,16 @@ pub(super) fn run(
         known.unsplit = of_both.then_some(apart);
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
-    begun.add_unbent(stepped);
     begun.add_missed(stepped);
     if let Some(SmallerBasis { bases, .. }) = &poorer {
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
+}
+
+/// Share of the difference between the first two runs that remains in the second one's error.
+fn remaining(plan: &Plan, i: u32, of_both: bool, coarser: u32) -> f64 {
+    if of_both { remaining_error_factor(plan, i) } else { remaining_step_error(plan, i, coarser) }
 }
 
 /// Runs `stepped` with the coarse plan, then all instances with the fine plan. The last result says which instances started
@@ -246,8 +247,9 @@ impl FirstEstimate {
         stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
     }
 
-    /// Raises the truncation error to what contacts as short as those measured make of it.
+    /// Adds the error of the virial, then raises the truncation error to what contacts as short as those measured make of it.
     fn add_missed(&mut self, stepped: &[u32]) {
+        self.add_unbent(stepped);
         let results = &self.settled.outcome.results;
         let of = |i: &u32| missed(&self.plan, *i, &results[*i as usize].measured);
         let all: Vec<f64> = stepped.par_iter().map(of).collect();

