@@ -12,6 +12,9 @@ const RATE_BY_DURATION: f64 = 4.0;
 /// faster than its middle.
 const ONSET_MARGIN: f64 = 2.0;
 
+/// A share of the accuracy that no estimate needs.
+const NEGLIGIBLE_SHARE: f64 = 0.01;
+
 /// Error of an instance's largest force, on its scale, from what its basis misses of the tip's compliance at the rate of the
 /// contact that was measured.
 ///
@@ -32,7 +35,12 @@ pub(super) fn missed(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     let kept = compliance(driven.kept.modes.iter().map(|mode| (mode.omega, mode.inverse_mass)), rate);
     let stiffness = contact.stiffness(depth, true).abs();
     let part = stiffness * (kept - whole).abs() / (1.0 + stiffness * whole.abs());
-    let force = contact.law().elastic_force(depth) / Scales::of(plan, instance as usize, measured).force;
-    let error = ONSET_MARGIN * part * force;
+    let moved = ONSET_MARGIN * part * contact.law().elastic_force(depth);
+    // The scale of forces is no less than the largest of them, and takes longer to tell.
+    let largest = measured.force_max.abs().max(measured.force_min.abs());
+    if moved <= NEGLIGIBLE_SHARE * plan.run.accuracy * largest {
+        return 0.0;
+    }
+    let error = moved / Scales::of(plan, instance as usize, measured).force;
     if error.is_finite() { error } else { 0.0 }
 }
