@@ -91,6 +91,48 @@ fn gaps_swept_alone_each_have_the_modes_they_need() {
     assert!(errors.iter().all(|error| *error < scene.run.accuracy), "{errors:?}");
 }
 
+/// The coarser of the first two runs has steps in which the fastest oscillator turns by more than half a turn. It says little
+/// of the finer one, whose largest force was 2.2 times the accuracy off with an estimate of 0.5 times it.
+#[test]
+fn a_run_that_cannot_follow_an_oscillator_says_little_of_the_next() {
+    let text = r#"
+        [instrument.cantilever]
+        stiffness = "29.7926 N/m"
+        frequency = "14.7377 kHz"
+        quality_factor = 2.76389
+        [instrument.actuator]
+        model = "rigid"
+        [instrument.tip]
+        radius = "1.10619 nm"
+        mass = "6.38703e-12 kg"
+        [sample]
+        youngs_modulus = "217.172 GPa"
+        surface_energy = "18.7294 mJ/m^2"
+        [contact]
+        law = "jkr"
+        [drive]
+        on = "actuator"
+        frequency = "12.9045 kHz"
+        free_amplitude = "0.712618 nm"
+        [approach]
+        gap = "0.369855 nm"
+        [run]
+        steady = "search"
+        accuracy = 1e-4
+        periods = 200
+        measure = 4
+        [output]
+        observables = ["amplitude", "phase", "force_max", "force_min", "indentation_max", "contact_time", "virial"]
+    "#;
+    let scene = Scene::parse(Path::new("taps.toml"), text).expect("the scene is whole");
+    let run = controlled(&checks::plan(&scene, None));
+    assert_eq!(run.results.get(0).status, Status::Ok);
+    let audited = control::audit(&run, 1, &MemoryJournal::default(), &Progress::default()).expect("it runs");
+    let error = audited[0].worst.expect("the reference finds the state");
+    println!("{error:.1e}, estimated {:.1e}", run.estimates[0]);
+    assert!(error < scene.run.accuracy && error < 3.0 * run.estimates[0], "{error:e}");
+}
+
 /// The modes with the largest shares, those of the first drive, miss it by seven times (tests/hard/sample_1_tpa.toml).
 #[test]
 fn modes_that_matter_are_kept() {

@@ -4,6 +4,7 @@ use crate::compare::{Scales, worst};
 use crate::engine::Finished;
 use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
 
 /// Difference of two results of an instance: that of the worst observable on its scale.
 pub(super) fn scaled_difference(plan: &Plan, i: u32, a: &Finished, b: &Finished) -> f64 {
@@ -33,6 +34,15 @@ pub(super) fn remaining_error_factor(plan: &Plan, i: u32) -> f64 {
         (true, false) => policy.left_of_corners,
         (false, false) => policy.left_of_steps,
     }
+}
+
+/// Share of the difference between two numbers of steps that remains in the finer run's error, the coarser run having
+/// `coarser` steps in a period. Above the accuracy `corners_below` oscillators that a run cannot follow are too small a part.
+pub(super) fn remaining_step_error(plan: &Plan, i: u32, coarser: u32) -> f64 {
+    let (driven, policy) = (plan.driven(i), &plan.policy);
+    let turn = TAU * driven.kept.fastest() / (driven.free.omega * f64::from(coarser));
+    let aliased = turn > PI && plan.run.accuracy < policy.corners_below;
+    if aliased { policy.left_of_aliased } else { policy.left_of_steps }
 }
 
 /// Whether the rate of the contact determines the instance's oscillators.

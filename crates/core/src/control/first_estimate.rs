@@ -1,7 +1,8 @@
 //! The first two runs of every instance, and the estimate from their difference.
 
 use super::decision::Refinement;
-use super::difference_scale::{is_fast, remaining_error_factor, scaled_differences};
+use super::difference_scale::{is_fast, remaining_error_factor, remaining_step_error, scaled_differences};
+use super::missed_compliance::missed;
 use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
 use super::step_reduction::{half_steps, quarter_steps};
@@ -10,6 +11,7 @@ use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution, PeriodicState};
 use crate::plan::{BasisRule, Plan, Precision, STEPS_MAX};
+use rayon::prelude::*;
 
 /// What the first estimate starts from.
 pub(super) struct EstimateInputs<'a> {
@@ -115,7 +117,7 @@ pub(super) fn run(
         let i = stepped[place as usize];
         let same_basis = coarse.driven(place).kept.modes == begun.plan.driven(i).kept.modes;
         let of_both = rough.status == Status::Ok && !same_basis;
-        let left = if of_both { remaining_error_factor(&begun.plan, i) } else { plan.policy.left_of_steps };
+        let left = remaining(&begun.plan, i, of_both, coarse.steps(place));
         // A first run that was cut short gives no estimate.
         let told =
             rough.status != Status::NotRun || begun.settled.outcome.results[i as usize].status != Status::Ok;
@@ -124,11 +126,16 @@ pub(super) fn run(
         known.unsplit = of_both.then_some(apart);
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
-    begun.add_unbent(stepped);
+    begun.add_missed(stepped);
     if let Some(SmallerBasis { bases, .. }) = &poorer {
         begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
     }
     Ok(begun)
+}
+
+/// Share of the difference between the first two runs that remains in the second one's error.
+fn remaining(plan: &Plan, i: u32, of_both: bool, coarser: u32) -> f64 {
+    if of_both { remaining_error_factor(plan, i) } else { remaining_step_error(plan, i, coarser) }
 }
 
 /// Runs `stepped` with the coarse plan, then all instances with the fine plan. The last result says which instances started
@@ -238,6 +245,18 @@ impl FirstEstimate {
     fn add_unbent(&mut self, stepped: &[u32]) {
         let costs = basis_choice::unbent_of(&self.plan, stepped, &self.settled.outcome.results);
         stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
+    }
+
+    /// Adds the error of the virial, then raises the truncation error to what contacts as short as those measured make of it.
+    fn add_missed(&mut self, stepped: &[u32]) {
+        self.add_unbent(stepped);
+        let results = &self.settled.outcome.results;
+        let of = |i: &u32| missed(&self.plan, *i, &results[*i as usize].measured);
+        let all: Vec<f64> = stepped.par_iter().map(of).collect();
+        for (i, missed) in stepped.iter().zip(all) {
+            let known = &mut self.known[*i as usize];
+            known.of_modes = known.of_modes.max(missed);
+        }
     }
 
     /// Runs fast contacts again with smaller bases and the same steps: the difference is their truncation error.

@@ -31,6 +31,7 @@ mod interruption;
 mod journaled_run;
 mod kd_tree;
 mod memory_journal;
+mod missed_compliance;
 mod orbit_pair;
 mod precision_trial;
 mod rbf;

@@ -1,6 +1,7 @@
 //! Results of the reference engine for instances that a stepped engine has run.
 
 use super::{Arithmetic, ChunkRun, RunResult, step_reduction};
+use crate::compare::Scales;
 use crate::engine::{Cpu, Engine, EngineError, Finished, Progress, Reference, TOLERANCE, solve_near};
 use crate::observe::{Measured, Status};
 use crate::orbit::{self, OrbitSolution, OrbitTable};
@@ -179,7 +180,10 @@ fn near(
         .par_bridge()
         .filter_map(|(n, station)| Some((n, station.as_ref()?)))
         .map(|(n, station)| {
-            let near = solve_near(&part, n, station, reference, progress)?;
+            let mut near = solve_near(&part, n, station, reference, progress)?;
+            if let Some(finer) = near.and_then(|one| finer(&part, n, &one.measured, reference)) {
+                near = solve_near(&part, n, station, &finer, progress)?;
+            }
             told(instances[n], near.as_ref());
             progress.done(1);
             Ok((n, near))
@@ -187,6 +191,18 @@ fn near(
         .collect::<Result<_, EngineError>>()?;
     done.into_iter().for_each(|(n, found)| near[n] = found);
     Ok(near)
+}
+
+/// The reference with finer steps, if those it has move the contact force by too much. Their tolerance is one of travel: a
+/// stiff contact that holds the tip of a lever driven far turns it into a large part of a small force.
+fn finer(plan: &Plan, instance: usize, measured: &Measured, reference: &Reference) -> Option<Reference> {
+    let (driven, contact) = (plan.driven(instance as u32), plan.contact(instance as u32));
+    let stiffness = contact.stiffness(measured.indentation_max, true).abs();
+    let force = Scales::of(plan, instance, measured).force;
+    let error = reference.tolerance * driven.free_amplitude() * stiffness / force;
+    let allowed = STEP_ERROR_SHARE * plan.run.accuracy;
+    let tolerance = (reference.tolerance * allowed / error).max(TOLERANCE);
+    (error > allowed && tolerance < reference.tolerance).then_some(Reference { tolerance, ..*reference })
 }
 
 /// Whole runs of these instances, in their order.
@@ -299,6 +315,8 @@ const REFERENCE_DROP_SHARE: f64 = 1e-6;
 /// is bounded by a share of the accuracy.
 const REDUCTION_ERROR: f64 = 4e-5;
 const REDUCTION_ERROR_SHARE: f64 = 0.4;
+/// Largest error of the contact force by the reference's steps, as a share of the accuracy.
+const STEP_ERROR_SHARE: f64 = 0.1;
 /// Largest distance from the periodic state that the reference's steps allow, in units of their tolerance.
 const MAX_TRUNCATION_MODES: f64 = 100.0;
 

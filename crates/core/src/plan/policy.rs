@@ -36,6 +36,9 @@ policy! {
     /// Share of the difference between two runs that remains as the finer one's error. Errors fall by 6 to 16 times with twice
     /// the steps (orders 2.6 to 4), which leaves a fifth to a fifteenth; single cases do worse.
     left_of_steps: f64 = 0.25,
+    /// The same, below the accuracy `corners_below`, where the fastest oscillator turns by more than half a turn in each step of
+    /// the coarser run. That run does not follow it, so the difference shows less of the finer one's error.
+    left_of_aliased: f64 = 0.5,
     /// The same for two numbers of oscillators for a fast contact, whose error falls by 2 to 8 times from one to the next.
     left_of_fast: f64 = 0.5,
     /// The same for two bases for slow contacts whose force has corners that excite all modes: under JKR, whose force jumps,
