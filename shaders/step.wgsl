@@ -28,6 +28,11 @@ struct Sample {
     work: real,
     virial: real,
     //% end
+    //% if forces
+    // Forces within the step.
+    least: real,
+    most: real,
+    //% end
     kick: Kick,
 }
 
@@ -35,5 +40,11 @@ fn step(lever: Case, law: Law, state: ptr<function, State>, cosine: real, sine: 
     let met = meet(lever, *state, cosine, sine, decay);
     let kick = law_kick(law, met.at, (*state).touching);
     *state = fly(lever, *state, kick);
-    return sampled(lever, met, kick);
+    var sample = sampled(lever, met, kick);
+    //% if forces
+    let forces = law_forces(law, met.at, kick);
+    sample.least = forces.x;
+    sample.most = forces.y;
+    //% end
+    return sample;
 }

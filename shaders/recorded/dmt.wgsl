@@ -35,9 +35,9 @@ fn law_kick(law: Law, at: Approach, touching: real) -> Kick {
         t15 = t22;
     }
     let t26 = ONE - t15;
-    let t27 = t13 - law.adhesion * (t15 * (ONE - t10) + t10);
-    let t28 = law.adhesion * law.inverse_decay * t26;
-    let t29 = -(t27 * (t14 - t28 * (t11 * t10 * t10))) * TWELFTH + t27;
+    let t27 = law.adhesion * law.inverse_decay * t26;
+    let t28 = t13 - law.adhesion * (t15 * (ONE - t10) + t10);
+    let t29 = -(t28 * (t14 - t27 * (t11 * t10 * t10))) * TWELFTH + t28;
     let t30 = t11 < EIGHT * abs(t12) || ZERO < t15;
     var t31 = t29;
     var t32 = ZERO;
@@ -51,7 +51,7 @@ fn law_kick(law: Law, at: Approach, touching: real) -> Kick {
         let t39 = HALF * t11;
         let t40 = t26 * (((TAIL_2 * t38 + TAIL_1) * t38 + THIRD) * (t33 * t11 * t35)) + t15 * t39;
         let t41 = t10 * (t26 * t40 - t39 * t39 * t10 * THIRD);
-        let t42 = select(t29, (at.acceleration - t27) * (t28 * t41 * t36) + t29, t30);
+        let t42 = select(t29, (at.acceleration - t28) * (t27 * t41 * t36) + t29, t30);
         t31 = t42;
         t32 = select(ZERO, -(law.adhesion * t37 * t41), t30);
     }

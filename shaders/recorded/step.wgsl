@@ -128,5 +128,5 @@ fn sampled(lever: Case, met: Met, kick: Kick) -> Sample {
     let t2 = -met.at.acceleration;
     let t3 = kick.impulse * (lever.kick_paid * kick.impulse + t1 - met.excess);
     let t4 = kick.impulse * (-t2 * TWENTY_FOURTH + (met.steady + met.beyond));
-    return Sample(TWENTY_FOURTH * kick.impulse + met.beyond, -TWENTY_FOURTH * kick.impulse + met.at.indentation, -t2 * kick.shift + t3, -kick.shift * (HALF * kick.impulse + t1) + t4, kick);
+    return Sample(TWENTY_FOURTH * kick.impulse + met.beyond, -TWENTY_FOURTH * kick.impulse + met.at.indentation, -t2 * kick.shift + t3, -kick.shift * (HALF * kick.impulse + t1) + t4, ZERO, ZERO, kick);
 }

@@ -8,6 +8,8 @@ struct Tally {
     deepest: real,
     highest: real,
     held: real,
+    strongest: real,
+    weakest: real,
     time: real,
     begun: real,
     ended: real,
@@ -29,6 +31,8 @@ fn tally_of(i: u32) -> Tally {
         states[at(TALLY_DEEPEST, i)],
         states[at(TALLY_HIGHEST, i)],
         states[at(TALLY_HELD, i)],
+        states[at(TALLY_STRONGEST, i)],
+        states[at(TALLY_WEAKEST, i)],
         states[at(TALLY_TIME, i)],
         states[at(TALLY_BEGUN, i)],
         states[at(TALLY_ENDED, i)],
@@ -50,6 +54,8 @@ fn store_tally(i: u32, tally: Tally) {
     states[at(TALLY_DEEPEST, i)] = tally.deepest;
     states[at(TALLY_HIGHEST, i)] = tally.highest;
     states[at(TALLY_HELD, i)] = tally.held;
+    states[at(TALLY_STRONGEST, i)] = tally.strongest;
+    states[at(TALLY_WEAKEST, i)] = tally.weakest;
     states[at(TALLY_TIME, i)] = tally.time;
     states[at(TALLY_BEGUN, i)] = tally.begun;
     states[at(TALLY_ENDED, i)] = tally.ended;
@@ -82,6 +88,8 @@ fn tally_add(tally: Tally, sample: Sample, index: u32) -> Tally {
         max(tally.deepest, t8),
         min(tally.highest, t8),
         t9,
+        max(tally.strongest, sample.most),
+        min(tally.weakest, sample.least),
         tally.time + sample.kick.contact,
         tally.begun + select(ZERO, ONE, t11 && !t10),
         tally.ended + select(ZERO, ONE, t10 && !t11),
@@ -103,6 +111,8 @@ fn tally_next_period(tally: Tally) -> Tally {
         ZERO,
         -FAR,
         FAR,
+        FAR,
+        -FAR,
         FAR,
         ZERO,
         ZERO,
@@ -132,6 +142,8 @@ struct RunSums {
     deepest: real,
     highest: real,
     held: real,
+    strongest: real,
+    weakest: real,
     time: real,
     begun: real,
     ended: real,
@@ -157,6 +169,8 @@ fn run_sums_of(i: u32) -> RunSums {
         states[at(RUN_SUMS_DEEPEST, i)],
         states[at(RUN_SUMS_HIGHEST, i)],
         states[at(RUN_SUMS_HELD, i)],
+        states[at(RUN_SUMS_STRONGEST, i)],
+        states[at(RUN_SUMS_WEAKEST, i)],
         states[at(RUN_SUMS_TIME, i)],
         states[at(RUN_SUMS_BEGUN, i)],
         states[at(RUN_SUMS_ENDED, i)],
@@ -182,6 +196,8 @@ fn store_run_sums(i: u32, run_sums: RunSums) {
     states[at(RUN_SUMS_DEEPEST, i)] = run_sums.deepest;
     states[at(RUN_SUMS_HIGHEST, i)] = run_sums.highest;
     states[at(RUN_SUMS_HELD, i)] = run_sums.held;
+    states[at(RUN_SUMS_STRONGEST, i)] = run_sums.strongest;
+    states[at(RUN_SUMS_WEAKEST, i)] = run_sums.weakest;
     states[at(RUN_SUMS_TIME, i)] = run_sums.time;
     states[at(RUN_SUMS_BEGUN, i)] = run_sums.begun;
     states[at(RUN_SUMS_ENDED, i)] = run_sums.ended;
@@ -210,6 +226,8 @@ fn close_period(run_sums: RunSums, tally: Tally) -> RunSums {
         max(run_sums.deepest, tally.deepest),
         min(run_sums.highest, tally.highest),
         min(run_sums.held, tally.held),
+        max(run_sums.strongest, tally.strongest),
+        min(run_sums.weakest, tally.weakest),
         run_sums.time + tally.time,
         run_sums.begun + tally.begun,
         run_sums.ended + tally.ended,

@@ -1,7 +1,7 @@
 //! Every law's mean along a piece of path against the static law integrated numerically.
 
 use afmsweep::contact::{self, StaticLaw};
-use afmsweep::kernel::contact::{Approach, Dmt, Hertz, Interaction, Jkr, Kick};
+use afmsweep::kernel::contact::{Approach, Dmt, Hertz, Interaction, Jkr, Kick, Tail};
 use afmsweep::kernel::{LENGTH, Lane};
 use std::f64::consts::PI;
 
@@ -20,8 +20,10 @@ fn hertz<L: Lane>() -> Hertz<L> {
 fn dmt<L: Lane>() -> Dmt<L> {
     Dmt {
         hertz: hertz(),
-        adhesion: L::splat(2.0 * PI * RADIUS * WORK * SCALE),
-        inverse_decay: L::splat(LENGTH / DECAY),
+        tail: Tail {
+            adhesion: L::splat(2.0 * PI * RADIUS * WORK * SCALE),
+            inverse_decay: L::splat(LENGTH / DECAY),
+        },
     }
 }
 

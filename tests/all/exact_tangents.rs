@@ -48,6 +48,9 @@ fn constants(law: Law, count: usize, filled: usize, steps: usize, i: usize) -> V
         "adhesion" => force * 0.4,
         "unit_force" => force * 0.8,
         "inverse_decay" => 3.3,
+        "retardation" => 0.2 + 0.1 * i as f64,
+        // Both forms of a viscous contact.
+        "ad_hoc" => f64::from(i as u32 % 2),
         _ => 2.5,
     };
     let law = law.fields().iter().map(of);
@@ -201,6 +204,8 @@ fn slopes_are_those_of_differences_with_every_law_and_number_of_modes() {
                     let scale = slope.abs().max();
                     for (row, (truth, unsure)) in truth.into_iter().enumerate() {
                         let error = (slope[(row, column)] - truth).abs();
+                        // The kick of a viscous contact jumps a little where the tip turns within a step, which no step's record tells.
+                        let unsure = if law.is_viscous() { 4.0 * unsure } else { unsure };
                         assert!(
                             error < 2e-8 * scale + unsure,
                             "{law}, {modes} modes, {i}: {error:e}, {unsure:e}"
@@ -267,7 +272,9 @@ fn every_lane_tells_the_same_slope() {
             double.0, double.1, single.0, single.1
         );
         assert!(double.0 < 1e-13 && double.1 < 1e-9, "{law}: {double:?}");
-        assert!(single.0 < 1e-5 && single.1 < 1e-4, "{law}: {single:?}");
+        // The impulse of a viscous contact is solved for, which costs a digit.
+        let largest = if law.is_viscous() { 1e-3 } else { 1e-4 };
+        assert!(single.0 < 1e-5 && single.1 < largest, "{law}: {single:?}");
     }
 }
 
@@ -296,7 +303,8 @@ fn without_a_sample_the_slope_is_the_free_flow() {
 /// period. The scheme is of fourth order, of third where contact begins and ends.
 #[test]
 fn the_determinant_is_liouvilles() {
-    for law in Law::ALL.into_iter().filter(|law| law.acts()) {
+    // A viscous sample takes volume, too.
+    for law in Law::ALL.into_iter().filter(|law| law.acts() && !law.is_viscous()) {
         for count in [1, 2, 3] {
             let lost: f64 = modes(count).iter().map(|mode| 2.0 * mode.damping * mode.omega).sum();
             let off = |steps: usize| {

@@ -270,6 +270,9 @@ fn every_quantity_can_be_written_swept_and_echoed() {
                 company = format!("{ROD}[instrument.cantilever]\nstiffness = \"2 N/m\"\n")
             }
             "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
+            "sample.viscosity" | "sample.retardation_time" | "sample.loss_tangent" => {
+                company = "[contact]\nlaw = \"dmt\"\n".into()
+            }
             "approach.deepest" => company = "[approach]\nsetpoint = 0.8\n".into(),
             "drive.force" => drive = "on = \"tip\"\n",
             "drive.base_amplitude" => company = "[instrument.actuator]\nmodel = \"rigid\"\n".into(),

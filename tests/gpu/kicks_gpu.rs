@@ -51,6 +51,7 @@ fn constants(i: usize, law: Law) -> Vec<f64> {
     let constant = |field: &&str| match *field {
         "stiffness" => stiffness,
         "adhesion" | "unit_force" => stiffness * spread(i, 13),
+        "ad_hoc" => (i % 2) as f64,
         _ => 1.0 + 9.0 * spread(i, 17),
     };
     law.fields().iter().map(constant).map(|value| f64::from(value as f32)).collect()

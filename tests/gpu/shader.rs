@@ -6,7 +6,7 @@ use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use afmsweep::observe::Observable;
 use afmsweep::plan::{Plan, SectionState, StartState};
-use afmsweep::scene::Scene;
+use afmsweep::scene::{Scene, Viscosity, ViscosityModel};
 use libtest_mimic::Failed;
 use std::path::Path;
 
@@ -29,6 +29,7 @@ pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> 
             format!("modes = [{}]", (0..modes).map(mode).collect::<Vec<_>>().join(", "))
         }
     };
+    let (word, viscous) = law.strip_suffix("-viscous").map_or((law, false), |word| (word, true));
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -38,7 +39,7 @@ model = "rigid"
 [sample]
 surface_energy = "20 mJ/m^2"
 [contact]
-law = "{law}"
+law = "{word}"
 [drive]
 on = "tip"
 frequency = "75 kHz"
@@ -59,6 +60,12 @@ steps_per_period = {steps}
     );
     let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.output.observables = Observable::all().collect();
+    if viscous {
+        scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
+        // Both forms.
+        let form = if modes % 2 == 0 { ViscosityModel::AdHoc } else { ViscosityModel::KelvinVoigt };
+        scene.base.contact.viscosity_model = form;
+    }
     scene
 }
 

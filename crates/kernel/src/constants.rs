@@ -42,6 +42,8 @@ constants! {
     LEAST = 1e-30;
     /// Factor of Hertz's energy, (2/5) d^2.5.
     HERTZ_ENERGY = 0.4;
+    /// Factor of Hertz's slope, 1.5 d^0.5.
+    HERTZ_SLOPE = 1.5;
     /// DMT's tail: (1/3 + (TAIL_1 + TAIL_2 x) x)/(1 + TAIL_POLE x) is 1/3 + x/15 + x^2/35 + ... right in its first two
     /// terms, and to 2.7e-3 from 0 to 1.
     TAIL_1 = 1.0 / 15.0 + TAIL_POLE / 3.0;

@@ -27,6 +27,10 @@ macro_rules! laws {
             Dmt = 2, "dmt", Dmt { attraction: Distant, memory: false, wide: [1 2 3 4], narrow: [6 8 24] };
             /// Johnson, Kendall & Roberts (1971): adhesion acts within the contact.
             Jkr = 3, "jkr", Jkr { attraction: Contact, memory: true, wide: [1 2], narrow: [3 4 6 8 24] };
+            /// Hertz with a viscous sample (Kelvin-Voigt).
+            ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, memory: false, wide: [], narrow: [2 8 24] };
+            /// DMT with a viscous sample.
+            ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, memory: false, wide: [], narrow: [2 8 24] };
         }
     };
 }
@@ -107,13 +111,24 @@ impl WithLaw<f64> for LawForm {
     }
 }
 
-/// What a law makes of an approach and of contact before it, both by their names in the shader.
-fn recorded_kick<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L, own: [L; 3]) -> Kick<L> {
+/// A kick by its members' names in the shader.
+pub(super) fn kick_at(place: &str) -> Kick<Recorded> {
+    let own = |member| Recorded::named(format!("{place}.{member}"));
+    Kick { impulse: own("impulse"), shift: own("shift"), contact: own("contact"), touching: own("touching") }
+}
+
+/// A law whose constants have the shader's names.
+fn recorded_law<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L) -> I {
     let mut fields = I::FIELDS.iter();
-    let law = I::from_numbers(|| {
+    I::from_numbers(|| {
         // A law that takes more numbers than it has fields is no shader to any driver.
         constant(Recorded::named(format!("law.{}", fields.next().unwrap_or(&"no field"))))
-    });
+    })
+}
+
+/// What a law makes of an approach and of contact before it, both by their names in the shader.
+fn recorded_kick<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L, own: [L; 3]) -> Kick<L> {
+    let law: I = recorded_law(&constant);
     let [indentation, speed, acceleration] = own;
     law.kick(Approach { indentation, speed, acceleration }, constant(Recorded::named("touching")))
 }
@@ -131,6 +146,23 @@ impl WithLaw<Recorded> for KickText {
             vec![kick.impulse, kick.shift, kick.contact, kick.touching]
         };
         function(head, kick, |words| format!("Kick({})", words.join(", ")))
+    }
+}
+
+/// The extreme forces within a step, likewise.
+struct ForcesText;
+
+impl WithLaw<Recorded> for ForcesText {
+    type Output = String;
+
+    fn with<I: Interaction<Recorded>>(self) -> String {
+        let head = "fn law_forces(law: Law, at: Approach, kick: Kick) -> vec2<real>";
+        let forces = || {
+            let law: I = recorded_law(|number| number);
+            let [indentation, speed, acceleration] = APPROACH.map(Recorded::named);
+            law.extremes(Approach { indentation, speed, acceleration }, &kick_at("kick")).to_vec()
+        };
+        function(head, forces, |words| format!("vec2<real>({})", words.join(", ")))
     }
 }
 
@@ -168,6 +200,20 @@ impl Law {
         Self::ALL.into_iter().find(|law| law.name() == name)
     }
 
+    /// The same law with a viscous sample, where there is one.
+    pub fn viscous(self) -> Option<Self> {
+        match self {
+            Self::Hertz => Some(Self::ViscousHertz),
+            Self::Dmt => Some(Self::ViscousDmt),
+            _ => None,
+        }
+    }
+
+    /// Whether its force depends on the rate of indentation.
+    pub fn is_viscous(self) -> bool {
+        matches!(self, Self::ViscousHertz | Self::ViscousDmt)
+    }
+
     /// Whether there is a sample at all.
     pub fn acts(self) -> bool {
         self != Law::None
@@ -191,6 +237,11 @@ impl Law {
     /// Its kick in WGSL, as [`Interaction::kick`] makes it operation by operation: `law_kick`. shaders/recorded/ shows it.
     pub fn kick_text(self) -> String {
         self.with(KickText)
+    }
+
+    /// The extreme forces within a step in WGSL: `law_forces`.
+    pub fn forces_text(self) -> String {
+        self.with(ForcesText)
     }
 
     /// The derivatives of its kick by the numbers of an [`Approach`] in WGSL: `law_slope`.

@@ -4,9 +4,9 @@
 //! ([`ShaderSpec::drive_fields`], [`ShaderSpec::state_fields`]).
 
 use super::constants::ZERO;
-use super::contact::{Approach, Interaction, Kick};
+use super::contact::{Approach, Interaction};
 use super::flow::Flow;
-use super::law::WithLaw;
+use super::law::{WithLaw, kick_at};
 use super::recorded::Recorded;
 use super::run_sums::RunSums;
 use super::sample::{Sample, Wave};
@@ -228,11 +228,6 @@ impl ShaderSpec {
     }
 }
 
-fn kick_at(place: &str) -> Kick<Recorded> {
-    let own = |member| named(place, member);
-    Kick { impulse: own("impulse"), shift: own("shift"), contact: own("contact"), touching: own("touching") }
-}
-
 fn sample_at(place: &str) -> Sample<Recorded> {
     let own = |member| named(place, member);
     Sample {
@@ -241,6 +236,8 @@ fn sample_at(place: &str) -> Sample<Recorded> {
         indentation: own("indentation"),
         work: own("work"),
         virial: own("virial"),
+        least: own("least"),
+        most: own("most"),
         kick: kick_at(&format!("{place}.kick")),
     }
 }
@@ -281,7 +278,9 @@ impl WithLaw<Recorded> for StepText<'_> {
             let met = Met { steady: own("steady"), beyond: own("beyond"), excess: own("excess"), approach };
             let sample = case::<I>(spec).sampled(&met, kick_at("kick"), energy);
             let work = energy.then_some([sample.work, sample.virial]).into_iter().flatten();
-            [sample.beyond, sample.indentation].into_iter().chain(work).collect()
+            // The law's own function makes them.
+            let forces = spec.sums().forces.then_some([sample.least, sample.most]).into_iter().flatten();
+            [sample.beyond, sample.indentation].into_iter().chain(work).chain(forces).collect()
         };
         let met = |words: &[String]| {
             let (own, approach) = words.split_at(words.len() - 3);

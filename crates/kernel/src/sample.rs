@@ -22,5 +22,8 @@ pub(crate) struct Sample<L> {
     pub work: L,
     /// Its virial, impulse times travel, likewise.
     pub virial: L,
+    /// Least and largest force within the step, as impulses, where they are asked for.
+    pub least: L,
+    pub most: L,
     pub kick: Kick<L>,
 }

@@ -189,6 +189,9 @@ impl ShaderSpec {
             return text + &self.step_text() + "\n" + &self.law.slope_text();
         }
         [NUMBER, SWEEP].iter().for_each(|file| add(file));
+        if self.sums().forces {
+            text += &self.law.forces_text();
+        }
         text + &self.step_text() + &self.sums_text()
     }
 
@@ -297,6 +300,7 @@ impl ShaderSpec {
             "decay" => self.decay,
             "shifts" => self.law.shifts(),
             "energy" => self.sums().energy,
+            "forces" => self.sums().forces,
             _ => return None,
         })
     }

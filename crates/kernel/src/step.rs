@@ -158,19 +158,23 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     }
 
     /// Kick at the sample, then exact flow to the next one. What makes work and virial is zero in the
-    /// sample unless `energy` is asked for.
+    /// sample unless they are asked for, and so are extreme forces.
     #[inline(always)]
     pub fn step(
         &self,
         state: &mut State<L, M>,
         wave: Wave<L::Element>,
         decay: Option<Decay<L::Element>>,
-        energy: bool,
+        wants: Wants,
     ) -> Sample<L> {
-        let met = self.meet(state, wave, decay, energy);
+        let met = self.meet(state, wave, decay, wants.energy);
         let kick = self.law.kick(met.approach, state.touching);
         self.fly(state, &kick);
-        self.sampled(&met, kick, energy)
+        let mut sample = self.sampled(&met, kick, wants.energy);
+        if wants.forces {
+            [sample.least, sample.most] = self.law.extremes(met.approach, &kick);
+        }
+        sample
     }
 
     /// What the step saw, corrected to fourth order.
@@ -200,6 +204,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             indentation: (-corner).mul_add(impulse, indentation),
             work,
             virial,
+            least: L::splat(ZERO),
+            most: L::splat(ZERO),
             kick,
         }
     }
@@ -295,7 +301,7 @@ pub(crate) fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
     state: &mut State<L, M>,
     waves: &[Wave<L::Element>],
     decay: Option<&[Decay<L::Element>]>,
-    energy: bool,
+    wants: Wants,
     mut see: impl FnMut(usize, &State<L, M>, &Sample<L>),
 ) {
     L::run(
@@ -308,7 +314,7 @@ pub(crate) fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
             let mut here = *state;
             for (index, wave) in waves.iter().enumerate() {
                 let before = here;
-                let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), energy);
+                let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), wants);
                 see(index, &before, &sample);
             }
             *state = here;
@@ -331,7 +337,7 @@ pub(crate) fn unmeasured_period<L: Lane, I: Interaction<L>, const M: usize>(
             std::hint::black_box(&L::splat(ZERO));
             let mut here = *state;
             for wave in waves {
-                case.step(&mut here, *wave, None, false);
+                case.step(&mut here, *wave, None, Wants::FUNDAMENTAL);
             }
             *state = here;
         },
@@ -353,7 +359,7 @@ pub(crate) fn period<L: Lane, I: Interaction<L>, const M: usize>(
         state,
         &waves[0],
         decay,
-        wants.energy,
+        wants,
         #[inline(always)]
         |index, _, sample| sums.add(sample, waves, index, wants),
     );

@@ -325,7 +325,7 @@ fn trace<L: Lane<Element = f64>, I: Interaction<L>>(
             (case, State::load(modes, &spread(rows)))
         },
     );
-    each_step(&case, &mut state, waves, decay, false, |_, before, sample| {
+    each_step(&case, &mut state, waves, decay, Wants::FUNDAMENTAL, |_, before, sample| {
         see(&Traced {
             x: before.x.map(|x| x.lane(0)),
             steady: sample.steady.lane(0),

@@ -136,6 +136,13 @@ sums! {
         /// Smallest indentation while in contact.
         held: Smallest,
     }
+    /// Extremes of the force, under laws whose force does not follow from the indentation.
+    forces {
+        /// Largest force.
+        strongest: Largest,
+        /// Smallest force.
+        weakest: Smallest,
+    }
     /// Contact time, number of contacts.
     contact {
         /// Steps in contact.

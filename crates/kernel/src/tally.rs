@@ -65,6 +65,9 @@ impl<L: Lane> Tally<L> {
         if wants.extremes {
             self.add_extremes(sample);
         }
+        if wants.forces {
+            self.add_forces(sample);
+        }
         if wants.contact {
             self.add_contact(sample);
         }
@@ -112,6 +115,13 @@ impl<L: Lane> Tally<L> {
             sums.ended = sums.ended + L::select(L::both(before, L::not(now)), one, zero);
         }
         sums.apart = L::select(now, sums.apart, one);
+    }
+
+    #[inline(always)]
+    fn add_forces(&mut self, sample: &Sample<L>) {
+        let sums = &mut self.sums;
+        sums.strongest = sums.strongest.max(sample.most);
+        sums.weakest = sums.weakest.min(sample.least);
     }
 
     #[inline(always)]

@@ -121,7 +121,7 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
         measured.deflection_mean = driven.free.bending * measured.force_mean;
     }
     if wants.extremes {
-        let passed = passed(run_sums);
+        let passed = passed(run_sums, force);
         (measured.force_min, measured.force_max) = case.contact.law().forces(&passed);
         // Contact begins at the surface: a contact between two steps is no shallower, though both may be outside.
         let shallowest = if run_sums.sums.begun > 0.0 { 0.0 } else { f64::NEG_INFINITY };
@@ -183,7 +183,10 @@ pub(crate) fn lag(angle: f64) -> f64 {
 
 fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> Status {
     let deepest = sums.run_sums.sums.deepest * LENGTH;
-    if deepest > 0.0 && case.contact.stiffness(deepest, true) * force * LENGTH > UNRESOLVED_SHARE {
+    // A viscous contact is as stiff as its force changes within a step.
+    let steps = case.contact.retardation * driven.free.omega / std::f64::consts::TAU * f64::from(case.steps);
+    let stiffness = case.contact.stiffness(deepest, true) * (1.0 + steps);
+    if deepest > 0.0 && stiffness * force * LENGTH > UNRESOLVED_SHARE {
         return Status::OutOfRange;
     }
     if !settled(sums.change(), sums.run_sums.sums.begun, case.least_change, driven, run) {
@@ -193,7 +196,7 @@ fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> St
 }
 
 /// Extremes and contact events of the tip's motion.
-fn passed(run_sums: &RunSums<f64>) -> Passed {
+fn passed(run_sums: &RunSums<f64>, force: f64) -> Passed {
     let sums = &run_sums.sums;
     Passed {
         deepest: sums.deepest * LENGTH,
@@ -202,5 +205,6 @@ fn passed(run_sums: &RunSums<f64>) -> Passed {
         touched: sums.time > 0.0 || sums.begun > 0.0,
         apart: sums.apart > 0.0,
         let_go: sums.ended > 0.0,
+        forces: (sums.weakest / force, sums.strongest / force),
     }
 }

@@ -36,6 +36,7 @@ impl Plan {
         let resolution = assignment::resolutions(&ensemble, &scene.run, &mut drives);
         let asked = wants(&scene.output.observables);
         let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
+        let (extremes, viscous) = (asked.extremes || asked.energy || holds_force, ensemble.has_viscous());
         Ok(Self {
             ids: Ids::All(ensemble.len() as u32),
             resolution: InstanceResolutions::coded(resolution),
@@ -47,7 +48,9 @@ impl Plan {
                 // The mean force tells the branch of a state.
                 energy: asked.energy || scene.run.steady == Steady::Search,
                 // Errors of the mean force, and of energies from rest, are relative to the largest force.
-                extremes: asked.extremes || asked.energy || holds_force,
+                extremes,
+                // Where the tip went does not tell the force of a viscous sample.
+                forces: extremes && viscous,
                 ..asked
             },
             run: scene.run.clone(),
@@ -186,7 +189,11 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
             // A light tap, apart from the lever's bending.
             Some(Held::Force(force)) => free - force * driven.kept.flexibility,
         };
-        (Compact::new(params), gap, held.map(|held| SetPoint { held, branch, deepest }))
+        (
+            Compact::at_frequency(params, driven.frequency()),
+            gap,
+            held.map(|held| SetPoint { held, branch, deepest }),
+        )
     };
     let (mut contacts, mut gaps, mut setpoints) = (SharedContacts::new(), Met::new(), Vec::new());
     for from in (0..drive_of.len()).step_by(INSTANCES_AT_ONCE) {

@@ -3,7 +3,7 @@
 use super::interning::{Codes, Interned};
 use crate::contact::{Compact, Contact, Law};
 use crate::instrument::{FreeMotion, Instrument, Mode};
-use crate::scene::{Cases, ForceBranch, Held};
+use crate::scene::{Cases, ForceBranch, Held, Viscosity};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -194,7 +194,10 @@ impl Ensemble {
     pub fn contact(&self, id: InstanceId) -> Contact {
         match &self.contacts {
             Contacts::Shared { of, all } => all[of.get(id.0 as usize) as usize].contact(),
-            Contacts::Made(cases) => Contact::new(&cases.instance(id.0 as usize)),
+            Contacts::Made(cases) => {
+                let frequency = self.drive(id).frequency();
+                Compact::at_frequency(&cases.instance(id.0 as usize), frequency).contact()
+            }
         }
     }
 
@@ -203,6 +206,14 @@ impl Ensemble {
         match &self.contacts {
             Contacts::Shared { of, all } => all[of.get(id.0 as usize) as usize].law,
             Contacts::Made(_) => self.contact(id).law,
+        }
+    }
+
+    /// Whether some sample is viscous. Contacts that are not stored count as if one were.
+    pub(super) fn has_viscous(&self) -> bool {
+        match &self.contacts {
+            Contacts::Shared { all, .. } => all.iter().any(|one| one.law.is_viscous()),
+            Contacts::Made(cases) => cases.base().sample.viscosity != Viscosity::None,
         }
     }
 
@@ -219,7 +230,7 @@ impl Ensemble {
                 let mut params = cases.base();
                 ids.map(|id| {
                     cases.put(&mut params, id.0 as usize);
-                    Compact::new(&params)
+                    Compact::at_frequency(&params, self.drive(id).frequency())
                 })
                 .collect()
             }

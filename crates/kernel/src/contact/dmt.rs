@@ -7,24 +7,57 @@ use super::path::{Path, corrected};
 use super::{Approach, Interaction, Kick, Lane, touching_at, when};
 use crate::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
 
-/// `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
+/// The attraction: `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
 #[derive(Clone, Copy, Debug)]
-pub struct Dmt<L> {
-    pub hertz: Hertz<L>,
+pub struct Tail<L> {
     pub adhesion: L,
     pub inverse_decay: L,
 }
 
-impl<L: Lane> Dmt<L> {
+/// Hertz's contact under the attraction.
+#[derive(Clone, Copy, Debug)]
+pub struct Dmt<L> {
+    pub hertz: Hertz<L>,
+    pub tail: Tail<L>,
+}
+
+/// Mean of the attraction along a piece of path.
+pub(super) struct TailPull<L> {
+    fall: TailFall<L>,
+    away: L,
+    steep: L,
+    /// Toward the sample, and how it falls with the distance.
+    pub force: L,
+    pub slope: L,
+}
+
+impl<L: Lane> Tail<L> {
     /// One and the distance from the surface in decay lengths; 1 in contact.
     #[inline(always)]
-    fn stretch(&self, indentation: L) -> L {
+    pub(super) fn stretch(&self, indentation: L) -> L {
         (-indentation).max(L::splat(ZERO)).mul_add(self.inverse_decay, L::splat(ONE))
+    }
+
+    /// The attraction along a piece of path outside.
+    #[inline(always)]
+    pub(super) fn fall(&self, path: Path<L>) -> TailFall<L> {
+        TailFall::between(self.stretch(path.start), self.stretch(path.end))
+    }
+
+    /// Mean along a piece of which this `share` is in contact: the tail's outside, 1 inside, by shares.
+    #[inline(always)]
+    pub(super) fn along(&self, fall: TailFall<L>, share: L) -> TailPull<L> {
+        let one = L::splat(ONE);
+        let away = one - share;
+        let force = self.adhesion * share.mul_add(one - fall.mean, fall.mean);
+        let steep = self.adhesion * self.inverse_decay * away;
+        let slope = steep * fall.fall;
+        TailPull { fall, away, steep, force, slope }
     }
 }
 
 /// The attraction 1/s^2 while s runs evenly from `a` to `b`, both at least 1, or in part of a step and is 1 in the rest.
-struct Tail<L> {
+pub(super) struct TailFall<L> {
     sum: L,
     step: L,
     mean: L,
@@ -33,7 +66,7 @@ struct Tail<L> {
 }
 
 /// How far the tail is from a force that changes evenly over the step.
-struct Bend<L> {
+struct TailBend<L> {
     /// Minus the first moment of 1/s^2 about the middle of the step, less an even change's, over z.
     moment: L,
     /// z = (b - a)/(a + b), and 1/(a + b).
@@ -41,9 +74,9 @@ struct Bend<L> {
     inverse_sum: L,
 }
 
-impl<L: Lane> Tail<L> {
+impl<L: Lane> TailFall<L> {
     #[inline(always)]
-    fn along(a: L, b: L) -> Self {
+    fn between(a: L, b: L) -> Self {
         let mean = L::splat(ONE) / (a * b);
         let sum = a + b;
         Self { sum, step: b - a, mean, fall: sum * mean * mean }
@@ -60,7 +93,7 @@ impl<L: Lane> Tail<L> {
     /// With c = (a + b)/2 the moment of 1/s^2 about its middle is -z p(z^2)/(ab), p(x) = (z - (1 - x) atanh z)/(2xz)
     /// = 1/3 + x/15 + x^2/35 + ... up to 1/2 (docs/method.md).
     #[inline(always)]
-    fn bend(&self, outside: L, inside: L) -> Bend<L> {
+    fn bend(&self, outside: L, inside: L) -> TailBend<L> {
         let one = L::splat(ONE);
         // One quotient for two: 1/sum, and p's pole, 1/(1 + TAIL_POLE z^2) = sum^2/pole.
         let square = self.sum * self.sum;
@@ -74,7 +107,28 @@ impl<L: Lane> Tail<L> {
         let middle = L::splat(HALF) * self.sum;
         let moment = outside * outside.mul_add(p, inside * middle);
         let even = middle * middle * self.mean * L::splat(THIRD);
-        Bend { moment: self.mean * (moment - even), lean, inverse_sum }
+        TailBend { moment: self.mean * (moment - even), lean, inverse_sum }
+    }
+}
+
+impl<L: Lane> TailPull<L> {
+    /// Impulse and shift of a step whose force bends the path by `bending`, if the mean of the force alone gives `straight`.
+    #[inline(always)]
+    pub(super) fn bent(&self, (adhesion, bending): (L, L), share: L, straight: L) -> (L, L) {
+        let zero = L::splat(ZERO);
+        let bends = L::either(self.fall.bends(), zero.less(share));
+        when(
+            bends,
+            (straight, zero),
+            #[inline(always)]
+            || {
+                let bend = self.fall.bend(self.away, share);
+                // The path bends too, and meets the force off the chord.
+                let met = bending.mul_add(self.steep * bend.moment * bend.inverse_sum, straight);
+                let shift = -(adhesion * bend.lean * bend.moment);
+                (L::select(bends, met, straight), L::select(bends, shift, zero))
+            },
+        )
     }
 }
 
@@ -84,45 +138,32 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
-        Self { hertz: Hertz { stiffness: next() }, adhesion: next(), inverse_decay: next() }
+        let hertz = Hertz { stiffness: next() };
+        Self { hertz, tail: Tail { adhesion: next(), inverse_decay: next() } }
     }
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        let (zero, one) = (L::splat(ZERO), L::splat(ONE));
-        let y = one / self.stretch(at.indentation);
+        let (zero, adhesion) = (L::splat(ZERO), self.tail.adhesion);
+        let y = L::splat(ONE) / self.tail.stretch(at.indentation);
         let sample = when(
             zero.less(at.indentation),
-            -(self.adhesion * y * y),
+            -(adhesion * y * y),
             #[inline(always)]
-            || (-(self.adhesion * y)).mul_add(y, self.hertz.sample(at.indentation)),
+            || (-(adhesion * y)).mul_add(y, self.hertz.sample(at.indentation)),
         );
         let path = Path::around(at, sample);
-        let tail = Tail::along(self.stretch(path.start), self.stretch(path.end));
+        let fall = self.tail.fall(path);
         let hertz = when(
             L::either(zero.less(path.start), zero.less(path.end)),
             Mean::none(),
             #[inline(always)]
             || self.hertz.mean(path),
         );
-        // Mean attraction along the piece: the tail's outside, 1 inside, by shares.
-        let away = one - hertz.share;
-        let force = hertz.force - self.adhesion * hertz.share.mul_add(one - tail.mean, tail.mean);
-        let steep = self.adhesion * self.inverse_decay * away;
-        let straight = corrected(force, hertz.slope - steep * tail.fall);
-        let bends = L::either(tail.bends(), zero.less(hertz.share));
-        let (impulse, shift) = when(
-            bends,
-            (straight, zero),
-            #[inline(always)]
-            || {
-                let bend = tail.bend(away, hertz.share);
-                // The path bends too, and meets the force off the chord.
-                let met = (at.acceleration - force).mul_add(steep * bend.moment * bend.inverse_sum, straight);
-                let shift = -(self.adhesion * bend.lean * bend.moment);
-                (L::select(bends, met, straight), L::select(bends, shift, zero))
-            },
-        );
+        let pull = self.tail.along(fall, hertz.share);
+        let force = hertz.force - pull.force;
+        let straight = corrected(force, hertz.slope - pull.slope);
+        let (impulse, shift) = pull.bent((adhesion, at.acceleration - force), hertz.share, straight);
         Kick { impulse, shift, contact: hertz.share, touching: touching_at(path.end) }
     }
 }

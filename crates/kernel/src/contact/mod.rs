@@ -4,11 +4,13 @@ mod dmt;
 mod hertz;
 mod jkr;
 mod jkr_curve;
+mod kelvin_voigt;
 mod path;
 
-pub use dmt::Dmt;
+pub use dmt::{Dmt, Tail};
 pub use hertz::Hertz;
 pub use jkr::Jkr;
+pub use kelvin_voigt::{Clean, KelvinVoigt};
 
 use super::Lane;
 use super::constants::{ONE, ZERO};
@@ -62,6 +64,13 @@ pub trait Interaction<L: Lane>: Copy {
 
     /// The kick of one step. `touching` is what the last kick returned.
     fn kick(&self, approach: Approach<L>, touching: L) -> Kick<L>;
+
+    /// Least and largest force, as impulses, within a step that had this kick. Only laws that depend on the rate follow them;
+    /// the forces of the others are those at the extremes of the indentation.
+    #[inline(always)]
+    fn extremes(&self, _: Approach<L>, _: &Kick<L>) -> [L; 2] {
+        [L::splat(ZERO); 2]
+    }
 }
 
 /// 1 where the indentation is contact for a law without memory, else 0.
@@ -90,6 +99,11 @@ impl<L: Lane> Kick<L> {
         Self { impulse: zero, shift: zero, contact: zero, touching: zero }
     }
 }
+
+/// Hertz's contact with a Kelvin-Voigt sample.
+pub type ViscousHertz<L> = KelvinVoigt<L, Clean>;
+/// The same under DMT's attraction.
+pub type ViscousDmt<L> = KelvinVoigt<L, Tail<L>>;
 
 /// No sample at all.
 #[derive(Clone, Copy, Debug)]

@@ -14,6 +14,7 @@
 //! |---|---|---|---|
 //! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
+//! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
 mod dmt;
@@ -24,6 +25,7 @@ mod ramp;
 mod static_curve;
 mod static_law;
 mod tabor;
+mod viscous;
 mod warning;
 
 pub use crate::kernel::{Attraction, Law};
@@ -34,11 +36,13 @@ pub use ramp::{Jump, Ramp, RampCurve};
 pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
+pub use viscous::Viscous;
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
-use crate::scene::{Adhesion, LawChoice, Params};
+use crate::scene::{Adhesion, DriveFrequency, LawChoice, Params, Viscosity, ViscosityModel};
 use no_sample::Nothing;
 use std::f64::consts::PI;
+use viscous::{ViscousDmt, ViscousHertz};
 
 /// What a law's constants are made of. SI units. The reference engine reads its own from [`Contact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +55,9 @@ struct Material {
     work: f64,
     /// Decay length D0.
     decay_length: f64,
+    /// Retardation time tau, s.
+    retardation: f64,
+    ad_hoc: bool,
 }
 
 /// From the kernel's list, whose types have the names of those here.
@@ -113,12 +120,36 @@ pub struct Compact {
     pub work: f64,
     /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
     pub decay_length: f64,
+    /// Retardation time of a viscous sample, s; else 0.
+    pub retardation: f64,
+    /// Whether its force is the literature's ad hoc form; else Ting's.
+    pub ad_hoc: bool,
 }
 
 impl Compact {
     /// Decides the law; see [`Contact::new`].
     pub fn new(params: &Params) -> Self {
-        Self::for_load(params, f64::NAN)
+        let frequency = match params.drive.frequency {
+            DriveFrequency::Hertz(frequency) => frequency,
+            DriveFrequency::Resonance => f64::NAN,
+        };
+        Self::at_frequency(params, frequency)
+    }
+
+    /// The same under a drive of this frequency (Hz), at which the sample's loss tangent counts.
+    pub fn at_frequency(params: &Params, frequency: f64) -> Self {
+        let of = Self::for_load(params, f64::NAN);
+        let retardation = retardation_time(params, frequency);
+        match of.law.viscous() {
+            // Not a number where the frequency is unknown.
+            Some(law) if retardation != 0.0 => Self {
+                law,
+                retardation,
+                ad_hoc: params.contact.viscosity_model == ViscosityModel::AdHoc,
+                ..of
+            },
+            _ => of,
+        }
     }
 
     fn for_load(params: &Params, load: f64) -> Self {
@@ -134,7 +165,7 @@ impl Compact {
             None if work == 0.0 || negligible => Law::Hertz,
             None => tabor::fitting_law(tabor_parameter(modulus, radius, work, decay_length)),
         };
-        Self { law, choice, modulus, radius, work, decay_length }
+        Self { law, choice, modulus, radius, work, decay_length, retardation: 0.0, ad_hoc: false }
     }
 
     /// Tabor's parameter.
@@ -151,8 +182,9 @@ impl Compact {
     /// The contact, to the bit.
     #[inline]
     pub fn contact(self) -> Contact {
-        let Self { law, modulus, radius, work, decay_length, .. } = self;
-        Contact { of: self, model: Model::new(law, &Material { modulus, radius, work, decay_length }) }
+        let Self { law, modulus, radius, work, decay_length, retardation, ad_hoc, .. } = self;
+        let material = Material { modulus, radius, work, decay_length, retardation, ad_hoc };
+        Contact { of: self, model: Model::new(law, &material) }
     }
 }
 
@@ -172,7 +204,7 @@ impl Contact {
     /// `auto` goes by Tabor's parameter (see [`AUTO_BOUNDARY`]); without adhesion it is Hertz, and
     /// so is JKR. A Hamaker constant stands for `w = H/(12 pi D0^2)` under every law.
     pub fn new(params: &Params) -> Self {
-        Self::for_load(params, f64::NAN)
+        Compact::new(params).contact()
     }
 
     /// As [`Contact::new`], where the largest load (N) is known beforehand: `auto` then also takes
@@ -265,6 +297,19 @@ pub fn combined_modulus(params: &Params) -> f64 {
             + compliance(sample.youngs_modulus, sample.poisson_ratio)))
 }
 
+/// Retardation time of the sample, s: shear viscosity over shear modulus, or the loss tangent over the drive's angular frequency
+/// (Hz given); 0 where it is elastic.
+pub fn retardation_time(params: &Params, frequency: f64) -> f64 {
+    let sample = &params.sample;
+    match sample.viscosity {
+        Viscosity::None => 0.0,
+        Viscosity::Shear(viscosity) => viscosity * 2.0 * (1.0 + sample.poisson_ratio) / sample.youngs_modulus,
+        Viscosity::RetardationTime(time) => time,
+        Viscosity::LossTangent(tangent) if tangent == 0.0 => 0.0,
+        Viscosity::LossTangent(tangent) => tangent / (2.0 * PI * frequency),
+    }
+}
+
 /// Work of adhesion `w`, J/m^2, given or from the Hamaker constant: `w = H/(12 pi D0^2)`.
 pub fn work_of_adhesion(params: &Params) -> f64 {
     match params.sample.adhesion {
@@ -315,7 +360,7 @@ mod tests {
 
     #[test]
     fn contact_names_are_those_of_the_scene_file() -> Result<(), serde_json::Error> {
-        assert_eq!(Law::ALL.map(Law::name), ["none", "hertz", "dmt", "jkr"]);
+        assert_eq!(Law::ALL.map(Law::name), ["none", "hertz", "dmt", "jkr", "hertz-viscous", "dmt-viscous"]);
         for law in Law::ALL {
             assert_eq!(serde_json::to_value(law)?, law.to_string());
         }

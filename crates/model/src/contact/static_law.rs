@@ -107,4 +107,6 @@ pub struct Passed {
     pub apart: bool,
     /// Whether a contact ended.
     pub let_go: bool,
+    /// Least and largest force, N: what the engine has followed under a law that depends on the rate, else no numbers.
+    pub forces: (f64, f64),
 }

@@ -126,6 +126,30 @@ pub struct SampleParams {
     pub youngs_modulus: f64,
     pub poisson_ratio: f64,
     pub adhesion: Adhesion,
+    pub viscosity: Viscosity,
+}
+
+/// What a sample loses when it is deformed: a Kelvin-Voigt solid's viscosity, in one of three forms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Viscosity {
+    /// It is elastic.
+    None,
+    /// `sample.viscosity`: shear viscosity, Pa s.
+    Shear(f64),
+    /// `sample.retardation_time`: shear viscosity over shear modulus, s.
+    RetardationTime(f64),
+    /// `sample.loss_tangent`: loss modulus over storage modulus at the drive's frequency.
+    LossTangent(f64),
+}
+
+/// How a viscous sample presses on the tip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ViscosityModel {
+    /// Ting's contact of a Kelvin-Voigt half-space.
+    #[default]
+    KelvinVoigt,
+    /// The elastic force and a viscous one on both ways.
+    AdHoc,
 }
 
 /// Adhesion between tip and sample.
@@ -148,8 +172,11 @@ macro_rules! law_choice {
         }
 
         impl LawChoice {
-            /// Keywords of `contact.law`.
-            pub(super) const WORDS: &[(&str, Self)] = &[$(($word, Self::$law),)* ("auto", Self::Auto)];
+            const LAWS: &[(&str, Self)] = &[$(($word, Self::$law),)*];
+
+            /// Keywords of `contact.law`. Whether the sample is viscous, `[sample]` says.
+            pub(super) const WORDS: &[(&str, Self)] =
+                &[Self::LAWS[0], Self::LAWS[1], Self::LAWS[2], Self::LAWS[3], ("auto", Self::Auto)];
 
             /// The law asked for; none where it is chosen for each instance.
             pub fn law(self) -> Option<Law> {
@@ -175,6 +202,8 @@ pub struct ContactParams {
     pub law: LawChoice,
     /// Decay length D0 of DMT's attraction outside contact, and z0 of Tabor's parameter, m.
     pub decay_length: f64,
+    /// For a viscous sample.
+    pub viscosity_model: ViscosityModel,
 }
 
 /// Where the drive acts.
@@ -319,13 +348,18 @@ impl Default for TipParams {
 
 impl Default for SampleParams {
     fn default() -> Self {
-        Self { youngs_modulus: 1e5, poisson_ratio: 0.5, adhesion: Adhesion::Work(2e-3) }
+        Self {
+            youngs_modulus: 1e5,
+            poisson_ratio: 0.5,
+            adhesion: Adhesion::Work(2e-3),
+            viscosity: Viscosity::None,
+        }
     }
 }
 
 impl Default for ContactParams {
     fn default() -> Self {
-        Self { law: LawChoice::Auto, decay_length: 0.3e-9 }
+        Self { law: LawChoice::Auto, decay_length: 0.3e-9, viscosity_model: ViscosityModel::default() }
     }
 }
 

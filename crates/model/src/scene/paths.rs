@@ -11,5 +11,10 @@ pub(super) const LEVELS: [&str; 4] =
 /// How to have the rod that such a lever does not have by itself.
 pub(super) const NAME_ROD: &str = "name the preset's rod by preset = \"ha-fung-chen-2005\" in [instrument]";
 
+/// What makes a sample viscous, and the choice of its contact.
+pub(super) const VISCOSITIES: [&str; 3] =
+    ["sample.viscosity", "sample.retardation_time", "sample.loss_tangent"];
+pub(super) const VISCOSITY_MODEL: &str = "contact.viscosity_model";
+
 /// The path of the contact law.
 pub(super) const LAW: &str = "contact.law";

@@ -208,6 +208,12 @@ quantities! {
         "work of adhesion", SurfaceEnergy, NonNegative, [1e-9, 10.0], [1e-15, 1e3];
     "sample.hamaker", variant!(sample.adhesion, Adhesion::Hamaker),
         "Hamaker constant", Energy, NonNegative, [1e-24, 1e-17], [1e-27, 1e-14];
+    "sample.viscosity", variant!(sample.viscosity, Viscosity::Shear),
+        "sample shear viscosity", Viscosity, NonNegative, [1e-6, 1e9], [1e-9, 1e12];
+    "sample.retardation_time", variant!(sample.viscosity, Viscosity::RetardationTime),
+        "sample retardation time", Time, NonNegative, [1e-13, 10.0], [1e-18, 1e6];
+    "sample.loss_tangent", variant!(sample.viscosity, Viscosity::LossTangent),
+        "sample loss tangent at the drive's frequency", Dimensionless, NonNegative, [1e-6, 100.0], [1e-12, 1e6];
     "contact.decay_length", field!(contact.decay_length),
         "decay length of the attraction", Length, Positive, [1e-12, 1e-8], [1e-16, 1e-6];
     "drive.frequency", variant!(drive.frequency, DriveFrequency::Hertz),

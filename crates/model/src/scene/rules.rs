@@ -8,8 +8,7 @@ use super::axis_zip::{law_of, varies_twice};
 use super::draft::{Draft, Said};
 use super::drive_rules;
 use super::params::*;
-use super::paths::LAW;
-use super::paths::{CALIBRATION, LEVELS, MODES};
+use super::paths::{CALIBRATION, LAW, LEVELS, MODES, VISCOSITIES, VISCOSITY_MODEL};
 use super::scene_error::{Checked, Fault};
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
@@ -45,6 +44,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     lever_is_complete(draft)?;
     drive_rules::check(draft)?;
     adhesion_fits(draft, sweep)?;
+    viscosity_fits(draft, sweep)?;
     axes_matter(draft)?;
     rod_is_stable(draft, sweep)
 }
@@ -139,11 +139,16 @@ fn one_lever(draft: &Draft) -> Checked<()> {
 }
 
 /// What a scene says in one way: of the paths of each, only one.
-const ONE_OF: [(&[&str], &str, &str); 3] = [
+const ONE_OF: [(&[&str], &str, &str); 4] = [
     (
         &["sample.surface_energy", "sample.hamaker"],
         "the adhesion is given in two ways",
         "surface_energy (the work of adhesion), or hamaker with law = \"dmt\"",
+    ),
+    (
+        &VISCOSITIES,
+        "the viscosity is given in two ways",
+        "one of viscosity (shear), retardation_time, loss_tangent",
     ),
     (
         &LEVELS,
@@ -218,15 +223,50 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
     Ok(())
 }
 
+/// The laws of a scene's instances.
+fn laws_of(draft: &Draft, sweep: &SweptAxes) -> Vec<LawChoice> {
+    let swept = sweep.quantities().find(|axis| axis.path == LAW).map(|axis| axis.words.iter());
+    match swept {
+        Some(words) => words.filter_map(|word| law_of(word)).collect(),
+        None => vec![draft.params.contact.law],
+    }
+}
+
+/// No theory of a viscous contact with adhesion within it is known that would serve here.
+fn viscosity_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let Some(said) = draft.first_of(&VISCOSITIES) else {
+        return match draft.first_of(&[VISCOSITY_MODEL]) {
+            Some(model) => Err(Fault::at(model.key.clone(), "`contact.viscosity_model` has no effect here")
+                .label("the sample is elastic")
+                .expected("a viscous sample")
+                .help("add viscosity, retardation_time or loss_tangent to [sample], or remove this line")),
+            None => Ok(()),
+        };
+    };
+    let fails = laws_of(draft, sweep).into_iter().find(|choice| match choice.law() {
+        Some(law) => law.acts() && law.viscous().is_none(),
+        None => true,
+    });
+    let Some(choice) = fails else { return Ok(()) };
+    let why = match choice.law() {
+        None => "law = \"auto\" may choose JKR, and a viscous contact is not known for it",
+        Some(_) => "a viscous contact is not known for JKR, whose adhesion acts within the contact",
+    };
+    let fault = Fault::at(said.key.clone(), "a viscous sample needs the Hertz or the DMT law").label(why);
+    let fault = match draft.first_of(&[LAW]) {
+        Some(law) => fault.related(law.key.clone(), "the law is chosen here"),
+        None => fault,
+    };
+    Err(fault
+        .expected("law = \"hertz\" or law = \"dmt\" in [contact]")
+        .help("set one of them, or remove the sample's viscosity"))
+}
+
 fn adhesion_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Some(said) = draft.first_of(&["sample.hamaker"]) else {
         return Ok(());
     };
-    let swept = sweep.quantities().find(|axis| axis.path == LAW).map(|axis| axis.words.iter());
-    let laws: Vec<LawChoice> = match swept {
-        Some(words) => words.filter_map(|word| law_of(word)).collect(),
-        None => vec![draft.params.contact.law],
-    };
+    let laws = laws_of(draft, sweep);
     let attraction = |law: &LawChoice| law.law().map(Law::attraction);
     let fails = laws.into_iter().find(|law| attraction(law) != Some(Attraction::Distant));
     let Some(law) = fails.map(LawChoice::law) else { return Ok(()) };

@@ -7,7 +7,7 @@ use super::draft::keys_of;
 use super::params::PRESET;
 use super::params::*;
 use super::quantities::QUANTITIES;
-use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, SETPOINTS_OF};
+use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, SETPOINTS_OF, VISCOUS};
 use super::{Axis, Drawn, Layout, Scene, TableFile, curve_section, output};
 use crate::design::{Design, DesignKind, Distribution, Parameter};
 use crate::units::{Dimension, format as written};
@@ -41,6 +41,10 @@ impl Scene {
         writeln!(text, "\n[sample]")?;
         self.write_section(text, "sample")?;
         writeln!(text, "\n[contact]\nlaw = {}", word(LawChoice::WORDS, base.contact.law))?;
+        if base.sample.viscosity != Viscosity::None {
+            let model = word(&VISCOUS, base.contact.viscosity_model);
+            writeln!(text, "viscosity_model = {model}")?;
+        }
         self.write_section(text, "contact")?;
         writeln!(text, "\n[drive]\non = {}", word(&DRIVE_ON, base.drive.on))?;
         if base.drive.frequency == DriveFrequency::Resonance {

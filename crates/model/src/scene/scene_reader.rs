@@ -4,6 +4,7 @@ use super::address::Address;
 use super::draft::{Draft, Said, keys_of};
 use super::levers::{self};
 use super::params::*;
+use super::paths::VISCOSITY_MODEL;
 use super::scene_error::{Checked, Fault, Faults, SceneError};
 use super::values::{self, Key, Value};
 use super::{
@@ -45,6 +46,8 @@ pub(super) const MODELS: [(&str, ActuatorModel); 4] = [
 pub(super) const DRIVE_ON: [(&str, DriveOn); 2] = [("actuator", DriveOn::Actuator), ("tip", DriveOn::Tip)];
 
 /// Keywords of `approach.setpoint_branch`.
+pub(super) const VISCOUS: [(&str, ViscosityModel); 2] =
+    [("kelvin-voigt", ViscosityModel::KelvinVoigt), ("ad-hoc", ViscosityModel::AdHoc)];
 pub(super) const BRANCHES_HELD: [(&str, ForceBranch); 2] =
     [("attractive", ForceBranch::Attractive), ("repulsive", ForceBranch::Repulsive)];
 
@@ -178,10 +181,13 @@ impl Draft {
             self.instrument(value);
         }
         self.section(document, "sample", &[]);
-        if let Some(table) = self.section(document, "contact", &["law"])
-            && let Some(law) = self.choice(table, "contact.law", LawChoice::WORDS)
-        {
-            self.params.contact.law = law;
+        if let Some(table) = self.section(document, "contact", &["law", "viscosity_model"]) {
+            if let Some(law) = self.choice(table, "contact.law", LawChoice::WORDS) {
+                self.params.contact.law = law;
+            }
+            if let Some(model) = self.choice(table, VISCOSITY_MODEL, &VISCOUS) {
+                self.params.contact.viscosity_model = model;
+            }
         }
         if let Some(table) = self.section(document, "drive", &["on"])
             && let Some(on) = self.choice(table, "drive.on", &DRIVE_ON)

@@ -12,7 +12,7 @@ use super::params::{LawChoice, Params};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
-use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF};
+use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF, VISCOUS};
 use super::uncertain_section::{KEYS as DISTRIBUTIONS, SIGMAS};
 use super::{STEPPED_MODES, curve_section};
 use crate::design::DesignKind;
@@ -136,7 +136,9 @@ impl Texts<'_> {
     fn quantities(&self, section: &str) -> Map<String, Value> {
         let choices = match section {
             "instrument.actuator" => vec![("model", word(&MODELS))],
-            "contact" => vec![("law", word(LawChoice::WORDS))],
+            "contact" => {
+                vec![("law", word(LawChoice::WORDS)), ("viscosity_model", word(&VISCOUS))]
+            }
             "drive" => vec![("on", word(&DRIVE_ON))],
             "approach" => {
                 vec![("setpoint_branch", word(&BRANCHES_HELD)), ("setpoint_of", word(&SETPOINTS_OF))]

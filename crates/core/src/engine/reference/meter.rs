@@ -1,6 +1,7 @@
 //! Measures a period from its steps and their continuous extensions.
 
 use super::dop853::Dense;
+use super::line_search::{highest, root};
 use super::system::System;
 use crate::observe::{HARMONICS, Wants};
 
@@ -21,6 +22,9 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_05),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
 ];
+/// Parts of a step in which a viscous contact may begin or end once, and its force has one extreme.
+const VISCOUS_PIECES: usize = 8;
+
 /// Steps (rad) shorter than this use four points.
 const SHORT_STEP: f64 = 0.05;
 
@@ -54,6 +58,8 @@ pub(super) struct Meter {
     pub deepest: f64,
     pub force_min: f64,
     pub force_max: f64,
+    /// Whether a viscous sample presses on the tip; unknown before the first step.
+    pressed: Option<bool>,
     harmonics: usize,
 }
 
@@ -68,6 +74,7 @@ impl Meter {
             deepest: f64::NEG_INFINITY,
             force_min: f64::INFINITY,
             force_max: f64::NEG_INFINITY,
+            pressed: None,
             harmonics: wants.harmonics.max(1),
         }
     }
@@ -95,9 +102,45 @@ impl Meter {
             }
             before = delta;
         }
-        if system.touching {
-            self.touched = true;
+        if system.force.pressing(0.0, 0.0).is_some() {
+            self.pass_viscous(system, piece);
+        } else if system.touching {
             self.time += piece.h;
+        }
+        self.touched |= system.touching;
+    }
+
+    /// Adds the contact and the extreme forces of a step under a law that depends on the rate.
+    fn pass_viscous(&mut self, system: &System, piece: &DenseStep) {
+        if !system.touching {
+            self.pressed = Some(false);
+            return;
+        }
+        let share = |n: usize| n as f64 / VISCOUS_PIECES as f64;
+        let pressing = |u: f64| {
+            let (delta, rate) = piece.indentation(system, u);
+            system.force.pressing(delta, rate * system.omega).unwrap_or(0.0)
+        };
+        let force = |u: f64| {
+            let (delta, rate) = piece.indentation(system, u);
+            system.force.at(delta, || rate * system.omega, true)
+        };
+        for n in 0..VISCOUS_PIECES {
+            let (from, to) = (share(n), share(n + 1));
+            let (before, after) = (pressing(from) > 0.0, pressing(to) > 0.0);
+            let change = if before == after { to } else { root(from, to, &pressing) };
+            self.time += piece.h * if before { change - from } else { to - change };
+            self.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));
+            self.pressed = Some(after);
+            let middle = 0.5 * (from + to);
+            for sign in [1.0, -1.0] {
+                let top = |u: f64| sign * force(u);
+                if top(middle) > top(from).max(top(to)) - 0.25 * (top(from) - top(to)).abs() {
+                    let extreme = force(highest(from, to, top));
+                    self.force_min = self.force_min.min(extreme);
+                    self.force_max = self.force_max.max(extreme);
+                }
+            }
         }
     }
 

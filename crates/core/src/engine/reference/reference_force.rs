@@ -17,6 +17,15 @@ pub(super) enum ReferenceForce {
         adhesion: f64,
         decay: f64,
     },
+    /// A viscous sample (Ting 1966, or the ad hoc form) of retardation time `tau`, s: kappa (delta^1.5 + 1.5 tau sqrt(delta) v)
+    /// inward, kappa (delta + tau v)^1.5 outward, with DMT's attraction.
+    Viscous {
+        kappa: f64,
+        tau: f64,
+        ad_hoc: bool,
+        adhesion: f64,
+        decay: f64,
+    },
     /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3), equation (16).
     /// `radius` is a at the fold, `unit` a^2/R there.
     Jkr {
@@ -31,12 +40,21 @@ impl ReferenceForce {
     /// The law of a contact, from its modulus, radius, work and decay length.
     pub fn new(contact: &Contact) -> Self {
         let (k, r, w) = (contact.modulus, contact.radius, contact.work);
+        let viscous = |adhesion| Self::Viscous {
+            kappa: k * r.sqrt(),
+            tau: contact.retardation,
+            ad_hoc: contact.ad_hoc,
+            adhesion,
+            decay: contact.decay_length,
+        };
         match contact.law {
             Law::None => Self::None,
             Law::Hertz => Self::Hertz { kappa: k * r.sqrt() },
             Law::Dmt => {
                 Self::Dmt { kappa: k * r.sqrt(), adhesion: 2.0 * PI * w * r, decay: contact.decay_length }
             }
+            Law::ViscousHertz => viscous(0.0),
+            Law::ViscousDmt => viscous(2.0 * PI * w * r),
             Law::Jkr => {
                 // d delta/da = 0: 2a/R = sqrt(6 pi w/(K a))/3
                 let radius = (PI * w * r * r / (6.0 * k)).cbrt();
@@ -53,20 +71,26 @@ impl ReferenceForce {
     /// Force on the tip, N, on the branch that `touching` selects. Each branch continues past its end, so that a step may
     /// overshoot before it is cut back there.
     ///
-    /// `_rate` gives the rate of indentation, m/s; only a law that needs the rate calls it.
+    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it.
     #[inline]
-    pub fn at(&self, delta: f64, _rate: impl FnOnce() -> f64, touching: bool) -> f64 {
+    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, touching: bool) -> f64 {
         match *self {
             Self::None => 0.0,
             Self::Hertz { kappa } => hertz(kappa, delta, touching),
             Self::Dmt { kappa, adhesion, decay } => {
-                if touching {
-                    hertz(kappa, delta, true) - adhesion
-                } else if delta < 0.0 {
-                    -adhesion * (decay / (decay - delta)).powi(2)
-                } else {
-                    -adhesion * (1.0 + 2.0 * delta / decay)
+                hertz(kappa, delta, touching) + attraction(adhesion, decay, delta, touching)
+            }
+            Self::Viscous { kappa, tau, ad_hoc, adhesion, decay } => {
+                let pull = attraction(adhesion, decay, delta, touching);
+                if !touching {
+                    return pull;
                 }
+                let along = tau * rate();
+                let pressed = match along < 0.0 && !ad_hoc {
+                    true => hertz(kappa, delta + along, true),
+                    false => hertz(kappa, delta, true) + 1.5 * kappa * delta.max(0.0).sqrt() * along,
+                };
+                pressed + pull
             }
             Self::Jkr { elastic, adhesive, radius, unit } => {
                 if !touching {
@@ -76,6 +100,18 @@ impl ReferenceForce {
                 let cube = a * a * a;
                 elastic * cube - adhesive * cube.sqrt()
             }
+        }
+    }
+
+    /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
+    /// is out.
+    pub fn pressing(&self, delta: f64, rate: f64) -> Option<f64> {
+        match *self {
+            Self::Viscous { tau, ad_hoc, .. } if rate < 0.0 && !ad_hoc => {
+                Some((delta + tau * rate).min(delta))
+            }
+            Self::Viscous { .. } => Some(delta),
+            _ => None,
         }
     }
 
@@ -106,6 +142,16 @@ impl ReferenceForce {
             }
             _ => None,
         }
+    }
+}
+
+fn attraction(adhesion: f64, decay: f64, delta: f64, touching: bool) -> f64 {
+    if touching {
+        -adhesion
+    } else if delta < 0.0 {
+        -adhesion * (decay / (decay - delta)).powi(2)
+    } else {
+        -adhesion * (1.0 + 2.0 * delta / decay)
     }
 }
 

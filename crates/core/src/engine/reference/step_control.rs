@@ -2,6 +2,7 @@
 
 use super::Work;
 use super::dop853::Dop853;
+use super::line_search::root;
 use super::meter::{DenseStep, Meter};
 use super::system::System;
 use std::f64::consts::TAU;
@@ -132,7 +133,9 @@ impl Integrator {
         self.work.events += 1;
         self.system.touching = !self.system.touching;
         if let Some(meter) = meter.as_deref_mut() {
-            meter.begun += f64::from(u8::from(self.system.touching));
+            // A viscous contact is counted by its force.
+            let counts = self.system.touching && self.system.force.pressing(0.0, 0.0).is_none();
+            meter.begun += f64::from(u8::from(counts));
         }
         self.h = FIRST_STEP_PHASE.min(self.longest);
         self.before = 1e-4;
@@ -298,40 +301,4 @@ impl Integrator {
         self.length = self.length.max(travel.abs());
         self.force = self.force.max(force.abs());
     }
-}
-
-/// A root between `a` and `b`, where the function has different signs or is zero: bisection made faster by secants (Illinois),
-/// to rounding.
-fn root(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
-    let (mut fa, mut fb) = (function(a), function(b));
-    let mut side = 0;
-    for step in 0..200 {
-        if fa == 0.0 {
-            return a;
-        }
-        if fb == 0.0 || (b - a).abs() <= 2.0 * f64::EPSILON * b.abs() {
-            return b;
-        }
-        // A bisection replaces a secant that stalls.
-        let c = if step % 8 == 7 { 0.5 * (a + b) } else { (a * fb - b * fa) / (fb - fa) };
-        let c = if c > a && c < b { c } else { 0.5 * (a + b) };
-        if c == a || c == b {
-            return b;
-        }
-        let fc = function(c);
-        if fc * fb > 0.0 || (fc == 0.0 && fb != 0.0) {
-            (b, fb) = (c, fc);
-            if side == 1 {
-                fa *= 0.5;
-            }
-            side = 1;
-        } else {
-            (a, fa) = (c, fc);
-            if side == -1 {
-                fb *= 0.5;
-            }
-            side = -1;
-        }
-    }
-    b
 }
