@@ -16,9 +16,13 @@ pub struct CiteArgs {
 /// An entry for the instrument of rod and lever and for each contact law, with a blank line between two.
 const REFERENCES: &str = include_str!("references.bib");
 
-/// By a law's name in the file, the key of its source.
-const LAWS: [(&str, &str); 3] =
-    [("hertz", "hertz1882contact"), ("dmt", "derjaguin1975effect"), ("jkr", "johnson1971surface")];
+/// By a word of a law's name in the file, the key of its source.
+const LAWS: [(&str, &str); 4] = [
+    ("hertz", "hertz1882contact"),
+    ("dmt", "derjaguin1975effect"),
+    ("jkr", "johnson1971surface"),
+    ("viscous", "ting1966contact"),
+];
 
 pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     let results = store::read(&args.file)?;
@@ -30,7 +34,8 @@ pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
         entries.push(entry("ha2005afm"));
     }
     let used = laws(&results);
-    entries.extend(LAWS.iter().filter(|(law, _)| used.contains(law)).map(|(_, key)| entry(key)));
+    let is_used = |word: &str| used.iter().any(|law| law.split('-').any(|one| one == word));
+    entries.extend(LAWS.iter().filter(|(word, _)| is_used(word)).map(|(_, key)| entry(key)));
     print(&entries.join("\n"))
 }
 
