@@ -116,8 +116,8 @@ steps_per_period = 256
         Scene::parse(Path::new("precision.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.base.contact.law = match law {
         Law::None => LawChoice::None,
-        Law::Hertz => LawChoice::Hertz,
-        Law::Dmt => LawChoice::Dmt,
+        Law::Hertz | Law::ViscousHertz => LawChoice::Hertz,
+        Law::Dmt | Law::ViscousDmt => LawChoice::Dmt,
         Law::Jkr => LawChoice::Jkr,
     };
     scene.output.observables = vec![Observable::Amplitude, Observable::Phase, Observable::ForceMax];
@@ -167,12 +167,7 @@ impl Problem {
 
 /// `hertz`, `dmt` or `jkr`.
 pub fn name(law: Law) -> &'static str {
-    match law {
-        Law::None => "none",
-        Law::Hertz => "hertz",
-        Law::Dmt => "dmt",
-        Law::Jkr => "jkr",
-    }
+    law.name()
 }
 
 fn reduce(law: Law, plan: &Plan, few: usize) -> Reduced {

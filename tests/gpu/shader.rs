@@ -63,7 +63,7 @@ steps_per_period = {steps}
     if viscous {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
         // Both forms.
-        let form = if modes % 2 == 0 { ViscosityModel::AdHoc } else { ViscosityModel::KelvinVoigt };
+        let form = if modes.is_multiple_of(2) { ViscosityModel::AdHoc } else { ViscosityModel::KelvinVoigt };
         scene.base.contact.viscosity_model = form;
     }
     scene

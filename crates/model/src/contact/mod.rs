@@ -305,7 +305,7 @@ pub fn retardation_time(params: &Params, frequency: f64) -> f64 {
         Viscosity::None => 0.0,
         Viscosity::Shear(viscosity) => viscosity * 2.0 * (1.0 + sample.poisson_ratio) / sample.youngs_modulus,
         Viscosity::RetardationTime(time) => time,
-        Viscosity::LossTangent(tangent) if tangent == 0.0 => 0.0,
+        Viscosity::LossTangent(0.0) => 0.0,
         Viscosity::LossTangent(tangent) => tangent / (2.0 * PI * frequency),
     }
 }

@@ -128,7 +128,7 @@ impl Meter {
         for n in 0..VISCOUS_PIECES {
             let (from, to) = (share(n), share(n + 1));
             let (before, after) = (pressing(from) > 0.0, pressing(to) > 0.0);
-            let change = if before == after { to } else { root(from, to, &pressing) };
+            let change = if before == after { to } else { root(from, to, pressing) };
             self.time += piece.h * if before { change - from } else { to - change };
             self.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));
             self.pressed = Some(after);
