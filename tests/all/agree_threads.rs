@@ -8,7 +8,7 @@ use afmsweep::contact::Law;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, on_threads};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{Scene, Start, SweptAxes};
+use afmsweep::scene::{Scene, Start, SweptAxes, Viscosity};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -21,6 +21,7 @@ fn laws() -> impl Iterator<Item = &'static str> {
 
 /// Three axes, one of which changes the instrument's drive.
 fn sweep(law: &str, start: &str, periods: u32) -> Scene {
+    let (word, viscous) = law.strip_suffix("-viscous").map_or((law, false), |word| (word, true));
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -32,7 +33,7 @@ model = "rigid"
 [sample]
 surface_energy = "20 mJ/m^2"
 [contact]
-law = "{law}"
+law = "{word}"
 [drive]
 on = "tip"
 frequency = "75 kHz"
@@ -51,6 +52,9 @@ measure = 5
     );
     let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.output.observables = Observable::all().collect();
+    if viscous {
+        scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
+    }
     scene
 }
 
