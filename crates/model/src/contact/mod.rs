@@ -174,9 +174,9 @@ impl Compact {
         tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
     }
 
-    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2) and decay length (m).
-    pub fn constants(&self) -> [f64; 4] {
-        [self.modulus, self.radius, self.work, self.decay_length]
+    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m) and retardation time (s).
+    pub fn constants(&self) -> [f64; 5] {
+        [self.modulus, self.radius, self.work, self.decay_length, self.retardation]
     }
 
     /// The contact, to the bit.

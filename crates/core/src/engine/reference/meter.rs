@@ -102,7 +102,7 @@ impl Meter {
             }
             before = delta;
         }
-        if system.force.pressing(0.0, 0.0).is_some() {
+        if system.force.is_viscous() {
             self.pass_viscous(system, piece);
         } else if system.touching {
             self.time += piece.h;

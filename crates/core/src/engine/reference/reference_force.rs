@@ -103,6 +103,11 @@ impl ReferenceForce {
         }
     }
 
+    /// Whether it depends on the rate.
+    pub fn is_viscous(&self) -> bool {
+        matches!(self, Self::Viscous { .. })
+    }
+
     /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
     /// is out.
     pub fn pressing(&self, delta: f64, rate: f64) -> Option<f64> {

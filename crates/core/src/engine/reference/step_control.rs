@@ -134,7 +134,7 @@ impl Integrator {
         self.system.touching = !self.system.touching;
         if let Some(meter) = meter.as_deref_mut() {
             // A viscous contact is counted by its force.
-            let counts = self.system.touching && self.system.force.pressing(0.0, 0.0).is_none();
+            let counts = self.system.touching && !self.system.force.is_viscous();
             meter.begun += f64::from(u8::from(counts));
         }
         self.h = FIRST_STEP_PHASE.min(self.longest);
