@@ -14,8 +14,6 @@ use crate::lane::when;
 pub trait ContactAdhesion<L: Lane>: Copy {
     /// The law's constants with it: those of the contact, then its own.
     const FIELDS: &'static [&'static str];
-    /// Whether its force moves the tip within the step.
-    const SHIFTS: bool;
 
     fn from_numbers(next: impl FnMut() -> L) -> Self;
 
@@ -32,7 +30,6 @@ pub struct Clean;
 
 impl<L: Lane> ContactAdhesion<L> for Clean {
     const FIELDS: &'static [&'static str] = &["stiffness", "retardation", "ad_hoc"];
-    const SHIFTS: bool = false;
 
     fn from_numbers(_: impl FnMut() -> L) -> Self {
         Self
@@ -52,7 +49,6 @@ impl<L: Lane> ContactAdhesion<L> for Clean {
 impl<L: Lane> ContactAdhesion<L> for Tail<L> {
     const FIELDS: &'static [&'static str] =
         &["stiffness", "retardation", "ad_hoc", "adhesion", "inverse_decay"];
-    const SHIFTS: bool = true;
 
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
         Self { adhesion: next(), inverse_decay: next() }
@@ -185,7 +181,7 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         force / (half * self.retardation).mul_add(slope, L::splat(ONE))
     }
 
-    /// The contact's part with the whole `impulse` so far, and by what the impulse's error falls to that of the next.
+    /// The contact's part if the whole impulse is `impulse`, the end of the step, and the slope of the impulse's equation.
     #[inline(always)]
     fn pass(
         &self,
@@ -214,7 +210,7 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         let turned = L::select(end_rate.less(zero), -(end_rate * self.curvature(&end)) * third, zero);
         let inward = mean.force + tau * (end.elastic - start.elastic) + turned;
         let inward_slope = one + twelfth * mean.slope + L::splat(FIVE) * twelfth * tau * end.slope;
-        // On withdrawal: Hertz's mean where the tip was a retardation time ago, so to say.
+        // On withdrawal: Ting's force is Hertz's at d + tau v, so its mean is Hertz's along the chord of that.
         let bent = (end.force + self.adhesion.sample(end.indentation))
             - (start.force + self.adhesion.sample(start.indentation));
         let early = tau.mul_add(at.speed - half_kick + twelfth * bent, centre);
