@@ -59,6 +59,7 @@ const CASES: &[(&str, Expect)] = &[
     ("graze_1e-3", Within(taps)),
     ("graze_1e-6", Within(taps)),
     ("graze_jkr", Within(taps)),
+    ("hits_by_turns", Says(Status::NotSteady)),
     ("jkr_edge_between", Says(Status::NotSteady)),
     ("jkr_edge_held", Within(holds_on)),
     ("jkr_edge_lets_go", Within(taps)),

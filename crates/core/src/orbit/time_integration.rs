@@ -1,10 +1,11 @@
 //! Integration to steady state: until an instance has settled, at most as long as the scene says.
 
 use super::OrbitSolution;
-use super::residual::force_share;
+use super::residual::{force_share, measure_period};
 use super::verification::SHALLOW_AMPLITUDES;
+use crate::compare::{Scales, worst};
 use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
-use crate::observe::Status;
+use crate::observe::{Observable, Status};
 use crate::plan::{Plan, SectionState, StartState};
 use crate::scene::Start;
 use std::f64::consts::TAU;
@@ -24,33 +25,73 @@ pub(super) fn integrate(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let looks = if engine.resumes() { checkpoints(plan) } else { Vec::new() };
-    if looks.is_empty() {
+    let (mut outcome, periods) = if looks.is_empty() {
         progress.task("stepping", 0);
         progress.foresee(plan.instance_steps());
         let of = |i| if plan.steps(i) > 0 { plan.run.periods } else { 0 };
-        let periods = plan.instances().map(of).collect();
-        return Ok(OrbitSolution {
-            outcome: engine.run(plan, progress)?,
-            found: Vec::new(),
-            periods,
-            jumps: Vec::new(),
-        });
+        let as_it_is = plan.starts.is_some() || !engine.resumes() || plan.run.start == Start::Rest;
+        let outcome = match as_it_is {
+            true => engine.run(plan, progress)?,
+            false => engine.run(&plan.clone().starting_at(free_starts(plan)), progress)?,
+        };
+        (outcome, plan.instances().map(of).collect())
+    } else {
+        let mut waiting = IntegrationRun::new(plan);
+        let count = looks.len() + 1;
+        for (number, until) in (1..).zip(looks.into_iter().chain([plan.run.periods])) {
+            progress.task(format!("waiting {number}/{count}"), 0);
+            waiting.step(plan, until, engine, progress)?;
+            if waiting.left.is_empty() || progress.stopped() {
+                break;
+            }
+        }
+        (waiting.outcome, waiting.periods)
+    };
+    compare_two_periods(plan, &mut outcome, engine, progress)?;
+    Ok(OrbitSolution { outcome, found: Vec::new(), periods, jumps: Vec::new() })
+}
+
+/// Marks steady instances as not steady if their next two periods differ by more than the accuracy. The fundamental hardly
+/// shows that a tip hits the sample hard and softly by turns, and the measured periods together show the harder hit alone.
+fn compare_two_periods(
+    plan: &Plan,
+    outcome: &mut Outcome,
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(), EngineError> {
+    // A number of contacts is compared by the steadiness of the measured periods.
+    let compared: Vec<Observable> =
+        plan.observables.iter().copied().filter(|one| *one != Observable::Contacts).collect();
+    let end = |i: u32| outcome.ends.get(i as usize)?.as_deref().copied();
+    let touches = |i: u32| outcome.results[i as usize].status.is_steady() && plan.steps(i) > 0;
+    let (steady, ends): (Vec<u32>, Vec<SectionState>) =
+        plan.instances().filter(|i| touches(*i)).filter_map(|i| Some((i, end(i)?))).unzip();
+    if steady.is_empty() || progress.stopped() || plan.run.start == Start::Rest {
+        return Ok(());
     }
-    let mut waiting = IntegrationRun::new(plan);
-    let count = looks.len() + 1;
-    for (number, until) in (1..).zip(looks.into_iter().chain([plan.run.periods])) {
-        progress.task(format!("waiting {number}/{count}"), 0);
-        waiting.step(plan, until, engine, progress)?;
-        if waiting.left.is_empty() || progress.stopped() {
-            break;
+    let one = measure_period(plan.part(&steady), ends.into_iter(), engine, progress)?;
+    if progress.stopped() {
+        return Ok(());
+    }
+    let after = one.ends.iter().map(|end| end.as_deref().map_or(SectionState::FREE, |end| *end));
+    let two = measure_period(plan.part(&steady), after, engine, progress)?;
+    if progress.stopped() {
+        return Ok(());
+    }
+    for ((i, one), two) in steady.into_iter().zip(&one.results).zip(&two.results) {
+        let scales = Scales::of(plan, i as usize, &one.measured);
+        let change = worst(&compared, &two.measured, &one.measured, &scales);
+        // Numbers beyond f32's range have a status of their own.
+        if change > plan.run.accuracy && change.is_finite() {
+            outcome.results[i as usize].status = Status::NotSteady;
         }
     }
-    Ok(OrbitSolution {
-        outcome: waiting.outcome,
-        found: Vec::new(),
-        periods: waiting.periods,
-        jumps: Vec::new(),
-    })
+    Ok(())
+}
+
+/// The free oscillation of every instance.
+fn free_starts(plan: &Plan) -> Vec<StartState> {
+    plan.instances().map(|i| SectionState::free(plan, i).into()).collect()
 }
 
 /// A plan between checkpoints.
@@ -68,12 +109,11 @@ struct IntegrationRun {
 impl IntegrationRun {
     /// All instances, in free oscillation or at the plan's starts.
     fn new(plan: &Plan) -> Self {
-        let free = || plan.instances().map(|i| SectionState::free(plan, i).into()).collect();
         Self {
             outcome: Outcome::of(plan),
             periods: vec![0; plan.len()],
             left: plan.instances().collect(),
-            starts: plan.starts.as_ref().map_or_else(free, |starts| starts.to_vec()),
+            starts: plan.starts.as_ref().map_or_else(|| free_starts(plan), |starts| starts.to_vec()),
             done: 0,
         }
     }

@@ -196,7 +196,11 @@ fn integrate(
     }
     let measured = sums.measured(walk, (run, wants), driven);
     let settled = settled(change, sums.meter.begun, case.least_change, driven, run);
-    let status = if settled { Status::Ok } else { Status::NotSteady };
+    // A graze that is shallower than the accuracy of lengths has no significant force.
+    let graze = case.contact.law().elastic_force(run.accuracy * driven.free_amplitude());
+    let force = graze.max(sums.hits.1.abs()).max(sums.meter.force_min.abs());
+    let alternates = sums.hits.1 - sums.hits.0 > run.accuracy * force;
+    let status = if settled && !alternates { Status::Ok } else { Status::NotSteady };
     Finished { measured, status }
 }
 
@@ -207,15 +211,20 @@ struct Sums {
     /// Harmonics of all periods that are over.
     cosine: [f64; HARMONICS],
     sine: [f64; HARMONICS],
+    /// Least and largest of the periods' largest forces, N.
+    hits: (f64, f64),
 }
 
 impl Sums {
     fn new(wants: Wants) -> Self {
-        Self { meter: Meter::new(wants), cosine: [0.0; HARMONICS], sine: [0.0; HARMONICS] }
+        let hits = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { meter: Meter::new(wants), cosine: [0.0; HARMONICS], sine: [0.0; HARMONICS], hits }
     }
 
-    /// Takes in the harmonics of the latest period.
+    /// Takes in the harmonics and the largest force of the latest period.
     fn close_period(&mut self) {
+        let hit = std::mem::replace(&mut self.meter.force_max, f64::NEG_INFINITY);
+        self.hits = (self.hits.0.min(hit), self.hits.1.max(hit));
         for n in 0..HARMONICS {
             self.cosine[n] += self.meter.cosine[n];
             self.sine[n] += self.meter.sine[n];
@@ -245,7 +254,7 @@ impl Sums {
             measured.deflection_mean = driven.free.bending * measured.force_mean;
         }
         if wants.extremes {
-            (measured.force_min, measured.force_max) = (self.meter.force_min, self.meter.force_max);
+            (measured.force_min, measured.force_max) = (self.meter.force_min, self.hits.1);
             measured.indentation_max = if self.meter.touched { self.meter.deepest } else { f64::NAN };
         }
         measured

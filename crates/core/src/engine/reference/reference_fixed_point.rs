@@ -26,6 +26,8 @@ const FD_STEP_ROUGH: f64 = 3e-5;
 /// A motion of two periods lies on opposite sides of a periodic state at successive starts of a period. It counts as such if
 /// its distance shrinks to no less than this share from one to the next.
 const ALTERNATION_SHARE: f64 = 0.95;
+/// A fixed point with a larger multiplier is unstable. The multiplier of an undamped mode is 1, and differences add some noise.
+const UNSTABLE_ABOVE: f64 = 1.1;
 /// A mode is next to a harmonic of the drive if its periodic motion exceeds the force's effect in a period by this factor. It
 /// is then left to settle by itself, or becomes an unknown.
 const RESONANCE_RATIO: f64 = 100.0;
@@ -171,8 +173,8 @@ struct Map {
 }
 
 impl Map {
-    /// Searches for the periodic state once the modes that are not kept have begun to move; `None` if the motion passes it on
-    /// alternate sides.
+    /// Searches for the periodic state once the modes that are not kept have begun to move; `None` if it is unstable or the
+    /// motion passes it on alternate sides.
     fn find(&mut self, options: NewtonOptions, progress: &Progress) -> Option<FixedPoint<Dyn>> {
         let (mut found, mut passed) = (None, Vec::new());
         for periods in WARM_UP_PERIODS {
@@ -196,7 +198,9 @@ impl Map {
             self.widen(&more);
         }
         let least = 10.0 * options.tolerance * options.scale;
-        found.filter(|found| !self.alternates(&passed, &found.state, least))
+        found.filter(|found| {
+            found.spectrum.multiplier < UNSTABLE_ABOVE && !self.alternates(&passed, &found.state, least)
+        })
     }
 
     /// The fixed point at which the modes that are not unknowns are at rest, too. Those that are not become unknowns.
