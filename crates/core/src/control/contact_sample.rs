@@ -34,15 +34,18 @@ pub(super) struct ContactKind {
     jumps: bool,
 }
 
-/// Kind of an instance, and its contact's stiffness at the deepest expected indentation relative to the lever's. Under DMT it
-/// is at least the slope of the attraction just outside, which even a tip that never touches feels.
+/// Kind of an instance, and its contact's stiffness at the deepest expected indentation relative to the lever's: that of a
+/// viscous sample at the rate of the contact. Under DMT it is at least the slope of the attraction just outside, which even a
+/// tip that never touches feels.
 pub(super) fn kind_and_stiffness(plan: &Plan, instance: u32) -> (ContactKind, f64) {
     let case = plan.case(instance);
     let (contact, depth, law) = (&case.contact, plan.depth_of(&case), plan.law(instance));
     let strong = || -contact.law().pull_off() >= plan.policy.strong_jump * contact.force(depth, true);
     let kind = ContactKind { law: law.code(), jumps: law.has_memory() && strong() };
-    let pressed = contact.stiffness(depth, true).abs();
-    (kind, pressed.max(contact.law().attraction_slope()) * plan.driven(instance).kept.flexibility)
+    let driven = plan.driven(instance);
+    let rate = if plan.law(instance).is_viscous() { driven.contact_rate(contact, case.gap) } else { 0.0 };
+    let pressed = contact.stiffness_at(depth, rate);
+    (kind, pressed.max(contact.law().attraction_slope()) * driven.kept.flexibility)
 }
 
 pub(super) fn kind(plan: &Plan, instance: u32) -> ContactKind {

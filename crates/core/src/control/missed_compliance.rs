@@ -33,9 +33,9 @@ pub(super) fn missed(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     let whole =
         compliance(driven.instrument.modes.iter().map(|mode| (mode.omega, mode.inverse_mass())), rate);
     let kept = compliance(driven.kept.modes.iter().map(|mode| (mode.omega, mode.inverse_mass)), rate);
-    let stiffness = contact.stiffness(depth, true).abs();
+    let stiffness = contact.stiffness_at(depth, rate);
     let part = stiffness * (kept - whole).abs() / (1.0 + stiffness * whole.abs());
-    let moved = ONSET_MARGIN * part * contact.law().elastic_force(depth);
+    let moved = ONSET_MARGIN * part * contact.law().elastic_force(depth).max(measured.force_max);
     // The scale of forces is no less than the largest of them, and takes longer to tell.
     let largest = measured.force_max.abs().max(measured.force_min.abs());
     if moved <= NEGLIGIBLE_SHARE * plan.run.accuracy * largest {
