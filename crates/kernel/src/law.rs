@@ -20,17 +20,17 @@ macro_rules! laws {
     ($then:ident) => {
         $then! {
             /// No sample.
-            None = 0, "none", Nothing { attraction: None, memory: false, wide: [], narrow: [8 24] };
+            None = 0, "none", Nothing { attraction: None, hysteresis: false, wide: [], narrow: [8 24] };
             /// Hertz (1882): elastic, without adhesion.
-            Hertz = 1, "hertz", Hertz { attraction: None, memory: false, wide: [1 2], narrow: [3 4 6 8 24] };
+            Hertz = 1, "hertz", Hertz { attraction: None, hysteresis: false, wide: [1 2], narrow: [3 4 6 8 24] };
             /// Derjaguin, Muller & Toporov (1975): adhesion acts from outside the contact.
-            Dmt = 2, "dmt", Dmt { attraction: Distant, memory: false, wide: [1 2 3 4], narrow: [6 8 24] };
+            Dmt = 2, "dmt", Dmt { attraction: Distant, hysteresis: false, wide: [1 2 3 4], narrow: [6 8 24] };
             /// Johnson, Kendall & Roberts (1971): adhesion acts within the contact.
-            Jkr = 3, "jkr", Jkr { attraction: Contact, memory: true, wide: [1 2], narrow: [3 4 6 8 24] };
+            Jkr = 3, "jkr", Jkr { attraction: Contact, hysteresis: true, wide: [1 2], narrow: [3 4 6 8 24] };
             /// Hertz with a viscous sample (Kelvin-Voigt).
-            ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, memory: false, wide: [], narrow: [2 8 24] };
+            ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// DMT with a viscous sample.
-            ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, memory: false, wide: [], narrow: [2 8 24] };
+            ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
         }
     };
 }
@@ -48,7 +48,7 @@ pub enum Attraction {
 
 macro_rules! enumerate {
     ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
-        { attraction: $attraction:ident, memory: $memory:literal, $($steppers:tt)* };)*) => {
+        { attraction: $attraction:ident, hysteresis: $hysteresis:literal, $($steppers:tt)* };)*) => {
         /// The law one instance uses.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
         #[repr(u8)]
@@ -75,9 +75,9 @@ macro_rules! enumerate {
             }
 
             /// True where the force depends on the past: two answers for one indentation.
-            pub fn has_memory(self) -> bool {
+            pub fn has_hysteresis(self) -> bool {
                 match self {
-                    $(Law::$law => $memory,)*
+                    $(Law::$law => $hysteresis,)*
                 }
             }
 

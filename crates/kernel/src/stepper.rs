@@ -109,7 +109,7 @@ impl<E: Copy, T: Make<E>> WithLanes<E> for Compiled<T> {
         let Self { law, modes, .. } = self;
         macro_rules! made {
             ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
-                { attraction: $attraction:ident, memory: $memory:literal,
+                { attraction: $attraction:ident, hysteresis: $hysteresis:literal,
                   wide: [$($two:literal)*], narrow: [$($one:literal)*] };)*) => {
                 match law {
                     $(Law::$law => match modes {

@@ -137,7 +137,7 @@ impl<E: Lane<Element = E>> Iterate<E> {
         Self {
             instance,
             steps: plan.steps(instance),
-            remembers: plan.law(instance).has_memory(),
+            remembers: plan.law(instance).has_hysteresis(),
             least: seek.least,
             aim: seeks.aim(instance),
             stride: vec![E::splat(0.0); place.len()],

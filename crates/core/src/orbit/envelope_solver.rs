@@ -112,7 +112,7 @@ fn follow(
         map.progress.timed(ProfileSection::Algebra, || {
             for ((slot, one), end) in open.iter_mut().zip(sloped) {
                 // An end is usable if it is finite and in the same contact as the start.
-                let remembers = map.plan.law(*slot).has_memory();
+                let remembers = map.plan.law(*slot).has_hysteresis();
                 let same = |end: &SectionState| !remembers || end.touching == touching(*slot);
                 let useful = end.filter(|sloped| sloped.end.finite && same(&sloped.end));
                 one.tell(useful.map(|PeriodJacobian { end, slope }| {

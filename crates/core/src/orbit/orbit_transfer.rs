@@ -36,7 +36,7 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
         false => 1.0,
     };
     let mut station = SectionState {
-        touching: state.section.touching && here.contact.law.has_memory(),
+        touching: state.section.touching && here.contact.law.has_hysteresis(),
         ..SectionState::FREE
     };
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {

@@ -260,7 +260,7 @@ impl Contact {
 
     /// Whether the tip is in contact at `delta` within a step at whose start it was, and at whose end it is.
     pub fn in_contact_within(&self, delta: f64, was: bool, is: bool) -> bool {
-        match self.law.has_memory() {
+        match self.law.has_hysteresis() {
             true if was => self.next_contact(delta, true),
             true => is && self.next_contact(delta, false),
             false => delta > 0.0,

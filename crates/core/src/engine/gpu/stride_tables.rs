@@ -64,7 +64,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
         let guessed = guesses.all[n];
         let place: Vec<f64> = guesses.place(n).iter().map(|number| number / LENGTH).collect();
         let still = rest_indentation(&member.0, (member.1, Start::Steady), half_step(member.0.steps));
-        let memory = f64::from(u8::from(class.law.has_memory()));
+        let memory = f64::from(u8::from(class.law.has_hysteresis()));
         let state = begun(&guessed, &place, (spec.modes, still));
         let goal = guesses.goal(&guessed);
         let own = [goal.scale, goal.near, goal.sure, still, memory, state.touching];

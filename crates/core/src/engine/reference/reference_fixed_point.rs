@@ -61,7 +61,7 @@ pub fn solve_near(
     }
     let (all, slow) = unknowns(&system, &case, driven, station);
     system.touching = station.touching;
-    let remembers = case.contact.law.has_memory();
+    let remembers = case.contact.law.has_hysteresis();
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { FD_STEP_ROUGH } else { FD_STEP_SMOOTH };
     let lost = least_lost(&system, driven, &slow);
