@@ -86,7 +86,7 @@ fn follow(
     let begin = |slot: u32| {
         let EnvelopeStart { section: place, decay_periods: pace, max_evaluations: most, .. } =
             from[slot as usize];
-        let modes = map.plan.driven(slot).kept.modes.len();
+        let modes = map.plan.pairs(slot);
         let told = EnvelopeOptions {
             scale: tolerances::scale(map.plan, slot),
             decay_periods: pace,

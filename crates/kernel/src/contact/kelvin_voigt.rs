@@ -330,7 +330,13 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
             impulse = impulse + change.max(-most).min(most);
         }
         let (pass, _, _) = self.pass(at, (&ends, &start), impulse);
-        Kick { impulse, shift: shift - pass.lag, contact: pass.share, touching: pass.touching }
+        Kick {
+            impulse,
+            shift: shift - pass.lag,
+            contact: pass.share,
+            touching: pass.touching,
+            ..Kick::none()
+        }
     }
 }
 

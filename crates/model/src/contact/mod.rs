@@ -10,7 +10,7 @@
 //! One law is one file: its struct, its formula, its source, and [`StaticLaw`] for it, which also answers what other
 //! modules ask of a law. The list of laws is the kernel's ([`crate::kernel::laws`]).
 //!
-//! | law | in contact | outside | memory |
+//! | law | in contact | outside | hysteresis |
 //! |---|---|---|---|
 //! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |

@@ -109,7 +109,7 @@ fn unknowns(
 ) -> (DVector<f64>, Vec<usize>) {
     let modes = system.modes();
     let half = PI / (driven.free.omega * f64::from(case.steps));
-    let mut state = DVector::zeros(2 * modes);
+    let mut state = DVector::zeros(system.remembered());
     let mut slow = Vec::new();
     let mut others: Vec<usize> = Vec::new();
     let mut rest: Vec<usize> = (0..driven.kept.modes.len()).collect();
@@ -142,6 +142,14 @@ fn unknowns(
             state[place] = share * rest_x;
             state[modes + place] = share * rest_u;
         }
+    }
+    // The law's memory does not change in the half step: it is that of the period's very start.
+    let kept = driven.kept.modes.len();
+    for (place, number) in
+        (2 * modes..state.len()).zip([station.x, station.u].map(|all| all.get(kept).copied().unwrap_or(0.0)))
+    {
+        state[place] = number;
+        slow.push(place);
     }
     (state, slow)
 }

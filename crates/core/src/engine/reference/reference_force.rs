@@ -71,9 +71,9 @@ impl ReferenceForce {
     /// Force on the tip, N, on the branch that `touching` selects. Each branch continues past its end, so that a step may
     /// overshoot before it is cut back there.
     ///
-    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it.
+    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has one.
     #[inline]
-    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, touching: bool) -> f64 {
+    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, _memory: [f64; 2], touching: bool) -> f64 {
         match *self {
             Self::None => 0.0,
             Self::Hertz { kappa } => hertz(kappa, delta, touching),
@@ -103,6 +103,16 @@ impl ReferenceForce {
         }
     }
 
+    /// Whether it remembers two numbers, as lengths in m.
+    pub fn has_memory(&self) -> bool {
+        false
+    }
+
+    /// Rates (m/s) at which a law with a memory changes it.
+    pub fn remembered(&self, _delta: f64, _force: f64, _memory: [f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Whether it depends on the rate.
     pub fn is_viscous(&self) -> bool {
         matches!(self, Self::Viscous { .. })
@@ -110,7 +120,7 @@ impl ReferenceForce {
 
     /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
     /// is out.
-    pub fn pressing(&self, delta: f64, rate: f64) -> Option<f64> {
+    pub fn pressing(&self, delta: f64, rate: f64, _memory: [f64; 2]) -> Option<f64> {
         match *self {
             Self::Viscous { tau, ad_hoc, .. } if rate < 0.0 && !ad_hoc => {
                 Some((delta + tau * rate).min(delta))
@@ -224,7 +234,7 @@ mod tests {
                     let delta = fold + f64::from(step) * f64::from(step) * 1e-15;
                     for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
                         let (own, other) =
-                            (force.at(delta, || 0.0, touching), contact.force(delta, touching));
+                            (force.at(delta, || 0.0, [0.0; 2], touching), contact.force(delta, touching));
                         // Close to the fold the square root magnifies a rounding of the indentation.
                         let bound = 1e-12 * (unit + other.abs());
                         assert!(
@@ -234,7 +244,7 @@ mod tests {
                     }
                 }
                 if let Some(pull) = force.deepest_pull() {
-                    assert!((force.at(pull, || 0.0, true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
+                    assert!((force.at(pull, || 0.0, [0.0; 2], true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
                 }
             }
         }
