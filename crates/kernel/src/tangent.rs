@@ -114,14 +114,7 @@ pub(crate) fn partials<L: Lane, I: Interaction<Dual<L>>>(
                 if !I::MEMORY {
                     continue;
                 }
-                let [x, u] = memory::<L, I>(here);
-                let at = Approach {
-                    indentation: Dual::constant(row(here, 0)),
-                    speed: Dual::constant(row(here, 1)),
-                    acceleration: Dual::constant(row(here, 2)),
-                    memory: [Dual::own(x, 0), Dual::own(u, 1)],
-                };
-                let by_memory = law.kick(at, touching);
+                let by_memory = law.kick(by_memory(at), touching);
                 for n in 0..2 {
                     put(PARTIALS + n, by_memory.impulse.by[n]);
                     put(PARTIALS + 2 + n, by_memory.shift.by[n]);
@@ -132,6 +125,17 @@ pub(crate) fn partials<L: Lane, I: Interaction<Dual<L>>>(
             }
         },
     );
+}
+
+/// The same approach, of which the memory alone counts as what derivatives are by.
+#[inline(always)]
+fn by_memory<L: Lane>(at: Approach<Dual<L>>) -> Approach<Dual<L>> {
+    Approach {
+        indentation: Dual::constant(at.indentation.value),
+        speed: Dual::constant(at.speed.value),
+        acceleration: Dual::constant(at.acceleration.value),
+        memory: [Dual::own(at.memory[0].value, 0), Dual::own(at.memory[1].value, 1)],
+    }
 }
 
 /// What a law remembered before a step that was seen.
