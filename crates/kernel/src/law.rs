@@ -32,6 +32,8 @@ macro_rules! laws {
             ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// DMT with a viscous sample.
             ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            /// Hertz with a sample that relaxes (standard linear solid).
+            RelaxingHertz = 6, "hertz-relaxing", RelaxingHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 24] };
         }
     };
 }
@@ -232,9 +234,14 @@ impl Law {
         }
     }
 
-    /// Whether its force depends on the rate of indentation.
+    /// The same law with a sample that relaxes, where there is one.
+    pub fn relaxing(self) -> Option<Self> {
+        (self == Self::Hertz).then_some(Self::RelaxingHertz)
+    }
+
+    /// Whether its force depends on how fast the indentation changes.
     pub fn is_viscous(self) -> bool {
-        matches!(self, Self::ViscousHertz | Self::ViscousDmt)
+        matches!(self, Self::ViscousHertz | Self::ViscousDmt | Self::RelaxingHertz)
     }
 
     /// Whether there is a sample at all.

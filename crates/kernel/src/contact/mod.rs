@@ -6,11 +6,13 @@ mod jkr;
 mod jkr_curve;
 mod kelvin_voigt;
 mod path;
+mod relaxing_hertz;
 
 pub use dmt::{Dmt, Tail};
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 pub use kelvin_voigt::{Clean, KelvinVoigt};
+pub use relaxing_hertz::RelaxingHertz;
 
 use super::Lane;
 use super::constants::{ONE, ZERO};
