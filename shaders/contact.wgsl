@@ -6,6 +6,10 @@ struct Approach {
     indentation: real,
     speed: real,
     acceleration: real,
+    //% each memory
+    memory_x: real,
+    memory_u: real,
+    //% end
 }
 
 // What the sample does to the tip during one step.
@@ -14,10 +18,18 @@ struct Kick {
     shift: real,
     contact: real,
     touching: real,
+    //% each memory
+    memory_x: real,
+    memory_u: real,
+    //% end
 }
 
-// How impulse and shift change with the three numbers of an approach.
+// How all that changes with the three numbers of an approach, or with the law's memory.
 struct KickSlope {
     impulse: vec3<real>,
     shift: vec3<real>,
+    //% each memory
+    memory_x: vec3<real>,
+    memory_u: vec3<real>,
+    //% end
 }

@@ -164,8 +164,10 @@ fn sound(i: u32) -> bool {
 // Puts an instance down at its place, with nothing measured.
 fn begin(i: u32) {
     var beyond = ZERO;
-    //% each mode
+    //% each swinging mode
     beyond = beyond + places[at($u, i)];
+    //% end
+    //% each mode
     states[at(STATE_X_$, i)] = places[at($u, i)];
     states[at(STATE_U_$, i)] = places[at(HALF_NUMBERS + $u, i)];
     //% end

@@ -73,7 +73,7 @@ fn kick(column: ptr<function, Column>, row: u32, first: u32, i: u32) {
     var speed = ZERO;
     var pulled = ZERO;
     var dragged = ZERO;
-    //% each mode
+    //% each swinging mode
     travel = travel - (*column).x_$;
     speed = -drive(DRIVE_RATE_$, row) * (*column).u_$ + speed;
     pulled = -drive(DRIVE_PULL_$, row) * (*column).x_$ + pulled;
@@ -83,7 +83,19 @@ fn kick(column: ptr<function, Column>, row: u32, first: u32, i: u32) {
     let by_0 = partials[at(first, i)];
     let by_1 = partials[at(first + 1u, i)];
     let by_2 = partials[at(first + 2u, i)];
-    let impulse = by_0 * travel + (by_1 * speed + by_2 * acceleration);
+    var impulse = by_0 * travel + (by_1 * speed + by_2 * acceleration);
+    //% each memory
+    let by_8 = partials[at(first + 8u, i)];
+    let by_9 = partials[at(first + 9u, i)];
+    impulse = partials[at(first + 6u, i)] * (*column).x_$ + (partials[at(first + 7u, i)] * (*column).u_$ + impulse);
+    let of_memory = by_8 * (*column).x_$ + by_9 * (*column).u_$;
+    let held_x = partials[at(first + 13u, i)] * (*column).x_$ + partials[at(first + 14u, i)] * (*column).u_$;
+    let held_u = partials[at(first + 18u, i)] * (*column).x_$ + partials[at(first + 19u, i)] * (*column).u_$;
+    let bent_x = partials[at(first + 12u, i)] * acceleration + held_x;
+    let bent_u = partials[at(first + 17u, i)] * acceleration + held_u;
+    let remembered_x = partials[at(first + 10u, i)] * travel + (partials[at(first + 11u, i)] * speed + bent_x);
+    let remembered_u = partials[at(first + 15u, i)] * travel + (partials[at(first + 16u, i)] * speed + bent_u);
+    //% end
     //% each mode
     let m01_$ = drive(DRIVE_M01_$, row);
     let x_$ = (*column).x_$;
@@ -97,13 +109,24 @@ fn kick(column: ptr<function, Column>, row: u32, first: u32, i: u32) {
     let by_3 = partials[at(first + 3u, i)];
     let by_4 = partials[at(first + 4u, i)];
     let by_5 = partials[at(first + 5u, i)];
-    if ZERO < abs(by_3) + abs(by_4) + abs(by_5) {
-        let shift = by_3 * travel + (by_4 * speed + by_5 * acceleration);
+    if ZERO < abs(by_3) + abs(by_4) + abs(by_5)
+        //% each memory
+        + (abs(by_8) + abs(by_9))
+        //% end
+    {
+        var shift = by_3 * travel + (by_4 * speed + by_5 * acceleration);
+        //% each memory
+        shift = shift + of_memory;
+        //% end
         //% each mode
         (*column).x_$ = drive(DRIVE_SHIFT_X_$, row) * shift + (*column).x_$;
         (*column).u_$ = drive(DRIVE_SHIFT_U_$, row) * shift + (*column).u_$;
         //% end
     }
+    //% end
+    //% each memory
+    (*column).x_$ = (*column).x_$ + remembered_x;
+    (*column).u_$ = (*column).u_$ + remembered_u;
     //% end
 }
 

@@ -15,7 +15,8 @@
 // Steps done, steps since the last kick written down, kicks of this dispatch, and steps before each of these without one:
 // [3 + kick][instance].
 @group(0) @binding(6) var<storage, read_write> marks: array<u32>;
-// What they change by with each number of their approach: [kick][the impulse's three, the shift's three][instance].
+// What they change by with each number of their approach: [kick][the impulse's three, the shift's three][instance]. Where the law
+// has a memory, more follow, as crates/kernel/src/tangent.rs says.
 @group(0) @binding(7) var<storage, read_write> partials: array<real>;
 // How many instances are under way in each round and after the last; then which these are, in lists that take turns.
 @group(0) @binding(8) var<storage, read> going: array<u32>;
@@ -52,7 +53,18 @@ fn some(by: vec3<real>) -> bool {
     return by.x != ZERO || by.y != ZERO || by.z != ZERO;
 }
 
-fn write_down(i: u32, kick: u32, by: KickSlope) {
+// Whether a kick has a slope at all.
+fn slopes(by: KickSlope, by_memory: KickSlope) -> bool {
+    var some_slope = some(by.impulse) || some(by.shift);
+    //% each memory
+    some_slope = some_slope || some(by.memory_x) || some(by.memory_u);
+    some_slope = some_slope || some(by_memory.impulse) || some(by_memory.shift);
+    some_slope = some_slope || some(by_memory.memory_x) || some(by_memory.memory_u);
+    //% end
+    return some_slope;
+}
+
+fn write_down(i: u32, kick: u32, by: KickSlope, by_memory: KickSlope) {
     let first = kick * PARTIALS;
     partials[at(first, i)] = by.impulse.x;
     partials[at(first + 1u, i)] = by.impulse.y;
@@ -62,12 +74,34 @@ fn write_down(i: u32, kick: u32, by: KickSlope) {
     partials[at(first + 4u, i)] = by.shift.y;
     partials[at(first + 5u, i)] = by.shift.z;
     //% end
+    //% each memory
+    partials[at(first + 6u, i)] = by_memory.impulse.x;
+    partials[at(first + 7u, i)] = by_memory.impulse.y;
+    partials[at(first + 8u, i)] = by_memory.shift.x;
+    partials[at(first + 9u, i)] = by_memory.shift.y;
+    partials[at(first + 10u, i)] = by.memory_x.x;
+    partials[at(first + 11u, i)] = by.memory_x.y;
+    partials[at(first + 12u, i)] = by.memory_x.z;
+    partials[at(first + 13u, i)] = by_memory.memory_x.x;
+    partials[at(first + 14u, i)] = by_memory.memory_x.y;
+    partials[at(first + 15u, i)] = by.memory_u.x;
+    partials[at(first + 16u, i)] = by.memory_u.y;
+    partials[at(first + 17u, i)] = by.memory_u.z;
+    partials[at(first + 18u, i)] = by_memory.memory_u.x;
+    partials[at(first + 19u, i)] = by_memory.memory_u.y;
+    //% end
 }
 
 // The last step seen, and of the one before it what its neighbour asks.
 fn here_of(i: u32) -> Seen {
-    let indentation = states[at(HERE_INDENTATION, i)];
-    let at_sample = Approach(indentation, states[at(HERE_SPEED, i)], states[at(HERE_ACCELERATION, i)]);
+    var at_sample: Approach;
+    at_sample.indentation = states[at(HERE_INDENTATION, i)];
+    at_sample.speed = states[at(HERE_SPEED, i)];
+    at_sample.acceleration = states[at(HERE_ACCELERATION, i)];
+    //% each memory
+    at_sample.memory_x = states[at(HERE_MEMORY_X, i)];
+    at_sample.memory_u = states[at(HERE_MEMORY_U, i)];
+    //% end
     return Seen(
         at_sample,
         states[at(HERE_TOUCHING, i)],
@@ -90,6 +124,10 @@ fn store_seen(i: u32, here: Seen, before: Seen) {
     states[at(HERE_TOUCHING, i)] = here.touching;
     states[at(HERE_SIZE, i)] = here.size;
     states[at(HERE_CONTACT, i)] = here.contact;
+    //% each memory
+    states[at(HERE_MEMORY_X, i)] = here.at.memory_x;
+    states[at(HERE_MEMORY_U, i)] = here.at.memory_u;
+    //% end
     states[at(BEFORE_INDENTATION, i)] = before.at.indentation;
     states[at(BEFORE_SIZE, i)] = before.size;
 }
@@ -126,11 +164,15 @@ fn kicks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             here = after;
         } else {
             var by: KickSlope;
+            var by_memory: KickSlope;
             if acts(here, before, after, little) {
                 by = law_slope(law, here.at, here.touching);
+                //% each memory
+                by_memory = law_slope_by_memory(law, here.at, here.touching);
+                //% end
             }
-            if some(by.impulse) || some(by.shift) {
-                write_down(i, kicks, by);
+            if slopes(by, by_memory) {
+                write_down(i, kicks, by, by_memory);
                 marks[at(3u + kicks, i)] = since;
                 kicks += 1u;
                 since = 0u;

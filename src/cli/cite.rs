@@ -17,11 +17,12 @@ pub struct CiteArgs {
 const REFERENCES: &str = include_str!("references.bib");
 
 /// By a word of a law's name in the file, the key of its source.
-const LAWS: [(&str, &str); 4] = [
+const LAWS: [(&str, &str); 5] = [
     ("hertz", "hertz1882contact"),
     ("dmt", "derjaguin1975effect"),
     ("jkr", "johnson1971surface"),
     ("viscous", "ting1966contact"),
+    ("relaxing", "popov2015method"),
 ];
 
 pub fn main(args: &CiteArgs) -> anyhow::Result<()> {

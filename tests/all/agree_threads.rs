@@ -21,7 +21,7 @@ fn laws() -> impl Iterator<Item = &'static str> {
 
 /// Three axes, one of which changes the instrument's drive.
 fn sweep(law: &str, start: &str, periods: u32) -> Scene {
-    let (word, viscous) = law.strip_suffix("-viscous").map_or((law, false), |word| (word, true));
+    let word = law.split('-').next().unwrap_or(law);
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -52,8 +52,10 @@ measure = 5
     );
     let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.output.observables = Observable::all().collect();
-    if viscous {
+    if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
+    } else if law.ends_with("-relaxing") {
+        scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e9, time: 2e-7 };
     }
     scene
 }

@@ -49,6 +49,7 @@ fn bent_kick<L: Lane + Into<f64>>(
         indentation: L::splat(0.5 * (start + end) - 0.125 * acceleration),
         speed: L::splat(end - start),
         acceleration: L::splat(acceleration),
+        memory: [L::splat(0.0); 2],
     };
     let kick = law.kick(approach, L::splat(if touching { 1.0 } else { 0.0 }));
     Kick {
@@ -56,6 +57,7 @@ fn bent_kick<L: Lane + Into<f64>>(
         shift: kick.shift.into() / SCALE,
         contact: kick.contact.into(),
         touching: kick.touching.into(),
+        memory: kick.memory.map(Into::into),
     }
 }
 

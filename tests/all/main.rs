@@ -35,6 +35,7 @@ mod agree_plan;
 mod agree_precision;
 mod agree_reference;
 mod agree_reference_engine;
+mod agree_relaxing;
 mod agree_scaled;
 mod agree_search;
 mod agree_setpoint;

@@ -252,6 +252,7 @@ fn every_quantity_can_be_written_swept_and_echoed() {
         let value = if path.ends_with("actuator.h33") { 5e8 } else { value };
         let value = if path.ends_with("actuator.youngs_modulus") { 3e10 } else { value };
         let value = if path.ends_with("actuator.beta33") { 9e7 } else { value };
+        let value = if path.ends_with("instantaneous_modulus") { 3e9 } else { value };
         let text = Address::find(&path).unwrap().written(value);
         let (mut company, mut drive) = (String::new(), "");
         if path.contains(".modes.") || path.starts_with("instrument.cantilever.quality_factor.") {
@@ -272,6 +273,12 @@ fn every_quantity_can_be_written_swept_and_echoed() {
             "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
             "sample.viscosity" | "sample.retardation_time" | "sample.loss_tangent" => {
                 company = "[contact]\nlaw = \"dmt\"\n".into()
+            }
+            "sample.instantaneous_modulus" => {
+                company = "[contact]\nlaw = \"hertz\"\n[sample]\nrelaxation_time = \"1 us\"\n".into()
+            }
+            "sample.relaxation_time" => {
+                company = "[contact]\nlaw = \"hertz\"\n[sample]\ninstantaneous_modulus = \"1 MPa\"\n".into()
             }
             "approach.deepest" => company = "[approach]\nsetpoint = 0.8\n".into(),
             "drive.force" => drive = "on = \"tip\"\n",

@@ -117,7 +117,9 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
         Law::Dmt => Force::Dmt { k, r, w, d0: contact.decay_length },
         Law::Jkr if w == 0.0 => Force::Hertz { k, r },
         Law::Jkr => Force::Jkr { k, r, w },
-        Law::ViscousHertz | Law::ViscousDmt => unreachable!("the independent program has no viscous sample"),
+        Law::ViscousHertz | Law::ViscousDmt | Law::RelaxingHertz => {
+            unreachable!("the independent program has elastic samples")
+        }
     }
 }
 

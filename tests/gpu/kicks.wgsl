@@ -22,7 +22,11 @@ fn kick(@builtin(global_invocation_id) id: vec3<u32>) {
     if i >= job.instances {
         return;
     }
-    let approach = Approach(approaches[at(0u, i)], approaches[at(1u, i)], approaches[at(2u, i)]);
+    // Of a law with a memory, one that remembers nothing.
+    var approach: Approach;
+    approach.indentation = approaches[at(0u, i)];
+    approach.speed = approaches[at(1u, i)];
+    approach.acceleration = approaches[at(2u, i)];
     let kick = law_kick(law_of(i), approach, approaches[at(3u, i)]);
     kicks[at(0u, i)] = kick.impulse;
     kicks[at(1u, i)] = kick.contact;

@@ -41,6 +41,7 @@ fn approach(i: usize) -> (Approach<f64>, f64) {
         indentation: single(indentation),
         speed: single(speed),
         acceleration: single(acceleration),
+        memory: [0.0; 2],
     };
     (approach, f64::from(u8::from(i.is_multiple_of(2))))
 }
@@ -81,6 +82,7 @@ fn on_cpu<L: Lane + From<f32>>(law: Law, i: usize, shift: f64) -> Kick<L> {
         indentation: L::from_lanes(|_| at.indentation + shift),
         speed: single(at.speed),
         acceleration: single(at.acceleration),
+        memory: [single(0.0); 2],
     };
     let constants = constants(i, law).into_iter().map(single).collect();
     law.with(KickOf { constants, at, touching: single(touching) })

@@ -17,6 +17,9 @@ pub fn laws() -> [&'static str; Law::ALL.len()] {
 /// A lever of `modes` modes over soft to stiff samples, from far away to pressed in. Of more than 8 they are a list, close
 /// enough together to be stepped with few steps.
 pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> Scene {
+    // A law's memory is one of the state's modes.
+    let memory = Law::from_name(law).is_some_and(Law::has_memory);
+    let modes = if memory { (modes - 1).max(1) } else { modes };
     let lever = match modes {
         0..=8 => "stiffness = \"10 N/m\"\nfrequency = \"75 kHz\"\nquality_factor = 30".to_owned(),
         _ => {
@@ -29,7 +32,7 @@ pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> 
             format!("modes = [{}]", (0..modes).map(mode).collect::<Vec<_>>().join(", "))
         }
     };
-    let (word, viscous) = law.strip_suffix("-viscous").map_or((law, false), |word| (word, true));
+    let word = law.split('-').next().unwrap_or(law);
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -60,7 +63,9 @@ steps_per_period = {steps}
     );
     let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.output.observables = Observable::all().collect();
-    if viscous {
+    if law.ends_with("-relaxing") {
+        scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e10, time: 2e-7 };
+    } else if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
         // Both forms.
         let form = if modes.is_multiple_of(2) { ViscosityModel::AdHoc } else { ViscosityModel::KelvinVoigt };

@@ -28,6 +28,7 @@ pub fn guessed(law: &str, modes: usize, warm: u32) -> (Plan, Predictions) {
     let least = vec![0.0; plan.len()];
     let slopes =
         Cpu { strict: true }.slopes(&once, &least, &Progress::default()).expect("slopes are told").all;
+    let modes = plan.pairs(0);
     let padded = state_modes(modes);
     let mut guesses = Predictions::new(2 * padded, 1e-6, 3e-5);
     for (i, (place, slope)) in places.iter().zip(slopes).enumerate() {

@@ -13,7 +13,7 @@ pub struct FlowMode {
 /// and u = (dx/dt)/omega, both in kernel units of length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flow<L, const M: usize> {
-    /// Modes that are gone through: all M where they are few, else as many as any instance has.
+    /// Modes that are gone through: all M where they are few, else as many as any instance has; less the law's memory.
     pub count: usize,
     /// Step matrix minus one: x += m00 x + m01 u, u += -m01 x + m11 u. Increments, because a step
     /// matrix rounded to f32 drifts and its increments do not.
@@ -89,6 +89,19 @@ impl Lever {
         let paid = rows.iter().map(Row::kick_paid).sum();
         let energy = rows.iter().map(Row::work_x).chain(rows.iter().map(Row::work_u)).chain([paid]).collect();
         Self { modes: rows.len(), motion, energy }
+    }
+
+    /// Makes a memory of the last mode: no force moves it and it moves no tip; each step it loses a share, `1 - exp(-decay)`.
+    pub fn remembering(mut self, decay: f64) -> Self {
+        let Some(last) = self.modes.checked_sub(1) else { return self };
+        self.motion.iter_mut().skip(last).step_by(self.modes).for_each(|number| *number = 0.0);
+        for field in [0, 2] {
+            self.motion[field * self.modes + last] = (-decay).exp_m1();
+        }
+        for field in 0..2 {
+            self.energy[field * self.modes + last] = 0.0;
+        }
+        self
     }
 }
 

@@ -11,7 +11,8 @@ use crate::wgsl::function;
 /// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files, the name of its type (in
 /// the kernel and in the main crate's `contact`), and what only the kernel asks for: what the law is like, and for how many
 /// modes there is a stepper of two registers side by side (`wide`) or of one (`narrow`). Up to 8 modes, numbers between are
-/// filled up with modes at rest; beyond 8 there is one stepper with a loop.
+/// filled up with modes at rest; beyond 8 there is one stepper with a loop. Of a law with a memory nothing is filled up: it
+/// has a stepper for 2 modes, one of them the memory, and the loop for all others.
 ///
 /// Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two quotients that wait
 /// for each other; the others have more to gain from leaving the law out.
@@ -20,17 +21,19 @@ macro_rules! laws {
     ($then:ident) => {
         $then! {
             /// No sample.
-            None = 0, "none", Nothing { attraction: None, memory: false, wide: [], narrow: [8 24] };
+            None = 0, "none", Nothing { attraction: None, hysteresis: false, wide: [], narrow: [8 24] };
             /// Hertz (1882): elastic, without adhesion.
-            Hertz = 1, "hertz", Hertz { attraction: None, memory: false, wide: [1 2], narrow: [3 4 6 8 24] };
+            Hertz = 1, "hertz", Hertz { attraction: None, hysteresis: false, wide: [1 2], narrow: [3 4 6 8 24] };
             /// Derjaguin, Muller & Toporov (1975): adhesion acts from outside the contact.
-            Dmt = 2, "dmt", Dmt { attraction: Distant, memory: false, wide: [1 2 3 4], narrow: [6 8 24] };
+            Dmt = 2, "dmt", Dmt { attraction: Distant, hysteresis: false, wide: [1 2 3 4], narrow: [6 8 24] };
             /// Johnson, Kendall & Roberts (1971): adhesion acts within the contact.
-            Jkr = 3, "jkr", Jkr { attraction: Contact, memory: true, wide: [1 2], narrow: [3 4 6 8 24] };
+            Jkr = 3, "jkr", Jkr { attraction: Contact, hysteresis: true, wide: [1 2], narrow: [3 4 6 8 24] };
             /// Hertz with a viscous sample (Kelvin-Voigt).
-            ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, memory: false, wide: [], narrow: [2 8 24] };
+            ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// DMT with a viscous sample.
-            ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, memory: false, wide: [], narrow: [2 8 24] };
+            ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            /// Hertz with a sample that relaxes (standard linear solid).
+            RelaxingHertz = 6, "hertz-relaxing", RelaxingHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 24] };
         }
     };
 }
@@ -48,7 +51,7 @@ pub enum Attraction {
 
 macro_rules! enumerate {
     ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
-        { attraction: $attraction:ident, memory: $memory:literal, $($steppers:tt)* };)*) => {
+        { attraction: $attraction:ident, hysteresis: $hysteresis:literal, $($steppers:tt)* };)*) => {
         /// The law one instance uses.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
         #[repr(u8)]
@@ -75,9 +78,9 @@ macro_rules! enumerate {
             }
 
             /// True where the force depends on the past: two answers for one indentation.
-            pub fn has_memory(self) -> bool {
+            pub fn has_hysteresis(self) -> bool {
                 match self {
-                    $(Law::$law => $memory,)*
+                    $(Law::$law => $hysteresis,)*
                 }
             }
 
@@ -100,21 +103,27 @@ pub trait WithLaw<L: Lane> {
     fn with<I: Interaction<L>>(self) -> Self::Output;
 }
 
-/// Names of the law's constants, and whether its kick moves the tip.
+/// Names of the law's constants, whether its kick moves the tip, and whether it has a memory.
 struct LawForm;
 
 impl WithLaw<f64> for LawForm {
-    type Output = (&'static [&'static str], bool);
+    type Output = (&'static [&'static str], bool, bool);
 
     fn with<I: Interaction<f64>>(self) -> Self::Output {
-        (I::FIELDS, I::SHIFTS)
+        (I::FIELDS, I::SHIFTS, I::MEMORY)
     }
 }
 
 /// A kick by its members' names in the shader.
 pub(super) fn kick_at(place: &str) -> Kick<Recorded> {
     let own = |member| Recorded::named(format!("{place}.{member}"));
-    Kick { impulse: own("impulse"), shift: own("shift"), contact: own("contact"), touching: own("touching") }
+    Kick {
+        impulse: own("impulse"),
+        shift: own("shift"),
+        contact: own("contact"),
+        touching: own("touching"),
+        memory: MEMORY.map(own),
+    }
 }
 
 /// A law whose constants have the shader's names.
@@ -127,10 +136,9 @@ fn recorded_law<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L) ->
 }
 
 /// What a law makes of an approach and of contact before it, both by their names in the shader.
-fn recorded_kick<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L, own: [L; 3]) -> Kick<L> {
+fn recorded_kick<L: Lane, I: Interaction<L>>(constant: impl Fn(Recorded) -> L, at: Approach<L>) -> Kick<L> {
     let law: I = recorded_law(&constant);
-    let [indentation, speed, acceleration] = own;
-    law.kick(Approach { indentation, speed, acceleration }, constant(Recorded::named("touching")))
+    law.kick(at, constant(Recorded::named("touching")))
 }
 
 /// The law's kick as a function of the shader.
@@ -142,8 +150,9 @@ impl WithLaw<Recorded> for KickText {
     fn with<I: Interaction<Recorded>>(self) -> String {
         let head = "fn law_kick(law: Law, at: Approach, touching: real) -> Kick";
         let kick = || {
-            let kick = recorded_kick::<_, I>(|number| number, APPROACH.map(Recorded::named));
-            vec![kick.impulse, kick.shift, kick.contact, kick.touching]
+            let kick = recorded_kick::<_, I>(|number| number, approach_at("at", |_, number| number));
+            let memory = I::MEMORY.then_some(kick.memory).into_iter().flatten();
+            [kick.impulse, kick.shift, kick.contact, kick.touching].into_iter().chain(memory).collect()
         };
         function(head, kick, |words| format!("Kick({})", words.join(", ")))
     }
@@ -159,35 +168,51 @@ impl WithLaw<Recorded> for ForcesText {
         let head = "fn law_forces(law: Law, at: Approach, kick: Kick) -> vec2<real>";
         let forces = || {
             let law: I = recorded_law(|number| number);
-            let [indentation, speed, acceleration] = APPROACH.map(Recorded::named);
-            law.extremes(Approach { indentation, speed, acceleration }, &kick_at("kick")).to_vec()
+            law.extremes(approach_at("at", |_, number| number), &kick_at("kick")).to_vec()
         };
         function(head, forces, |words| format!("vec2<real>({})", words.join(", ")))
     }
 }
 
-/// The derivatives of the law's kick, likewise.
+/// The derivatives of the law's kick, likewise: by the numbers of the approach, and those by its memory, if it has one.
 struct SlopeText;
 
 impl WithLaw<Dual<Recorded>> for SlopeText {
     type Output = String;
 
     fn with<I: Interaction<Dual<Recorded>>>(self) -> String {
-        let head = "fn law_slope(law: Law, at: Approach, touching: real) -> KickSlope";
-        let slopes = || {
-            let own = std::array::from_fn(|n| Dual::own(Recorded::named(APPROACH[n]), n));
-            let kick = recorded_kick::<_, I>(Dual::constant, own);
-            [kick.impulse.by, kick.shift.by].concat()
+        let slopes_by = |first: usize| {
+            let own = |n: usize, number| match n.checked_sub(first).filter(|n| *n < 3) {
+                Some(n) => Dual::own(number, n),
+                None => Dual::constant(number),
+            };
+            let kick = recorded_kick::<_, I>(Dual::constant, approach_at("at", own));
+            let memory = I::MEMORY.then_some(kick.memory.map(|number| number.by)).into_iter().flatten();
+            [kick.impulse.by, kick.shift.by].into_iter().chain(memory).flatten().collect()
         };
-        function(head, slopes, |words| {
-            let (impulse, shift) = words.split_at(3);
-            format!("KickSlope(vec3<real>({}), vec3<real>({}))", impulse.join(", "), shift.join(", "))
-        })
+        let value = |words: &[String]| {
+            let vectors = words.chunks(3).map(|words| format!("vec3<real>({})", words.join(", ")));
+            format!("KickSlope({})", vectors.collect::<Vec<_>>().join(", "))
+        };
+        let text = |name: &str, first| {
+            let head = format!("fn {name}(law: Law, at: Approach, touching: real) -> KickSlope");
+            function(&head, || slopes_by(first), value)
+        };
+        let own = text("law_slope", 0);
+        if I::MEMORY { own + "\n" + &text("law_slope_by_memory", 3) } else { own }
     }
 }
 
-/// The numbers of an approach, as a shader calls them.
-const APPROACH: [&str; 3] = ["at.indentation", "at.speed", "at.acceleration"];
+/// The numbers of an approach as a shader calls them, its memory last, and those of a memory.
+const APPROACH: [&str; 5] = ["indentation", "speed", "acceleration", MEMORY[0], MEMORY[1]];
+const MEMORY: [&str; 2] = ["memory_x", "memory_u"];
+
+/// An approach by its members' names in the shader, of which `number` makes what is wanted, each with its place.
+pub(super) fn approach_at<L>(place: &str, number: impl Fn(usize, Recorded) -> L) -> Approach<L> {
+    let own = |n: usize| number(n, Recorded::named(format!("{place}.{}", APPROACH[n])));
+    let [indentation, speed, acceleration, x, u] = std::array::from_fn(own);
+    Approach { indentation, speed, acceleration, memory: [x, u] }
+}
 
 impl Law {
     /// Its code in results files.
@@ -209,9 +234,14 @@ impl Law {
         }
     }
 
-    /// Whether its force depends on the rate of indentation.
+    /// The same law with a sample that relaxes, where there is one.
+    pub fn relaxing(self) -> Option<Self> {
+        (self == Self::Hertz).then_some(Self::RelaxingHertz)
+    }
+
+    /// Whether its force depends on how fast the indentation changes.
     pub fn is_viscous(self) -> bool {
-        matches!(self, Self::ViscousHertz | Self::ViscousDmt)
+        matches!(self, Self::ViscousHertz | Self::ViscousDmt | Self::RelaxingHertz)
     }
 
     /// Whether there is a sample at all.
@@ -232,6 +262,11 @@ impl Law {
     /// Whether its kick also moves the tip.
     pub fn shifts(self) -> bool {
         self.with(LawForm).1
+    }
+
+    /// Whether it remembers two numbers: see [`Interaction::MEMORY`].
+    pub fn has_memory(self) -> bool {
+        self.with(LawForm).2
     }
 
     /// Its kick in WGSL, as [`Interaction::kick`] makes it operation by operation: `law_kick`. shaders/recorded/ shows it.

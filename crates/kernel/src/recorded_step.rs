@@ -4,9 +4,9 @@
 //! ([`ShaderSpec::drive_fields`], [`ShaderSpec::state_fields`]).
 
 use super::constants::ZERO;
-use super::contact::{Approach, Interaction};
+use super::contact::Interaction;
 use super::flow::Flow;
-use super::law::{WithLaw, kick_at};
+use super::law::{WithLaw, approach_at, kick_at};
 use super::recorded::Recorded;
 use super::run_sums::RunSums;
 use super::sample::{Sample, Wave};
@@ -103,7 +103,7 @@ impl ShaderSpec {
         Structure { name: "Case", prefix: "case", members }
     }
 
-    /// Deviation of each mode at a sample before its kick, and the memory of contact.
+    /// Deviation of each mode at a sample before its kick, the law's memory among them, and contact.
     pub(super) fn state(&self) -> Structure {
         let modes = in_turns(self.modes, |k| [format!("x_{k}"), format!("u_{k}")]);
         Structure { name: "State", prefix: "state", members: modes.chain(["touching".into()]).collect() }
@@ -259,9 +259,10 @@ impl WithLaw<Recorded> for StepText<'_> {
             };
             let wave = Wave { cosine: Recorded::named("cosine"), sine: Recorded::named("sine") };
             let met = case::<I>(spec).meet(&state(spec), wave, spec.decay.then_some(decay), energy);
-            let Approach { indentation, speed, acceleration } = met.approach;
+            let at = met.approach;
+            let memory = I::MEMORY.then_some(at.memory).into_iter().flatten();
             let own = [met.steady, met.beyond].into_iter().chain(energy.then_some(met.excess));
-            own.chain([indentation, speed, acceleration]).collect()
+            own.chain([at.indentation, at.speed, at.acceleration]).chain(memory).collect()
         };
         let fly = || {
             let mut state = state(spec);
@@ -270,11 +271,7 @@ impl WithLaw<Recorded> for StepText<'_> {
         };
         let sampled = || {
             let own = |member| named("met", member);
-            let approach = Approach {
-                indentation: own("at.indentation"),
-                speed: own("at.speed"),
-                acceleration: own("at.acceleration"),
-            };
+            let approach = approach_at("met.at", |_, number| number);
             let met = Met { steady: own("steady"), beyond: own("beyond"), excess: own("excess"), approach };
             let sample = case::<I>(spec).sampled(&met, kick_at("kick"), energy);
             let work = energy.then_some([sample.work, sample.virial]).into_iter().flatten();
@@ -283,7 +280,7 @@ impl WithLaw<Recorded> for StepText<'_> {
             [sample.beyond, sample.indentation].into_iter().chain(work).chain(forces).collect()
         };
         let met = |words: &[String]| {
-            let (own, approach) = words.split_at(words.len() - 3);
+            let (own, approach) = words.split_at(words.len() - if I::MEMORY { 5 } else { 3 });
             format!("Met({}, Approach({}))", own.join(", "), approach.join(", "))
         };
         let meet_head = "\nfn meet(lever: Case, state: State, cosine: real, sine: real, decay: Decay) -> Met";
@@ -304,7 +301,7 @@ fn case<I: Interaction<Recorded>>(spec: &ShaderSpec) -> Case<Recorded, I, MODES_
     let each = |member| numbered("lever", member, spec.modes);
     Case {
         flow: Flow {
-            count: spec.modes,
+            count: spec.modes - usize::from(I::MEMORY),
             m00: each("m00"),
             m01: each("m01"),
             m11: each("m11"),

@@ -3,7 +3,7 @@
 //!
 //! The files are WGSL but for a few directives in comments, so that only what is needed exists in
 //! the text: `//% if NAME`, `//% end`, and `//% each mode`: the lines up to its end stand once for each mode,
-//! with the mode's number in place of `$`.
+//! with the mode's number in place of `$`; `swinging mode` leaves out the law's memory, and `memory` has it alone.
 //!
 //! The law's kick and its slope, the step and the sums are no files: the kernel's own Rust writes them
 //! ([`recorded`](super::recorded), [`recorded_step`](super::recorded_step)).
@@ -11,7 +11,7 @@
 use super::broyden::{self, state_modes};
 use super::constants;
 use super::newton;
-use super::tangent::PARTIALS;
+use super::tangent::{PARTIALS, PARTIALS_WITH_MEMORY};
 use crate::{Law, Wants};
 use std::fmt::Write;
 
@@ -62,7 +62,7 @@ impl Entry {
 pub struct ShaderSpec {
     pub entry: Entry,
     pub law: Law,
-    /// Stepped modes, 1 to [`super::MODES_MAX`].
+    /// Stepped modes, 1 to [`super::MODES_MAX`]; the last may be the law's memory.
     pub modes: usize,
     /// What the run measures: the layout of the buffers follows from it.
     pub wants: Wants,
@@ -107,7 +107,11 @@ impl ShaderSpec {
 
     /// Numbers that a kick's slope has.
     pub fn partials(&self) -> usize {
-        if self.law.shifts() { PARTIALS } else { PARTIALS / 2 }
+        match (self.law.has_memory(), self.law.shifts()) {
+            (true, _) => PARTIALS_WITH_MEMORY,
+            (false, true) => PARTIALS,
+            (false, false) => PARTIALS / 2,
+        }
     }
 
     /// The bindings of group 0, in order.
@@ -154,7 +158,8 @@ impl ShaderSpec {
         let mut fields: Vec<String> = self.state().fields().collect();
         if self.entry.of_slopes() {
             let here = ["indentation", "speed", "acceleration", "touching", "size", "contact"];
-            fields.extend(here.map(|name| format!("here_{name}")));
+            let memory: &[&str] = if self.law.has_memory() { &["memory_x", "memory_u"] } else { &[] };
+            fields.extend(here.iter().chain(memory).map(|name| format!("here_{name}")));
             fields.extend(["indentation", "size"].map(|name| format!("before_{name}")));
             return fields;
         }
@@ -290,7 +295,15 @@ impl ShaderSpec {
 
     /// What lines are written once for each of; none where that is not known.
     fn items(&self, what: &str) -> Option<Vec<String>> {
-        (what == "mode").then(|| (0..self.modes).map(|number| number.to_string()).collect())
+        let swinging = self.modes - usize::from(self.law.has_memory());
+        let places = match what {
+            "mode" => 0..self.modes,
+            // What moves the tip, and what the law remembers.
+            "swinging mode" => 0..swinging,
+            "memory" => swinging..self.modes,
+            _ => return None,
+        };
+        Some(places.map(|number| number.to_string()).collect())
     }
 
     /// Whether a condition holds; none where it is not known.

@@ -7,7 +7,7 @@ use super::flow::{LANDS, MOTION};
 use super::lanes::{Family, Rounding, WithLanes, with_double};
 use super::sample::Wave;
 use super::stepper::{Compiled, Seer};
-use super::tangent::{Events, SEEN, carry, partials, powers, stride};
+use super::tangent::{Events, PARTIALS, PARTIALS_WITH_MEMORY, carry, partials, powers, stride};
 use super::{Lane, Law, MODES_MAX, WithLaw};
 use std::marker::PhantomData;
 
@@ -101,23 +101,24 @@ impl<E> WithLanes<E> for NewKicks {
     type Output = Kicks<E>;
 
     fn with<F: Family<E>>(self) -> Kicks<E> {
-        self.0.with(KicksWith::<F::Narrow>(carry_of::<E, F>(self.1)))
+        self.0.with(KicksWith::<F::Narrow>(carry_of::<E, F>(self.1, self.0.has_memory())))
     }
 }
 
 struct KicksWith<L: Lane>(Carry<L::Element>);
 
 /// Of as many modes as the stepper has.
-fn carry_of<E, F: Family<E>>(modes: usize) -> Carry<E> {
+fn carry_of<E, F: Family<E>>(modes: usize, memory: bool) -> Carry<E> {
     match modes {
-        _ if F::LOOPS => carry::<F::Narrow, MODES_MAX>,
-        1 => carry::<F::Narrow, 1>,
-        2 => carry::<F::Narrow, 2>,
-        3 => carry::<F::Narrow, 3>,
-        4 => carry::<F::Narrow, 4>,
-        6 => carry::<F::Narrow, 6>,
-        8 => carry::<F::Narrow, 8>,
-        _ => carry::<F::Narrow, MODES_MAX>,
+        _ if memory => carry::<F::Narrow, MODES_MAX, PARTIALS_WITH_MEMORY>,
+        _ if F::LOOPS => carry::<F::Narrow, MODES_MAX, PARTIALS>,
+        1 => carry::<F::Narrow, 1, PARTIALS>,
+        2 => carry::<F::Narrow, 2, PARTIALS>,
+        3 => carry::<F::Narrow, 3, PARTIALS>,
+        4 => carry::<F::Narrow, 4, PARTIALS>,
+        6 => carry::<F::Narrow, 6, PARTIALS>,
+        8 => carry::<F::Narrow, 8, PARTIALS>,
+        _ => carry::<F::Narrow, MODES_MAX, PARTIALS>,
     }
 }
 
@@ -149,7 +150,7 @@ impl<E: Lane<Element = E>> Tangent<E> {
         mut show: impl FnMut(usize, SlopeRows<E>),
     ) {
         let zero = E::splat(0.0);
-        room.seen.resize(waves.len() * SEEN * self.width, zero);
+        room.seen.resize(waves.len() * self.see.rows * self.width, zero);
         (self.see.period)(self.modes, constants, state, waves, &mut room.seen);
         self.little(constants, waves.len(), least, room);
         // Whichever of the two, the same bits.
@@ -176,7 +177,8 @@ impl<E: Lane<Element = E>> Tangent<E> {
     /// The kicks of one of few instances, its steps side by side.
     fn alone(&self, lane: usize, constants: &[E], count: usize, room: &mut Room<E>) {
         let zero = E::splat(0.0);
-        let at = |step: usize, row: usize| room.seen[(step * SEEN + row) * self.width + lane];
+        let seen = self.see.rows;
+        let at = |step: usize, row: usize| room.seen[(step * seen + row) * self.width + lane];
         let little = room.little[lane];
         let flat =
             |a: usize, b: usize| (at(a, 4) - at(b, 4)).abs().less(little * (at(a, 0) - at(b, 0)).abs());
@@ -188,10 +190,10 @@ impl<E: Lane<Element = E>> Tangent<E> {
                     && !(E::any(flat(*step, last)) && E::any(flat(*step, next)))
         };
         let own: Vec<u32> = (0..count).filter(acts).map(|step| step as u32).collect();
-        let rows = SEEN * self.width;
+        let rows = seen * self.width;
         let mut packed = vec![zero; own.len().div_ceil(self.width) * rows];
         for (n, step) in own.iter().enumerate() {
-            for row in 0..SEEN {
+            for row in 0..seen {
                 packed[n / self.width * rows + row * self.width + n % self.width] = at(*step as usize, row);
             }
         }

@@ -48,7 +48,8 @@ pub(crate) struct Met<L> {
     pub approach: Approach<L>,
 }
 
-/// Where one instance is: deviation of each mode at a sample before its kick, and the memory.
+/// Where one instance is: deviation of each mode at a sample before its kick, and contact. The last mode may be the law's memory
+/// ([`Interaction::MEMORY`]).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L, const M: usize> {
     pub x: [L; M],
@@ -63,15 +64,15 @@ pub(crate) struct State<L, const M: usize> {
 macro_rules! each_mode {
     ($count:ident of $case:ident, $k:ident => $body:block) => {
         if $count <= WRITTEN_OUT {
-            each_mode!(@ $count, $k, $body, 0 1 2 3 4 5 6 7);
+            each_mode!(@ $k, $body, 0 1 2 3 4 5 6 7);
         } else {
             for $k in 0..$case.flow.count.min($count) {
                 $body
             }
         }
     };
-    (@ $count:ident, $k:ident, $body:block, $($index:literal)*) => {
-        $(if $count > $index {
+    (@ $k:ident, $body:block, $($index:literal)*) => {
+        $(if Self::SWINGING > $index {
             let $k = $index;
             $body
         })*
@@ -112,6 +113,9 @@ impl<L: Lane, const M: usize> State<L, M> {
 }
 
 impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
+    /// Modes of the lever, where all M are gone through.
+    const SWINGING: usize = M - I::MEMORY as usize;
+
     /// From rows of a number for each lane: what the motion depends on of the lever's `modes`, the free motion's cosine,
     /// sine and rate, the gap, the law's constants, and last what makes work of it, without which there is none.
     #[inline(always)]
@@ -139,7 +143,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let (work_x, work_u) = (each(), each());
         let kick_paid = next();
         let flow = Flow {
-            count,
+            count: count - usize::from(I::MEMORY),
             m00,
             m01,
             m11,
@@ -248,12 +252,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             acceleration = flow.drag[k].mul_add(state.u[k], acceleration);
         });
         let indentation = -(self.gap + steady + beyond);
-        Met {
-            steady,
-            beyond,
-            excess,
-            approach: Approach { indentation, speed: -speed, acceleration: -acceleration },
-        }
+        let (speed, acceleration, memory) = (-speed, -acceleration, self.memory(state));
+        Met { steady, beyond, excess, approach: Approach { indentation, speed, acceleration, memory } }
     }
 
     /// What the speed is too large by when the kick counts as work, at the steady free `speed`.
@@ -266,6 +266,21 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             excess = flow.work_u[k].mul_add(state.u[k], excess);
         });
         excess
+    }
+
+    /// The place of the law's memory, which has one.
+    #[inline(always)]
+    fn last(&self) -> usize {
+        if M <= WRITTEN_OUT { M - 1 } else { self.flow.count }
+    }
+
+    /// What the law remembers.
+    #[inline(always)]
+    fn memory(&self, state: &State<L, M>) -> [L; 2] {
+        match I::MEMORY {
+            true => [state.x[self.last()], state.u[self.last()]],
+            false => [L::splat(ZERO); 2],
+        }
     }
 
     /// The exact flow to the next sample, and what the kick has done by then.
@@ -288,6 +303,11 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
                 state.x[k] = flow.shift_x[k].mul_add(kick.shift, state.x[k]);
                 state.u[k] = flow.shift_u[k].mul_add(kick.shift, state.u[k]);
             });
+        }
+        if I::MEMORY {
+            let (k, [x, u]) = (self.last(), self.memory(state));
+            state.x[k] = flow.m01[k].mul_add(u, flow.m00[k].mul_add(x, x)) + kick.memory[0];
+            state.u[k] = flow.m11[k].mul_add(u, (-flow.m01[k]).mul_add(x, u)) + kick.memory[1];
         }
     }
 }

@@ -11,7 +11,7 @@ use super::run_sums::RunSums;
 use super::sample::Wave;
 use super::step::{Case, Decay, State, each_step, period, unmeasured_period};
 use super::tally::Tally;
-use super::tangent::seen_period;
+use super::tangent::{seen_period, seen_rows};
 
 use super::{Lane, Law, MODES_MAX, WRITTEN_OUT, Wants, WithLaw};
 use std::marker::PhantomData;
@@ -25,7 +25,7 @@ use std::marker::PhantomData;
 pub struct Stepper<E> {
     /// Instances side by side.
     pub width: usize,
-    /// Modes that each instance's lever must have, those filled up included.
+    /// Modes that each instance's lever must have, those filled up and the law's memory included.
     pub modes: usize,
     coast: Coast<E>,
     measure: Measure<E>,
@@ -36,6 +36,8 @@ pub struct Stepper<E> {
 pub(crate) struct Seer<E> {
     pub width: usize,
     pub modes: usize,
+    /// Rows that a step leaves.
+    pub rows: usize,
     pub period: See<E>,
 }
 
@@ -109,7 +111,7 @@ impl<E: Copy, T: Make<E>> WithLanes<E> for Compiled<T> {
         let Self { law, modes, .. } = self;
         macro_rules! made {
             ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
-                { attraction: $attraction:ident, memory: $memory:literal,
+                { attraction: $attraction:ident, hysteresis: $hysteresis:literal,
                   wide: [$($two:literal)*], narrow: [$($one:literal)*] };)*) => {
                 match law {
                     $(Law::$law => match modes {
@@ -140,7 +142,12 @@ impl<E: Copy> Make<E> for Stepper<E> {
 
 impl<E: Copy> Make<E> for Seer<E> {
     fn make<L: Lane<Element = E>, I: Interaction<L>, const M: usize>(modes: usize) -> Self {
-        Self { width: L::WIDTH, modes: if M <= WRITTEN_OUT { M } else { modes }, period: see::<L, I, M> }
+        Self {
+            width: L::WIDTH,
+            modes: if M <= WRITTEN_OUT { M } else { modes },
+            rows: seen_rows(I::MEMORY),
+            period: see::<L, I, M>,
+        }
     }
 }
 

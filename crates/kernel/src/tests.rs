@@ -106,11 +106,21 @@ fn any_sees_each_lane() {
     }
 }
 
+/// Constants of a sample of whose modulus half relaxes, by a 25th a step.
+fn relaxing(name: &str) -> Option<f64> {
+    let names = ["relaxing", "left", "mean_left", "gain", "mean_gain", "rise_gain", "mean_rise_gain"];
+    let values = [0.5, 0.98, 0.99, 0.04, 0.02, 6.7e-5, -3.3e-3];
+    names.iter().position(|one| *one == name).map(|place| values[place])
+}
+
 /// 32 instances, soft to stiff, from far away to pressed in; the bits of all that is summed.
 fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
     let modes = [(TAU, 0.05, 0.2), (6.27 * TAU, 0.02, 0.8)];
     let modes = modes.map(|(omega, damping, share)| FlowMode { omega, damping, share });
-    let lever = Lever::new(&modes, 1.0 / STEPS as f64, 2);
+    let lever = match I::MEMORY {
+        true => Lever::new(&modes[..1], 1.0 / STEPS as f64, 2).remembering(0.02),
+        false => Lever::new(&modes, 1.0 / STEPS as f64, 2),
+    };
     let waves: Vec<Vec<Wave<L::Element>>> = (1..=HARMONICS)
         .map(|n| {
             let angle = |step: usize| n as f64 * (step as f64 + 0.5) * TAU / STEPS as f64;
@@ -129,7 +139,7 @@ fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
                 "stiffness" | "unit_force" => scale,
                 "adhesion" => 2.0 * scale,
                 "inverse_decay" => 5.0,
-                _ => 3.0,
+                name => relaxing(name).unwrap_or(3.0),
             });
             let motion = lever.motion.iter().copied().chain(free).chain([gap]).chain(law);
             motion.chain(lever.energy.iter().copied()).collect::<Vec<f64>>()

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 /// The start of an instance's period.
 #[derive(Clone, Copy)]
 pub(super) struct MapStart<'a> {
-    /// Travels of the kept modes and rates over their angular frequencies; missing modes are at rest.
+    /// Travels of the kept modes and rates over their angular frequencies, then the law's memory; missing modes are at rest.
     pub x: &'a [f64],
     pub u: &'a [f64],
     pub touching: bool,
@@ -33,8 +33,9 @@ impl<'a> MapStart<'a> {
 pub(super) struct BatchMap {
     pub stepper: Stepper<f64>,
     pub tangent: Tangent<f64>,
-    /// Modes of each instance, without padding.
+    /// Modes of each instance, without padding; and of these, the ones that are the lever's and no memory.
     modes: usize,
+    swinging: usize,
     /// By harmonic.
     waves: Vec<Vec<Wave<f64>>>,
     /// The distinct levers, and by row the index of its lever.
@@ -79,7 +80,7 @@ impl BatchMap {
         let mut last = None;
         for i in instances {
             let (case, driven) = member(plan, i);
-            let key = lever_key(driven);
+            let key = lever_key((case, driven));
             let number = match last {
                 Some((same, number)) if same == key => number,
                 _ => *known.entry(key).or_insert_with(|| {
@@ -99,6 +100,7 @@ impl BatchMap {
             stepper,
             tangent,
             modes,
+            swinging: modes - usize::from(law.has_memory()),
             waves: start::waves(steps, plan.wants.harmonics),
             levers,
             lever_of,
@@ -164,7 +166,7 @@ impl BatchMap {
                 rows.state[k * width + lane] = x[k] / unit;
                 rows.state[(modes + k) * width + lane] = u[k] / unit;
             }
-            rows.travel[lane] = x[..self.modes].iter().map(|x| x / unit).sum();
+            rows.travel[lane] = x[..self.swinging].iter().map(|x| x / unit).sum();
             rows.state[2 * modes * width + lane] = f64::from(u8::from(touching));
         }
     }

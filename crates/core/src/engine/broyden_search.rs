@@ -173,7 +173,7 @@ impl BroydenBatch<'_> {
             }
             let ended = |end: &MapPassage, finished: &dyn Fn() -> Finished| {
                 let n = end.instance as usize;
-                let same = !plan.law(instances[n]).has_memory() || end.touching == guessed[n].touching;
+                let same = !plan.law(instances[n]).has_hysteresis() || end.touching == guessed[n].touching;
                 let arrival = Arrival { strode: round > 1, sound: end.finite && same };
                 let here = Standing {
                     place: &mut places[n * numbers..][..numbers],

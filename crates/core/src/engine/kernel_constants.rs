@@ -29,31 +29,40 @@ pub(super) fn member(plan: &Plan, instance: u32) -> Member<'_> {
     (plan.case(instance), plan.driven(instance))
 }
 
-/// The lever of an instance for its step, padded to `modes`.
+/// The lever of an instance for its step, padded to `modes`; the last is the law's memory, if it has one.
 pub(super) fn lever((case, driven): Member, modes: usize) -> Lever {
-    Lever::new(&driven.kept.flow(), step_length(driven, case.steps), modes)
+    let step = step_length(driven, case.steps);
+    let lever = Lever::new(&driven.kept.flow(), step, modes);
+    match case.contact.law.has_memory() {
+        true => lever.remembering(case.contact.law().recovery() * step),
+        false => lever,
+    }
 }
 
-/// The levers of instances with equally many steps, by basis and angular frequency of their drive.
-pub(super) struct LeverTable(HashMap<(usize, u64), Lever>);
+/// The levers of instances with equally many steps.
+pub(super) struct LeverTable(HashMap<LeverKey, Lever>);
 
 impl LeverTable {
     pub fn of(members: &[Member], modes: usize) -> Self {
         let mut first: Vec<Member> = members.to_vec();
-        first.dedup_by_key(|one| lever_key(one.1));
-        first.sort_by_key(|one| lever_key(one.1));
-        first.dedup_by_key(|one| lever_key(one.1));
-        Self(first.par_iter().map(|one| (lever_key(one.1), lever(*one, modes))).collect())
+        first.dedup_by_key(|one| lever_key(*one));
+        first.sort_by_key(|one| lever_key(*one));
+        first.dedup_by_key(|one| lever_key(*one));
+        Self(first.par_iter().map(|one| (lever_key(*one), lever(*one, modes))).collect())
     }
 
     pub fn get(&self, member: Member) -> &Lever {
-        &self.0[&lever_key(member.1)]
+        &self.0[&lever_key(member)]
     }
 }
 
+/// Basis, angular frequency of the drive, and how a memory recovers.
+pub(super) type LeverKey = (usize, u64, u64);
+
 /// The key of a lever among instances with equally many steps: drives that differ only in level share their basis.
-pub(super) fn lever_key(driven: &Driven) -> (usize, u64) {
-    (Arc::as_ptr(&driven.kept) as usize, driven.free.omega.to_bits())
+pub(super) fn lever_key((case, driven): Member) -> LeverKey {
+    let recovery = case.contact.law().recovery();
+    (Arc::as_ptr(&driven.kept) as usize, driven.free.omega.to_bits(), recovery.to_bits())
 }
 
 /// Cosine and sine of the free motion, and the drive's phase per step.

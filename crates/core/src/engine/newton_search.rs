@@ -130,14 +130,14 @@ fn iterates<E: Lane<Element = E>>(plan: &Plan, instances: &[u32], seeks: &Newton
 impl<E: Lane<Element = E>> Iterate<E> {
     fn new(plan: &Plan, instance: u32, seeks: &NewtonStarts) -> Self {
         let start = begun(plan, instance);
-        let modes = plan.driven(instance).kept.modes.len();
+        let modes = plan.pairs(instance);
         let numbers = start.x[..modes].iter().chain(&start.u[..modes]);
         let place: Vec<E> = numbers.map(|number| E::element(number / LENGTH)).collect();
         let seek = seeks.all[instance as usize];
         Self {
             instance,
             steps: plan.steps(instance),
-            remembers: plan.law(instance).has_memory(),
+            remembers: plan.law(instance).has_hysteresis(),
             least: seek.least,
             aim: seeks.aim(instance),
             stride: vec![E::splat(0.0); place.len()],

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 #[derive(Clone, Debug)]
 pub struct PeriodJacobian {
     pub end: SectionState,
-    /// Column by column: travels, then rates, of the kept modes, with respect to each travel, then to each rate.
+    /// Column by column: travels, then rates, of the state's pairs, with respect to each travel, then to each rate.
     pub slope: Box<[f64]>,
 }
 
@@ -113,7 +113,7 @@ impl<E: TangentReal> Periods<'_, E> {
         let least: Vec<f64> = some.iter().map(|instance| self.least[*instance as usize]).collect();
         let mut slopes = Vec::with_capacity(some.len());
         tangent.period(&constants, &mut state, &self.waves, &least, room, |lane, slope| {
-            let own = plan.driven(some[lane]).kept.modes.len();
+            let own = plan.pairs(some[lane]);
             slopes.push(kept((own, modes), |row, column| slope.at(row, column).lane(0)));
         });
         let told = places.iter().zip(slopes).enumerate();

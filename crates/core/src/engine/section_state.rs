@@ -3,7 +3,7 @@
 use super::checkpoint::InstanceCheckpoint;
 use super::kernel_constants::member;
 use super::start;
-use crate::kernel::{LENGTH, RunSums};
+use crate::kernel::{LENGTH, MODES_MAX, RunSums};
 use crate::plan::{Case, Driven, Plan, SectionState};
 use crate::scene::Start;
 use std::f64::consts::PI;
@@ -19,7 +19,8 @@ pub(super) fn begin(plan: &Plan, instances: &[u32]) -> Option<Vec<InstanceCheckp
 pub(super) fn checkpoint(plan: &Plan, instance: u32, station: &SectionState) -> InstanceCheckpoint {
     let (case, driven) = member(plan, instance);
     let x = station.x.map(|x| x / LENGTH);
-    let last = indentation(&case, (driven, plan.run.start), half_step(case.steps), x.iter().sum());
+    let beyond = x[..driven.kept.modes.len().min(MODES_MAX)].iter().sum();
+    let last = indentation(&case, (driven, plan.run.start), half_step(case.steps), beyond);
     let touching = f64::from(u8::from(station.touching));
     InstanceCheckpoint {
         x,

@@ -55,15 +55,15 @@ pub fn trace(
     let mut case = plan.case(instance as u32);
     case.steps = case.steps.max(crate::plan::STEPS_MIN);
     let driven = plan.driven(instance as u32);
-    match driven.kept.modes.len() {
+    let modes = plan.pairs(instance as u32);
+    match modes {
         0 => return Err(EngineError::NoModes),
-        modes if modes > MODES_MAX => {
+        _ if modes > MODES_MAX => {
             return Err(EngineError::TooManyModes { modes, most: MODES_MAX });
         }
         _ => {}
     }
     let (member, start) = ((case, driven), plan.run.start);
-    let modes = driven.kept.modes.len();
     let saved = from.map_or_else(
         || begin(member, start),
         |place| section_state::checkpoint(plan, instance as u32, place),

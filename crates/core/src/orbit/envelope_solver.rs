@@ -86,7 +86,7 @@ fn follow(
     let begin = |slot: u32| {
         let EnvelopeStart { section: place, decay_periods: pace, max_evaluations: most, .. } =
             from[slot as usize];
-        let modes = map.plan.driven(slot).kept.modes.len();
+        let modes = map.plan.pairs(slot);
         let told = EnvelopeOptions {
             scale: tolerances::scale(map.plan, slot),
             decay_periods: pace,
@@ -112,7 +112,7 @@ fn follow(
         map.progress.timed(ProfileSection::Algebra, || {
             for ((slot, one), end) in open.iter_mut().zip(sloped) {
                 // An end is usable if it is finite and in the same contact as the start.
-                let remembers = map.plan.law(*slot).has_memory();
+                let remembers = map.plan.law(*slot).has_hysteresis();
                 let same = |end: &SectionState| !remembers || end.touching == touching(*slot);
                 let useful = end.filter(|sloped| sloped.end.finite && same(&sloped.end));
                 one.tell(useful.map(|PeriodJacobian { end, slope }| {

@@ -11,7 +11,7 @@ use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 
 /// Indices of the instance's own travels, then rates, among a state's `numbers`; `None` if it has all of them.
 fn moving(plan: &Plan, instance: u32, numbers: usize) -> Option<Vec<usize>> {
-    let (modes, most) = (plan.driven(instance).kept.modes.len(), numbers / 2);
+    let (modes, most) = (plan.pairs(instance), numbers / 2);
     (modes < most).then(|| (0..modes).chain((most..).take(modes)).collect())
 }
 

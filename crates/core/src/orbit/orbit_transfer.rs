@@ -36,7 +36,7 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
         false => 1.0,
     };
     let mut station = SectionState {
-        touching: state.section.touching && here.contact.law.has_memory(),
+        touching: state.section.touching && here.contact.law.has_hysteresis(),
         ..SectionState::FREE
     };
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
@@ -47,6 +47,13 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
         let stretch = driven.free.omega / mode.omega;
         let beyond = whole(j) * late * factor - modal_phasor(driven, mode, now);
         (station.x[k], station.u[k]) = (beyond.im, beyond.re * stretch);
+    }
+    // The sample remembers what the neighbour's does.
+    if there.contact.law.has_memory() && here.contact.law.has_memory() {
+        let (own, other) = (driven.kept.modes.len(), modes.len());
+        if own.max(other) < MODES_MAX {
+            (station.x[own], station.u[own]) = (state.section.x[other], state.section.u[other]);
+        }
     }
     station
 }

@@ -174,7 +174,7 @@ pub(super) struct BasisTransfer {
     modes: Vec<ModeTransfer>,
 }
 
-/// A mode of both levers. The residual oscillator of a smaller basis matches the mode that replaces it in a larger one.
+/// A mode of both levers, or the law's memory. The residual oscillator of a smaller basis matches the mode that replaces it in a larger one.
 struct ModeTransfer {
     /// Index among the instance's modes, and among the other's.
     own: usize,
@@ -194,7 +194,8 @@ impl BasisTransfer {
         let driven = plan.driven(instance);
         let own_steps = f64::from(plan.steps(instance));
         let later = PI / driven.free.omega * (1.0 / own_steps - 1.0 / f64::from(steps));
-        let own = &driven.kept.modes[..modes.min(driven.kept.modes.len())];
+        let kept = driven.kept.modes.len();
+        let own = &driven.kept.modes[..modes.min(kept)];
         // Modes of two levers are the same if their numbers are.
         let numbered = |mode: &KeptMode| {
             theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
@@ -217,7 +218,13 @@ impl BasisTransfer {
             let (there, back) = (turn(mode, later), turn(mode, -later));
             Some(ModeTransfer { own, other: same(mode)?, there, back })
         };
-        Self { modes: own.iter().enumerate().filter_map(both).collect() }
+        let mut modes: Vec<ModeTransfer> = own.iter().enumerate().filter_map(both).collect();
+        // A law's memory stays as it is.
+        if plan.pairs(instance) > kept {
+            let still = Matrix2::identity();
+            modes.push(ModeTransfer { own: kept, other: theirs.modes.len(), there: still, back: still });
+        }
+        Self { modes }
     }
 
     /// Transfers the other's numbers, travels then rates, to `state`. A mode that the other lever lacks is at rest.
@@ -316,7 +323,7 @@ where
     (turned.section(place), slope)
 }
 
-/// The free lever's Jacobian, and its columns of slow modes (see [`SLOW_MODE_EXPONENT`]). Contact changes these columns by
+/// The free lever's Jacobian, and its columns of slow modes (see [`SLOW_MODE_EXPONENT`]) and of a law's memory. Contact changes these by
 /// more than a search can leave to its updates.
 pub(super) fn free_monodromy<D: Size + DimName>(
     plan: &Plan,
@@ -337,6 +344,14 @@ where
             if rate(k) <= slowest.max(SLOW_MODE_EXPONENT) {
                 columns.push(column);
             }
+        }
+    }
+    let kept = driven.kept.modes.len();
+    if plan.pairs(instance) > kept {
+        let left = (-TAU / driven.free.omega * plan.contact(instance).law().recovery()).exp();
+        for column in [kept, modes + kept] {
+            slope[(column, column)] = left;
+            columns.push(column);
         }
     }
     (slope, columns)

@@ -45,7 +45,7 @@ impl Stencil<'_> {
         let apart = if jumps { f64::NAN } else { self.interpolate(meets, &mut states, turns) / scale };
         turns.states = states;
         if let Some(own) = self.own_state {
-            if own.section.touching != first.touching && first.law.has_memory() {
+            if own.section.touching != first.touching && first.law.has_hysteresis() {
                 return None;
             }
             let met = turns.transfer_of(meets, (&own.basis, own.steps));
@@ -101,7 +101,7 @@ impl Stencil<'_> {
     {
         let two = self.nearest_two().filter(|_| self.own_state.is_none())?;
         let [a, b] = two.map(|one| one.node);
-        let one_contact = a.touching == b.touching || !a.law.has_memory();
+        let one_contact = a.touching == b.touching || !a.law.has_hysteresis();
         if !one_contact || [a, b].iter().any(|node| node.law != plan.law(instance)) {
             return None;
         }

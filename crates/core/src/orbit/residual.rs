@@ -43,7 +43,7 @@ pub(super) fn residual_confirms(
     end: Option<&SectionState>,
 ) -> bool {
     let Some(end) = end.filter(|end| end.finite) else { return false };
-    let same_contact = !plan.law(instance).has_memory() || end.touching == state.section.touching;
+    let same_contact = !plan.law(instance).has_hysteresis() || end.touching == state.section.touching;
     let change = distance(end, &state.section) / state.floquet.sigma_min;
     let share = if plan.precision == Precision::F32 { RESIDUAL_TOL_F32 } else { RESIDUAL_TOL };
     same_contact && change <= share * plan.run.accuracy * plan.driven(instance).free_amplitude().max(1e-15)

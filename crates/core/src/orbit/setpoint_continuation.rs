@@ -264,7 +264,7 @@ impl SetPointContinuation<'_> {
             }
             return None;
         }
-        let slope = 2 * self.plan.driven(one.instance).kept.modes.len() as u32;
+        let slope = 2 * self.plan.pairs(one.instance) as u32;
         let quick = |(most, slopes, _): &&(u32, u32, f64)| periods <= most + slopes * slope;
         let quick = DS_GROWTH.iter().find(quick).map_or(DS_SHRINK_COSTLY, |(.., next)| *next);
         let next = if one.careful { DS_GROWTH_AFTER_CARE } else { quick };

@@ -33,7 +33,7 @@ pub(super) fn with_size<W: BySize>(modes: usize, work: W) -> W::Output {
 pub(super) fn by_size(plan: &Plan, instances: &[u32]) -> Vec<(usize, Vec<u32>)> {
     let mut groups = STATE_MODES.map(|size| (size, Vec::new()));
     for i in instances {
-        let modes = plan.driven(*i).kept.modes.len();
+        let modes = plan.pairs(*i);
         let place = STATE_MODES.iter().position(|size| modes <= *size).unwrap_or(STATE_MODES.len() - 1);
         groups[place].1.push(*i);
     }

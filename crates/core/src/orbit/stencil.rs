@@ -70,7 +70,7 @@ impl SolvedNeighbour {
     /// Whether both move alike: under one law, in the same contact, with equally many contacts.
     pub fn same_regime(&self, other: &Self) -> bool {
         let contacts = self.contacts == other.contacts || self.contacts.is_nan() || other.contacts.is_nan();
-        let touching = self.touching == other.touching || !self.law.has_memory();
+        let touching = self.touching == other.touching || !self.law.has_hysteresis();
         touching && self.law == other.law && contacts
     }
 }

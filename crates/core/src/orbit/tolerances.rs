@@ -85,7 +85,7 @@ fn free_multiplier(plan: &Plan, instance: u32) -> f64 {
 /// Whether contact depends on the past, and the options of a search for the instance's state.
 pub(super) fn newton_options(plan: &Plan, instance: u32) -> (bool, NewtonOptions) {
     let case = plan.case(instance);
-    let remembers = case.contact.law.has_memory();
+    let remembers = case.contact.law.has_hysteresis();
     let (step, last_step) = if remembers { FD_STEPS_ROUGH } else { FD_STEPS_SMOOTH };
     let options = NewtonOptions {
         scale: scale(plan, instance),

@@ -111,7 +111,7 @@ impl OrbitSolution {
     /// its period ends. Corrects the state, and returns whether its contacts need a new count.
     pub(super) fn recount_contacts(&mut self, plan: &Plan, i: u32, touching: bool) -> bool {
         let state = self.found[i as usize].as_mut().filter(|state| state.section.touching != touching);
-        let Some(state) = state.filter(|_| !plan.law(i).has_memory()) else { return false };
+        let Some(state) = state.filter(|_| !plan.law(i).has_hysteresis()) else { return false };
         state.section.touching = touching;
         plan.wants.contact
     }

@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, HashMap};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Class {
     pub law: Law,
+    /// Modes of the kernel: [`Plan::pairs`].
     pub modes: usize,
     pub steps: u32,
     /// Instances of the plan, ordered so that neighbours touch the sample at about the same time.
@@ -24,7 +25,7 @@ pub type Shape = (u32, Law, usize);
 impl Plan {
     /// An instance's shape.
     pub fn shape(&self, instance: u32) -> Shape {
-        (self.steps(instance), self.law(instance), self.driven(instance).kept.modes.len())
+        (self.steps(instance), self.law(instance), self.pairs(instance))
     }
 
     /// The shader of a class for this entry point; for a run, that of its measured part.

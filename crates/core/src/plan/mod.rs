@@ -91,7 +91,8 @@ impl From<SectionState> for StartState {
     }
 }
 
-/// State of an instance at the section of its period: half a step after the start, before the kick.
+/// State of an instance at the section of its period: half a step after the start, before the kick. After the kept modes comes the
+/// memory of a law that has one, as lengths: [`Plan::pairs`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionState {
     /// Tip travel by each kept mode beyond the steady free motion, m.
@@ -233,6 +234,15 @@ impl Plan {
     /// An instance's instrument, drive and basis.
     pub fn driven(&self, instance: u32) -> &Driven {
         &self.drives[self.resolution.drive(instance as usize) as usize]
+    }
+
+    /// Pairs of numbers in an instance's section state: a travel and a rate of each kept mode, then its law's memory, if the law
+    /// has one. No kept mode, no state.
+    pub fn pairs(&self, instance: u32) -> usize {
+        match self.driven(instance).kept.modes.len() {
+            0 => 0,
+            modes => modes + usize::from(self.law(instance).has_memory()),
+        }
     }
 
     /// Whether an instance's free oscillation stays free of the sample.

@@ -164,6 +164,6 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
         let force = hertz.force - pull.force;
         let straight = corrected(force, hertz.slope - pull.slope);
         let (impulse, shift) = pull.bent((adhesion, at.acceleration - force), hertz.share, straight);
-        Kick { impulse, shift, contact: hertz.share, touching: touching_at(path.end) }
+        Kick { impulse, shift, contact: hertz.share, touching: touching_at(path.end), ..Kick::none() }
     }
 }

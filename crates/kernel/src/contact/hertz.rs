@@ -85,6 +85,7 @@ impl<L: Lane> Interaction<L> for Hertz<L> {
                     shift: L::splat(ZERO),
                     contact: mean.share,
                     touching: touching_at(path.end),
+                    ..Kick::none()
                 }
             },
         )

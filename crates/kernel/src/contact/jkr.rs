@@ -190,6 +190,7 @@ impl<L: Lane> Jkr<L> {
             shift: L::select(acting, shift, zero),
             contact: L::select(acting, share, zero),
             touching: L::select(L::both(acting, L::not(lets_go)), one, zero),
+            ..Kick::none()
         }
     }
 }

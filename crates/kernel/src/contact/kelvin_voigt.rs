@@ -331,7 +331,13 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         // The second pass also gives the lag and the share: its impulse is off by the square of the first change.
         let last = self.pass(at, (&ends, &start), second);
         let (impulse, pass) = (next(second, &last), last.0);
-        Kick { impulse, shift: shift - pass.lag, contact: pass.share, touching: pass.touching }
+        Kick {
+            impulse,
+            shift: shift - pass.lag,
+            contact: pass.share,
+            touching: pass.touching,
+            ..Kick::none()
+        }
     }
 }
 

@@ -6,11 +6,13 @@ mod jkr;
 mod jkr_curve;
 mod kelvin_voigt;
 mod path;
+mod relaxing_hertz;
 
 pub use dmt::{Dmt, Tail};
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 pub use kelvin_voigt::{Clean, KelvinVoigt};
+pub use relaxing_hertz::RelaxingHertz;
 
 use super::Lane;
 use super::constants::{ONE, ZERO};
@@ -27,6 +29,8 @@ pub struct Approach<L> {
     pub indentation: L,
     pub speed: L,
     pub acceleration: L,
+    /// What the law remembers, where [`Interaction::MEMORY`] is true.
+    pub memory: [L; 2],
 }
 
 impl<L: Lane> Approach<L> {
@@ -50,6 +54,8 @@ pub struct Kick<L> {
     pub contact: L,
     /// 1 in contact at the step's end, else 0.
     pub touching: L,
+    /// What the step adds to the law's memory beyond the recovery of a sample that nothing touches.
+    pub memory: [L; 2],
 }
 
 /// One contact law with its constants in kernel units.
@@ -58,6 +64,9 @@ pub trait Interaction<L: Lane>: Copy {
     const FIELDS: &'static [&'static str];
     /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
     const SHIFTS: bool;
+    /// Whether it remembers two numbers from step to step: the last mode of the state is then this memory. The lever says
+    /// how it recovers out of contact ([`super::Lever::remembering`]), a kick what a step adds.
+    const MEMORY: bool = false;
 
     /// Of its constants, one number after the other, in the order of [`Interaction::FIELDS`].
     fn from_numbers(next: impl FnMut() -> L) -> Self;
@@ -73,7 +82,7 @@ pub trait Interaction<L: Lane>: Copy {
     }
 }
 
-/// 1 where the indentation is contact for a law without memory, else 0.
+/// 1 where the indentation is contact for a law without hysteresis, else 0.
 #[inline(always)]
 fn touching_at<L: Lane>(indentation: L) -> L {
     L::select(L::splat(ZERO).less(indentation), L::splat(ONE), L::splat(ZERO))
@@ -87,6 +96,7 @@ impl<L: Lane> Zip<L> for Kick<L> {
             shift: join(self.shift, other.shift),
             contact: join(self.contact, other.contact),
             touching: join(self.touching, other.touching),
+            memory: [0, 1].map(|n| join(self.memory[n], other.memory[n])),
         }
     }
 }
@@ -96,7 +106,7 @@ impl<L: Lane> Kick<L> {
     #[inline(always)]
     fn none() -> Self {
         let zero = L::splat(ZERO);
-        Self { impulse: zero, shift: zero, contact: zero, touching: zero }
+        Self { impulse: zero, shift: zero, contact: zero, touching: zero, memory: [zero; 2] }
     }
 }
 

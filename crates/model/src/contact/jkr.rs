@@ -1,4 +1,4 @@
-//! JKR: adhesion inside the contact, elastic neck, and with them a memory.
+//! JKR: adhesion inside the contact, elastic neck, and with them hysteresis.
 
 use super::static_law::Shares;
 use super::{Hertz, KernelUnits, Material, Passed, StaticLaw};
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// `f = K a^3/R - sqrt(6 pi w K a^3)`; no force out of contact.
 ///
 /// Johnson, Kendall & Roberts 1971; equation (16) of Ha, Fung & Chen 2005. For one indentation there
-/// may be two answers, so the law has a memory: out of contact until `delta` reaches 0 on approach,
+/// may be two answers, so the law has a hysteresis: out of contact until `delta` reaches 0 on approach,
 /// then in contact until the fold `d delta/da = 0` on retraction (the tip is held by its position,
 /// not by its load).
 ///

@@ -10,11 +10,12 @@
 //! One law is one file: its struct, its formula, its source, and [`StaticLaw`] for it, which also answers what other
 //! modules ask of a law. The list of laws is the kernel's ([`crate::kernel::laws`]).
 //!
-//! | law | in contact | outside | memory |
+//! | law | in contact | outside | hysteresis |
 //! |---|---|---|---|
 //! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
+//! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
 mod dmt;
@@ -22,6 +23,7 @@ mod hertz;
 mod jkr;
 mod no_sample;
 mod ramp;
+mod relaxing;
 mod static_curve;
 mod static_law;
 mod tabor;
@@ -33,6 +35,7 @@ pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 pub use ramp::{Jump, Ramp, RampCurve};
+pub use relaxing::RelaxingHertz;
 pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
@@ -55,6 +58,8 @@ struct Material {
     work: f64,
     /// Decay length D0.
     decay_length: f64,
+    /// Combined modulus K at once, before a sample relaxes.
+    instantaneous: f64,
     /// Retardation time tau, s.
     retardation: f64,
     ad_hoc: bool,
@@ -120,7 +125,9 @@ pub struct Compact {
     pub work: f64,
     /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
     pub decay_length: f64,
-    /// Retardation time of a viscous sample, s; else 0.
+    /// Combined modulus K at once, Pa: higher than `modulus` where the sample relaxes.
+    pub instantaneous: f64,
+    /// Retardation time of a viscous sample or of one that relaxes, s; else 0.
     pub retardation: f64,
     /// Whether its force is the literature's ad hoc form; else Ting's.
     pub ad_hoc: bool,
@@ -139,6 +146,9 @@ impl Compact {
     /// The same under a drive of this frequency (Hz), at which the sample's loss tangent counts.
     pub fn at_frequency(params: &Params, frequency: f64) -> Self {
         let of = Self::for_load(params, f64::NAN);
+        if let Viscosity::Relaxing { modulus, time } = params.sample.viscosity {
+            return of.relaxing(params, modulus, time);
+        }
         let retardation = retardation_time(params, frequency);
         match of.law.viscous() {
             // Not a number where the frequency is unknown.
@@ -165,7 +175,17 @@ impl Compact {
             None if work == 0.0 || negligible => Law::Hertz,
             None => tabor::fitting_law(tabor_parameter(modulus, radius, work, decay_length)),
         };
-        Self { law, choice, modulus, radius, work, decay_length, retardation: 0.0, ad_hoc: false }
+        Self {
+            law,
+            choice,
+            modulus,
+            radius,
+            work,
+            decay_length,
+            instantaneous: modulus,
+            retardation: 0.0,
+            ad_hoc: false,
+        }
     }
 
     /// Tabor's parameter.
@@ -174,16 +194,17 @@ impl Compact {
         tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
     }
 
-    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m) and retardation time (s).
-    pub fn constants(&self) -> [f64; 5] {
-        [self.modulus, self.radius, self.work, self.decay_length, self.retardation]
+    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa) and
+    /// retardation time (s).
+    pub fn constants(&self) -> [f64; 6] {
+        [self.modulus, self.radius, self.work, self.decay_length, self.instantaneous, self.retardation]
     }
 
     /// The contact, to the bit.
     #[inline]
     pub fn contact(self) -> Contact {
-        let Self { law, modulus, radius, work, decay_length, retardation, ad_hoc, .. } = self;
-        let material = Material { modulus, radius, work, decay_length, retardation, ad_hoc };
+        let Self { law, modulus, radius, work, decay_length, instantaneous, retardation, ad_hoc, .. } = self;
+        let material = Material { modulus, radius, work, decay_length, instantaneous, retardation, ad_hoc };
         Contact { of: self, model: Model::new(law, &material) }
     }
 }
@@ -266,7 +287,7 @@ impl Contact {
 
     /// Whether the tip is in contact at `delta` within a step at whose start it was, and at whose end it is.
     pub fn in_contact_within(&self, delta: f64, was: bool, is: bool) -> bool {
-        match self.law.has_memory() {
+        match self.law.has_hysteresis() {
             true if was => self.next_contact(delta, true),
             true => is && self.next_contact(delta, false),
             false => delta > 0.0,
@@ -295,12 +316,17 @@ impl Contact {
 /// assert!((combined_modulus(&Params::default()) / 177777.777777777778 - 1.0).abs() < 1e-15);
 /// ```
 pub fn combined_modulus(params: &Params) -> f64 {
+    modulus_of(params, params.sample.youngs_modulus)
+}
+
+/// The same with a sample of this Young's modulus, Pa.
+fn modulus_of(params: &Params, sample_modulus: f64) -> f64 {
     let compliance = |modulus: f64, ratio: f64| (1.0 - ratio) * (1.0 + ratio) / modulus;
     let tip = &params.instrument.tip;
     let sample = &params.sample;
     4.0 / (3.0
         * (compliance(tip.youngs_modulus, tip.poisson_ratio)
-            + compliance(sample.youngs_modulus, sample.poisson_ratio)))
+            + compliance(sample_modulus, sample.poisson_ratio)))
 }
 
 /// Retardation time of the sample, s: shear viscosity over shear modulus, or the loss tangent over the drive's angular frequency
@@ -308,7 +334,7 @@ pub fn combined_modulus(params: &Params) -> f64 {
 pub fn retardation_time(params: &Params, frequency: f64) -> f64 {
     let sample = &params.sample;
     match sample.viscosity {
-        Viscosity::None => 0.0,
+        Viscosity::None | Viscosity::Relaxing { .. } => 0.0,
         Viscosity::Shear(viscosity) => viscosity * 2.0 * (1.0 + sample.poisson_ratio) / sample.youngs_modulus,
         Viscosity::RetardationTime(time) => time,
         Viscosity::LossTangent(0.0) => 0.0,
@@ -366,7 +392,8 @@ mod tests {
 
     #[test]
     fn contact_names_are_those_of_the_scene_file() -> Result<(), serde_json::Error> {
-        assert_eq!(Law::ALL.map(Law::name), ["none", "hertz", "dmt", "jkr", "hertz-viscous", "dmt-viscous"]);
+        let names = ["none", "hertz", "dmt", "jkr", "hertz-viscous", "dmt-viscous", "hertz-relaxing"];
+        assert_eq!(Law::ALL.map(Law::name), names);
         for law in Law::ALL {
             assert_eq!(serde_json::to_value(law)?, law.to_string());
         }

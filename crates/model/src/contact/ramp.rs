@@ -65,7 +65,7 @@ impl Contact {
         let bent = Bent { contact: self, stiffness };
         let (edge, end) = (bent.edge(), bent.end());
         // Without a memory the branches are one, and what is stable all along is smooth.
-        let jumps = edge < 0.0 || self.law.has_memory();
+        let jumps = edge < 0.0 || self.law.has_hysteresis();
         let snap_in =
             jumps.then(|| bent.jump((edge, false), bent.touching_at(bent.position(edge, false), end)));
         let pull_off = jumps.then(|| bent.jump((end, true), bent.apart_at(bent.position(end, true), edge)));

@@ -61,7 +61,7 @@ impl Contact {
         let release = self.law().release();
         let mut approach = Points::new(self, CurveBranch::Approach);
         outside.iter().for_each(|&delta| approach.push(delta, false));
-        if self.law.has_memory() {
+        if self.law.has_hysteresis() {
             approach.push(0.0, false);
         }
         inside.iter().rev().filter(|&&delta| delta >= 0.0).for_each(|&delta| approach.push(delta, true));
@@ -81,7 +81,7 @@ impl Contact {
         let mut retract = Points::new(self, CurveBranch::Retract);
         for &delta in indentations {
             approach.push(delta, self.next_contact(delta, false));
-            let held = !self.law.has_memory() || self.next_contact(delta, true);
+            let held = !self.law.has_hysteresis() || self.next_contact(delta, true);
             retract.push(delta, held.then_some(true));
         }
         StaticCurves { curves: vec![approach.curve, retract.curve] }
@@ -108,7 +108,7 @@ impl Contact {
                 release + (deepest - release) * share.powi(power)
             })
             .collect();
-        if self.law.has_memory() {
+        if self.law.has_hysteresis() {
             // the touch belongs to both branches
             let place = points.partition_point(|&delta| delta > 0.0);
             if points.get(place) != Some(&0.0) {

@@ -4,7 +4,7 @@
 /// way: 1 is the far end.
 pub(super) type Shares<'a> = &'a [f64];
 
-/// A law with its constants. Only a law with memory looks at `in_contact`.
+/// A law with its constants. Only a law with hysteresis looks at `in_contact`.
 ///
 /// The first four are the law. Whoever needs to know more of a law (the plan, the engines, the curves) asks for it here,
 /// and what holds for a law without adhesion is the answer where a law gives none of its own.
@@ -41,6 +41,10 @@ pub trait StaticLaw {
     /// Force on the tip, N, while the indentation changes by `rate` (m/s).
     fn force_moving(&self, delta: f64, _rate: f64, in_contact: bool) -> f64 {
         self.force(delta, in_contact)
+    }
+    /// How fast a sample that nothing touches forgets, as a rate of its exponential decay, 1/s: of a law with a memory.
+    fn recovery(&self) -> f64 {
+        0.0
     }
     /// Smallest and largest force (N) on a tip that went there.
     ///

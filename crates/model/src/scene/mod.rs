@@ -18,6 +18,7 @@ mod provenance;
 mod quantities;
 mod quantity;
 mod rules;
+mod sample_rules;
 mod sample_table;
 mod scene_echo;
 mod scene_error;

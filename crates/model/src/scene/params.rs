@@ -129,7 +129,7 @@ pub struct SampleParams {
     pub viscosity: Viscosity,
 }
 
-/// What a sample loses when it is deformed: a Kelvin-Voigt solid's viscosity, in one of three forms.
+/// What a sample loses when it is deformed: a Kelvin-Voigt solid's viscosity in one of three forms, or a relaxing modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Viscosity {
     /// It is elastic.
@@ -140,6 +140,9 @@ pub enum Viscosity {
     RetardationTime(f64),
     /// `sample.loss_tangent`: loss modulus over storage modulus at the drive's frequency.
     LossTangent(f64),
+    /// `sample.instantaneous_modulus` (Pa) and `sample.relaxation_time` (s): a standard linear solid, whose Young's modulus is the
+    /// relaxed one.
+    Relaxing { modulus: f64, time: f64 },
 }
 
 /// How a viscous sample presses on the tip.

@@ -16,5 +16,8 @@ pub(super) const VISCOSITIES: [&str; 3] =
     ["sample.viscosity", "sample.retardation_time", "sample.loss_tangent"];
 pub(super) const VISCOSITY_MODEL: &str = "contact.viscosity_model";
 
+/// What makes a sample relax: both together.
+pub(super) const RELAXATION: [&str; 2] = ["sample.instantaneous_modulus", "sample.relaxation_time"];
+
 /// The path of the contact law.
 pub(super) const LAW: &str = "contact.law";

@@ -111,6 +111,10 @@ fn unknown_calibration() -> LeverSpec {
     Calibrated { stiffness: f64::NAN, frequency: f64::NAN }
 }
 
+fn unknown_relaxation() -> Viscosity {
+    Viscosity::Relaxing { modulus: f64::NAN, time: f64::NAN }
+}
+
 /// Lengths of solid parts, m.
 const PARTS: [f64; 2] = [1e-11, 0.1];
 /// Lengths of levers, m, and of rods.
@@ -214,6 +218,10 @@ quantities! {
         "sample retardation time", Time, NonNegative, [1e-13, 10.0], [1e-18, 1e6];
     "sample.loss_tangent", variant!(sample.viscosity, Viscosity::LossTangent),
         "sample loss tangent at the drive's frequency", Dimensionless, NonNegative, [1e-6, 100.0], [1e-12, 1e6];
+    "sample.instantaneous_modulus", member!(sample.viscosity, Viscosity::Relaxing, modulus, unknown_relaxation),
+        "sample Young's modulus before it relaxes", Pressure, Positive, [10.0, 2e12], MODULI;
+    "sample.relaxation_time", member!(sample.viscosity, Viscosity::Relaxing, time, unknown_relaxation),
+        "sample relaxation time", Time, Positive, [1e-13, 10.0], [1e-18, 1e6];
     "contact.decay_length", field!(contact.decay_length),
         "decay length of the attraction", Length, Positive, [1e-12, 1e-8], [1e-16, 1e-6];
     "drive.frequency", variant!(drive.frequency, DriveFrequency::Hertz),

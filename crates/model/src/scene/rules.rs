@@ -4,11 +4,12 @@
 //! A swept quantity counts as if the file had written it in its section.
 
 use super::address::Address;
-use super::axis_zip::{law_of, varies_twice};
+use super::axis_zip::varies_twice;
 use super::draft::{Draft, Said};
 use super::drive_rules;
 use super::params::*;
-use super::paths::{CALIBRATION, LAW, LEVELS, MODES, VISCOSITIES, VISCOSITY_MODEL};
+use super::paths::{CALIBRATION, LEVELS, MODES, RELAXATION, VISCOSITIES};
+use super::sample_rules;
 use super::scene_error::{Checked, Fault};
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
@@ -44,7 +45,8 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     lever_is_complete(draft)?;
     drive_rules::check(draft)?;
     adhesion_fits(draft, sweep)?;
-    viscosity_fits(draft, sweep)?;
+    sample_rules::viscosity_fits(draft, sweep)?;
+    sample_rules::relaxation_fits(draft, sweep)?;
     axes_matter(draft)?;
     rod_is_stable(draft, sweep)
 }
@@ -139,7 +141,7 @@ fn one_lever(draft: &Draft) -> Checked<()> {
 }
 
 /// What a scene says in one way: of the paths of each, only one.
-const ONE_OF: [(&[&str], &str, &str); 4] = [
+const ONE_OF: [(&[&str], &str, &str); 6] = [
     (
         &["sample.surface_energy", "sample.hamaker"],
         "the adhesion is given in two ways",
@@ -149,6 +151,16 @@ const ONE_OF: [(&[&str], &str, &str); 4] = [
         &VISCOSITIES,
         "the viscosity is given in two ways",
         "one of viscosity (shear), retardation_time, loss_tangent",
+    ),
+    (
+        &[VISCOSITIES[0], VISCOSITIES[1], VISCOSITIES[2], RELAXATION[0]],
+        "the sample's loss is given in two ways",
+        "a viscosity, or a modulus that relaxes",
+    ),
+    (
+        &[VISCOSITIES[0], VISCOSITIES[1], VISCOSITIES[2], RELAXATION[1]],
+        "the sample's loss is given in two ways",
+        "a viscosity, or a modulus that relaxes",
     ),
     (
         &LEVELS,
@@ -223,50 +235,11 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
     Ok(())
 }
 
-/// The laws of a scene's instances.
-fn laws_of(draft: &Draft, sweep: &SweptAxes) -> Vec<LawChoice> {
-    let swept = sweep.quantities().find(|axis| axis.path == LAW).map(|axis| axis.words.iter());
-    match swept {
-        Some(words) => words.filter_map(|word| law_of(word)).collect(),
-        None => vec![draft.params.contact.law],
-    }
-}
-
-/// No theory of a viscous contact with adhesion within it is known that would serve here.
-fn viscosity_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
-    let Some(said) = draft.first_of(&VISCOSITIES) else {
-        return match draft.first_of(&[VISCOSITY_MODEL]) {
-            Some(model) => Err(Fault::at(model.key.clone(), "`contact.viscosity_model` has no effect here")
-                .label("the sample is elastic")
-                .expected("a viscous sample")
-                .help("add viscosity, retardation_time or loss_tangent to [sample], or remove this line")),
-            None => Ok(()),
-        };
-    };
-    let fails = laws_of(draft, sweep).into_iter().find(|choice| match choice.law() {
-        Some(law) => law.acts() && law.viscous().is_none(),
-        None => true,
-    });
-    let Some(choice) = fails else { return Ok(()) };
-    let why = match choice.law() {
-        None => "law = \"auto\" may choose JKR, and a viscous contact is not known for it",
-        Some(_) => "a viscous contact is not known for JKR, whose adhesion acts within the contact",
-    };
-    let fault = Fault::at(said.key.clone(), "a viscous sample needs the Hertz or the DMT law").label(why);
-    let fault = match draft.first_of(&[LAW]) {
-        Some(law) => fault.related(law.key.clone(), "the law is chosen here"),
-        None => fault,
-    };
-    Err(fault
-        .expected("law = \"hertz\" or law = \"dmt\" in [contact]")
-        .help("set one of them, or remove the sample's viscosity"))
-}
-
 fn adhesion_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Some(said) = draft.first_of(&["sample.hamaker"]) else {
         return Ok(());
     };
-    let laws = laws_of(draft, sweep);
+    let laws = sample_rules::laws_of(draft, sweep);
     let attraction = |law: &LawChoice| law.law().map(Law::attraction);
     let fails = laws.into_iter().find(|law| attraction(law) != Some(Attraction::Distant));
     let Some(law) = fails.map(LawChoice::law) else { return Ok(()) };

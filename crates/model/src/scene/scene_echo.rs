@@ -41,7 +41,7 @@ impl Scene {
         writeln!(text, "\n[sample]")?;
         self.write_section(text, "sample")?;
         writeln!(text, "\n[contact]\nlaw = {}", word(LawChoice::WORDS, base.contact.law))?;
-        if base.sample.viscosity != Viscosity::None {
+        if !matches!(base.sample.viscosity, Viscosity::None | Viscosity::Relaxing { .. }) {
             let model = word(&VISCOUS, base.contact.viscosity_model);
             writeln!(text, "viscosity_model = {model}")?;
         }

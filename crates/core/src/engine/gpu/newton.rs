@@ -61,7 +61,7 @@ impl Errand for Walks<'_> {
     fn tables(&self, piece: &Piece) -> WalkTables {
         let told = |instance: u32| {
             let (aim, start) = (self.seeks.aim::<f64>(instance), begun(self.plan, instance));
-            let memory = self.plan.law(instance).has_memory();
+            let memory = self.plan.law(instance).has_hysteresis();
             let [memory, touching] = [memory, start.touching].map(|is| f64::from(u8::from(is)));
             vec![aim.scale, aim.near, aim.enough, memory, touching]
         };

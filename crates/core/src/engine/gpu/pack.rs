@@ -1,7 +1,7 @@
 //! Converts a chunk of a class to the shader's tables, and the shader's output to checkpoints.
 
 use crate::engine::checkpoint::InstanceCheckpoint;
-use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, member};
+use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, lever_key, member};
 use crate::engine::period_jacobian::begun;
 use crate::engine::start;
 use crate::kernel::{Entry, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers};
@@ -86,8 +86,9 @@ impl<'a> Driven<'a> {
         let drive_of = members
             .iter()
             .map(|one| {
-                // A class's instances are ordered by drive.
-                if drives.last() != Some(&one.0.drive) {
+                // A class's instances are ordered by drive. What a memory forgets is a part of its lever.
+                let same = |last: &Member| last.0.drive == one.0.drive && lever_key(*last) == lever_key(*one);
+                if !first_of.last().is_some_and(same) {
                     drives.push(one.0.drive);
                     first_of.push(*one);
                 }

@@ -67,7 +67,7 @@ impl Errand for Periods<'_> {
                 row => field(row),
             };
             let end = ended(&begun(self.plan, *instance), modes, number);
-            let own = self.plan.driven(*instance).kept.modes.len();
+            let own = self.plan.pairs(*instance);
             let at = |row: usize, column: usize| left.columns.get((row * 2 * modes + column) * count + i);
             Some(PeriodJacobian { end, slope: kept((own, modes), at) })
         };

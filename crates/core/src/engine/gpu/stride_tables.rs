@@ -64,8 +64,9 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
         let guessed = guesses.all[n];
         let place: Vec<f64> = guesses.place(n).iter().map(|number| number / LENGTH).collect();
         let still = rest_indentation(&member.0, (member.1, Start::Steady), half_step(member.0.steps));
-        let memory = f64::from(u8::from(class.law.has_memory()));
-        let state = begun(&guessed, &place, (spec.modes, still));
+        let memory = f64::from(u8::from(class.law.has_hysteresis()));
+        let swinging = member.1.kept.modes.len();
+        let state = begun(&guessed, &place, (spec.modes, swinging, still));
         let goal = guesses.goal(&guessed);
         let own = [goal.scale, goal.near, goal.sure, still, memory, state.touching];
         let case = gap_and_law(member).chain(own).collect();
@@ -93,13 +94,18 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
     }
 }
 
-/// An instance at its prediction, kernel units, not measured. `still`: distance of free motion from the sample there.
-fn begun(guessed: &Prediction, place: &[f64], (modes, still): (usize, f64)) -> InstanceCheckpoint {
+/// An instance at its prediction, kernel units, not measured. Of its modes, so many are the lever's. `still`: distance of free
+/// motion from the sample there.
+fn begun(
+    guessed: &Prediction,
+    place: &[f64],
+    (modes, swinging, still): (usize, usize, f64),
+) -> InstanceCheckpoint {
     let (mut x, mut u) = ([0.0; MODES_MAX], [0.0; MODES_MAX]);
     x[..modes].copy_from_slice(&place[..modes]);
     u[..modes].copy_from_slice(&place[place.len() / 2..][..modes]);
     let touching = f64::from(u8::from(guessed.touching));
-    let last = -(still + x[..modes].iter().sum::<f64>());
+    let last = -(still + x[..swinging].iter().sum::<f64>());
     InstanceCheckpoint {
         x,
         u,

@@ -36,12 +36,18 @@ pub(super) struct DenseStep {
     /// Tip travel beyond the free one, m, and its rate, m per rad.
     pub travel: Dense,
     pub rate: Dense,
+    /// The law's memory, m; nothing if it has none.
+    pub memory: Option<[Dense; 2]>,
 }
 
 impl DenseStep {
     /// Indentation (m) and its rate (m per rad) at the share `u` of the step.
     pub fn indentation(&self, system: &System, u: f64) -> (f64, f64) {
         system.indentation(self.theta + u * self.h, self.travel.at(u), self.rate.at(u))
+    }
+
+    fn memory(&self, u: f64) -> [f64; 2] {
+        self.memory.as_ref().map_or([0.0; 2], |memory| [memory[0].at(u), memory[1].at(u)])
     }
 }
 
@@ -79,9 +85,9 @@ impl Meter {
         }
     }
 
-    /// Records an indentation passed at a rate (m per rad).
-    pub fn see(&mut self, system: &System, delta: f64, rate: impl FnOnce() -> f64) {
-        let force = system.force.at(delta, || rate() * system.omega, system.touching);
+    /// Records an indentation passed at a rate (m per rad), the law's memory being this.
+    pub fn see(&mut self, system: &System, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2]) {
+        let force = system.force.at(delta, || rate() * system.omega, memory, system.touching);
         self.deepest = self.deepest.max(delta);
         self.force_min = self.force_min.min(force);
         self.force_max = self.force_max.max(force);
@@ -93,12 +99,12 @@ impl Meter {
         let mut before = first;
         let inside = turns.iter().map(|u| (piece.indentation(system, *u).0, *u));
         for (delta, u) in inside.chain([(last, 1.0)]) {
-            self.see(system, delta, || piece.indentation(system, u).1);
+            self.see(system, delta, || piece.indentation(system, u).1, piece.memory(u));
             if let (true, Some(pull)) = (system.touching, system.force.deepest_pull())
                 && (before - pull) * (delta - pull) < 0.0
             {
                 // The law ignores the rate.
-                self.see(system, pull, || 0.0);
+                self.see(system, pull, || 0.0, [0.0; 2]);
             }
             before = delta;
         }
@@ -119,11 +125,11 @@ impl Meter {
         let share = |n: usize| n as f64 / VISCOUS_PIECES as f64;
         let pressing = |u: f64| {
             let (delta, rate) = piece.indentation(system, u);
-            system.force.pressing(delta, rate * system.omega).unwrap_or(0.0)
+            system.force.pressing(delta, rate * system.omega, piece.memory(u)).unwrap_or(0.0)
         };
         let force = |u: f64| {
             let (delta, rate) = piece.indentation(system, u);
-            system.force.at(delta, || rate * system.omega, true)
+            system.force.at(delta, || rate * system.omega, piece.memory(u), true)
         };
         for n in 0..VISCOUS_PIECES {
             let (from, to) = (share(n), share(n + 1));

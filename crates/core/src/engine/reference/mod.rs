@@ -247,7 +247,7 @@ impl Sums {
             measured.contacts = self.meter.begun / f64::from(run.measure);
         }
         if wants.energy {
-            let n = 2 * walk.system.modes();
+            let n = walk.system.remembered();
             measured.force_mean = walk.y[n] / span;
             measured.dissipation = -walk.y[n + 1] / f64::from(run.measure);
             measured.virial = walk.y[n + 2] / span;

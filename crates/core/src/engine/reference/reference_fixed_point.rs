@@ -63,7 +63,7 @@ pub fn solve_near(
     }
     let (all, slow) = unknowns(&system, &case, driven, station);
     system.touching = station.touching;
-    let remembers = case.contact.law.has_memory();
+    let remembers = case.contact.law.has_hysteresis();
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { FD_STEP_ROUGH } else { FD_STEP_SMOOTH };
     let lost = least_lost(&system, driven, &slow);
@@ -111,7 +111,7 @@ fn unknowns(
 ) -> (DVector<f64>, Vec<usize>) {
     let modes = system.modes();
     let half = PI / (driven.free.omega * f64::from(case.steps));
-    let mut state = DVector::zeros(2 * modes);
+    let mut state = DVector::zeros(system.remembered());
     let mut slow = Vec::new();
     let mut others: Vec<usize> = Vec::new();
     let mut rest: Vec<usize> = (0..driven.kept.modes.len()).collect();
@@ -144,6 +144,14 @@ fn unknowns(
             state[place] = share * rest_x;
             state[modes + place] = share * rest_u;
         }
+    }
+    // The law's memory does not change in the half step: it is that of the period's very start.
+    let kept = driven.kept.modes.len();
+    for (place, number) in
+        (2 * modes..state.len()).zip([station.x, station.u].map(|all| all.get(kept).copied().unwrap_or(0.0)))
+    {
+        state[place] = number;
+        slow.push(place);
     }
     (state, slow)
 }

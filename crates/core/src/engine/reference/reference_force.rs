@@ -1,6 +1,7 @@
 //! The contact laws again, in forms of their own: nothing here shares code with `contact` or the kernel.
 
 use crate::contact::{Contact, Law};
+use crate::kernel::LENGTH;
 use std::f64::consts::PI;
 
 /// A law with its constants; SI units.
@@ -25,6 +26,15 @@ pub(super) enum ReferenceForce {
         ad_hoc: bool,
         adhesion: f64,
         decay: f64,
+    },
+    /// A standard linear solid: a half-space of springs `kappa` delta^1.5 at once, whose share `arm` relaxes within `tau`, s. It
+    /// remembers how deep its dashpots are at the centre, y, and their sum S in units of delta^1.5 over the root of a kernel's length.
+    /// While the contact widens beyond them, delta y^2 > S^2, kappa (delta^1.5 - arm S); within, kappa (delta - arm y)^1.5
+    /// (1 - arm y^3/S^2)^-0.5.
+    Relaxing {
+        kappa: f64,
+        arm: f64,
+        tau: f64,
     },
     /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3), equation (16).
     /// `radius` is a at the fold, `unit` a^2/R there.
@@ -55,6 +65,11 @@ impl ReferenceForce {
             }
             Law::ViscousHertz => viscous(0.0),
             Law::ViscousDmt => viscous(2.0 * PI * w * r),
+            Law::RelaxingHertz => Self::Relaxing {
+                kappa: contact.instantaneous * r.sqrt(),
+                arm: 1.0 - k / contact.instantaneous,
+                tau: contact.retardation * k / contact.instantaneous,
+            },
             Law::Jkr => {
                 // d delta/da = 0: 2a/R = sqrt(6 pi w/(K a))/3
                 let radius = (PI * w * r * r / (6.0 * k)).cbrt();
@@ -71,9 +86,9 @@ impl ReferenceForce {
     /// Force on the tip, N, on the branch that `touching` selects. Each branch continues past its end, so that a step may
     /// overshoot before it is cut back there.
     ///
-    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it.
+    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has one.
     #[inline]
-    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, touching: bool) -> f64 {
+    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], touching: bool) -> f64 {
         match *self {
             Self::None => 0.0,
             Self::Hertz { kappa } => hertz(kappa, delta, touching),
@@ -92,6 +107,19 @@ impl ReferenceForce {
                 };
                 pressed + pull
             }
+            Self::Relaxing { kappa, arm, .. } => {
+                let [depth, sum] = [memory[0], memory[1] * LENGTH.sqrt()];
+                let above = delta - arm * depth;
+                if !touching || above <= 0.0 {
+                    0.0
+                } else if delta * depth * depth >= sum * sum {
+                    kappa * (delta * delta.sqrt() - arm * sum).max(0.0)
+                } else {
+                    // However hollow: the kernel's bound.
+                    let hollow = (1.0 - arm * depth * depth * depth / (sum * sum)).max(0.1);
+                    kappa * above * above.sqrt() / hollow.sqrt()
+                }
+            }
             Self::Jkr { elastic, adhesive, radius, unit } => {
                 if !touching {
                     return 0.0;
@@ -103,19 +131,32 @@ impl ReferenceForce {
         }
     }
 
+    /// Whether it remembers two numbers, as lengths in m.
+    pub fn has_memory(&self) -> bool {
+        matches!(self, Self::Relaxing { .. })
+    }
+
+    /// Rates (m/s) at which a law with a memory changes it.
+    pub fn remembered(&self, delta: f64, force: f64, [depth, sum]: [f64; 2]) -> [f64; 2] {
+        let Self::Relaxing { kappa, arm, tau } = *self else { return [0.0; 2] };
+        let pressed = force / (kappa * LENGTH.sqrt());
+        [(delta.max(arm * depth) - depth) / tau, (pressed - (1.0 - arm) * sum) / tau]
+    }
+
     /// Whether it depends on the rate.
     pub fn is_viscous(&self) -> bool {
-        matches!(self, Self::Viscous { .. })
+        matches!(self, Self::Viscous { .. } | Self::Relaxing { .. })
     }
 
     /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
     /// is out.
-    pub fn pressing(&self, delta: f64, rate: f64) -> Option<f64> {
+    pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> Option<f64> {
         match *self {
             Self::Viscous { tau, ad_hoc, .. } if rate < 0.0 && !ad_hoc => {
                 Some((delta + tau * rate).min(delta))
             }
             Self::Viscous { .. } => Some(delta),
+            Self::Relaxing { arm, .. } => Some(delta - arm * memory[0]),
             _ => None,
         }
     }
@@ -224,7 +265,7 @@ mod tests {
                     let delta = fold + f64::from(step) * f64::from(step) * 1e-15;
                     for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
                         let (own, other) =
-                            (force.at(delta, || 0.0, touching), contact.force(delta, touching));
+                            (force.at(delta, || 0.0, [0.0; 2], touching), contact.force(delta, touching));
                         // Close to the fold the square root magnifies a rounding of the indentation.
                         let bound = 1e-12 * (unit + other.abs());
                         assert!(
@@ -234,7 +275,7 @@ mod tests {
                     }
                 }
                 if let Some(pull) = force.deepest_pull() {
-                    assert!((force.at(pull, || 0.0, true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
+                    assert!((force.at(pull, || 0.0, [0.0; 2], true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
                 }
             }
         }

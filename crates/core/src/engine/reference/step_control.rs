@@ -49,7 +49,7 @@ struct StepCourse {
 
 impl Integrator {
     pub fn new(system: System, tolerance: f64) -> Self {
-        let most = 2 * system.modes() + 3;
+        let most = system.remembered() + 3;
         let length = system.length();
         Self {
             // A force that bends the instrument by a thousandth of the swing; soon the largest one met.
@@ -124,7 +124,8 @@ impl Integrator {
         if let Some(meter) = meter {
             meter.touched |= self.system.touching;
             let (system, y) = (&self.system, &self.y);
-            meter.see(system, self.stepper.seen[0], || system.indentation_of(theta, y).1);
+            let rate = || system.indentation_of(theta, y).1;
+            meter.see(system, self.stepper.seen[0], rate, system.memory_of(y));
         }
     }
 
@@ -150,8 +151,13 @@ impl Integrator {
             self.allowed[k] = unit;
             self.allowed[n + k] = unit * self.system.pace(k);
         }
-        let force = self.tolerance * self.force;
-        self.allowed[2 * n..2 * n + 3].copy_from_slice(&[force, force * self.length, force * self.length]);
+        let (force, integrals) = (self.tolerance * self.force, self.system.remembered());
+        self.allowed[2 * n..integrals].fill(unit);
+        self.allowed[integrals..integrals + 3].copy_from_slice(&[
+            force,
+            force * self.length,
+            force * self.length,
+        ]);
     }
 
     /// Tries steps from `h` down until one is accepted; `None` if the state is not finite.
@@ -243,7 +249,12 @@ impl Integrator {
         self.stepper.extend(&mut self.system, theta, &self.y[..size], h);
         let travel = self.stepper.dense(&self.y, 0..n, h);
         let rate = self.stepper.dense(&self.y, n..2 * n, h);
-        DenseStep { theta, h, travel, rate }
+        let memory = self
+            .system
+            .force
+            .has_memory()
+            .then(|| [0, 1].map(|m| self.stepper.dense(&self.y, 2 * n + m..2 * n + m + 1, h)));
+        DenseStep { theta, h, travel, rate, memory }
     }
 
     /// Makes the step end at the change of contact, by Newton's method on its length from the continuous extension's estimate.
@@ -297,7 +308,12 @@ impl Integrator {
         let n = self.system.modes();
         let travel: f64 = self.y[..n].iter().sum();
         let rate = || self.system.indentation_of(theta, &self.y).1 * self.system.omega;
-        let force = self.system.force.at(self.stepper.seen[12], rate, self.system.touching);
+        let force = self.system.force.at(
+            self.stepper.seen[12],
+            rate,
+            self.system.memory_of(&self.y),
+            self.system.touching,
+        );
         self.length = self.length.max(travel.abs());
         self.force = self.force.max(force.abs());
     }

@@ -30,7 +30,8 @@ const TRANSIENT_END_SHARE: f64 = 1e-17;
 /// Tip travel z(theta) = z_free + sum x_k, x_k'' + (w_k/(Q_k w)) x_k' + (w_k/w)^2 x_k = (c_k b_k/w^2) f,
 /// theta = w t being the drive's angle since the run's start, counted afresh in each period.
 ///
-/// Unknowns: x_k (m), then x_k' (m per rad), then, while measuring, the integrals of f, f z' and f z.
+/// Unknowns: x_k (m), then x_k' (m per rad), then a law's memory (m), if it has one, then, while measuring, the integrals of f, f z'
+/// and f z.
 pub(super) struct System {
     /// (w_k/w)^2, w_k/(Q_k w), c_k b_k/w^2 of each oscillator.
     stiffness: Vec<f64>,
@@ -111,7 +112,20 @@ impl System {
 
     /// Unknowns.
     pub fn size(&self) -> usize {
-        2 * self.modes() + if self.measuring { 3 } else { 0 }
+        self.remembered() + if self.measuring { 3 } else { 0 }
+    }
+
+    /// Unknowns but for the integrals.
+    pub fn remembered(&self) -> usize {
+        2 * self.modes() + if self.force.has_memory() { 2 } else { 0 }
+    }
+
+    /// The law's memory in a state; zero if it has none.
+    pub fn memory_of(&self, y: &[f64]) -> [f64; 2] {
+        match y[2 * self.modes()..] {
+            [depth, total, ..] if self.force.has_memory() => [depth, total],
+            _ => [0.0; 2],
+        }
     }
 
     /// Scale of length that errors count on at first, m: the free swing, or a femtometre.
@@ -188,15 +202,21 @@ impl Rates for System {
         let travel = free + x.iter().sum::<f64>();
         let delta = -(self.gap + travel);
         let rate = || free_rate + v.iter().sum::<f64>();
-        let force = self.force.at(delta, || -rate() * self.omega, self.touching);
+        let memory = self.memory_of(y);
+        let force = self.force.at(delta, || -rate() * self.omega, memory, self.touching);
         out[..n].copy_from_slice(v);
         let bent = out[n..2 * n].iter_mut().zip(x).zip(v);
         let constants = self.stiffness.iter().zip(&self.loss).zip(&self.push);
         for (((out, x), v), ((stiffness, loss), push)) in bent.zip(constants) {
             *out = push * force - loss * v - stiffness * x;
         }
+        if self.force.has_memory() {
+            let rates = self.force.remembered(delta, force, memory).map(|rate| rate / self.omega);
+            out[2 * n..2 * n + 2].copy_from_slice(&rates);
+        }
         if self.measuring {
-            out[2 * n..2 * n + 3].copy_from_slice(&[force, force * rate(), force * travel]);
+            let integrals = self.remembered();
+            out[integrals..integrals + 3].copy_from_slice(&[force, force * rate(), force * travel]);
         }
         delta
     }

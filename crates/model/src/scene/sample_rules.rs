@@ -1,0 +1,95 @@
+//! What a scene says of a sample's losses, and the laws that know them.
+
+use super::SweptAxes;
+use super::axis_zip::law_of;
+use super::draft::Draft;
+use super::params::*;
+use super::paths::{LAW, RELAXATION, VISCOSITIES, VISCOSITY_MODEL};
+use super::scene_error::{Checked, Fault};
+use crate::kernel::Law;
+
+/// The laws of a scene's instances.
+pub(super) fn laws_of(draft: &Draft, sweep: &SweptAxes) -> Vec<LawChoice> {
+    let swept = sweep.quantities().find(|axis| axis.path == LAW).map(|axis| axis.words.iter());
+    match swept {
+        Some(words) => words.filter_map(|word| law_of(word)).collect(),
+        None => vec![draft.params.contact.law],
+    }
+}
+
+/// No theory of a viscous contact with adhesion within it is known that would serve here.
+pub(super) fn viscosity_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let Some(said) = draft.first_of(&VISCOSITIES) else {
+        return match draft.first_of(&[VISCOSITY_MODEL]) {
+            Some(model) => Err(Fault::at(model.key.clone(), "`contact.viscosity_model` has no effect here")
+                .label("the sample is elastic")
+                .expected("a viscous sample")
+                .help("add viscosity, retardation_time or loss_tangent to [sample], or remove this line")),
+            None => Ok(()),
+        };
+    };
+    let Some(choice) = misfit(draft, sweep, Law::viscous) else { return Ok(()) };
+    let why = match choice.law() {
+        None => "law = \"auto\" may choose JKR, and a viscous contact is not known for it",
+        Some(_) => "a viscous contact is not known for JKR, whose adhesion acts within the contact",
+    };
+    let fault = Fault::at(said.key.clone(), "a viscous sample needs the Hertz or the DMT law").label(why);
+    Err(beside_law(fault, draft)
+        .expected("law = \"hertz\" or law = \"dmt\" in [contact]")
+        .help("set one of them, or remove the sample's viscosity"))
+}
+
+/// A law of the scene that has no form for such a sample.
+fn misfit(draft: &Draft, sweep: &SweptAxes, form: fn(Law) -> Option<Law>) -> Option<LawChoice> {
+    laws_of(draft, sweep).into_iter().find(|choice| match choice.law() {
+        Some(law) => law.acts() && form(law).is_none(),
+        None => true,
+    })
+}
+
+fn beside_law(fault: Box<Fault>, draft: &Draft) -> Box<Fault> {
+    match draft.first_of(&[LAW]) {
+        Some(law) => fault.related(law.key.clone(), "the law is chosen here"),
+        None => fault,
+    }
+}
+
+/// A sample that relaxes has two moduli and a time, under Hertz's law.
+pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let Some(said) = draft.first_of(&RELAXATION) else { return Ok(()) };
+    if let Some(missing) = RELAXATION.iter().find(|path| draft.first_of(&[path]).is_none()) {
+        let missing = missing.trim_start_matches("sample.");
+        return Err(Fault::at(said.key.clone(), format!("a sample that relaxes lacks its {missing}"))
+            .label("only this is given")
+            .expected(
+                "instantaneous_modulus and relaxation_time in [sample]; youngs_modulus is the relaxed one",
+            )
+            .help(format!("add {missing} to [sample], or remove this line")));
+    }
+    if let Some(choice) = misfit(draft, sweep, Law::relaxing) {
+        let why = match choice.law() {
+            None => "law = \"auto\" may choose a law with adhesion, and none is known for such a sample",
+            Some(_) => "no sound theory is known of a sample that relaxes under adhesion",
+        };
+        let fault = Fault::at(said.key.clone(), "a sample that relaxes needs the Hertz law").label(why);
+        return Err(beside_law(fault, draft)
+            .expected("law = \"hertz\" in [contact]")
+            .help("set it, or remove instantaneous_modulus and relaxation_time"));
+    }
+    let values = |path: &str, base: f64| match sweep.quantities().find(|axis| axis.path == path) {
+        Some(axis) => axis.values.to_vec(),
+        None => vec![base],
+    };
+    let Viscosity::Relaxing { modulus, .. } = draft.params.sample.viscosity else { return Ok(()) };
+    let relaxed = values("sample.youngs_modulus", draft.params.sample.youngs_modulus);
+    let at_once = values(RELAXATION[0], modulus);
+    let (most, least) =
+        (relaxed.into_iter().fold(0.0, f64::max), at_once.into_iter().fold(f64::INFINITY, f64::min));
+    if least < most {
+        return Err(Fault::at(said.key.clone(), "a sample cannot stiffen as it relaxes")
+            .label(format!("found instantaneous_modulus {least:.4e} Pa below youngs_modulus {most:.4e} Pa"))
+            .expected("instantaneous_modulus at least as large as every youngs_modulus of the scene")
+            .help("youngs_modulus is the modulus after a while, instantaneous_modulus that at once"));
+    }
+    Ok(())
+}
