@@ -164,7 +164,7 @@ fn every_scene_loads_and_plans() {
         let mut instances = 0;
         for class in classes {
             assert!(Law::from_name(class["law"].as_str().unwrap()).is_some(), "{class}");
-            assert!((1..=8).contains(&class["modes"].as_u64().unwrap()), "{class}");
+            assert!((1..=24).contains(&class["modes"].as_u64().unwrap()), "{class}");
             let steps = class["steps_per_period"].as_u64().unwrap();
             assert!(steps == 0 || (64..=65_536).contains(&steps), "{class}");
             instances += class["instances"].as_u64().unwrap();

@@ -43,7 +43,7 @@ pub(super) fn kind_and_stiffness(plan: &Plan, instance: u32) -> (ContactKind, f6
     let strong = || -contact.law().pull_off() >= plan.policy.strong_jump * contact.force(depth, true);
     let kind = ContactKind { law: law.code(), jumps: law.has_hysteresis() && strong() };
     let driven = plan.driven(instance);
-    let rate = if plan.law(instance).is_viscous() { driven.contact_rate(contact, case.gap) } else { 0.0 };
+    let rate = if contact.viscous_time() > 0.0 { driven.contact_rate(contact, case.gap) } else { 0.0 };
     let pressed = contact.stiffness_at(depth, rate);
     (kind, pressed.max(contact.law().attraction_slope()) * driven.kept.flexibility)
 }

@@ -184,8 +184,8 @@ pub(crate) fn lag(angle: f64) -> f64 {
 fn judge(sums: &Sums, case: &Case, driven: &Driven, run: &Run, force: f64) -> Status {
     let deepest = sums.run_sums.sums.deepest * LENGTH;
     // A viscous contact is as stiff as its force changes within a step; of one that relaxes the stiffness is that at once.
-    let viscous = if case.contact.law.has_memory() { 0.0 } else { case.contact.retardation };
-    let steps = viscous * driven.free.omega / std::f64::consts::TAU * f64::from(case.steps);
+    let steps =
+        case.contact.viscous_time() * driven.free.omega / std::f64::consts::TAU * f64::from(case.steps);
     let stiffness = case.contact.stiffness(deepest, true) * (1.0 + steps);
     if deepest > 0.0 && stiffness * force * LENGTH > UNRESOLVED_SHARE {
         return Status::OutOfRange;

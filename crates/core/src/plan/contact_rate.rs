@@ -45,7 +45,7 @@ pub(super) fn contact_rate(
         }
         rate = next.max(omega);
     }
-    let viscous = (contact.retardation * rate / VISCOUS_PRODUCT).min(1.0);
+    let viscous = (contact.viscous_time() * rate / VISCOUS_PRODUCT).min(1.0);
     rate * (MAX_VISCOUS_ONSET - 1.0).mul_add(viscous, 1.0)
 }
 

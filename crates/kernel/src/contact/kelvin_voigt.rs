@@ -322,15 +322,14 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         let ends = StepEnds::of(at);
         let start = self.end_point(ends.start, ends.start_rate, |_| L::splat(ZERO));
         let most = first.abs() + at.speed.abs() + at.acceleration.abs();
-        // Where the contact is not resolved the iteration stays bounded.
-        let next = |impulse: L, (pass, _, slope): &(ContactPass<L>, RatePoint<L>, L)| {
-            let change = (pass.impulse + pull - impulse) / *slope;
-            impulse + change.max(-most).min(most)
-        };
-        let second = next(first, &self.pass(at, (&ends, &start), first));
-        // The second pass also gives the lag and the share: its impulse is off by the square of the first change.
-        let last = self.pass(at, (&ends, &start), second);
-        let (impulse, pass) = (next(second, &last), last.0);
+        let mut impulse = first;
+        for _ in 0..2 {
+            let (pass, _, slope) = self.pass(at, (&ends, &start), impulse);
+            // Where the contact is not resolved the iteration stays bounded.
+            let change = (pass.impulse + pull - impulse) / slope;
+            impulse = impulse + change.max(-most).min(most);
+        }
+        let (pass, _, _) = self.pass(at, (&ends, &start), impulse);
         Kick {
             impulse,
             shift: shift - pass.lag,

@@ -264,12 +264,6 @@ impl Contact {
         self.law().stiffness(delta, in_contact)
     }
 
-    /// Modulus of the stiffness in contact (N/m) of a motion that changes at `rate` (1/s): a viscous sample adds the rate times
-    /// its viscosity.
-    pub fn stiffness_at(&self, delta: f64, rate: f64) -> f64 {
-        self.stiffness(delta, true).abs() * (1.0 + rate * self.retardation)
-    }
-
     /// Energy, J; see [`StaticLaw::energy`].
     pub fn energy(&self, delta: f64, in_contact: bool) -> f64 {
         self.law().energy(delta, in_contact)

@@ -1,7 +1,7 @@
 //! A Kelvin-Voigt sample under Hertz's and DMT's laws.
 
 use super::static_law::Shares;
-use super::{Dmt, Hertz, KernelUnits, Material, Passed, StaticLaw};
+use super::{Contact, Dmt, Hertz, KernelUnits, Material, Passed, StaticLaw};
 
 /// The law `B` of a sample that also resists the rate of indentation `v`, with retardation time `tau` = viscosity / modulus.
 ///
@@ -20,6 +20,19 @@ pub struct Viscous<B> {
 
 pub(super) type ViscousHertz = Viscous<Hertz>;
 pub(super) type ViscousDmt = Viscous<Dmt>;
+
+impl Contact {
+    /// Time by which a viscous sample's force runs ahead of its elastic part, s. A sample that relaxes has its stiffness at
+    /// once, so it is 0 there.
+    pub fn viscous_time(&self) -> f64 {
+        if self.law.has_memory() { 0.0 } else { self.retardation }
+    }
+
+    /// Modulus of the stiffness in contact (N/m) of a motion that changes at `rate` (1/s).
+    pub fn stiffness_at(&self, delta: f64, rate: f64) -> f64 {
+        self.stiffness(delta, true).abs() * (1.0 + rate * self.viscous_time())
+    }
+}
 
 impl<B: for<'a> From<&'a Material>> From<&Material> for Viscous<B> {
     fn from(of: &Material) -> Self {
