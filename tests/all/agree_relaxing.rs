@@ -365,3 +365,32 @@ fn exact_loss_of_small_swings_is_that_of_the_solid() {
         assert!((loss / exact - 1.0).abs() < 2e-3, "{time}: {loss:e} for {exact:e}");
     }
 }
+
+/// A distribution may hold a relaxed modulus above the one at once, which no single line of the scene shows.
+#[test]
+fn refusals_of_a_drawn_sample_that_stiffens_come_before_the_run() {
+    let text = r#"
+        [instrument.cantilever]
+        modes = [{ stiffness = "26 N/m", frequency = "300 kHz", quality_factor = 100 }]
+        [sample]
+        instantaneous_modulus = "2 GPa"
+        relaxation_time = "1 us"
+        [contact]
+        law = "hertz"
+        [drive]
+        on = "tip"
+        frequency = "300 kHz"
+        free_amplitude = "20 nm"
+        [approach]
+        gap = "15 nm"
+        [uncertain]
+        "sample.youngs_modulus" = { distribution = "uniform", from = "1 GPa", to = "2.5 GPa" }
+        [design]
+        kind = "sobol"
+        samples = 16
+        seed = 1
+    "#;
+    let error = Scene::parse("drawn.toml".as_ref(), text).expect_err("some sample stiffens");
+    let told = error.to_string();
+    assert!(told.contains("cannot stiffen as it relaxes"), "{told}");
+}

@@ -115,7 +115,9 @@ fn cure(word: &str) -> &'static str {
         "between_laws" => {
             "adhesion off by up to a third: run the other law as well to see what depends on it"
         }
-        "adhesion_left_out" => "set contact.law to \"auto\", or sample.surface_energy to zero",
+        "adhesion_left_out" => {
+            "set contact.law to \"auto\" if the sample is elastic, to \"dmt\" if it is viscous, or sample.surface_energy to zero"
+        }
         "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
         "rigid_tip" => "give the tip its youngs_modulus and poisson_ratio",
         _ => "",

@@ -36,7 +36,8 @@ pub enum Warning {
     /// Hertz was asked for, and adhesion is not negligible at this load.
     #[error(
         "contact law hertz leaves out an adhesion of up to {:.3} nN at a load of {:.3} nN; \
-         set contact.law to \"auto\", or sample.surface_energy to zero",
+         set contact.law to \"auto\" if the sample is elastic, to \"dmt\" if it is viscous, or \
+         sample.surface_energy to zero",
         pull * 1e9,
         load * 1e9
     )]
