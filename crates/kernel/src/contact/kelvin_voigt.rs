@@ -4,9 +4,9 @@
 use super::dmt::Tail;
 use super::hertz::Hertz;
 use super::path::Path;
-use super::{Approach, Interaction, Kick, Lane, Zip, touching_at};
+use super::{Approach, Interaction, Kick, Lane, Zip, extremes_near, touching_at};
 use crate::constants::{
-    EIGHT, EIGHTH, FAR, FIVE, HALF, HERTZ_SLOPE, LEAST, ONE, QUARTER, THIRD, TWELFTH, TWENTY_FOURTH, ZERO,
+    EIGHT, EIGHTH, FIVE, HALF, HERTZ_SLOPE, LEAST, ONE, QUARTER, THIRD, TWELFTH, TWENTY_FOURTH, ZERO,
 };
 use crate::lane::when;
 
@@ -367,17 +367,10 @@ impl<L: Lane, A: ContactAdhesion<L>> Interaction<L> for KelvinVoigt<L, A> {
 
     #[inline(always)]
     fn extremes(&self, at: Approach<L>, kick: &Kick<L>) -> [L; 2] {
-        let far = L::splat(FAR);
-        let (near, nothing) = (at.may_touch(), (far, -far));
-        let (least, most) = when(
-            near,
-            nothing,
+        extremes_near(
+            at,
             #[inline(always)]
-            || {
-                self.forces(at, kick.impulse)
-                    .zip(nothing, &mut |inside, outside| L::select(near, inside, outside))
-            },
-        );
-        [least, most]
+            || self.forces(at, kick.impulse),
+        )
     }
 }

@@ -15,7 +15,7 @@ pub use kelvin_voigt::{Clean, KelvinVoigt};
 pub use relaxing_hertz::RelaxingHertz;
 
 use super::Lane;
-use super::constants::{ONE, ZERO};
+use super::constants::{FAR, ONE, ZERO};
 use super::lane::{Zip, when};
 use std::marker::PhantomData;
 
@@ -99,6 +99,20 @@ impl<L: Lane> Zip<L> for Kick<L> {
             memory: [0, 1].map(|n| join(self.memory[n], other.memory[n])),
         }
     }
+}
+
+/// Least and largest force of a step, which `forces` works out where the step may touch; elsewhere there are none.
+#[inline(always)]
+fn extremes_near<L: Lane>(at: Approach<L>, forces: impl FnOnce() -> (L, L)) -> [L; 2] {
+    let far = L::splat(FAR);
+    let (near, nothing) = (at.may_touch(), (far, -far));
+    let (least, most) = when(
+        near,
+        nothing,
+        #[inline(always)]
+        || forces().zip(nothing, &mut |inside, outside| L::select(near, inside, outside)),
+    );
+    [least, most]
 }
 
 impl<L: Lane> Kick<L> {

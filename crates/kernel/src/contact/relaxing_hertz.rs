@@ -3,16 +3,15 @@
 
 use super::hertz::Hertz;
 use super::path::Path;
-use super::{Approach, Interaction, Kick, Lane, Zip, touching_at, when};
-use crate::constants::{
-    EIGHT, FAR, HALF, LEAST, ONE, QUARTER, SIX, TENTH, TWELFTH, TWENTY_FOURTH, TWO, ZERO,
-};
+use super::{Approach, Interaction, Kick, Lane, Zip, extremes_near, touching_at, when};
+use crate::constants::{EIGHT, HALF, LEAST, ONE, QUARTER, SIX, TENTH, TWELFTH, TWENTY_FOURTH, TWO, ZERO};
 
-/// `hertz` has the instantaneous modulus, of which the share `relaxing` relaxes. The others are of the memory's flow over a step: it
-/// keeps `left` of itself at the end and `mean_left` on the mean; a source of one leaves `gain` and `mean_gain`, and one that rises
-/// by one over the step and is zero on its mean `rise_gain` and `mean_rise_gain`.
+/// `hertz` has the instantaneous modulus, of which the share `relaxing` relaxes. The others are of the memory's flow over a
+/// step: it keeps `left` of itself at the end and `mean_left` on the mean; a source of one leaves `gain` and `mean_gain`, and
+/// one that rises by one over the step and is zero on its mean `rise_gain` and `mean_rise_gain`.
 ///
-/// The memory is the dashpots' depth under the tip's centre, and their sum in units of a Hertz force: d^1.5 once they have followed.
+/// The memory is the dashpots' depth under the tip's centre, and their sum in units of a Hertz force: d^1.5 once they have
+/// followed.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaxingHertz<L> {
     pub hertz: Hertz<L>,
@@ -25,8 +24,8 @@ pub struct RelaxingHertz<L> {
     pub mean_rise_gain: L,
 }
 
-/// What a pass over the step takes from the one before: the impulse, the memory at the step's end, and the mean of the tip's height
-/// above the dashpots.
+/// What a pass over the step takes from the one before: the impulse, the memory at the step's end, and the mean of the tip's
+/// height above the dashpots.
 #[derive(Clone, Copy)]
 struct Guess<L> {
     impulse: L,
@@ -35,8 +34,8 @@ struct Guess<L> {
     above: L,
 }
 
-/// Where the tip goes in a step, as the chord of its path and the path's true ends; and its height above the dashpots, at the ends, as
-/// a chord and on the mean, with the share of the step in which it is above them. Where it is not, they recover.
+/// Where the tip goes in a step, as the chord of its path and the path's true ends; and its height above the dashpots, at the
+/// ends, as a chord and on the mean, with the share of the step in which it is above them. Where it is not, they recover.
 #[derive(Clone, Copy)]
 struct Heights<L> {
     path: Path<L>,
@@ -248,14 +247,10 @@ impl<L: Lane> Interaction<L> for RelaxingHertz<L> {
 
     #[inline(always)]
     fn extremes(&self, at: Approach<L>, _: &Kick<L>) -> [L; 2] {
-        let far = L::splat(FAR);
-        let (near, nothing) = (at.may_touch(), (far, -far));
-        let (least, most) = when(
-            near,
-            nothing,
+        extremes_near(
+            at,
             #[inline(always)]
-            || self.forces(at).zip(nothing, &mut |inside, outside| L::select(near, inside, outside)),
-        );
-        [least, most]
+            || self.forces(at),
+        )
     }
 }
