@@ -1,32 +1,24 @@
 //! Samples that relax (standard linear solid). Truth: an independent integrator of the two numbers below, a half-space of many
 //! elements, closed forms, and the laws of which this one is a limit.
 
+use crate::checks::driven_lever::{DrivenLever, GAP, Measured, RADIUS, answer};
+use afmsweep::Scene;
 use afmsweep::contact::{Contact, KernelUnits, Law};
 use afmsweep::kernel::LENGTH;
 use afmsweep::kernel::contact::{Approach, Interaction, RelaxingHertz};
 use afmsweep::scene::{LawChoice, Params, Viscosity};
-use afmsweep::{Audit, Scene, Sweep};
 use std::f64::consts::{PI, TAU};
 
 /// A lever of one or two modes over a sample that relaxes, driven at its tip. SI units.
 #[derive(Clone, Copy)]
 struct Case {
-    modes: usize,
-    /// Drive frequency over that of the first mode.
-    detuning: f64,
+    lever: DrivenLever,
     /// Relaxed modulus, and by how many times of it the one at once is higher.
     modulus: f64,
     ratio: f64,
     /// Relaxation time times the drive's angular frequency.
     time: f64,
 }
-
-const STIFFNESS: f64 = 26.0;
-const FREQUENCY: f64 = 300e3;
-const QUALITY: f64 = 10.0;
-const AMPLITUDE: f64 = 20e-9;
-const GAP: f64 = 15e-9;
-const RADIUS: f64 = 20e-9;
 
 /// One and two modes, on and off resonance; samples that have recovered at the next tap and that have not.
 const CASES: [Case; 6] = [
@@ -39,72 +31,20 @@ const CASES: [Case; 6] = [
 ];
 
 const fn case(modes: usize, detuning: f64, modulus: f64, ratio: f64, time: f64) -> Case {
-    Case { modes, detuning, modulus, ratio, time }
+    Case { lever: DrivenLever { modes, detuning }, modulus, ratio, time }
 }
 
 impl Case {
-    /// Stiffness and frequency of each mode; the quality factor is that of all.
-    fn lever(&self) -> Vec<[f64; 2]> {
-        [[STIFFNESS, FREQUENCY], [39.3 * STIFFNESS, 6.27 * FREQUENCY]][..self.modes].to_vec()
-    }
-
-    fn omega(&self) -> f64 {
-        TAU * self.detuning * FREQUENCY
-    }
-
     /// What the scene says of the sample beside its modulus.
     fn relaxation(&self) -> String {
-        let (at_once, time) = (self.modulus * (1.0 + self.ratio), self.time / self.omega());
+        let (at_once, time) = (self.modulus * (1.0 + self.ratio), self.time / self.lever.omega());
         format!("instantaneous_modulus = \"{at_once} Pa\"\nrelaxation_time = \"{time} s\"")
     }
 
     fn scene(&self, loss: &str, run: &str) -> Scene {
-        let mode = |[k, f]: &[f64; 2]| {
-            format!("{{ stiffness = \"{k} N/m\", frequency = \"{f} Hz\", quality_factor = {QUALITY} }}")
-        };
-        let text = format!(
-            r#"
-            [instrument.cantilever]
-            modes = [{}]
-            [instrument.tip]
-            radius = "{RADIUS} m"
-            [sample]
-            youngs_modulus = "{} Pa"
-            poisson_ratio = 0.3
-            {loss}
-            [contact]
-            law = "hertz"
-            [drive]
-            on = "tip"
-            frequency = "{} Hz"
-            free_amplitude = "{AMPLITUDE} m"
-            [approach]
-            gap = "{GAP} m"
-            [run]
-            {run}
-            [output]
-            observables = ["amplitude", "phase", "force_max", "dissipation", "contact_time"]
-            "#,
-            self.lever().iter().map(mode).collect::<Vec<_>>().join(", "),
-            self.modulus,
-            self.detuning * FREQUENCY,
-        );
-        Scene::parse("relaxing.toml".as_ref(), &text).unwrap_or_else(|error| panic!("{error}"))
+        let sample = format!("youngs_modulus = \"{} Pa\"\n{loss}", self.modulus);
+        self.lever.scene([&sample, "law = \"hertz\"", run])
     }
-}
-
-/// Amplitude over the free one, phase in rad, loss over the drive's work, largest force in N.
-type Measured = [f64; 4];
-
-fn measured(amplitude: f64, phase: f64, loss: f64, force: f64) -> Measured {
-    let work = PI * STIFFNESS * AMPLITUDE * AMPLITUDE / QUALITY;
-    [amplitude / AMPLITUDE, phase, loss / work, force]
-}
-
-fn answer(scene: Scene) -> Measured {
-    let results = Sweep::new(scene).audit(Audit::None).run().unwrap().results;
-    let of = |name| results.observable(name).unwrap().values[0];
-    measured(of("amplitude"), of("phase").to_radians(), of("dissipation"), of("force_max"))
 }
 
 /// The program's answer, at so many steps or at those it chooses.
@@ -129,8 +69,8 @@ struct Lever {
     sample: Sample,
     /// N
     drive: f64,
-    /// Travel and speed of each mode, integrals of travel times cosine and sine, and of power; then the sample's numbers, in units of
-    /// nm.
+    /// Travel and speed of each mode, integrals of travel times cosine and sine, and of power; then the sample's numbers, in
+    /// units of nm.
     state: Vec<f64>,
 }
 
@@ -141,20 +81,11 @@ const WIDEST: f64 = 4.0;
 
 impl Lever {
     fn new(case: Case, sample: Sample) -> Self {
-        let omega = case.omega();
-        // The free tip's response to a unit force, as a complex number.
-        let (mut re, mut im) = (0.0, 0.0);
-        for [k, f] in case.lever() {
-            let w = TAU * f;
-            let (a, b) = (w * w - omega * omega, omega * w / QUALITY);
-            let size = w * w / k / (a * a + b * b);
-            (re, im) = (re + a * size, im - b * size);
-        }
         let numbers = match sample {
             Sample::Reduced => 2,
             Sample::Elements(count) => count,
         };
-        Self { case, sample, drive: AMPLITUDE / re.hypot(im), state: vec![0.0; OWN + numbers] }
+        Self { case, sample, drive: case.lever.drive(), state: vec![0.0; OWN + numbers] }
     }
 
     /// Force over its prefactor at an indentation, nm, and the rates of the sample's numbers, per relaxation time.
@@ -187,33 +118,23 @@ impl Lever {
 
     /// The state's rates, and the force, N.
     fn rates(&self, time: f64, state: &[f64]) -> (Vec<f64>, f64) {
-        let omega = self.case.omega();
         let mut rates = vec![0.0; state.len()];
         let indentation = -(GAP + state[0] + state[2]);
         let force = self.sample(indentation / 1e-9, &state[OWN..], &mut rates[OWN..]);
-        rates[OWN..].iter_mut().for_each(|rate| *rate *= omega / self.case.time);
+        rates[OWN..].iter_mut().for_each(|rate| *rate *= self.case.lever.omega() / self.case.time);
         let at_once = self.case.modulus * (1.0 + self.case.ratio);
         let force = 4.0 / 3.0 * at_once / (1.0 - 0.09) * RADIUS.sqrt() * 1e-9f64.powf(1.5) * force;
-        let push = force + self.drive * (omega * time).sin();
-        for (n, [k, f]) in self.case.lever().into_iter().enumerate() {
-            let w = TAU * f;
-            let (x, u) = (state[2 * n], state[2 * n + 1]);
-            (rates[2 * n], rates[2 * n + 1]) = (u, w * w * (push / k - x) - w / QUALITY * u);
-        }
-        let travel = state[0] + state[2];
-        rates[4] = travel * (omega * time).cos();
-        rates[5] = travel * (omega * time).sin();
-        rates[6] = force * (state[1] + state[3]);
+        self.case.lever.rates(time, state, (force, self.drive), &mut rates);
         (rates, force)
     }
 
     /// The steady state after so many periods. The transient falls by a third or more in each.
     fn steady(mut self, periods: usize, steps: usize) -> Measured {
-        let h = TAU / self.case.omega() / steps as f64;
-        let mut largest = 0.0f64;
+        let h = TAU / self.case.lever.omega() / steps as f64;
+        let mut forces = [f64::NEG_INFINITY, f64::INFINITY];
         for _ in 0..periods {
             self.state[4..OWN].fill(0.0);
-            largest = 0.0;
+            forces = [f64::NEG_INFINITY, f64::INFINITY];
             for n in 0..steps {
                 let time = n as f64 * h;
                 let moved = |by: &[f64], share: f64| -> Vec<f64> {
@@ -224,13 +145,11 @@ impl Lever {
                 let c = self.rates(time + 0.5 * h, &moved(&b, 0.5)).0;
                 let d = self.rates(time + h, &moved(&c, 1.0)).0;
                 let sum = |n: usize| h / 6.0 * (a[n] + 2.0 * b[n] + 2.0 * c[n] + d[n]);
-                largest = largest.max(force);
+                forces = [forces[0].max(force), forces[1].min(force)];
                 self.state = (0..self.state.len()).map(|n| self.state[n] + sum(n)).collect();
             }
         }
-        let half = PI / self.case.omega();
-        let [cosine, sine, work] = [self.state[4] / half, self.state[5] / half, self.state[6]];
-        measured(cosine.hypot(sine), (-cosine).atan2(sine), -work, largest)
+        self.case.lever.measured(&self.state, forces)
     }
 }
 
@@ -241,7 +160,7 @@ fn agree_with_an_independent_integrator() {
         // What has not recovered at the next tap settles slowly.
         let periods = if case.time > 1.0 { 150 } else { 75 };
         let truth = Lever::new(case, Sample::Reduced).steady(periods, 12_000);
-        let scales = [1.0, 1.0, truth[2].max(1.0), truth[3]];
+        let scales = [1.0, 1.0, truth[2].max(1.0), truth[3], truth[3]];
         for (accuracy, steps, bound) in [(1e-3, None, 1e-3f64), (1e-4, None, 1e-4), (1e-3, Some(4096), 1e-6)]
         {
             let ours = swept(&case, &case.relaxation(), accuracy, steps);
@@ -253,8 +172,8 @@ fn agree_with_an_independent_integrator() {
                 ours[3] / truth[3] - 1.0,
             );
             for (what, ((a, b), scale)) in ours.iter().zip(&truth).zip(scales).enumerate() {
-                // The independent program looks for the largest force among its steps only, and the plan's steps see that at an onset to twice
-                // the accuracy.
+                // The independent program looks for the largest force among its steps only, and the plan's steps see that at an
+                // onset to twice the accuracy.
                 let bound = if what == 3 { (2.0 * bound).max(2e-5) } else { bound };
                 let off = (a - b).abs() / scale;
                 assert!(off <= bound, "case {n}, {accuracy:e}, {steps:?}: number {what} is off by {off:e}");
@@ -311,8 +230,8 @@ fn agree_with_elastic_samples_in_both_limits() {
     near(of(slow, &slow.relaxation(), steps), of(stiff, "", steps), 1e-5);
 }
 
-/// Much stiffer at once than relaxed, the sample is Kelvin and Voigt's of the same retardation time, up to a part that falls with the
-/// ratio of the moduli.
+/// Much stiffer at once than relaxed, the sample is Kelvin and Voigt's of the same retardation time, up to a part that falls
+/// with the ratio of the moduli.
 #[test]
 fn agree_with_kelvin_and_voigts_sample_in_the_limit() {
     let tangent = 0.1;
@@ -326,8 +245,8 @@ fn agree_with_kelvin_and_voigts_sample_in_the_limit() {
     assert!(off[0] < 0.1 && off[1] < 0.5 * off[0], "{off:?}");
 }
 
-/// Small swings about a depth that has been held: the loss of a period is pi b^2 1.5 K sqrt(R d) w t/(1 + (w t)^2) times the share
-/// of the modulus K at once that relaxes.
+/// Small swings about a depth that has been held: the loss of a period is pi b^2 1.5 K sqrt(R d) w t/(1 + (w t)^2) times the
+/// share of the modulus K at once that relaxes.
 #[test]
 fn exact_loss_of_small_swings_is_that_of_the_solid() {
     let (depth, swing, steps) = (3.0f64, 1e-4, 512);

@@ -1,8 +1,9 @@
 //! Viscous samples. Truth: an independent integrator below, closed forms of the loss, the elastic laws.
 
+use crate::checks::driven_lever::{DrivenLever, FREQUENCY, GAP, Measured, RADIUS, answer};
+use afmsweep::Scene;
 use afmsweep::contact::{Contact, Law};
 use afmsweep::scene::{DriveFrequency, LawChoice, Params, Viscosity, ViscosityModel};
-use afmsweep::{Audit, Scene, Sweep};
 use std::f64::consts::{PI, TAU};
 
 /// A lever of one or two modes over a viscous sample, driven at its tip. SI units.
@@ -10,20 +11,12 @@ use std::f64::consts::{PI, TAU};
 struct Case {
     law: &'static str,
     ad_hoc: bool,
-    modes: usize,
-    /// Drive frequency over that of the first mode.
-    detuning: f64,
+    lever: DrivenLever,
     /// Retardation time times the drive's angular frequency.
     loss_tangent: f64,
     modulus: f64,
 }
 
-const STIFFNESS: f64 = 26.0;
-const FREQUENCY: f64 = 300e3;
-const QUALITY: f64 = 10.0;
-const AMPLITUDE: f64 = 20e-9;
-const GAP: f64 = 15e-9;
-const RADIUS: f64 = 20e-9;
 const WORK: f64 = 0.03;
 const DECAY: f64 = 0.3e-9;
 
@@ -47,75 +40,26 @@ const fn case(
     tangent: f64,
     modulus: f64,
 ) -> Case {
-    Case { law, ad_hoc, modes, detuning, loss_tangent: tangent, modulus }
+    Case { law, ad_hoc, lever: DrivenLever { modes, detuning }, loss_tangent: tangent, modulus }
 }
 
 impl Case {
-    /// Stiffness and frequency of each mode; the quality factor is that of all.
-    fn lever(&self) -> Vec<[f64; 2]> {
-        [[STIFFNESS, FREQUENCY], [39.3 * STIFFNESS, 6.27 * FREQUENCY]][..self.modes].to_vec()
+    fn text(&self, accuracy: f64) -> String {
+        let sample = format!(
+            "youngs_modulus = \"{} Pa\"\nsurface_energy = \"{WORK} J/m^2\"\nloss_tangent = {}",
+            self.modulus, self.loss_tangent
+        );
+        let form = if self.ad_hoc { "ad-hoc" } else { "kelvin-voigt" };
+        let contact = format!("law = \"{}\"\nviscosity_model = \"{form}\"", self.law);
+        self.lever.text([&sample, &contact, &format!("accuracy = {accuracy}\nsteady = \"search\"")])
     }
-
-    fn scene(&self, accuracy: f64) -> String {
-        let modes: Vec<String> = self
-            .lever()
-            .iter()
-            .map(|[k, f]| {
-                format!("{{ stiffness = \"{k} N/m\", frequency = \"{f} Hz\", quality_factor = {QUALITY} }}")
-            })
-            .collect();
-        format!(
-            r#"
-            [instrument.cantilever]
-            modes = [{}]
-            [instrument.tip]
-            radius = "{RADIUS} m"
-            [sample]
-            youngs_modulus = "{} Pa"
-            poisson_ratio = 0.3
-            surface_energy = "{WORK} J/m^2"
-            loss_tangent = {}
-            [contact]
-            law = "{}"
-            viscosity_model = "{}"
-            [drive]
-            on = "tip"
-            frequency = "{} Hz"
-            free_amplitude = "{AMPLITUDE} m"
-            [approach]
-            gap = "{GAP} m"
-            [run]
-            accuracy = {accuracy}
-            steady = "search"
-            [output]
-            observables = ["amplitude", "phase", "force_max", "force_min", "dissipation", "contact_time"]
-            "#,
-            modes.join(", "),
-            self.modulus,
-            self.loss_tangent,
-            self.law,
-            if self.ad_hoc { "ad-hoc" } else { "kelvin-voigt" },
-            self.detuning * FREQUENCY,
-        )
-    }
-}
-
-/// What both programs measure: amplitude over the free one, phase in rad, loss over the drive's work, largest and least force
-/// in N.
-type Measured = [f64; 5];
-
-fn measured(amplitude: f64, phase: f64, loss: f64, forces: [f64; 2]) -> Measured {
-    let work = PI * STIFFNESS * AMPLITUDE * AMPLITUDE / QUALITY;
-    [amplitude / AMPLITUDE, phase, loss / work, forces[0], forces[1]]
 }
 
 /// The program's answer, at so many steps or at those it chooses.
 fn swept(case: &Case, accuracy: f64, steps: Option<u32>) -> Measured {
-    let mut scene = Scene::parse("viscous.toml".as_ref(), &case.scene(accuracy)).unwrap();
+    let mut scene = Scene::parse("viscous.toml".as_ref(), &case.text(accuracy)).unwrap();
     scene.run.steps_per_period = steps;
-    let results = Sweep::new(scene).audit(Audit::None).run().unwrap().results;
-    let of = |name| results.observable(name).unwrap().values[0];
-    measured(of("amplitude"), of("phase").to_radians(), of("dissipation"), [of("force_max"), of("force_min")])
+    answer(scene)
 }
 
 /// The independent program: Runge and Kutta's method of fourth order in uneven steps that end where the tip meets the
@@ -133,22 +77,13 @@ struct Lever {
 
 impl Lever {
     fn new(case: Case) -> Self {
-        let omega = case.detuning * FREQUENCY * TAU;
-        // The free tip's response to a unit force, as a complex number.
-        let (mut re, mut im) = (0.0, 0.0);
-        for [k, f] in case.lever() {
-            let w = TAU * f;
-            let (a, b) = (w * w - omega * omega, omega * w / QUALITY);
-            let size = w * w / k / (a * a + b * b);
-            (re, im) = (re + a * size, im - b * size);
-        }
-        Self { case, drive: AMPLITUDE / re.hypot(im), inside: false, state: [0.0; 7], forces: [0.0; 2] }
+        Self { case, drive: case.lever.drive(), inside: false, state: [0.0; 7], forces: [0.0; 2] }
     }
 
     /// Force at an indentation and its rate: Ting's, or the ad hoc one, and DMT's attraction.
     fn force(&self, d: f64, v: f64) -> f64 {
         let kappa = 4.0 / 3.0 * self.case.modulus / (1.0 - 0.09) * RADIUS.sqrt();
-        let tau = self.case.loss_tangent / (TAU * self.case.detuning * FREQUENCY);
+        let tau = self.case.loss_tangent / self.case.lever.omega();
         let adhesion = if self.case.law == "dmt" { TAU * WORK * RADIUS } else { 0.0 };
         if !self.inside {
             return -adhesion / (1.0 - d.min(0.0) / DECAY).powi(2);
@@ -166,22 +101,9 @@ impl Lever {
     }
 
     fn rates(&self, time: f64, state: &[f64; 7]) -> [f64; 7] {
-        let omega = TAU * self.case.detuning * FREQUENCY;
         let (d, v) = self.indentation(state);
-        let force = self.force(d, v);
-        let push = force + self.drive * (omega * time).sin();
         let mut rates = [0.0; 7];
-        for (n, [k, f]) in self.case.lever().into_iter().enumerate() {
-            let w = TAU * f;
-            let (x, u) = (state[2 * n], state[2 * n + 1]);
-            (rates[2 * n], rates[2 * n + 1]) = (u, w * w * (push / k - x) - w / QUALITY * u);
-        }
-        let travel = state[0] + state[2];
-        rates[4..].copy_from_slice(&[
-            travel * (omega * time).cos(),
-            travel * (omega * time).sin(),
-            force * (state[1] + state[3]),
-        ]);
+        self.case.lever.rates(time, state, (self.force(d, v), self.drive), &mut rates);
         rates
     }
 
@@ -196,7 +118,7 @@ impl Lever {
 
     /// One period in about so many steps.
     fn period(&mut self, steps: usize) {
-        let period = 1.0 / (self.case.detuning * FREQUENCY);
+        let period = 1.0 / self.case.lever.frequency();
         let longest = period / steps as f64;
         let (mut time, mut h) = (0.0, longest);
         self.state[4..].fill(0.0);
@@ -233,13 +155,12 @@ impl Lever {
         for _ in 0..75 {
             self.period(steps);
         }
-        let half = 0.5 / (self.case.detuning * FREQUENCY);
-        let [cosine, sine, work] = [self.state[4] / half, self.state[5] / half, self.state[6]];
-        measured(cosine.hypot(sine), (-cosine).atan2(sine), -work, self.forces)
+        self.case.lever.measured(&self.state, self.forces)
     }
 }
 
-/// At the steps that the plan chooses the errors are within the accuracy, of forces within twice as much; at 8,192 steps within 1e-7 of their scales.
+/// At the steps that the plan chooses the errors are within the accuracy, of forces within twice as much; at 8,192 steps within
+/// 1e-7 of their scales.
 #[test]
 fn agree_with_an_independent_integrator() {
     for (n, case) in CASES.into_iter().enumerate() {
@@ -356,7 +277,7 @@ fn exact_force_of_a_kelvin_voigt_contact_never_pulls() {
 /// A viscosity that no law would use, and a law that has no viscous contact, are refused at their place.
 #[test]
 fn refusals_of_a_viscous_sample_name_the_law_and_the_way_out() {
-    let good = CASES[0].scene(1e-3);
+    let good = CASES[0].text(1e-3);
     let refused = |from: &str, to: &str, words: &[&str]| {
         let text = good.replace(from, to);
         assert_ne!(text, good);

@@ -3,6 +3,7 @@
 // Each test file uses its own part of this.
 
 pub mod bounds;
+pub mod driven_lever;
 pub mod energy;
 
 use crate::support::laws::Law as Force;
