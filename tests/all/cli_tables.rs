@@ -163,8 +163,10 @@ fn every_scene_loads_and_plans() {
         let classes = plan["classes"].as_array().unwrap();
         let mut instances = 0;
         for class in classes {
-            assert!(Law::from_name(class["law"].as_str().unwrap()).is_some(), "{class}");
-            assert!((1..=24).contains(&class["modes"].as_u64().unwrap()), "{class}");
+            let law = Law::from_name(class["law"].as_str().unwrap()).unwrap_or_else(|| panic!("{class}"));
+            // A viscous contact moves many.
+            let most = if law.is_viscous() { 24 } else { 8 };
+            assert!((1..=most).contains(&class["modes"].as_u64().unwrap()), "{class}");
             let steps = class["steps_per_period"].as_u64().unwrap();
             assert!(steps == 0 || (64..=65_536).contains(&steps), "{class}");
             instances += class["instances"].as_u64().unwrap();
