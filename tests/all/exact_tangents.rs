@@ -223,8 +223,8 @@ fn slopes_are_those_of_differences_with_every_law_and_number_of_modes() {
                     let scale = slope.abs().max();
                     for (row, (truth, unsure)) in truth.into_iter().enumerate() {
                         let error = (slope[(row, column)] - truth).abs();
-                        // The kick of a viscous contact jumps a little where the tip turns within a step, which no step's record tells;
-                        // that of a sample that relaxes bends where the contact no longer widens.
+                        // The kick of a viscous contact jumps a little where the tip turns within a step, which no step's
+                        // record tells; that of a sample that relaxes bends where the contact no longer widens.
                         let times = match law {
                             _ if law.has_memory() => 16.0,
                             _ if law.is_viscous() => 4.0,

@@ -3,8 +3,8 @@
 //!
 //! `cargo test --test all NAME` runs those whose path contains `NAME`, for instance `exact_contact`. A name's first word says
 //! where the truth comes from: a closed form (`exact_`), a published figure (`published_`), another engine or another way of
-//! running (`agree_`), an order of convergence (`converge_`); `hard_` are hard cases, `cli_` the command line as a user runs it,
-//! `store_` and `report_` files and pages.
+//! running (`agree_`), an order of convergence (`converge_`); `hard_` are hard cases, `cli_` the command line as a user runs
+//! it, `store_` and `report_` files and pages.
 
 // The shader's tests, a program of their own, use the rest of it.
 #[allow(dead_code)]

@@ -163,7 +163,8 @@ fn agrees(precision: Precision) -> Result<(), Failed> {
 /// A fault: a law, what it is, and how to plant it.
 type Fault = (&'static str, &'static str, fn(String) -> String);
 
-/// Faults of `law_slope`, as `afmsweep shader SCENE --entry kicks` shows it, and of the rest that only slopes show: all but the constants are in what steps do not do.
+/// Faults of `law_slope`, as `afmsweep shader SCENE --entry kicks` shows it, and of the rest that only slopes show: all but the
+/// constants are in what steps do not do.
 const FAULTS: &[Fault] = &[
     ("hertz", "HALF one bit up", |text| shader::nudge(&text, "HALF")),
     ("hertz", "HERTZ_ENERGY one bit up", |text| shader::nudge(&text, "HERTZ_ENERGY")),

@@ -274,7 +274,8 @@ periods = 600
 observables = ["amplitude", "phase", "force_max"]
 "#;
 
-/// A whole sweep whose instances begin at their neighbours' states: on the device as on the CPU, and the strides are the device's.
+/// A whole sweep whose instances begin at their neighbours' states: on the device as on the CPU, and the strides are the
+/// device's.
 fn sweeps_as_the_cpu_does() -> Result<(), Failed> {
     for law in ["dmt", "jkr"] {
         let scene = Scene::parse(Path::new("sweep.toml"), &SWEEP.replace("LAW", law))?;

@@ -8,11 +8,11 @@ use crate::wgsl::function;
 
 /// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
 ///
-/// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files, the name of its type (in
-/// the kernel and in the main crate's `contact`), and what only the kernel asks for: what the law is like, and for how many
-/// modes there is a stepper of two registers side by side (`wide`) or of one (`narrow`). Up to 8 modes, numbers between are
-/// filled up with modes at rest; beyond 8 there is one stepper with a loop. Of a law with a memory nothing is filled up: it
-/// has a stepper for 2 modes, one of them the memory, and the loop for all others.
+/// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files, the
+/// name of its type (in the kernel and in the main crate's `contact`), and what only the kernel asks for: what the law is like,
+/// and for how many modes there is a stepper of two registers side by side (`wide`) or of one (`narrow`). Up to 8 modes,
+/// numbers between are filled up with modes at rest; beyond 8 there is one stepper with a loop. Of a law with a memory nothing
+/// is filled up: it has a stepper for 2 modes, one of them the memory, and the loop for all others.
 ///
 /// Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two quotients that wait
 /// for each other; the others have more to gain from leaving the law out.
@@ -77,7 +77,7 @@ macro_rules! enumerate {
                 }
             }
 
-            /// True where the force depends on the past: two answers for one indentation.
+            /// True where one indentation has two answers, in contact and out of it, and the past decides.
             pub fn has_hysteresis(self) -> bool {
                 match self {
                     $(Law::$law => $hysteresis,)*
@@ -239,7 +239,7 @@ impl Law {
         (self == Self::Hertz).then_some(Self::RelaxingHertz)
     }
 
-    /// Whether its force depends on how fast the indentation changes.
+    /// Whether the sample takes time to yield or to recover, so that the force depends on how the tip came here.
     pub fn is_viscous(self) -> bool {
         matches!(self, Self::ViscousHertz | Self::ViscousDmt | Self::RelaxingHertz)
     }

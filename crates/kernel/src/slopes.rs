@@ -136,7 +136,8 @@ impl<E: Lane<Element = E>> Tangent<E> {
     }
 
     /// One period from steady free motion: `constants` and `state` as [`super::Stepper`] has them, and the state ends where
-    /// [`super::Stepper::coast`] ends it, to the bit. Shows the slopes of as many of the first instances as `least` has numbers.
+    /// [`super::Stepper::coast`] ends it, to the bit. Shows the slopes of as many of the first instances as `least` has
+    /// numbers.
     ///
     /// Steps out of contact whose kick hardly changes are left out: all of them together change the slope by about `least`, of
     /// each of these instances, at most. 0 leaves none out.

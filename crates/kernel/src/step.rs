@@ -48,8 +48,8 @@ pub(crate) struct Met<L> {
     pub approach: Approach<L>,
 }
 
-/// Where one instance is: deviation of each mode at a sample before its kick, and contact. The last mode may be the law's memory
-/// ([`Interaction::MEMORY`]).
+/// Where one instance is: deviation of each mode at a sample before its kick, and contact. The last mode may be the law's
+/// memory ([`Interaction::MEMORY`]).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<L, const M: usize> {
     pub x: [L; M],

@@ -26,8 +26,8 @@ pub(crate) const fn seen_rows(memory: bool) -> usize {
 /// What a kick changes by with each number of its approach: the impulse's three, then the shift's.
 pub(crate) const PARTIALS: usize = 6;
 
-/// The same, followed by what impulse and shift change by with the law's memory, two each, and by what the kick's own changes of the
-/// memory change by, five each: with the numbers of the approach, and with the memory.
+/// The same, followed by what impulse and shift change by with the law's memory, two each, and by what the kick's own changes
+/// of the memory change by, five each: with the numbers of the approach, and with the memory.
 pub(crate) const PARTIALS_WITH_MEMORY: usize = PARTIALS + 4 + 10;
 
 const fn partial_rows(memory: bool) -> usize {
@@ -227,8 +227,9 @@ pub(crate) fn stride<L: Lane>(modes: usize) -> usize {
     (2 * modes).next_multiple_of(L::WIDTH)
 }
 
-/// Carries the slope of an instance whose lever has the constants `motion` and [`powers`], of so many modes, through a period of `steps`, and
-/// puts it down in rows of the travels, then of the rates, each filled up to whole lanes. The lanes are columns of the slope.
+/// Carries the slope of an instance whose lever has the constants `motion` and [`powers`], of so many modes, through a period
+/// of `steps`, and puts it down in rows of the travels, then of the rates, each filled up to whole lanes. The lanes are columns
+/// of the slope.
 ///
 /// Of each kick there are N partials.
 pub(crate) fn carry<L: Lane, const M: usize, const N: usize>(

@@ -174,7 +174,8 @@ pub(super) struct BasisTransfer {
     modes: Vec<ModeTransfer>,
 }
 
-/// A mode of both levers, or the law's memory. The residual oscillator of a smaller basis matches the mode that replaces it in a larger one.
+/// A mode of both levers, or the law's memory. The residual oscillator of a smaller basis matches the mode that replaces it in
+/// a larger one.
 struct ModeTransfer {
     /// Index among the instance's modes, and among the other's.
     own: usize,
@@ -323,8 +324,8 @@ where
     (turned.section(place), slope)
 }
 
-/// The free lever's Jacobian, and its columns of slow modes (see [`SLOW_MODE_EXPONENT`]) and of a law's memory. Contact changes these by
-/// more than a search can leave to its updates.
+/// The free lever's Jacobian, and its columns of slow modes (see [`SLOW_MODE_EXPONENT`]) and of a law's memory. Contact changes
+/// these by more than a search can leave to its updates.
 pub(super) fn free_monodromy<D: Size + DimName>(
     plan: &Plan,
     instance: u32,

@@ -29,10 +29,11 @@ pub(super) fn integrate(
         progress.task("stepping", 0);
         progress.foresee(plan.instance_steps());
         let of = |i| if plan.steps(i) > 0 { plan.run.periods } else { 0 };
-        let as_it_is = plan.starts.is_some() || !engine.resumes() || plan.run.start == Start::Rest;
-        let outcome = match as_it_is {
-            true => engine.run(plan, progress)?,
-            false => engine.run(&plan.clone().starting_at(free_starts(plan)), progress)?,
+        // An engine tells the ends of runs whose starts it is given.
+        let gives_starts = plan.starts.is_none() && engine.resumes() && plan.run.start == Start::Steady;
+        let outcome = match gives_starts {
+            true => engine.run(&plan.clone().starting_at(free_starts(plan)), progress)?,
+            false => engine.run(plan, progress)?,
         };
         (outcome, plan.instances().map(of).collect())
     } else {
@@ -63,16 +64,13 @@ fn compare_two_periods(
     let compared: Vec<Observable> =
         plan.observables.iter().copied().filter(|one| *one != Observable::Contacts).collect();
     let end = |i: u32| outcome.ends.get(i as usize)?.as_deref().copied();
-    let touches = |i: u32| outcome.results[i as usize].status.is_steady() && plan.steps(i) > 0;
+    let is_steady = |i: u32| outcome.results[i as usize].status.is_steady() && plan.steps(i) > 0;
     let (steady, ends): (Vec<u32>, Vec<SectionState>) =
-        plan.instances().filter(|i| touches(*i)).filter_map(|i| Some((i, end(i)?))).unzip();
+        plan.instances().filter(|i| is_steady(*i)).filter_map(|i| Some((i, end(i)?))).unzip();
     if steady.is_empty() || progress.stopped() || plan.run.start == Start::Rest {
         return Ok(());
     }
     let one = measure_period(plan.part(&steady), ends.into_iter(), engine, progress)?;
-    if progress.stopped() {
-        return Ok(());
-    }
     let after = one.ends.iter().map(|end| end.as_deref().map_or(SectionState::FREE, |end| *end));
     let two = measure_period(plan.part(&steady), after, engine, progress)?;
     if progress.stopped() {

@@ -91,8 +91,8 @@ impl From<SectionState> for StartState {
     }
 }
 
-/// State of an instance at the section of its period: half a step after the start, before the kick. After the kept modes comes the
-/// memory of a law that has one, as lengths: [`Plan::pairs`].
+/// State of an instance at the section of its period: half a step after the start, before the kick. After the kept modes comes
+/// the memory of a law that has one, as lengths: [`Plan::pairs`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionState {
     /// Tip travel by each kept mode beyond the steady free motion, m.
@@ -236,8 +236,8 @@ impl Plan {
         &self.drives[self.resolution.drive(instance as usize) as usize]
     }
 
-    /// Pairs of numbers in an instance's section state: a travel and a rate of each kept mode, then its law's memory, if the law
-    /// has one. No kept mode, no state.
+    /// Pairs of numbers in an instance's section state: a travel and a rate of each kept mode, then its law's memory, if the
+    /// law has one. No kept mode, no state.
     pub fn pairs(&self, instance: u32) -> usize {
         match self.driven(instance).kept.modes.len() {
             0 => 0,

@@ -225,8 +225,8 @@ impl StaticLaw for Jkr {
 
 /// `e = y - 1 >= 0` of `y^4 - 4y + 3 = e^2 (e^2 + 4e + 6) = above`, to a few ulp for every `above >= 0`.
 ///
-/// Counting from the fold leaves nothing to cancel: every term is positive. It starts from [`near_excess`], and Halley's method,
-/// which makes of an error its cube, polishes.
+/// Counting from the fold leaves nothing to cancel: every term is positive. It starts from [`near_excess`], and Halley's
+/// method, which makes of an error its cube, polishes.
 fn excess(above: f64) -> f64 {
     if above == 0.0 {
         return 0.0;
@@ -241,8 +241,8 @@ fn excess(above: f64) -> f64 {
     e
 }
 
-/// The same to within 2 %: `r^2 (r + s)/(r^2 + (1 + s) r + s sqrt(6))` in `r = above^(1/4)` is `r^2/sqrt(6)` next to the fold, as
-/// `e` is there, and `r - 1` far from it, whatever `s`; with 1.1 it is nearest in between.
+/// The same to within 2 %: `r^2 (r + s)/(r^2 + (1 + s) r + s sqrt(6))` in `r = above^(1/4)` is `r^2/sqrt(6)` next to the fold,
+/// as `e` is there, and `r - 1` far from it, whatever `s`; with 1.1 it is nearest in between.
 fn near_excess(above: f64) -> f64 {
     const S: f64 = 1.1;
     let square = above.sqrt();

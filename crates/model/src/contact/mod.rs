@@ -323,8 +323,8 @@ fn modulus_of(params: &Params, sample_modulus: f64) -> f64 {
             + compliance(sample_modulus, sample.poisson_ratio)))
 }
 
-/// Retardation time of the sample, s: shear viscosity over shear modulus, or the loss tangent over the drive's angular frequency
-/// (Hz given); 0 where it is elastic.
+/// Retardation time of the sample, s: shear viscosity over shear modulus, or the loss tangent over the drive's angular
+/// frequency (Hz given); 0 where it is elastic.
 pub fn retardation_time(params: &Params, frequency: f64) -> f64 {
     let sample = &params.sample;
     match sample.viscosity {

@@ -26,8 +26,8 @@ impl From<&Material> for RelaxingHertz {
 }
 
 impl Compact {
-    /// The same of a sample with this modulus at once (Pa) and relaxation time (s). Under a tip that yields, too, the pair has other
-    /// moduli, but the sample's retardation time.
+    /// The same of a sample with this modulus at once (Pa) and relaxation time (s). Under a tip that yields, too, the pair has
+    /// other moduli, but the sample's retardation time.
     pub(super) fn relaxing(self, params: &Params, modulus: f64, time: f64) -> Self {
         let instantaneous = modulus_of(params, modulus);
         match self.law.relaxing() {
@@ -40,8 +40,8 @@ impl Compact {
     }
 }
 
-/// What a memory that decays by exp(-q) in a step keeps of itself: at the step's end, and on its mean over the step; and that end's
-/// mean over both ends less the mean. No difference of almost equal numbers is left where q is small.
+/// What a memory that decays by exp(-q) in a step keeps of itself: at the step's end, and on its mean over the step; and that
+/// end's mean over both ends less the mean. No difference of almost equal numbers is left where q is small.
 fn kept(q: f64) -> [f64; 3] {
     let (left, mean) = ((-q).exp(), -(-q).exp_m1() / q);
     let bent = match q < 0.01 {

@@ -140,8 +140,8 @@ pub enum Viscosity {
     RetardationTime(f64),
     /// `sample.loss_tangent`: loss modulus over storage modulus at the drive's frequency.
     LossTangent(f64),
-    /// `sample.instantaneous_modulus` (Pa) and `sample.relaxation_time` (s): a standard linear solid, whose Young's modulus is the
-    /// relaxed one.
+    /// `sample.instantaneous_modulus` (Pa) and `sample.relaxation_time` (s): a standard linear solid, whose Young's modulus is
+    /// the relaxed one.
     Relaxing { modulus: f64, time: f64 },
 }
 

@@ -32,8 +32,8 @@ use system::System;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// The instrument's own modes until less than 1e-6 of the tip's flexibility is left, and less than 1e-5 of it at the
-    /// contact's rate among modes that are up to 16 times as fast or slower than one that stays; at least those that the plan keeps. Shows the error of reduction and
-    /// steps together.
+    /// contact's rate among modes that are up to 16 times as fast or slower than one that stays; at least those that the plan
+    /// keeps. Shows the error of reduction and steps together.
     #[default]
     Whole,
     /// The plan's oscillators: shows the error of the steps alone.

@@ -27,10 +27,10 @@ pub(super) enum ReferenceForce {
         adhesion: f64,
         decay: f64,
     },
-    /// A standard linear solid: a half-space of springs `kappa` delta^1.5 at once, whose share `arm` relaxes within `tau`, s. It
-    /// remembers how deep its dashpots are at the centre, y, and their sum S in units of delta^1.5 over the root of a kernel's length.
-    /// While the contact widens beyond them, delta y^2 > S^2, kappa (delta^1.5 - arm S); within, kappa (delta - arm y)^1.5
-    /// (1 - arm y^3/S^2)^-0.5.
+    /// A standard linear solid: a half-space of springs `kappa` delta^1.5 at once, whose share `arm` relaxes within `tau`, s.
+    /// It remembers how deep its dashpots are at the centre, y, and their sum S in units of delta^1.5 over the root of a
+    /// kernel's length. While the contact widens beyond them, delta y^2 > S^2, kappa (delta^1.5 - arm S); within, kappa (delta
+    /// - arm y)^1.5 (1 - arm y^3/S^2)^-0.5.
     Relaxing {
         kappa: f64,
         arm: f64,
@@ -86,7 +86,8 @@ impl ReferenceForce {
     /// Force on the tip, N, on the branch that `touching` selects. Each branch continues past its end, so that a step may
     /// overshoot before it is cut back there.
     ///
-    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has one.
+    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has
+    /// one.
     #[inline]
     pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], touching: bool) -> f64 {
         match *self {
@@ -143,7 +144,7 @@ impl ReferenceForce {
         [(delta.max(arm * depth) - depth) / tau, (pressed - (1.0 - arm) * sum) / tau]
     }
 
-    /// Whether it depends on the rate.
+    /// Whether the force may end before the tip is out: by the rate, or by what the sample remembers.
     pub fn is_viscous(&self) -> bool {
         matches!(self, Self::Viscous { .. } | Self::Relaxing { .. })
     }

@@ -11,8 +11,9 @@ use std::f64::consts::TAU;
 
 /// Modes in order of their share of the tip's flexibility are taken until less than this is left.
 const DROP_SHARE: f64 = 1e-6;
-/// Modes up to so many times as fast as the contact, or slower than one that stays, stay as well until less than this share of the flexibility at the
-/// contact's rate is left. Without them the largest force of a lever of 0.048 N/m on 88 GPa was 1.3e-4 off.
+/// Modes up to so many times as fast as the contact, or slower than one that stays, stay as well until less than this share of
+/// the flexibility at the contact's rate is left. Without them the largest force of a lever of 0.048 N/m on 88 GPa was 1.3e-4
+/// off.
 const FELT_RATIO: f64 = 16.0;
 const FELT_SHARE: f64 = 1e-5;
 /// Onset and end of a contact are so many times faster than its middle.
@@ -30,8 +31,8 @@ const TRANSIENT_END_SHARE: f64 = 1e-17;
 /// Tip travel z(theta) = z_free + sum x_k, x_k'' + (w_k/(Q_k w)) x_k' + (w_k/w)^2 x_k = (c_k b_k/w^2) f,
 /// theta = w t being the drive's angle since the run's start, counted afresh in each period.
 ///
-/// Unknowns: x_k (m), then x_k' (m per rad), then a law's memory (m), if it has one, then, while measuring, the integrals of f, f z'
-/// and f z.
+/// Unknowns: x_k (m), then x_k' (m per rad), then a law's memory (m), if it has one, then, while measuring, the integrals of f,
+/// f z' and f z.
 pub(super) struct System {
     /// (w_k/w)^2, w_k/(Q_k w), c_k b_k/w^2 of each oscillator.
     stiffness: Vec<f64>,
