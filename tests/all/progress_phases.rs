@@ -50,17 +50,22 @@ fn watched(steady: &str) -> Vec<(ProgressPhase, Vec<f64>)> {
 #[test]
 fn every_phase_has_its_name_and_no_search_goes_back() {
     for steady in ["search", "wait"] {
-        let seen = watched(steady);
-        let names: Vec<&str> = seen.iter().map(|(phase, _)| phase.name.as_str()).collect();
-        for stage in ["estimate", "run", "branches", "audit"] {
-            assert!(names.iter().any(|name| name.starts_with(stage)), "{stage}: {names:?}");
-        }
-        for (phase, shares) in &seen {
-            assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{phase:?} {shares:?}");
-            if phase.name.ends_with("search") {
-                assert!(shares.is_sorted(), "{phase:?} {shares:?}");
+        // On a busy machine the watcher can sleep through a short phase, so it may watch up to ten runs.
+        let mut missing = vec!["estimate", "run", "branches", "audit"];
+        for _ in 0..10 {
+            let seen = watched(steady);
+            for (phase, shares) in &seen {
+                assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{phase:?} {shares:?}");
+                if phase.name.ends_with("search") {
+                    assert!(shares.is_sorted(), "{phase:?} {shares:?}");
+                }
+            }
+            assert!(seen.windows(2).all(|pair| pair[0].0.number < pair[1].0.number), "{seen:?}");
+            missing.retain(|stage| !seen.iter().any(|(phase, _)| phase.name.starts_with(stage)));
+            if missing.is_empty() {
+                break;
             }
         }
-        assert!(seen.windows(2).all(|pair| pair[0].0.number < pair[1].0.number), "{names:?}");
+        assert!(missing.is_empty(), "{steady}: never seen in ten runs: {missing:?}");
     }
 }
