@@ -7,7 +7,7 @@
 //! Without any GPU adapter these tests are listed as ignored.
 
 use crate::checks::{self, bounds, worst};
-use crate::shader::{self, cpu, gpu, laws, on, same, scene};
+use crate::shader::{self, CORNERS, cpu, gpu, laws, on, same, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
@@ -18,11 +18,10 @@ use libtest_mimic::{Failed, Trial};
 use std::path::Path;
 use std::time::Duration;
 
-/// 160 periods, more than 20,000 steps; with more than 4 modes the fastest needs 512 a period.
+/// More than 20,000 steps; with more than 4 modes the fastest needs 512 a period.
 fn long(law: &str, start: &str, modes: usize) -> Scene {
-    // More than 8 are compiled for by a loop, which fewer periods try as well.
-    let periods = if modes > 8 { 40 } else { 160 };
-    scene(law, start, modes, if modes > 4 { 512 } else { 128 }, periods)
+    let (steps, periods) = if modes > 4 { (512, 40) } else { (128, 160) };
+    scene(law, start, modes, steps, periods)
 }
 
 /// The same bits for every law, every observable, both starts, every instance whatever its status.
@@ -304,7 +303,7 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     };
     for modes in (1..=8).chain([10, 16, 24]) {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
-        add(name, exact, Box::new(move || same_bits(modes, Precision::F32)));
+        add(name, exact && CORNERS.contains(&modes), Box::new(move || same_bits(modes, Precision::F32)));
     }
     for modes in [1, 4, 8, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f64");

@@ -5,7 +5,7 @@
 //! that computes in f64 these tests are listed as ignored.
 
 use crate::checks;
-use crate::shader::{self, gpu, laws, scene};
+use crate::shader::{self, CORNERS, gpu, laws, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{
     Cpu, Engine, NewtonResult, NewtonResults, NewtonStart, NewtonStarts, PeriodJacobian, Progress,
@@ -333,11 +333,11 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     };
     for modes in [1, 2, 3, 4, 5, 6, 8, 10, 16, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes");
-        add(&name, exact, Box::new(move || same_bits(modes, Precision::F64)));
+        add(&name, exact && CORNERS.contains(&modes), Box::new(move || same_bits(modes, Precision::F64)));
     }
     for modes in [1, 2, 3, 8, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
-        add(&name, exact, Box::new(move || same_bits(modes, Precision::F32)));
+        add(&name, exact && CORNERS.contains(&modes), Box::new(move || same_bits(modes, Precision::F32)));
     }
     add("f32_comes_near", double, Box::new(f32_comes_near));
     add("agree_with_the_cpu_to_rounding", double, Box::new(agrees));

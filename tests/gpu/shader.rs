@@ -10,6 +10,10 @@ use afmsweep::scene::{Scene, Viscosity, ViscosityModel};
 use libtest_mimic::Failed;
 use std::path::Path;
 
+/// Numbers of modes whose shaders every commit is held to: few and many, written out and in a loop. The tests of other numbers
+/// are marked as ignored; `make test-all` runs them.
+pub const CORNERS: [usize; 4] = [1, 4, 8, 24];
+
 pub fn laws() -> [&'static str; Law::ALL.len()] {
     Law::ALL.map(Law::name)
 }

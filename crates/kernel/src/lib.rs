@@ -35,7 +35,6 @@ mod sample;
 mod shader;
 mod slopes;
 mod step;
-// No unit test calls it: the tests' build would take as long as the crate's own.
 mod stepper;
 mod sums;
 mod tally;
