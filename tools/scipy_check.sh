@@ -6,3 +6,4 @@ cd "$(dirname "$0")/.."
 cargo test "$@" --test all --no-run
 target/scipy/bin/python -W error tests/python/reference_scipy.py \
     "${CARGO_TARGET_DIR:-target}/debug/afmsweep" tests/python/reference/*.toml
+target/scipy/bin/python -W error tests/python/pyramid_half_space.py

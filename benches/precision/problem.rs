@@ -116,8 +116,8 @@ steps_per_period = 256
         Scene::parse(Path::new("precision.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.base.contact.law = match law {
         Law::None => LawChoice::None,
-        Law::Hertz | Law::ViscousHertz | Law::RelaxingHertz => LawChoice::Hertz,
-        Law::Dmt | Law::ViscousDmt => LawChoice::Dmt,
+        Law::Hertz | Law::ViscousHertz | Law::RelaxingHertz | Law::ShapedHertz => LawChoice::Hertz,
+        Law::Dmt | Law::ViscousDmt | Law::ShapedDmt => LawChoice::Dmt,
         Law::Jkr => LawChoice::Jkr,
     };
     scene.output.observables = vec![Observable::Amplitude, Observable::Phase, Observable::ForceMax];

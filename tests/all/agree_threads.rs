@@ -8,7 +8,7 @@ use afmsweep::contact::Law;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, on_threads};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{Scene, Start, SweptAxes, Viscosity};
+use afmsweep::scene::{Scene, Start, SweptAxes, TipShape, Viscosity};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -54,6 +54,8 @@ measure = 5
     scene.output.observables = Observable::all().collect();
     if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
+    } else if law.ends_with("-shaped") {
+        scene.base.instrument.tip.shape = TipShape::Sphere;
     } else if law.ends_with("-relaxing") {
         scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e9, time: 2e-7 };
     }
@@ -169,7 +171,7 @@ fn what_is_not_asked_for_changes_no_bit() {
 fn the_two_roundings_agree() {
     let mut largest: f64 = 0.0;
     for law in laws() {
-        let plan = checks::plan_in(&sweep(law, "steady", 300), None, Precision::F64);
+        let plan = checks::plan_in(&sweep(law, "steady", 160), None, Precision::F64);
         let (once, twice) = (run(&plan, 2), run_in(&plan, 2, true));
         for (instance, (a, b)) in once.iter().zip(&twice).enumerate() {
             if b.status != Status::Ok {

@@ -171,7 +171,9 @@ fn every_quantity_has_its_unit_default_and_range() {
             let written = address.written(value);
             assert!(default.contains(&format!("`{written}`")), "{}: {default}, not {written}", quantity.path);
         }
-        if matches!(quantity.domain, Domain::PoissonRatio | Domain::SetPoint) || key == "drive" {
+        if matches!(quantity.domain, Domain::PoissonRatio | Domain::SetPoint | Domain::HalfAngle)
+            || key == "drive"
+        {
             assert_eq!(*range, quantity.domain.described(), "{}", quantity.path);
             continue;
         }

@@ -19,7 +19,7 @@ fn hertz<L: Lane>() -> Hertz<L> {
 
 fn dmt<L: Lane>() -> Dmt<L> {
     Dmt {
-        hertz: hertz(),
+        contact: hertz(),
         tail: Tail {
             adhesion: L::splat(2.0 * PI * RADIUS * WORK * SCALE),
             inverse_decay: L::splat(LENGTH / DECAY),
@@ -199,7 +199,7 @@ fn check_bent(
 #[test]
 fn impulse_and_first_moment_along_a_bent_path() {
     // Attraction alone: to Hertz's onset, which is smooth enough, no shift belongs.
-    let tail = Dmt { hertz: Hertz { stiffness: 0.0 }, ..dmt::<f64>() };
+    let tail = Dmt { contact: Hertz { stiffness: 0.0 }, ..dmt::<f64>() };
     let law = contact::Dmt::new(1e-9, RADIUS, WORK, DECAY);
     check_bent("DMT", |a, b, bend, t| bent_kick(&tail, a, b, bend, t), &law, false, [1e-4, 2e-3]);
     let law = contact::Jkr::new(MODULUS, RADIUS, WORK);

@@ -57,6 +57,8 @@ fn constants(law: Law, count: usize, filled: usize, steps: usize, i: usize) -> V
     let force = step * step;
     let of = |field: &&str| match *field {
         "stiffness" => force * 20.0 * 1.6f64.powi(i as i32 % 4),
+        // Of all powers some.
+        name if name.starts_with("force_") => force * 6.0 / (1.0 + f64::from(name.len() as u32)),
         "adhesion" => force * 0.4,
         "unit_force" => force * 0.8,
         "inverse_decay" => 3.3,

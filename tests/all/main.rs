@@ -39,6 +39,7 @@ mod agree_relaxing;
 mod agree_scaled;
 mod agree_search;
 mod agree_setpoint;
+mod agree_shapes;
 mod agree_threads;
 mod agree_viscous;
 mod architecture;

@@ -270,6 +270,9 @@ fn every_quantity_can_be_written_swept_and_echoed() {
             "instrument.cantilever.frequency" => {
                 company = format!("{ROD}[instrument.cantilever]\nstiffness = \"2 N/m\"\n")
             }
+            "instrument.tip.half_angle" => {
+                company = "[instrument.tip]\nshape = \"cone\"\n[contact]\nlaw = \"hertz\"\n".into()
+            }
             "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
             "sample.viscosity" | "sample.retardation_time" | "sample.loss_tangent" => {
                 company = "[contact]\nlaw = \"dmt\"\n".into()

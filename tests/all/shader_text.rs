@@ -228,7 +228,7 @@ fn the_lint_sees_what_it_is_for() {
 
 #[test]
 fn bindings_are_those_of_the_parsed_shader() {
-    for spec in every_spec() {
+    for spec in corner_specs() {
         if spec.modes > 2 {
             continue;
         }
@@ -302,7 +302,7 @@ fn the_job_lies_as_the_shader_reads_it() {
 /// The head's places are the engine's: each field once, in order, and nothing else is asked for.
 #[test]
 fn every_field_has_its_place() {
-    for spec in every_spec() {
+    for spec in corner_specs() {
         let text = spec.compose();
         let tables =
             [("DRIVE_", spec.drive_fields()), ("CASE_", spec.case_fields()), ("", spec.state_fields())];

@@ -6,7 +6,7 @@ pub mod bounds;
 pub mod driven_lever;
 pub mod energy;
 
-use crate::support::laws::Law as Force;
+use crate::support::laws::{Law as Force, Tip};
 use crate::support::oscillator::{Mode, Options, Outcome, State, System};
 use afmsweep::contact::Law;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
@@ -14,9 +14,9 @@ use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
     ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, LeverMode, LeverSpec,
-    QualityFactor, Scene, Start,
+    QualityFactor, Scene, Start, TipShape,
 };
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 /// The preset's scene with every observable, then changed as told.
@@ -118,6 +118,18 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
         Law::Dmt => Force::Dmt { k, r, w, d0: contact.decay_length },
         Law::Jkr if w == 0.0 => Force::Hertz { k, r },
         Law::Jkr => Force::Jkr { k, r, w },
+        Law::ShapedHertz | Law::ShapedDmt => {
+            let tangent = contact.half_angle.to_radians().tan();
+            let tip = match contact.shape {
+                TipShape::Paraboloid => unreachable!("that is no other shape"),
+                TipShape::Sphere => Tip::Sphere { r },
+                TipShape::Cone => Tip::Cone { tangent },
+                TipShape::Pyramid => Tip::Pyramid { tangent },
+                TipShape::Punch => Tip::Punch { r },
+            };
+            let pull = if contact.law == Law::ShapedDmt { 2.0 * PI * r * w } else { 0.0 };
+            Force::Indenter { e: 0.75 * k, tip, pull, d0: contact.decay_length }
+        }
         Law::ViscousHertz | Law::ViscousDmt | Law::RelaxingHertz => {
             unreachable!("the independent program has elastic samples")
         }

@@ -6,7 +6,7 @@ use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use afmsweep::observe::Observable;
 use afmsweep::plan::{Plan, SectionState, StartState};
-use afmsweep::scene::{Scene, Viscosity, ViscosityModel};
+use afmsweep::scene::{Scene, TipShape, Viscosity, ViscosityModel};
 use libtest_mimic::Failed;
 use std::path::Path;
 
@@ -69,6 +69,11 @@ steps_per_period = {steps}
     scene.output.observables = Observable::all().collect();
     if law.ends_with("-relaxing") {
         scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e10, time: 2e-7 };
+    } else if law.ends_with("-shaped") {
+        // Of each kind of power one; under DMT's attraction a sphere.
+        let shapes = [TipShape::Sphere, TipShape::Cone, TipShape::Punch];
+        let shape = if word == "dmt" { TipShape::Sphere } else { shapes[modes % 3] };
+        (scene.base.instrument.tip.shape, scene.base.instrument.tip.half_angle) = (shape, Some(70.0));
     } else if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
         // Both forms.

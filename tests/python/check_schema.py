@@ -17,7 +17,7 @@ GOOD = ["scenes", "scenes/paper", "tests/scenes/good", "tests/scenes/steady", "t
 BROKEN = "broken_toml duplicate_key unclosed_text unquoted_quantity"
 # Each key alone is right; together, or with what is left out, they are not.
 RULES = """
-adhesion_two_ways base_amplitude_on_tip base_amplitude_with_rod branches_by_waiting calibration_half
+adhesion_two_ways angle_without_shape base_amplitude_on_tip base_amplitude_with_rod branches_by_waiting calibration_half
 calibration_with_tip_mass curve_also_swept curve_equal_ends curve_from_rest curve_too_large curve_two_forms
 curve_waits curve_with_second_branches curve_wrong_unit design_correlated_saltelli design_correlation_of_another
 design_correlations_contradict design_levels_of_sobol design_no_samples design_odd_levels design_replicates_alike
@@ -26,6 +26,8 @@ drive_level_and_axis drive_two_levels force_on_actuator hamaker_default_law hama
 lever_swept_other_way lever_two_ways mass_two_ways measure_too_long mode_incomplete modes_and_quality
 modes_beyond_list modes_with_tip_mass output_waveforms_too_many preset_and_length preset_with_tip_shape
 preset_without_quality relaxing_and_viscous relaxing_that_stiffens relaxing_under_jkr relaxing_without_time
+shape_without_angle shape_under_jkr shape_under_auto cone_under_dmt shape_and_viscous radius_of_cone_swept
+half_angle_too_wide
 rigid_with_voltage rigid_without_level rodless_voltage rodless_without_drive rodless_without_level run_too_long
 samples_beside_same_axis samples_beside_same_curve samples_file_and_lists samples_file_with_ids samples_ragged
 search_from_rest setpoint_above_one setpoint_and_force setpoint_and_gap setpoint_branch_alone setpoint_of_force deepest_without_setpoint setpoint_from_rest setpoint_waits

@@ -6,9 +6,71 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug)]
 pub enum Law {
     None,
-    Hertz { k: f64, r: f64 },
-    Dmt { k: f64, r: f64, w: f64, d0: f64 },
-    Jkr { k: f64, r: f64, w: f64 },
+    Hertz {
+        k: f64,
+        r: f64,
+    },
+    Dmt {
+        k: f64,
+        r: f64,
+        w: f64,
+        d0: f64,
+    },
+    Jkr {
+        k: f64,
+        r: f64,
+        w: f64,
+    },
+    /// `e` is the plane-strain modulus E*, `pull` DMT's attraction in N with its decay length `d0`.
+    Indenter {
+        e: f64,
+        tip: Tip,
+        pull: f64,
+        d0: f64,
+    },
+}
+
+/// A rigid tip on an elastic half-space, by the method of dimensionality reduction: springs side by side under a profile g(x),
+/// f = 2 E* times the integral of `d - g(x)` from the axis to the contact radius a, where g(a) = d.
+#[derive(Clone, Copy, Debug)]
+pub enum Tip {
+    /// g = x atanh(x/R)
+    Sphere { r: f64 },
+    /// g = pi x/(2 tan(alpha))
+    Cone { tangent: f64 },
+    /// No axis: a cone of the force that Bilodeau (1992) gives.
+    Pyramid { tangent: f64 },
+    /// g = 0 up to its radius
+    Punch { r: f64 },
+}
+
+impl Tip {
+    fn force(self, e: f64, d: f64) -> f64 {
+        match self {
+            Tip::Sphere { .. } if d == 0.0 => 0.0,
+            Tip::Sphere { r } => {
+                let (mut a, depth) = ((r * d).sqrt().min(0.999 * r), d / r);
+                for _ in 0..80 {
+                    let x = a / r;
+                    let next = a - r * (x * x.atanh() - depth) / (x.atanh() + x / (1.0 - x * x));
+                    let next = next.clamp(0.1 * a, 0.5 * (a + r));
+                    let done = (next - a).abs() < 1e-15 * a;
+                    a = next;
+                    if done {
+                        break;
+                    }
+                }
+                let under = 0.5 * ((a * a - r * r) * (a / r).atanh() + a * r);
+                2.0 * e * (a * d - under)
+            }
+            Tip::Cone { tangent } => {
+                let a = 2.0 / PI * tangent * d;
+                2.0 * e * (a * d - PI / (4.0 * tangent) * a * a)
+            }
+            Tip::Pyramid { tangent } => Tip::Cone { tangent: 0.7453 * PI / 2.0 * tangent }.force(e, d),
+            Tip::Punch { r } => 2.0 * e * r * d,
+        }
+    }
 }
 
 impl Law {
@@ -46,6 +108,13 @@ impl Law {
                     -pull * (d0 / (d0 - d)).powi(2)
                 } else {
                     -pull * (1.0 + 2.0 * d / d0)
+                }
+            }
+            Law::Indenter { e, tip, pull, d0 } => {
+                if touch {
+                    tip.force(e, d.max(0.0)) - pull
+                } else {
+                    Law::Dmt { k: 0.0, r: 1.0, w: pull / (2.0 * PI), d0 }.force(d, false)
                 }
             }
             Law::Jkr { k, r, w } => {

@@ -46,8 +46,8 @@ macro_rules! dimensions {
 /// What is said of a dimension.
 struct Words {
     si_unit: &'static str,
-    /// Exponents of m, kg, s and A.
-    powers: [i32; 4],
+    /// Exponents of m, kg, s, A and degree.
+    powers: [i32; 5],
     described: &'static str,
     example: &'static str,
     /// Units people write for it, the first being what a bare number most likely meant.
@@ -55,27 +55,28 @@ struct Words {
 }
 
 dimensions! {
-    Dimensionless, "1", [0, 0, 0, 0], "a number without unit", "0.3", [];
-    Length, "m", [1, 0, 0, 0], "a length", "\"30 nm\"", ["nm", "um", "µm", "mm", "pm", "m"];
-    Time, "s", [0, 0, 1, 0], "a time", "\"5 us\"", ["us", "ms", "ns", "s"];
-    Mass, "kg", [0, 1, 0, 0], "a mass", "\"0.8 ng\"", ["ng", "pg", "kg", "ug", "mg", "g"];
-    Density, "kg/m^3", [-3, 1, 0, 0], "a density", "\"2500 kg/m^3\"", ["kg/m^3", "g/cm^3"];
-    Frequency, "Hz", [0, 0, -1, 0], "a frequency", "\"30 kHz\"", ["kHz", "Hz", "MHz"];
-    Force, "N", [1, 1, -2, 0], "a force", "\"2 nN\"", ["nN", "pN", "uN", "mN", "N"];
-    Stiffness, "N/m", [0, 1, -2, 0], "a stiffness", "\"42 N/m\"", ["N/m", "mN/m", "nN/nm", "pN/nm", "kN/m"];
-    Pressure, "Pa", [-1, 1, -2, 0], "a pressure or modulus", "\"1 GPa\"",
+    Dimensionless, "1", [0, 0, 0, 0, 0], "a number without unit", "0.3", [];
+    Length, "m", [1, 0, 0, 0, 0], "a length", "\"30 nm\"", ["nm", "um", "µm", "mm", "pm", "m"];
+    Angle, "degree", [0, 0, 0, 0, 1], "an angle", "\"20 deg\"", ["deg", "degree", "°"];
+    Time, "s", [0, 0, 1, 0, 0], "a time", "\"5 us\"", ["us", "ms", "ns", "s"];
+    Mass, "kg", [0, 1, 0, 0, 0], "a mass", "\"0.8 ng\"", ["ng", "pg", "kg", "ug", "mg", "g"];
+    Density, "kg/m^3", [-3, 1, 0, 0, 0], "a density", "\"2500 kg/m^3\"", ["kg/m^3", "g/cm^3"];
+    Frequency, "Hz", [0, 0, -1, 0, 0], "a frequency", "\"30 kHz\"", ["kHz", "Hz", "MHz"];
+    Force, "N", [1, 1, -2, 0, 0], "a force", "\"2 nN\"", ["nN", "pN", "uN", "mN", "N"];
+    Stiffness, "N/m", [0, 1, -2, 0, 0], "a stiffness", "\"42 N/m\"", ["N/m", "mN/m", "nN/nm", "pN/nm", "kN/m"];
+    Pressure, "Pa", [-1, 1, -2, 0, 0], "a pressure or modulus", "\"1 GPa\"",
         ["GPa", "MPa", "kPa", "Pa", "N/m^2"];
-    Viscosity, "Pa s", [-1, 1, -1, 0], "a viscosity", "\"1 mPa s\"", ["mPa s", "Pa s", "uPa s"];
-    Energy, "J", [2, 1, -2, 0], "an energy", "\"6.4e-20 J\"", ["aJ", "zJ", "fJ", "J"];
+    Viscosity, "Pa s", [-1, 1, -1, 0, 0], "a viscosity", "\"1 mPa s\"", ["mPa s", "Pa s", "uPa s"];
+    Energy, "J", [2, 1, -2, 0, 0], "an energy", "\"6.4e-20 J\"", ["aJ", "zJ", "fJ", "J"];
     // The same as N/m.
-    SurfaceEnergy, "J/m^2", [0, 1, -2, 0], "a surface energy", "\"50 mJ/m^2\"",
+    SurfaceEnergy, "J/m^2", [0, 1, -2, 0, 0], "a surface energy", "\"50 mJ/m^2\"",
         ["mJ/m^2", "J/m^2", "uJ/m^2", "mN/m", "N/m"];
-    Voltage, "V", [2, 1, -3, -1], "a voltage", "\"15 V\"", ["V", "mV", "kV"];
+    Voltage, "V", [2, 1, -3, -1, 0], "a voltage", "\"15 V\"", ["V", "mV", "kV"];
     // The same as N/C: the rod's h33.
-    ElectricField, "V/m", [1, 1, -3, -1], "an electric field (h33)", "\"545.136 MV/m\"",
+    ElectricField, "V/m", [1, 1, -3, -1, 0], "an electric field (h33)", "\"545.136 MV/m\"",
         ["V/m", "MV/m", "N/C"];
     // The rod's beta33.
-    InversePermittivity, "V m/C", [3, 1, -4, -2], "an inverse permittivity (beta33)", "\"7.81e7 V m/C\"",
+    InversePermittivity, "V m/C", [3, 1, -4, -2, 0], "an inverse permittivity (beta33)", "\"7.81e7 V m/C\"",
         ["V m/C", "m/F"];
 }
 

@@ -44,6 +44,12 @@ constants! {
     HERTZ_ENERGY = 0.4;
     /// Factor of Hertz's slope, 1.5 d^0.5.
     HERTZ_SLOPE = 1.5;
+    /// What is left of d^(n/2) in its mean from 0 to d, 2/(n + 2), for n = 2, 3, ...
+    POWER_MEAN_5 = 2.0 / 7.0;
+    POWER_MEAN_7 = 2.0 / 9.0;
+    POWER_MEAN_8 = 0.2;
+    POWER_MEAN_9 = 2.0 / 11.0;
+    POWER_MEAN_11 = 2.0 / 13.0;
     /// DMT's tail: (1/3 + (TAIL_1 + TAIL_2 x) x)/(1 + TAIL_POLE x) is 1/3 + x/15 + x^2/35 + ... right in its first two
     /// terms, and to 2.7e-3 from 0 to 1.
     TAIL_1 = 1.0 / 15.0 + TAIL_POLE / 3.0;
@@ -80,3 +86,17 @@ constants! {
     /// JKR's slope is infinite at the fold; a step cannot use more than it resolves.
     JKR_STEEPEST = -0.5;
 }
+
+/// The same in order, from n = 2 on.
+pub(crate) const POWER_MEANS: [f64; 10] = [
+    HALF,
+    HERTZ_ENERGY,
+    THIRD,
+    POWER_MEAN_5,
+    QUARTER,
+    POWER_MEAN_7,
+    POWER_MEAN_8,
+    POWER_MEAN_9,
+    SIXTH,
+    POWER_MEAN_11,
+];

@@ -34,6 +34,10 @@ macro_rules! laws {
             ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// Hertz with a sample that relaxes (standard linear solid).
             RelaxingHertz = 6, "hertz-relaxing", RelaxingHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 24] };
+            /// Hertz's half-space under a tip that is no paraboloid (Sneddon 1965).
+            ShapedHertz = 7, "hertz-shaped", ShapedHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
+            /// The same under DMT's attraction.
+            ShapedDmt = 8, "dmt-shaped", ShapedDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
         }
     };
 }
@@ -237,6 +241,15 @@ impl Law {
     /// The same law with a sample that relaxes, where there is one.
     pub fn relaxing(self) -> Option<Self> {
         (self == Self::Hertz).then_some(Self::RelaxingHertz)
+    }
+
+    /// The same law under a tip that is no paraboloid, where there is one.
+    pub fn shaped(self) -> Option<Self> {
+        match self {
+            Self::Hertz => Some(Self::ShapedHertz),
+            Self::Dmt => Some(Self::ShapedDmt),
+            _ => None,
+        }
     }
 
     /// Whether the sample takes time to yield or to recover, so that the force depends on how the tip came here.

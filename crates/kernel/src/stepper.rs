@@ -314,7 +314,7 @@ impl<L: Lane<Element = f64>> WithLaw<L> for TraceWith<L> {
 
     fn with<I: Interaction<L>>(self) -> Tracer {
         if cfg!(test) {
-            unreachable!("this crate's unit tests trace nothing");
+            return |_, _, _, _, _, _| {}; // As above.
         }
         trace::<L, I>
     }

@@ -31,6 +31,7 @@ fn instruction_sets_that_fuse_give_the_same_bits() {
     let best = Rounding::new(false);
     for law in Law::ALL.into_iter().filter(|law| law.acts()) {
         let losses = [
+            ("-shaped", "[instrument.tip]\nshape = \"sphere\""),
             ("-viscous", "retardation_time = \"200 ns\""),
             ("-relaxing", "instantaneous_modulus = \"60 GPa\"\nrelaxation_time = \"200 ns\""),
         ];

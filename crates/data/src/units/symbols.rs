@@ -2,24 +2,27 @@
 
 use super::Dimension;
 
-/// Symbol, powers of m, kg, s and A, power of ten against SI, takes prefixes.
-const SYMBOLS: [(&str, [i32; 4], i32, bool); 15] = [
-    ("m", [1, 0, 0, 0], 0, true),
-    ("g", [0, 1, 0, 0], -3, true),
-    ("s", [0, 0, 1, 0], 0, true),
-    ("A", [0, 0, 0, 1], 0, true),
-    ("Hz", [0, 0, -1, 0], 0, true),
-    ("N", [1, 1, -2, 0], 0, true),
-    ("Pa", [-1, 1, -2, 0], 0, true),
-    ("bar", [-1, 1, -2, 0], 5, true),
-    ("J", [2, 1, -2, 0], 0, true),
-    ("V", [2, 1, -3, -1], 0, true),
-    ("C", [0, 0, 1, 1], 0, true),
-    ("F", [-2, -1, 4, 2], 0, true),
+/// Symbol, powers of m, kg, s, A and degree, power of ten against SI, takes prefixes.
+const SYMBOLS: [(&str, [i32; 5], i32, bool); 18] = [
+    ("m", [1, 0, 0, 0, 0], 0, true),
+    ("g", [0, 1, 0, 0, 0], -3, true),
+    ("s", [0, 0, 1, 0, 0], 0, true),
+    ("A", [0, 0, 0, 1, 0], 0, true),
+    ("Hz", [0, 0, -1, 0, 0], 0, true),
+    ("N", [1, 1, -2, 0, 0], 0, true),
+    ("Pa", [-1, 1, -2, 0, 0], 0, true),
+    ("bar", [-1, 1, -2, 0, 0], 5, true),
+    ("J", [2, 1, -2, 0, 0], 0, true),
+    ("V", [2, 1, -3, -1, 0], 0, true),
+    ("C", [0, 0, 1, 1, 0], 0, true),
+    ("F", [-2, -1, 4, 2, 0], 0, true),
+    ("degree", [0, 0, 0, 0, 1], 0, false),
+    ("deg", [0, 0, 0, 0, 1], 0, false),
+    ("°", [0, 0, 0, 0, 1], 0, false),
     // The ångström, as its own sign, as a letter, and spelled.
-    ("\u{212B}", [1, 0, 0, 0], -10, false),
-    ("\u{C5}", [1, 0, 0, 0], -10, false),
-    ("angstrom", [1, 0, 0, 0], -10, false),
+    ("\u{212B}", [1, 0, 0, 0, 0], -10, false),
+    ("\u{C5}", [1, 0, 0, 0, 0], -10, false),
+    ("angstrom", [1, 0, 0, 0, 0], -10, false),
 ];
 
 /// Prefixes, with both micro signs (U+00B5 and U+03BC) and the ASCII one first.
@@ -55,7 +58,7 @@ pub(super) fn prefix_of(exponent: i32) -> Option<&'static str> {
 /// A unit expression: what it measures and its power of ten against SI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unit {
-    pub powers: [i32; 4],
+    pub powers: [i32; 5],
     pub exponent: i32,
 }
 
@@ -66,7 +69,7 @@ impl Unit {
         if text.len() > LONGEST {
             return None;
         }
-        let mut unit = Self { powers: [0; 4], exponent: 0 };
+        let mut unit = Self { powers: [0; 5], exponent: 0 };
         let mut rest = text;
         let mut sign = 1;
         loop {
@@ -107,7 +110,7 @@ impl Unit {
 }
 
 /// A symbol with or without a prefix; the whole word counts first, so `Pa` is not peta-anything.
-fn lookup(symbol: &str) -> Option<([i32; 4], i32)> {
+fn lookup(symbol: &str) -> Option<([i32; 5], i32)> {
     if let Some((_, powers, exponent, _)) = SYMBOLS.iter().find(|entry| entry.0 == symbol) {
         return Some((*powers, *exponent));
     }

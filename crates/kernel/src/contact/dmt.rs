@@ -2,7 +2,7 @@
 //! its decay with distance outside; equations (17), (18) of Ha, Fung & Chen 2005 in the form
 //! that is continuous at first touch.
 
-use super::hertz::{Hertz, Mean};
+use super::hertz::{Elastic, Hertz, Mean};
 use super::path::{Path, corrected};
 use super::{Approach, Interaction, Kick, Lane, touching_at, when};
 use crate::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
@@ -14,10 +14,10 @@ pub struct Tail<L> {
     pub inverse_decay: L,
 }
 
-/// Hertz's contact under the attraction.
+/// Hertz's contact under the attraction, or that of a tip of another shape.
 #[derive(Clone, Copy, Debug)]
-pub struct Dmt<L> {
-    pub hertz: Hertz<L>,
+pub struct Dmt<L, E = Hertz<L>> {
+    pub contact: E,
     pub tail: Tail<L>,
 }
 
@@ -132,14 +132,14 @@ impl<L: Lane> TailPull<L> {
     }
 }
 
-impl<L: Lane> Interaction<L> for Dmt<L> {
-    const FIELDS: &'static [&'static str] = &["stiffness", "adhesion", "inverse_decay"];
+impl<L: Lane, E: Elastic<L>> Interaction<L> for Dmt<L, E> {
+    const FIELDS: &'static [&'static str] = E::WITH_TAIL;
     const SHIFTS: bool = true;
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
-        let hertz = Hertz { stiffness: next() };
-        Self { hertz, tail: Tail { adhesion: next(), inverse_decay: next() } }
+        let contact = E::from_numbers(&mut next);
+        Self { contact, tail: Tail { adhesion: next(), inverse_decay: next() } }
     }
 
     #[inline(always)]
@@ -150,20 +150,20 @@ impl<L: Lane> Interaction<L> for Dmt<L> {
             zero.less(at.indentation),
             -(adhesion * y * y),
             #[inline(always)]
-            || (-(adhesion * y)).mul_add(y, self.hertz.sample(at.indentation)),
+            || (-(adhesion * y)).mul_add(y, self.contact.sample(at.indentation)),
         );
         let path = Path::around(at, sample);
         let fall = self.tail.fall(path);
-        let hertz = when(
+        let elastic = when(
             L::either(zero.less(path.start), zero.less(path.end)),
             Mean::none(),
             #[inline(always)]
-            || self.hertz.mean(path),
+            || self.contact.mean(path),
         );
-        let pull = self.tail.along(fall, hertz.share);
-        let force = hertz.force - pull.force;
-        let straight = corrected(force, hertz.slope - pull.slope);
-        let (impulse, shift) = pull.bent((adhesion, at.acceleration - force), hertz.share, straight);
-        Kick { impulse, shift, contact: hertz.share, touching: touching_at(path.end), ..Kick::none() }
+        let pull = self.tail.along(fall, elastic.share);
+        let force = elastic.force - pull.force;
+        let straight = corrected(force, elastic.slope - pull.slope);
+        let (impulse, shift) = pull.bent((adhesion, at.acceleration - force), elastic.share, straight);
+        Kick { impulse, shift, contact: elastic.share, touching: touching_at(path.end), ..Kick::none() }
     }
 }

@@ -12,7 +12,7 @@ pub struct Hertz<L> {
 
 /// Mean force and mean slope (force per indentation) along a piece of path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mean<L> {
+pub struct Mean<L> {
     pub force: L,
     pub slope: L,
     pub share: L,
@@ -38,10 +38,53 @@ impl<L: Lane> Zip<L> for Mean<L> {
     }
 }
 
-impl<L: Lane> Hertz<L> {
+/// An elastic half-space under a tip: the repulsion of a law.
+pub trait Elastic<L: Lane>: Copy {
+    /// Names of its constants, alone and before those of DMT's attraction.
+    const FIELDS: &'static [&'static str];
+    const WITH_TAIL: &'static [&'static str];
+
+    fn from_numbers(next: impl FnMut() -> L) -> Self;
+
     /// Force at one indentation.
+    fn sample(&self, indentation: L) -> L;
+
+    /// Its mean along a piece of path.
+    fn mean(&self, path: Path<L>) -> Mean<L>;
+}
+
+/// The kick of a law that is this contact alone.
+#[inline(always)]
+pub(super) fn elastic_kick<L: Lane>(contact: &impl Elastic<L>, at: Approach<L>) -> Kick<L> {
+    when(
+        at.may_touch(),
+        Kick::none(),
+        #[inline(always)]
+        || {
+            let path = Path::around(at, contact.sample(at.indentation));
+            let mean = contact.mean(path);
+            Kick {
+                impulse: corrected(mean.force, mean.slope),
+                shift: L::splat(ZERO),
+                contact: mean.share,
+                touching: touching_at(path.end),
+                ..Kick::none()
+            }
+        },
+    )
+}
+
+impl<L: Lane> Elastic<L> for Hertz<L> {
+    const FIELDS: &'static [&'static str] = &["stiffness"];
+    const WITH_TAIL: &'static [&'static str] = &["stiffness", "adhesion", "inverse_decay"];
+
     #[inline(always)]
-    pub(super) fn sample(&self, indentation: L) -> L {
+    fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        Self { stiffness: next() }
+    }
+
+    #[inline(always)]
+    fn sample(&self, indentation: L) -> L {
         let inside = indentation.max(L::splat(ZERO));
         self.stiffness * inside * inside.sqrt()
     }
@@ -49,7 +92,7 @@ impl<L: Lane> Hertz<L> {
     /// Difference quotients of (2/5) d^2.5 and of d^1.5, in roots of the indentation so that
     /// nothing vanishes where the tip turns round.
     #[inline(always)]
-    pub(super) fn mean(&self, path: Path<L>) -> Mean<L> {
+    fn mean(&self, path: Path<L>) -> Mean<L> {
         let zero = L::splat(ZERO);
         let (aa, bb) = (path.start.max(zero), path.end.max(zero));
         let (a, b) = (aa.sqrt(), bb.sqrt());
@@ -63,31 +106,16 @@ impl<L: Lane> Hertz<L> {
 }
 
 impl<L: Lane> Interaction<L> for Hertz<L> {
-    const FIELDS: &'static [&'static str] = &["stiffness"];
+    const FIELDS: &'static [&'static str] = <Self as Elastic<L>>::FIELDS;
     const SHIFTS: bool = false;
 
     #[inline(always)]
-    fn from_numbers(mut next: impl FnMut() -> L) -> Self {
-        Self { stiffness: next() }
+    fn from_numbers(next: impl FnMut() -> L) -> Self {
+        <Self as Elastic<L>>::from_numbers(next)
     }
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        when(
-            at.may_touch(),
-            Kick::none(),
-            #[inline(always)]
-            || {
-                let path = Path::around(at, self.sample(at.indentation));
-                let mean = self.mean(path);
-                Kick {
-                    impulse: corrected(mean.force, mean.slope),
-                    shift: L::splat(ZERO),
-                    contact: mean.share,
-                    touching: touching_at(path.end),
-                    ..Kick::none()
-                }
-            },
-        )
+        elastic_kick(self, at)
     }
 }

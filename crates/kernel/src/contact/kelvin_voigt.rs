@@ -2,7 +2,7 @@
 //! of the literature; docs/method.md derives the step.
 
 use super::dmt::Tail;
-use super::hertz::Hertz;
+use super::hertz::{Elastic, Hertz};
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane, Zip, extremes_near, touching_at};
 use crate::constants::{

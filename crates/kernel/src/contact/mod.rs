@@ -7,12 +7,14 @@ mod jkr_curve;
 mod kelvin_voigt;
 mod path;
 mod relaxing_hertz;
+mod shaped;
 
 pub use dmt::{Dmt, Tail};
-pub use hertz::Hertz;
+pub use hertz::{Elastic, Hertz};
 pub use jkr::Jkr;
 pub use kelvin_voigt::{Clean, KelvinVoigt};
 pub use relaxing_hertz::RelaxingHertz;
+pub use shaped::{POWERS, ShapedHertz};
 
 use super::Lane;
 use super::constants::{FAR, ONE, ZERO};
@@ -124,6 +126,8 @@ impl<L: Lane> Kick<L> {
     }
 }
 
+/// A tip of another shape under DMT's attraction.
+pub type ShapedDmt<L> = Dmt<L, ShapedHertz<L>>;
 /// Hertz's contact with a Kelvin-Voigt sample.
 pub type ViscousHertz<L> = KelvinVoigt<L, Clean>;
 /// The same under DMT's attraction.

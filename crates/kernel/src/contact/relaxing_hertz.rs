@@ -1,7 +1,7 @@
 //! A standard linear solid under Hertz's tip: an elastic half-space with an arm that relaxes. docs/method.md derives the
 //! memory's two numbers and the step.
 
-use super::hertz::Hertz;
+use super::hertz::{Elastic, Hertz};
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane, Zip, extremes_near, touching_at, when};
 use crate::constants::{EIGHT, HALF, LEAST, ONE, QUARTER, SIX, TENTH, TWELFTH, TWENTY_FOURTH, TWO, ZERO};

@@ -1,7 +1,7 @@
 //! DMT: Hertz's profile under an attraction that acts from outside the contact.
 
 use super::static_law::Shares;
-use super::{Hertz, KernelUnits, Material, Passed, StaticLaw};
+use super::{Compact, Hertz, KernelUnits, Passed, StaticLaw};
 use crate::kernel::LENGTH;
 use std::f64::consts::PI;
 
@@ -22,8 +22,9 @@ use std::f64::consts::PI;
 /// assert!((law.force(-3e-10, false) / (pull_off / 4.0) - 1.0).abs() < 1e-15);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dmt {
-    hertz: Hertz,
+pub struct Dmt<E = Hertz> {
+    elastic: E,
+    radius: f64,
     work: f64,
     adhesion: f64,
     decay_length: f64,
@@ -32,23 +33,29 @@ pub struct Dmt {
 impl Dmt {
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length D0 (m).
     pub fn new(modulus: f64, radius: f64, work: f64, decay_length: f64) -> Self {
-        Self { hertz: Hertz::new(modulus, radius), work, adhesion: 2.0 * PI * work * radius, decay_length }
+        Self::beside(Hertz::new(modulus, radius), radius, work, decay_length)
     }
 }
 
-impl From<&Material> for Dmt {
-    fn from(of: &Material) -> Self {
-        Self::new(of.modulus, of.radius, of.work, of.decay_length)
+impl<E> Dmt<E> {
+    fn beside(elastic: E, radius: f64, work: f64, decay_length: f64) -> Self {
+        Self { elastic, radius, work, adhesion: 2.0 * PI * work * radius, decay_length }
     }
 }
 
-impl StaticLaw for Dmt {
+impl<E: for<'a> From<&'a Compact>> From<&Compact> for Dmt<E> {
+    fn from(of: &Compact) -> Self {
+        Self::beside(of.into(), of.radius, of.work, of.decay_length)
+    }
+}
+
+impl<E: StaticLaw> StaticLaw for Dmt<E> {
     fn force(&self, delta: f64, in_contact: bool) -> f64 {
         if delta < 0.0 {
             let reach = 1.0 - delta / self.decay_length;
             -self.adhesion / (reach * reach)
         } else {
-            self.hertz.force(delta, in_contact) - self.adhesion
+            self.elastic.force(delta, in_contact) - self.adhesion
         }
     }
 
@@ -57,7 +64,7 @@ impl StaticLaw for Dmt {
             let reach = 1.0 - delta / self.decay_length;
             -2.0 * self.adhesion / (self.decay_length * reach * reach * reach)
         } else {
-            self.hertz.stiffness(delta, in_contact)
+            self.elastic.stiffness(delta, in_contact)
         }
     }
 
@@ -66,25 +73,27 @@ impl StaticLaw for Dmt {
         if delta < 0.0 {
             at_touch / (1.0 - delta / self.decay_length)
         } else {
-            self.hertz.energy(delta, in_contact) - self.adhesion * delta + at_touch
+            self.elastic.energy(delta, in_contact) - self.adhesion * delta + at_touch
         }
     }
 
     fn contact_radius(&self, delta: f64, in_contact: bool) -> f64 {
-        self.hertz.contact_radius(delta, in_contact)
+        self.elastic.contact_radius(delta, in_contact)
     }
 
     fn elastic_force(&self, depth: f64) -> f64 {
-        self.hertz.elastic_force(depth)
+        self.elastic.elastic_force(depth)
     }
 
     fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
-        self.hertz.collision_depth(speed, inverse_mass)
+        self.elastic.collision_depth(speed, inverse_mass)
     }
 
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
-        let pull = 2.0 * PI * self.hertz.radius * self.work * units.impulse;
-        vec![self.hertz.scaled(units), pull, LENGTH / self.decay_length]
+        let pull = 2.0 * PI * self.radius * self.work * units.impulse;
+        let mut all = self.elastic.constants(units);
+        all.extend([pull, LENGTH / self.decay_length]);
+        all
     }
 
     /// Falls from outside to first touch and rises from there.
@@ -97,7 +106,7 @@ impl StaticLaw for Dmt {
     }
 
     fn zero_force(&self) -> f64 {
-        (self.adhesion / self.hertz.prefactor).cbrt().powi(2)
+        self.elastic.depth_under(self.adhesion)
     }
 
     fn pull_off(&self) -> f64 {
@@ -105,7 +114,7 @@ impl StaticLaw for Dmt {
     }
 
     fn attraction_slope(&self) -> f64 {
-        4.0 * PI * self.hertz.radius * self.work / self.decay_length
+        4.0 * PI * self.radius * self.work / self.decay_length
     }
 
     /// Evenly spaced in the logarithm of 1 + d/D0, out to a hundredth of the pull-off force.

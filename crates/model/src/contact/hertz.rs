@@ -1,6 +1,6 @@
 //! Hertz: elastic sphere on a flat, no adhesion.
 
-use super::{KernelUnits, Material, StaticLaw};
+use super::{Compact, KernelUnits, StaticLaw};
 use crate::kernel::LENGTH;
 
 /// `f = K sqrt(R) delta^1.5` in contact, 0 outside; `a^2 = R delta`.
@@ -33,8 +33,8 @@ impl Hertz {
     }
 }
 
-impl From<&Material> for Hertz {
-    fn from(of: &Material) -> Self {
+impl From<&Compact> for Hertz {
+    fn from(of: &Compact) -> Self {
         Self::new(of.modulus, of.radius)
     }
 }
@@ -58,6 +58,10 @@ impl StaticLaw for Hertz {
 
     fn elastic_force(&self, depth: f64) -> f64 {
         self.prefactor * depth.powf(1.5)
+    }
+
+    fn depth_under(&self, load: f64) -> f64 {
+        (load / self.prefactor).cbrt().powi(2)
     }
 
     /// `(5 v^2/(4 K sqrt(R) inverse mass))^(2/5)`.
@@ -107,6 +111,8 @@ mod tests {
             assert!((energy / (speed * speed) - 1.0).abs() < 1e-12);
         }
         let law = Hertz::new(1e9, 1e-8);
+        assert!((Plain(law).depth_under(law.force(2e-9, true)) / 2e-9 - 1.0).abs() < 1e-12);
+        assert!((law.depth_under(law.force(2e-9, true)) / 2e-9 - 1.0).abs() < 1e-14);
         assert!((Plain(law).elastic_force(1e-9) / law.elastic_force(1e-9) - 1.0).abs() < 1e-14);
     }
 }

@@ -1,7 +1,7 @@
 //! JKR: adhesion inside the contact, elastic neck, and with them hysteresis.
 
 use super::static_law::Shares;
-use super::{Hertz, KernelUnits, Material, Passed, StaticLaw};
+use super::{Compact, Hertz, KernelUnits, Passed, StaticLaw};
 use crate::kernel::LENGTH;
 use std::f64::consts::PI;
 
@@ -94,8 +94,8 @@ impl Jkr {
     }
 }
 
-impl From<&Material> for Jkr {
-    fn from(of: &Material) -> Self {
+impl From<&Compact> for Jkr {
+    fn from(of: &Compact) -> Self {
         Self::new(of.modulus, of.radius, of.work)
     }
 }

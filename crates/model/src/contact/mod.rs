@@ -14,16 +14,19 @@
 //! |---|---|---|---|
 //! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
+//! | [`ShapedHertz`] | a tip of another shape; under DMT's attraction a sphere | as above | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
+mod contact_parameters;
 mod dmt;
 mod hertz;
 mod jkr;
 mod no_sample;
 mod ramp;
 mod relaxing;
+mod shaped;
 mod static_curve;
 mod static_law;
 mod tabor;
@@ -31,39 +34,25 @@ mod viscous;
 mod warning;
 
 pub use crate::kernel::{Attraction, Law};
+pub use contact_parameters::Compact;
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
 pub use ramp::{Jump, Ramp, RampCurve};
 pub use relaxing::RelaxingHertz;
+pub use shaped::ShapedHertz;
 pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
 pub use viscous::Viscous;
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
-use crate::scene::{Adhesion, DriveFrequency, LawChoice, Params, Viscosity, ViscosityModel};
+use crate::scene::{Adhesion, Params, Viscosity};
 use no_sample::Nothing;
 use std::f64::consts::PI;
 use viscous::{ViscousDmt, ViscousHertz};
 
-/// What a law's constants are made of. SI units. The reference engine reads its own from [`Contact`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Material {
-    /// Combined modulus K.
-    modulus: f64,
-    /// Tip radius R.
-    radius: f64,
-    /// Work of adhesion w.
-    work: f64,
-    /// Decay length D0.
-    decay_length: f64,
-    /// Combined modulus K at once, before a sample relaxes.
-    instantaneous: f64,
-    /// Retardation time tau, s.
-    retardation: f64,
-    ad_hoc: bool,
-}
+type ShapedDmt = Dmt<ShapedHertz>;
 
 /// From the kernel's list, whose types have the names of those here.
 macro_rules! model {
@@ -75,9 +64,9 @@ macro_rules! model {
         }
 
         impl Model {
-            fn new(law: Law, material: &Material) -> Self {
+            fn new(law: Law, of: &Compact) -> Self {
                 match law {
-                    $(Law::$law => Self::$law(material.into()),)*
+                    $(Law::$law => Self::$law(of.into()),)*
                 }
             }
 
@@ -109,104 +98,6 @@ crate::kernel::laws!(model);
 pub struct Contact {
     of: Compact,
     model: Model,
-}
-
-/// A contact without the constants of its law, which follow: half as large, for those who hold very many.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compact {
-    pub law: Law,
-    /// What the scene asked for.
-    pub choice: LawChoice,
-    /// Combined modulus K, Pa.
-    pub modulus: f64,
-    /// Tip radius R, m.
-    pub radius: f64,
-    /// Work of adhesion w, J/m^2, as given; [`Law::Hertz`] and [`Law::None`] leave it out.
-    pub work: f64,
-    /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
-    pub decay_length: f64,
-    /// Combined modulus K at once, Pa: higher than `modulus` where the sample relaxes.
-    pub instantaneous: f64,
-    /// Retardation time of a viscous sample or of one that relaxes, s; else 0.
-    pub retardation: f64,
-    /// Whether its force is the literature's ad hoc form; else Ting's.
-    pub ad_hoc: bool,
-}
-
-impl Compact {
-    /// Decides the law; see [`Contact::new`].
-    pub fn new(params: &Params) -> Self {
-        let frequency = match params.drive.frequency {
-            DriveFrequency::Hertz(frequency) => frequency,
-            DriveFrequency::Resonance => f64::NAN,
-        };
-        Self::at_frequency(params, frequency)
-    }
-
-    /// The same under a drive of this frequency (Hz), at which the sample's loss tangent counts.
-    pub fn at_frequency(params: &Params, frequency: f64) -> Self {
-        let of = Self::for_load(params, f64::NAN);
-        if let Viscosity::Relaxing { modulus, time } = params.sample.viscosity {
-            return of.relaxing(params, modulus, time);
-        }
-        let retardation = retardation_time(params, frequency);
-        match of.law.viscous() {
-            // Not a number where the frequency is unknown.
-            Some(law) if retardation != 0.0 => Self {
-                law,
-                retardation,
-                ad_hoc: params.contact.viscosity_model == ViscosityModel::AdHoc,
-                ..of
-            },
-            _ => of,
-        }
-    }
-
-    fn for_load(params: &Params, load: f64) -> Self {
-        let modulus = combined_modulus(params);
-        let radius = params.instrument.tip.radius;
-        let decay_length = params.contact.decay_length;
-        let work = work_of_adhesion(params);
-        let choice = params.contact.law;
-        let negligible = 2.0 * PI * work * radius < NEGLIGIBLE_ADHESION * load;
-        let law = match choice.law() {
-            Some(Law::Jkr) if work == 0.0 => Law::Hertz,
-            Some(law) => law,
-            None if work == 0.0 || negligible => Law::Hertz,
-            None => tabor::fitting_law(tabor_parameter(modulus, radius, work, decay_length)),
-        };
-        Self {
-            law,
-            choice,
-            modulus,
-            radius,
-            work,
-            decay_length,
-            instantaneous: modulus,
-            retardation: 0.0,
-            ad_hoc: false,
-        }
-    }
-
-    /// Tabor's parameter.
-    #[inline]
-    pub fn tabor(&self) -> f64 {
-        tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
-    }
-
-    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa) and
-    /// retardation time (s).
-    pub fn constants(&self) -> [f64; 6] {
-        [self.modulus, self.radius, self.work, self.decay_length, self.instantaneous, self.retardation]
-    }
-
-    /// The contact, to the bit.
-    #[inline]
-    pub fn contact(self) -> Contact {
-        let Self { law, modulus, radius, work, decay_length, instantaneous, retardation, ad_hoc, .. } = self;
-        let material = Material { modulus, radius, work, decay_length, instantaneous, retardation, ad_hoc };
-        Contact { of: self, model: Model::new(law, &material) }
-    }
 }
 
 /// What a contact says of itself beside its law's constants.
@@ -350,6 +241,7 @@ pub fn work_of_adhesion(params: &Params) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::LawChoice;
 
     /// Zero, huge, negative, infinite and missing values: some answer, no panic.
     #[test]
@@ -386,7 +278,17 @@ mod tests {
 
     #[test]
     fn contact_names_are_those_of_the_scene_file() -> Result<(), serde_json::Error> {
-        let names = ["none", "hertz", "dmt", "jkr", "hertz-viscous", "dmt-viscous", "hertz-relaxing"];
+        let names = [
+            "none",
+            "hertz",
+            "dmt",
+            "jkr",
+            "hertz-viscous",
+            "dmt-viscous",
+            "hertz-relaxing",
+            "hertz-shaped",
+            "dmt-shaped",
+        ];
         assert_eq!(Law::ALL.map(Law::name), names);
         for law in Law::ALL {
             assert_eq!(serde_json::to_value(law)?, law.to_string());

@@ -1,6 +1,6 @@
 //! No sample.
 
-use super::{Hertz, KernelUnits, Material, StaticLaw};
+use super::{Compact, Hertz, KernelUnits, StaticLaw};
 
 /// No force at all. It knows the contact that is left out, so that errors have a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,8 +8,8 @@ pub(super) struct Nothing {
     left_out: Hertz,
 }
 
-impl From<&Material> for Nothing {
-    fn from(of: &Material) -> Self {
+impl From<&Compact> for Nothing {
+    fn from(of: &Compact) -> Self {
         Self { left_out: of.into() }
     }
 }

@@ -1,6 +1,6 @@
 //! A standard linear solid under Hertz's law.
 
-use super::{Compact, Hertz, KernelUnits, Material, Passed, StaticLaw, modulus_of};
+use super::{Compact, Hertz, KernelUnits, Passed, StaticLaw, modulus_of};
 use crate::scene::Params;
 
 /// A sample of two springs, one of which yields by a dashpot: at once it has one modulus, after a while another.
@@ -15,8 +15,8 @@ pub struct RelaxingHertz {
     retardation: f64,
 }
 
-impl From<&Material> for RelaxingHertz {
-    fn from(of: &Material) -> Self {
+impl From<&Compact> for RelaxingHertz {
+    fn from(of: &Compact) -> Self {
         Self {
             relaxed: of.into(),
             instantaneous: Hertz::new(of.instantaneous, of.radius),

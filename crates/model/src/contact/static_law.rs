@@ -30,13 +30,11 @@ pub trait StaticLaw {
     ///
     /// This is for a law without adhesion: where `energy` is the kinetic one, found by halving.
     fn collision_depth(&self, speed: f64, inverse_mass: f64) -> f64 {
-        let stops = |depth: f64| 2.0 * self.energy(depth, true) * inverse_mass >= speed * speed;
-        let (mut low, mut high): (f64, f64) = (1e-15, 1e-3);
-        for _ in 0..60 {
-            let middle = (low * high).sqrt();
-            if stops(middle) { high = middle } else { low = middle }
-        }
-        high
+        first_depth(|depth| 2.0 * self.energy(depth, true) * inverse_mass >= speed * speed)
+    }
+    /// Depth (m) at which the elastic part carries a load (N), found by halving.
+    fn depth_under(&self, load: f64) -> f64 {
+        first_depth(|depth| self.elastic_force(depth) >= load)
     }
     /// Force on the tip, N, while the indentation changes by `rate` (m/s).
     fn force_moving(&self, delta: f64, _rate: f64, in_contact: bool) -> f64 {
@@ -84,6 +82,16 @@ pub trait StaticLaw {
     fn crowding(&self) -> i32 {
         2
     }
+}
+
+/// The least depth, m, from which on something holds.
+fn first_depth(holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high): (f64, f64) = (1e-15, 1e-3);
+    for _ in 0..60 {
+        let middle = (low * high).sqrt();
+        if holds(middle) { high = middle } else { low = middle }
+    }
+    high
 }
 
 /// The kernel's units for one instance; that of length is [`crate::kernel::LENGTH`].

@@ -1,7 +1,7 @@
 //! A Kelvin-Voigt sample under Hertz's and DMT's laws.
 
 use super::static_law::Shares;
-use super::{Contact, Dmt, Hertz, KernelUnits, Material, Passed, StaticLaw};
+use super::{Compact, Contact, Dmt, Hertz, KernelUnits, Passed, StaticLaw};
 
 /// The law `B` of a sample that also resists the rate of indentation `v`, with retardation time `tau` = viscosity / modulus.
 ///
@@ -34,8 +34,8 @@ impl Contact {
     }
 }
 
-impl<B: for<'a> From<&'a Material>> From<&Material> for Viscous<B> {
-    fn from(of: &Material) -> Self {
+impl<B: for<'a> From<&'a Compact>> From<&Compact> for Viscous<B> {
+    fn from(of: &Compact) -> Self {
         Self { base: of.into(), hertz: of.into(), retardation: of.retardation, ad_hoc: of.ad_hoc }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::tabor::fitting_law;
 use super::{Attraction, Contact, DMT_BELOW, JKR_ABOVE, Law, NEGLIGIBLE_ADHESION};
-use crate::scene::{LawChoice, Params};
+use crate::scene::{LawChoice, Params, TipShape};
 use std::f64::consts::PI;
 
 /// Largest `a/R` at which all three laws' parabola still stands for a sphere and small strain holds.
@@ -97,7 +97,7 @@ impl Contact {
 
     /// Whether Hertz, where it was asked for, leaves out adhesion that shows.
     fn adhesion_warning(&self, indentation: f64) -> Option<Warning> {
-        if self.choice != LawChoice::Hertz {
+        if self.choice != LawChoice::Hertz || !self.is_round() {
             return None;
         }
         let pull = 2.0 * PI * self.work * self.radius;
@@ -105,10 +105,16 @@ impl Contact {
         (pull > NEGLIGIBLE_ADHESION * load).then_some(Warning::AdhesionLeftOut { pull, load })
     }
 
-    /// Whether `indentation` leaves the range of small strain ([`SMALL_STRAIN`]).
+    /// Whether the tip's radius is that of its curvature.
+    fn is_round(&self) -> bool {
+        matches!(self.shape, TipShape::Paraboloid | TipShape::Sphere)
+    }
+
+    /// Whether `indentation` leaves the range of small strain ([`SMALL_STRAIN`]) under a round tip. The strain under a cone or
+    /// a pyramid is the same at every depth.
     pub fn strain_warning(&self, indentation: f64) -> Option<Warning> {
         let contact_radius = self.contact_radius(indentation, true);
-        (contact_radius > SMALL_STRAIN * self.radius).then_some(Warning::LargeStrain {
+        (self.is_round() && contact_radius > SMALL_STRAIN * self.radius).then_some(Warning::LargeStrain {
             indentation,
             contact_radius,
             tip_radius: self.radius,

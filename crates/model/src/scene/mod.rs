@@ -28,6 +28,8 @@ mod setpoint_rules;
 mod sweep_section;
 mod synonyms;
 mod table_file;
+mod tip_params;
+mod tip_rules;
 mod uncertain_section;
 mod values;
 

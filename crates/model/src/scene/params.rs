@@ -5,6 +5,7 @@
 //! `ha-fung-chen-2005`: Table 1 and the run of section 4 of J.-L. Ha,
 //! R.-F. Fung, Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 
+pub use super::tip_params::*;
 use crate::kernel::{Attraction, Law};
 
 /// The preset of the whole instrument; the others are `levers.rs`'s.
@@ -95,28 +96,6 @@ pub enum QualityFactor {
     All(f64),
     /// One for each mode; the last one also serves the modes beyond the list. Never empty.
     PerMode(Vec<f64>),
-}
-
-/// The rigid tip at the lever's end (Table 1, third column) and its apex.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TipParams {
-    /// Distance l from the lever's end to the tip's centre, m.
-    pub half_length: f64,
-    pub mass: TipMass,
-    /// Apex radius R, m.
-    pub radius: f64,
-    /// Pa; infinite means rigid (the paper does not give it).
-    pub youngs_modulus: f64,
-    pub poisson_ratio: f64,
-}
-
-/// The tip's mass: given, or that of a pyramid of base `2 half_length` x `width`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TipMass {
-    /// kg
-    Given(f64),
-    /// Width and height in m, density in kg/m^3.
-    Pyramid { width: f64, height: f64, density: f64 },
 }
 
 /// The sample.
@@ -333,18 +312,6 @@ impl Default for CantileverParams {
                 thickness: 6.9e-6,
             },
             quality_factor: QualityFactor::All(f64::INFINITY),
-        }
-    }
-}
-
-impl Default for TipParams {
-    fn default() -> Self {
-        Self {
-            half_length: 5e-6,
-            mass: TipMass::Pyramid { width: 10e-6, height: 10e-6, density: 2500.0 },
-            radius: 30e-9,
-            youngs_modulus: f64::INFINITY,
-            poisson_ratio: 0.28,
         }
     }
 }

@@ -19,5 +19,9 @@ pub(super) const VISCOSITY_MODEL: &str = "contact.viscosity_model";
 /// What makes a sample relax: both together.
 pub(super) const RELAXATION: [&str; 2] = ["sample.instantaneous_modulus", "sample.relaxation_time"];
 
+/// The shape of the tip, and what describes a cone or a pyramid.
+pub(super) const TIP_SHAPE: &str = "instrument.tip.shape";
+pub(super) const HALF_ANGLE: &str = "instrument.tip.half_angle";
+
 /// The path of the contact law.
 pub(super) const LAW: &str = "contact.law";

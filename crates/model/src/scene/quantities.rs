@@ -93,6 +93,10 @@ const GAP: Access = Access {
     get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
     set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
 };
+const TIP_ANGLE: Access = Access {
+    get: |params, _| params.instrument.tip.half_angle,
+    set: |params, _, value| params.instrument.tip.half_angle = Some(value),
+};
 const DEEPEST: Access = Access {
     get: |params, _| params.approach.deepest,
     set: |params, _, value| params.approach.deepest = Some(value),
@@ -200,6 +204,8 @@ quantities! {
         "tip mass", Mass, NonNegative, [1e-21, 1e-7], [1e-24, 1e-6];
     "instrument.tip.radius", field!(instrument.tip.radius),
         "tip radius", Length, Positive, [1e-10, 1e-3], PARTS;
+    "instrument.tip.half_angle", TIP_ANGLE,
+        "half-angle of the tip", Angle, HalfAngle, [1.0, 89.0], [1e-3, 90.0];
     "instrument.tip.youngs_modulus", field!(instrument.tip.youngs_modulus),
         "tip Young's modulus", Pressure, PositiveOrInfinite, [1e3, 2e12], MODULI;
     "instrument.tip.poisson_ratio", field!(instrument.tip.poisson_ratio),

@@ -16,6 +16,8 @@ pub enum Domain {
     PositiveOrInfinite,
     /// Above 0; as a share below 1, as a phase below 360.
     SetPoint,
+    /// Above 0 and below 90 degree.
+    HalfAngle,
     /// Above -1, at most 0.5.
     PoissonRatio,
     /// Above 0.5, or `inf`: undamped.
@@ -37,6 +39,7 @@ impl Domain {
             Self::Positive => value.is_finite() && value > 0.0,
             Self::PositiveOrInfinite => value > 0.0,
             Self::SetPoint => value > 0.0 && value < 360.0,
+            Self::HalfAngle => value > 0.0 && value < 90.0,
             Self::PoissonRatio => value > -1.0 && value <= 0.5,
             Self::QualityFactor => value > 0.5,
         }
@@ -48,6 +51,7 @@ impl Domain {
             Self::Finite => (f64::NEG_INFINITY, f64::INFINITY),
             Self::NonNegative | Self::Positive | Self::PositiveOrInfinite => (0.0, f64::INFINITY),
             Self::SetPoint => (0.0, 360.0),
+            Self::HalfAngle => (0.0, 90.0),
             Self::PoissonRatio => (-1.0, 0.5),
             Self::QualityFactor => (0.5, f64::INFINITY),
         }
@@ -64,6 +68,7 @@ impl Domain {
             Self::Positive => "give a value above zero; a small one if it should hardly matter",
             Self::PositiveOrInfinite => "give a value above zero, or inf",
             Self::SetPoint => SETPOINT.1,
+            Self::HalfAngle => "it counts from the axis: sharp tips have 10 to 40 degree",
             Self::PoissonRatio => "most solids have 0.2 to 0.45; 0.5 does not change its volume",
             Self::QualityFactor => "give a value above 0.5 (the motion must oscillate), or inf",
         }
@@ -77,6 +82,7 @@ impl Domain {
             Self::Positive => "more than zero",
             Self::PositiveOrInfinite => "more than zero, or inf for rigid",
             Self::SetPoint => SETPOINT.0,
+            Self::HalfAngle => "more than 0 and less than 90 degree",
             Self::PoissonRatio => "more than -1 and at most 0.5 (incompressible)",
             Self::QualityFactor => "more than 0.5, or inf for undamped",
         }

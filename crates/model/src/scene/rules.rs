@@ -11,6 +11,7 @@ use super::params::*;
 use super::paths::{CALIBRATION, LEVELS, MODES, RELAXATION, VISCOSITIES};
 use super::sample_rules;
 use super::scene_error::{Checked, Fault};
+use super::tip_rules;
 use super::{Layout, SweptAxes};
 use crate::kernel::{Attraction, Law};
 use std::ops::Range;
@@ -25,7 +26,7 @@ const LEVER_SIZES: [&str; 5] = [
 ];
 const LEVER_QUALITY: &str = "instrument.cantilever.quality_factor";
 const PYRAMID: [&str; 3] = ["instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
-const TIP_SHAPE: [&str; 4] =
+const TIP_INERTIA: [&str; 4] =
     ["instrument.tip.half_length", "instrument.tip.width", "instrument.tip.height", "instrument.tip.density"];
 
 /// Checks the draft with its sweep, and completes its base case with the first values of axes
@@ -47,6 +48,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     adhesion_fits(draft, sweep)?;
     sample_rules::viscosity_fits(draft, sweep)?;
     sample_rules::relaxation_fits(draft, sweep)?;
+    tip_rules::shape_fits(draft, sweep)?;
     axes_matter(draft)?;
     rod_is_stable(draft, sweep)
 }
@@ -123,7 +125,7 @@ fn one_lever(draft: &Draft) -> Checked<()> {
             "with listed modes, each mode's own quality_factor",
         ));
     }
-    let shape = draft.first_of(&TIP_SHAPE);
+    let shape = draft.first_of(&TIP_INERTIA);
     let told = match (calibration, modes) {
         (Some(lever), _) => shape.map(|tip| (lever, tip)),
         (None, Some(lever)) => shape.or(draft.first_of(&["instrument.tip.mass"])).map(|tip| (lever, tip)),

@@ -47,7 +47,7 @@ fn misfit(draft: &Draft, sweep: &SweptAxes, form: fn(Law) -> Option<Law>) -> Opt
     })
 }
 
-fn beside_law(fault: Box<Fault>, draft: &Draft) -> Box<Fault> {
+pub(super) fn beside_law(fault: Box<Fault>, draft: &Draft) -> Box<Fault> {
     match draft.first_of(&[LAW]) {
         Some(law) => fault.related(law.key.clone(), "the law is chosen here"),
         None => fault,

@@ -37,6 +37,9 @@ impl Scene {
         self.write_section(text, "instrument.cantilever")?;
         self.write_modes(text)?;
         writeln!(text, "\n[instrument.tip]")?;
+        if base.instrument.tip.shape != TipShape::default() {
+            writeln!(text, "shape = {}", word(&TipShape::WORDS, base.instrument.tip.shape))?;
+        }
         self.write_section(text, "instrument.tip")?;
         writeln!(text, "\n[sample]")?;
         self.write_section(text, "sample")?;

@@ -4,7 +4,7 @@ use super::address::Address;
 use super::draft::{Draft, Said, keys_of};
 use super::levers::{self};
 use super::params::*;
-use super::paths::VISCOSITY_MODEL;
+use super::paths::{TIP_SHAPE, VISCOSITY_MODEL};
 use super::scene_error::{Checked, Fault, Faults, SceneError};
 use super::values::{self, Key, Value};
 use super::{
@@ -285,7 +285,11 @@ impl Draft {
             let read = self.modes(key, value);
             self.faults.take(read);
         }
-        self.section(table, "instrument.tip", &[]);
+        if let Some(table) = self.section(table, "instrument.tip", &["shape"])
+            && let Some(shape) = self.choice(table, TIP_SHAPE, &TipShape::WORDS)
+        {
+            self.params.instrument.tip.shape = shape;
+        }
     }
 
     fn modes(&mut self, key: &Key, value: &Value) -> Checked<()> {

@@ -8,7 +8,7 @@ use super::axis_zip::LABEL;
 use super::design_section::{KEYS as DESIGN_KEYS, LEVELS, MOST_LEVELS};
 use super::levers;
 use super::output::{ALL, BRANCHES, KEYS, OUTPUT_KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
-use super::params::{LawChoice, Params};
+use super::params::{LawChoice, Params, TipShape};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
@@ -139,6 +139,7 @@ impl Texts<'_> {
             "contact" => {
                 vec![("law", word(LawChoice::WORDS)), ("viscosity_model", word(&VISCOUS))]
             }
+            "instrument.tip" => vec![("shape", word(&TipShape::WORDS))],
             "drive" => vec![("on", word(&DRIVE_ON))],
             "approach" => {
                 vec![("setpoint_branch", word(&BRANCHES_HELD)), ("setpoint_of", word(&SETPOINTS_OF))]
@@ -353,11 +354,12 @@ fn number(domain: Domain) -> Value {
         Domain::Finite => json!({ "type": "number" }),
         Domain::NonNegative => json!({ "type": "number", "minimum": 0 }),
         Domain::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
-        Domain::SetPoint => json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 360 }),
+        Domain::SetPoint | Domain::HalfAngle => {
+            json!({ "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": domain.ends().1 })
+        }
         Domain::PoissonRatio => json!({ "type": "number", "exclusiveMinimum": -1, "maximum": 0.5 }),
         Domain::QualityFactor | Domain::PositiveOrInfinite => {
-            let least = if domain == Domain::QualityFactor { 0.5 } else { 0.0 };
-            json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": least }, infinite()] })
+            json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": domain.ends().0 }, infinite()] })
         }
     }
 }
@@ -376,12 +378,9 @@ fn units(dimension: Dimension) -> String {
     let symbol = match dimension {
         Dimension::Length => "m|\u{c5}|\u{212b}|angstrom",
         Dimension::Mass => "g",
+        Dimension::Angle => return format!("deg|degree|\u{b0}|{expression}"),
         Dimension::Pressure => "(Pa|bar)",
-        Dimension::Time
-        | Dimension::Frequency
-        | Dimension::Force
-        | Dimension::Energy
-        | Dimension::Voltage => dimension.si_unit(),
+        other if other.si_unit().chars().all(char::is_alphabetic) => other.si_unit(),
         _ => return expression.to_owned(),
     };
     format!("{PREFIX}{symbol}|{expression}")

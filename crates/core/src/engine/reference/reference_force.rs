@@ -2,6 +2,7 @@
 
 use crate::contact::{Contact, Law};
 use crate::kernel::LENGTH;
+use crate::scene::TipShape;
 use std::f64::consts::PI;
 
 /// A law with its constants; SI units.
@@ -15,6 +16,12 @@ pub(super) enum ReferenceForce {
     /// The same less the adhesion P = 2 pi w R; outside -P (D0/(D0 - delta))^2: equations (17), (18).
     Dmt {
         kappa: f64,
+        adhesion: f64,
+        decay: f64,
+    },
+    /// A tip of another shape (see [`Indenter`]), with DMT's attraction.
+    Shaped {
+        indenter: Indenter,
         adhesion: f64,
         decay: f64,
     },
@@ -46,6 +53,52 @@ pub(super) enum ReferenceForce {
     },
 }
 
+/// A rigid tip on a half-space of plane-strain modulus `modulus` = E*, Pa: Sneddon (1965).
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Indenter {
+    /// f = factor delta^power
+    Power { factor: f64, power: i32 },
+    /// In the contact radius: delta = a atanh(a/R), f = E* ((a^2 + R^2) atanh(a/R) - a R).
+    Sphere { modulus: f64, radius: f64 },
+}
+
+impl Indenter {
+    fn new(contact: &Contact) -> Self {
+        let modulus = 0.75 * contact.modulus;
+        let tangent = contact.half_angle.to_radians().tan();
+        match contact.shape {
+            TipShape::Paraboloid | TipShape::Sphere => Self::Sphere { modulus, radius: contact.radius },
+            TipShape::Cone => Self::Power { factor: 2.0 / PI * modulus * tangent, power: 2 },
+            TipShape::Pyramid => Self::Power { factor: 0.7453 * modulus * tangent, power: 2 },
+            TipShape::Punch => Self::Power { factor: 2.0 * modulus * contact.radius, power: 1 },
+        }
+    }
+
+    fn force(self, delta: f64) -> f64 {
+        match self {
+            Self::Power { factor, power } => factor * delta.powi(power),
+            Self::Sphere { modulus, radius } => {
+                let depth = delta / radius;
+                // By t = atanh(a/R): t tanh(t) = depth, which rises and bends upwards: Newton's method comes from above.
+                let mut t = depth.sqrt() * (1.0 + depth.sqrt());
+                for _ in 0..60 {
+                    let tanh = t.tanh();
+                    let step = (t * tanh - depth) / (tanh + t * (1.0 - tanh * tanh));
+                    t -= step;
+                    if step.abs() <= 2.0 * f64::EPSILON * t {
+                        break;
+                    }
+                }
+                // (1 + tanh^2) t - tanh; by its series where it would be a difference of almost equal numbers.
+                let (tanh, square) = (t.tanh(), t * t);
+                let series = 4.0 / 3.0 - square * (0.8 - square * (136.0 / 315.0 - square * (124.0 / 567.0)));
+                let sum = if t < 0.03 { series * square * t } else { t - tanh + tanh * tanh * t };
+                modulus * radius * radius * sum
+            }
+        }
+    }
+}
+
 impl ReferenceForce {
     /// The law of a contact, from its modulus, radius, work and decay length.
     pub fn new(contact: &Contact) -> Self {
@@ -63,6 +116,14 @@ impl ReferenceForce {
             Law::Dmt => {
                 Self::Dmt { kappa: k * r.sqrt(), adhesion: 2.0 * PI * w * r, decay: contact.decay_length }
             }
+            Law::ShapedHertz => {
+                Self::Shaped { indenter: Indenter::new(contact), adhesion: 0.0, decay: contact.decay_length }
+            }
+            Law::ShapedDmt => Self::Shaped {
+                indenter: Indenter::new(contact),
+                adhesion: 2.0 * PI * w * r,
+                decay: contact.decay_length,
+            },
             Law::ViscousHertz => viscous(0.0),
             Law::ViscousDmt => viscous(2.0 * PI * w * r),
             Law::RelaxingHertz => Self::Relaxing {
@@ -95,6 +156,13 @@ impl ReferenceForce {
             Self::Hertz { kappa } => hertz(kappa, delta, touching),
             Self::Dmt { kappa, adhesion, decay } => {
                 hertz(kappa, delta, touching) + attraction(adhesion, decay, delta, touching)
+            }
+            Self::Shaped { indenter, adhesion, decay } => {
+                let pressed = match touching && delta > 0.0 {
+                    true => indenter.force(delta),
+                    false => 0.0 * delta,
+                };
+                pressed + attraction(adhesion, decay, delta, touching)
             }
             Self::Viscous { kappa, tau, ad_hoc, adhesion, decay } => {
                 let pull = attraction(adhesion, decay, delta, touching);

@@ -150,8 +150,10 @@ fn check_flags<'a>(all: &'a [Flags], names: &mut HashSet<&'a str>) -> Result<(),
     for flags in all {
         check_name(&flags.name, names)?;
         let bad = |word: &String| word.is_empty() || word.contains(char::is_whitespace);
-        require(flags.meanings.len() <= 8 && !flags.meanings.iter().any(bad), || {
-            format!("{} is no list of codes for up to 8 single words", flags.name)
+        // A u8 has 8 bits, and 256 codes.
+        let most = if flags.bits { 8 } else { 256 };
+        require(flags.meanings.len() <= most && !flags.meanings.iter().any(bad), || {
+            format!("{} is no list of codes for up to {most} single words", flags.name)
         })?;
     }
     Ok(())

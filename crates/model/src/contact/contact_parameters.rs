@@ -1,0 +1,119 @@
+//! What decides a contact: the law for a case, and what its constants are made of.
+
+use super::tabor::{fitting_law, tabor_parameter};
+use super::{Contact, Law, Model, NEGLIGIBLE_ADHESION, combined_modulus, retardation_time, work_of_adhesion};
+use crate::scene::{DriveFrequency, LawChoice, Params, TipShape, Viscosity, ViscosityModel};
+use std::f64::consts::PI;
+
+/// A contact without the constants of its law, which follow: half as large, for those who hold very many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compact {
+    pub law: Law,
+    /// What the scene asked for.
+    pub choice: LawChoice,
+    /// Combined modulus K, Pa.
+    pub modulus: f64,
+    /// Tip radius R, m.
+    pub radius: f64,
+    /// Work of adhesion w, J/m^2, as given; [`Law::Hertz`] and [`Law::None`] leave it out.
+    pub work: f64,
+    /// D0 of DMT's attraction and z0 of Tabor's parameter, m.
+    pub decay_length: f64,
+    /// Combined modulus K at once, Pa: higher than `modulus` where the sample relaxes.
+    pub instantaneous: f64,
+    /// Retardation time of a viscous sample or of one that relaxes, s; else 0.
+    pub retardation: f64,
+    /// Whether its force is the literature's ad hoc form; else Ting's.
+    pub ad_hoc: bool,
+    /// The tip's shape, and the half-angle (degree) of a shape that has one, else 0.
+    pub shape: TipShape,
+    pub half_angle: f64,
+}
+
+impl Compact {
+    /// Decides the law; see [`Contact::new`].
+    pub fn new(params: &Params) -> Self {
+        let frequency = match params.drive.frequency {
+            DriveFrequency::Hertz(frequency) => frequency,
+            DriveFrequency::Resonance => f64::NAN,
+        };
+        Self::at_frequency(params, frequency)
+    }
+
+    /// The same under a drive of this frequency (Hz), at which the sample's loss tangent counts.
+    pub fn at_frequency(params: &Params, frequency: f64) -> Self {
+        let of = Self::for_load(params, f64::NAN).shaped(params);
+        if let Viscosity::Relaxing { modulus, time } = params.sample.viscosity {
+            return of.relaxing(params, modulus, time);
+        }
+        let retardation = retardation_time(params, frequency);
+        match of.law.viscous() {
+            // Not a number where the frequency is unknown.
+            Some(law) if retardation != 0.0 => Self {
+                law,
+                retardation,
+                ad_hoc: params.contact.viscosity_model == ViscosityModel::AdHoc,
+                ..of
+            },
+            _ => of,
+        }
+    }
+
+    pub(super) fn for_load(params: &Params, load: f64) -> Self {
+        let modulus = combined_modulus(params);
+        let radius = params.instrument.tip.radius;
+        let decay_length = params.contact.decay_length;
+        let work = work_of_adhesion(params);
+        let choice = params.contact.law;
+        let negligible = 2.0 * PI * work * radius < NEGLIGIBLE_ADHESION * load;
+        let law = match choice.law() {
+            Some(Law::Jkr) if work == 0.0 => Law::Hertz,
+            Some(law) => law,
+            None if work == 0.0 || negligible => Law::Hertz,
+            None => fitting_law(tabor_parameter(modulus, radius, work, decay_length)),
+        };
+        Self {
+            law,
+            choice,
+            modulus,
+            radius,
+            work,
+            decay_length,
+            instantaneous: modulus,
+            retardation: 0.0,
+            ad_hoc: false,
+            shape: TipShape::Paraboloid,
+            half_angle: 0.0,
+        }
+    }
+
+    /// The same under a tip of the shape that the case has.
+    fn shaped(self, params: &Params) -> Self {
+        let tip = &params.instrument.tip;
+        match self.law.shaped() {
+            Some(law) if tip.shape != TipShape::Paraboloid => {
+                Self { law, shape: tip.shape, half_angle: tip.half_angle.unwrap_or(0.0), ..self }
+            }
+            _ => self,
+        }
+    }
+
+    /// Tabor's parameter.
+    #[inline]
+    pub fn tabor(&self) -> f64 {
+        tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
+    }
+
+    /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa),
+    /// retardation time (s) and half-angle (degree).
+    pub fn constants(&self) -> [f64; 7] {
+        let [at_once, later, angle] = [self.instantaneous, self.retardation, self.half_angle];
+        [self.modulus, self.radius, self.work, self.decay_length, at_once, later, angle]
+    }
+
+    /// The contact, to the bit.
+    #[inline]
+    pub fn contact(self) -> Contact {
+        Contact { of: self, model: Model::new(self.law, &self) }
+    }
+}
