@@ -1,7 +1,7 @@
 //! `afmsweep cite`: what to cite for a results file, as BibTeX.
 
 use super::print;
-use afmsweep::scene::{ActuatorModel, Scene};
+use afmsweep::scene::{ActuatorModel, Scene, TipShape};
 use afmsweep::store::{self, Results};
 use anyhow::Context;
 use std::path::PathBuf;
@@ -17,12 +17,13 @@ pub struct CiteArgs {
 const REFERENCES: &str = include_str!("references.bib");
 
 /// By a word of a law's name in the file, the key of its source.
-const LAWS: [(&str, &str); 5] = [
+const LAWS: [(&str, &str); 6] = [
     ("hertz", "hertz1882contact"),
     ("dmt", "derjaguin1975effect"),
     ("jkr", "johnson1971surface"),
     ("viscous", "ting1966contact"),
     ("relaxing", "popov2015method"),
+    ("shaped", "sneddon1965relation"),
 ];
 
 pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
@@ -37,6 +38,9 @@ pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     let used = laws(&results);
     let is_used = |word: &str| used.iter().any(|law| law.split('-').any(|one| one == word));
     entries.extend(LAWS.iter().filter(|(word, _)| is_used(word)).map(|(_, key)| entry(key)));
+    if scene.base.instrument.tip.shape == TipShape::Pyramid {
+        entries.push(entry("bilodeau1992regular"));
+    }
     print(&entries.join("\n"))
 }
 

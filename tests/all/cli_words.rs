@@ -65,23 +65,17 @@ fn the_shader_that_is_shown_is_the_one_that_runs() {
 #[test]
 fn citations_are_those_of_the_laws_and_the_instrument_that_ran() {
     let desk = Desk::new();
-    for (kind, keys) in [
-        (&["--lever"][..], &["afmsweep", "derjaguin1975effect"][..]),
-        (&["--liquid"], &["afmsweep", "hertz1882contact"]),
-        (&["--paper"], &["afmsweep", "ha2005afm"]),
+    let pyramid = "[instrument.tip]\nshape = \"pyramid\"\nhalf_angle = \"35 deg\"";
+    for (kind, tip, keys) in [
+        ("--lever", "[instrument.tip]", &["afmsweep", "derjaguin1975effect"][..]),
+        ("--liquid", "[instrument.tip]", &["afmsweep", "hertz1882contact"]),
+        ("--liquid", pyramid, &["hertz1882contact", "sneddon1965relation", "bilodeau1992regular"]),
+        ("--paper", "[instrument.tip]", &["afmsweep", "ha2005afm"]),
     ] {
-        let text = desk.works(&[&["init"], kind].concat()).out;
+        let text = desk.works(&["init", kind]).out.replace("[instrument.tip]", tip);
         std::fs::write(desk.path("scene.toml"), text).unwrap();
-        desk.works(&[
-            "run",
-            "scene.toml",
-            "-o",
-            "scene.h5",
-            "-q",
-            "--no-estimate",
-            "--no-audit",
-            "--overwrite",
-        ]);
+        let quick = ["-q", "--no-estimate", "--no-audit", "--overwrite"];
+        desk.works(&[&["run", "scene.toml", "-o", "scene.h5"][..], &quick].concat());
         let said = desk.works(&["cite", "scene.h5"]).out;
         let cited: Vec<&str> = said
             .lines()
@@ -89,6 +83,7 @@ fn citations_are_those_of_the_laws_and_the_instrument_that_ran() {
             .map(|(_, key)| key.trim_end_matches(','))
             .collect();
         assert!(keys.iter().all(|key| cited.contains(key)), "{kind:?}: {cited:?}");
+        assert_eq!(cited.contains(&"sneddon1965relation"), tip == pyramid);
         assert_eq!(said.matches('{').count(), said.matches('}').count(), "{said}");
         let laws = cited
             .iter()
