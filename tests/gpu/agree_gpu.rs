@@ -314,7 +314,8 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     add(format!("{scenes}_f64"), exact && double, Box::new(|| same_bits_in_every_scene(Precision::F64)));
     for modes in [1, 4] {
         let name = format!("agrees_with_the_cpu_to_rounding_{modes}_modes_f32");
-        add(name, any, Box::new(move || agrees(modes, Precision::F32)));
+        // One mode alone agrees where four do; `make test-all` has both.
+        add(name, any && modes == 4, Box::new(move || agrees(modes, Precision::F32)));
     }
     add(
         "agrees_with_the_cpu_to_rounding_2_modes_f64".into(),

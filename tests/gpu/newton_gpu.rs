@@ -5,7 +5,7 @@
 //! that computes in f64 these tests are listed as ignored.
 
 use crate::checks;
-use crate::shader::{self, CORNERS, gpu, laws, scene};
+use crate::shader::{self, gpu, laws, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{
     Cpu, Engine, NewtonResult, NewtonResults, NewtonStart, NewtonStarts, PeriodJacobian, Progress,
@@ -331,13 +331,16 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     let mut add = |name: &str, runs: bool, test: Box<dyn FnOnce() -> Result<(), Failed> + Send>| {
         tests.push(Trial::test(format!("newton_{name}"), test).with_ignored_flag(!runs));
     };
+    // Of the corners some in each precision: a driver takes minutes over the largest in f64.
     for modes in [1, 2, 3, 4, 5, 6, 8, 10, 16, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes");
-        add(&name, exact && CORNERS.contains(&modes), Box::new(move || same_bits(modes, Precision::F64)));
+        let runs = exact && [1, 4, 8].contains(&modes);
+        add(&name, runs, Box::new(move || same_bits(modes, Precision::F64)));
     }
     for modes in [1, 2, 3, 8, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
-        add(&name, exact && CORNERS.contains(&modes), Box::new(move || same_bits(modes, Precision::F32)));
+        let runs = exact && [1, 24].contains(&modes);
+        add(&name, runs, Box::new(move || same_bits(modes, Precision::F32)));
     }
     add("f32_comes_near", double, Box::new(f32_comes_near));
     add("agree_with_the_cpu_to_rounding", double, Box::new(agrees));
