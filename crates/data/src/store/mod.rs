@@ -11,8 +11,9 @@ mod variable_source;
 
 #[cfg(feature = "hdf5")]
 pub use hdf5_file::{
-    ExistingFile, Hdf5Image, Journal, RecordKind, RunFile, StoreError, Writer, laid_out, now, open_journal,
-    partial_path, read, same_file, scene_of,
+    ArrayLayout, ArrayRole, ArrayValues, AttributeValue, ExistingFile, FileLayout, GroupLayout, Hdf5Image,
+    InstanceColumn, Journal, RecordKind, RunFile, StoreError, Writer, history_of, laid_out, now,
+    open_journal, partial_path, read, same_file, scene_of,
 };
 pub use row_tables::{RowColumn, Spectra, Waveforms};
 pub use variable_source::{StateSet, Unread, VariableSource};

@@ -21,7 +21,6 @@ struct Use {
 
 /// A dimension scale and the variables that use it.
 pub(super) struct DimensionScale {
-    pub length: usize,
     path: String,
     dataset: Dataset,
     uses: Vec<Use>,
@@ -38,8 +37,7 @@ impl DimensionScale {
     pub fn new(dataset: Dataset, label: &str) -> Result<Self> {
         fixed_text(&dataset, "CLASS", "DIMENSION_SCALE")?;
         fixed_text(&dataset, "NAME", label)?;
-        let (path, length) = (dataset.name(), dataset.size());
-        Ok(Self { length, path, dataset, uses: Vec::new() })
+        Ok(Self { path: dataset.name(), dataset, uses: Vec::new() })
     }
 
     /// Writes who uses the scale; once, after all variables.
@@ -55,7 +53,7 @@ impl DimensionScale {
 pub(super) fn attach(
     file: &File,
     variable: &Dataset,
-    scales: &mut [DimensionScale],
+    scales: &mut [Option<DimensionScale>],
     dims: &[usize],
 ) -> Result<()> {
     if dims.is_empty() {
@@ -64,9 +62,10 @@ pub(super) fn attach(
     let own: ObjectReference1 = file.reference(&variable.name())?;
     let mut list = Vec::with_capacity(dims.len());
     for (position, &dim) in dims.iter().enumerate() {
-        let scale: ObjectReference1 = file.reference(&scales[dim].path)?;
+        let along = scales.get_mut(dim).and_then(Option::as_mut).ok_or("no such dimension")?;
+        let scale: ObjectReference1 = file.reference(&along.path)?;
         list.push(VarLenArray::from_slice(&[scale]));
-        scales[dim].uses.push(Use { dataset: own, dimension: position as i32 });
+        along.uses.push(Use { dataset: own, dimension: position as i32 });
     }
     variable
         .new_attr::<VarLenArray<ObjectReference1>>()

@@ -25,11 +25,13 @@ pub use history::now;
 pub use journal::{Journal, RecordKind};
 pub use output_place::Writer;
 pub use partial_file::partial_path;
-pub use results_reader::{read, scene_of};
+pub use results_reader::{history_of, read, scene_of};
 pub use run_file::RunFile;
 pub use share::open as open_journal;
 pub use store_error::StoreError;
-pub use write::laid_out;
+pub use write::{
+    ArrayLayout, ArrayRole, ArrayValues, AttributeValue, FileLayout, GroupLayout, InstanceColumn, laid_out,
+};
 
 use super::variable_source::States;
 use super::{

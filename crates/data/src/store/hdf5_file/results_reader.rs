@@ -26,6 +26,14 @@ pub fn scene_of(path: &Path) -> Result<String, StoreError> {
     Source::open(path)?.file_scene()
 }
 
+/// What a file tells of how it came about; empty where it tells nothing.
+///
+/// # Errors
+/// It is no results file.
+pub fn history_of(path: &Path) -> Result<String, StoreError> {
+    Ok(read_text(&Source::open(path)?.file, "history").unwrap_or_default())
+}
+
 impl Source {
     fn refuse_share(&self) -> Result<(), StoreError> {
         if self.file.link_exists(JOURNAL) {

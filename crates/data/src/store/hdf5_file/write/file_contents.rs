@@ -2,7 +2,7 @@
 
 use super::super::checksums;
 use super::super::consistency::check_numbers;
-use super::super::{BranchTable, Flags, Results, StateSet, Unread, Variable, VariableSource};
+use super::super::{BranchTable, Results, StateSet, States, Unread, VariableSource};
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -15,8 +15,8 @@ pub(super) struct FileContents<'a> {
     sums: RefCell<HashMap<String, u64>>,
 }
 
-fn unread(error: impl std::fmt::Display) -> hdf5::Error {
-    hdf5::Error::from(error.to_string())
+fn missing() -> Unread {
+    Unread("there is no such variable".into())
 }
 
 /// The name of a variable beside others.
@@ -44,27 +44,34 @@ impl<'a> FileContents<'a> {
         width: usize,
         numbers: Result<Cow<'a, [T]>, Unread>,
         sum: impl Fn(&[T]) -> u64,
-    ) -> hdf5::Result<Cow<'a, [T]>> {
-        let (numbers, name) = (numbers.map_err(unread)?, name(of, one));
-        check_numbers(&name, numbers.len(), (self.count(), width)).map_err(unread)?;
+    ) -> Result<Cow<'a, [T]>, Unread> {
+        let (numbers, name) = (numbers?, name(of, one));
+        let checked = check_numbers(&name, numbers.len(), (self.count(), width));
+        checked.map_err(|error| Unread(error.to_string()))?;
         self.sums.borrow_mut().insert(name, sum(&numbers));
         Ok(numbers)
     }
 
-    pub fn variable(&self, of: StateSet, number: usize, one: &Variable) -> hdf5::Result<Cow<'a, [f64]>> {
+    pub fn variable(&self, of: StateSet, number: usize) -> Result<Cow<'a, [f64]>, Unread> {
+        let one = self.states(of)?.0.get(number).ok_or_else(missing)?;
         let sum = |data: &[f64]| checksums::of_variable(one, data);
         self.noted((of, &one.name), one.harmonics.unwrap_or(1), self.numbers.variable(of, number), sum)
     }
 
-    pub fn flags(&self, of: StateSet, number: usize, one: &Flags) -> hdf5::Result<Cow<'a, [u8]>> {
+    pub fn flags(&self, of: StateSet, number: usize) -> Result<Cow<'a, [u8]>, Unread> {
+        let one = self.states(of)?.3.get(number).ok_or_else(missing)?;
         self.noted((of, &one.name), 1, self.numbers.flags(of, number), |data| checksums::of_flags(one, data))
     }
 
-    pub fn status(&self, of: StateSet) -> hdf5::Result<Cow<'a, [u8]>> {
+    fn states(&self, of: StateSet) -> Result<States<'a>, Unread> {
+        self.frame.states(of).ok_or_else(missing)
+    }
+
+    pub fn status(&self, of: StateSet) -> Result<Cow<'a, [u8]>, Unread> {
         self.noted((of, "status"), 1, self.numbers.status(of), checksums::of_codes)
     }
 
-    pub fn steps(&self, of: StateSet) -> hdf5::Result<Cow<'a, [u32]>> {
+    pub fn steps(&self, of: StateSet) -> Result<Cow<'a, [u32]>, Unread> {
         self.noted((of, "steps_per_period"), 1, self.numbers.steps(of), checksums::of_steps)
     }
 
