@@ -9,6 +9,7 @@ use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
 use crate::suggestion::nearest;
 use crate::units::shortened;
+use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeTable;
 
@@ -22,11 +23,11 @@ const AXIS_FORM: &str =
     "{ from = ..., to = ..., points = ..., scale = \"lin\" or \"log\" } or { values = [...] }";
 
 /// Refuses more instances than a scene may have.
-pub(super) fn in_all(instances: usize, key: &Key) -> Checked<()> {
+pub(super) fn in_all(instances: usize, place: &Range<usize>) -> Checked<()> {
     if instances <= MOST_INSTANCES {
         return Ok(());
     }
-    Err(Fault::at(key.span(), "the sweep is too large")
+    Err(Fault::at(place.clone(), "the sweep is too large")
         .label(format!("with this axis it has {instances} instances"))
         .expected(format!("at most {MOST_INSTANCES}"))
         .help("take fewer points, or split the scene into several"))

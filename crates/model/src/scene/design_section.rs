@@ -3,13 +3,14 @@
 use super::axes::{MOST_INSTANCES, axis};
 use super::draft::Draft;
 use super::sample_table::SampleTable;
-use super::scene_error::{Checked, Fault};
+use super::scene_error::{Checked, Fault, Faults, SceneError};
 use super::uncertain_section::{self, Uncertain};
 use super::values::{self, Key, Value};
 use super::{Axis, SweptAxes, TableFile, axis_zip, table_file};
 use crate::design::DesignKind::{self, LatinHypercube, MonteCarlo, Morris, Saltelli, Sobol, Table};
 use crate::design::{Design, Parameter, Settings};
 use std::ops::Range;
+use std::path::Path;
 use toml::de::DeTable;
 
 /// Keys of `[design]`, and the kinds that each matters to.
@@ -49,6 +50,25 @@ struct Section<'a> {
 pub(super) fn read(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft) {
     let read = sections(document, sweep, draft);
     draft.faults.take(read);
+}
+
+/// The design of a text's `[uncertain]` and `[design]`; the other sections may be anything.
+///
+/// # Errors
+/// As of a scene; it has no such sections.
+pub fn design_of(text: &str) -> Result<Design, SceneError> {
+    let path = Path::new("design");
+    let refuse = |faults: Faults| faults.in_file(path, text);
+    let document = DeTable::parse(text).map_err(|error| {
+        refuse(Fault::at(error.span().unwrap_or(0..0), error.message()).expected("TOML").into())
+    })?;
+    let mut draft = Draft::default();
+    read(document.get_ref(), &mut SweptAxes::default(), &mut draft);
+    if !draft.faults.is_empty() {
+        return Err(refuse(draft.faults));
+    }
+    let none = || Fault::whole("there is no design").expected("[uncertain] and [design]").into();
+    draft.drawn.design.map(|design| *design).ok_or_else(|| refuse(none()))
 }
 
 fn sections(document: &DeTable, sweep: &mut SweptAxes, draft: &mut Draft) -> Checked<()> {

@@ -16,6 +16,16 @@ pub(super) struct Said {
     pub swept: bool,
 }
 
+/// Paths of quantities with their values in SI units, all as many.
+pub type SampleArrays = Vec<(String, Vec<f64>)>;
+
+/// Arrays of the caller, and the line of the scene that tells of them.
+#[derive(Debug)]
+pub(super) struct GivenSamples {
+    pub arrays: SampleArrays,
+    pub place: Range<usize>,
+}
+
 /// The scene while it is being read.
 #[derive(Debug, Default)]
 pub(super) struct Draft {
@@ -31,6 +41,8 @@ pub(super) struct Draft {
     /// Where files that the scene names are looked for.
     pub folder: PathBuf,
     pub drawn: Drawn,
+    /// Samples of the caller.
+    pub given: Option<GivenSamples>,
     pub faults: Faults,
 }
 

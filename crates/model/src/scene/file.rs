@@ -22,7 +22,7 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
             return Err(not_utf8(&bytes, &text, offset).in_file(path, &text));
         }
     };
-    parse(path, &text)
+    parse(path, &text, None)
 }
 
 fn read_bytes(path: &Path) -> Checked<Vec<u8>> {

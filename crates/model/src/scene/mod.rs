@@ -1,6 +1,7 @@
 //! What the user wrote: the scene file, its sweep, and the cases it stands for.
 
 mod address;
+mod array_samples;
 mod axes;
 mod axis_zip;
 mod cases;
@@ -36,6 +37,8 @@ mod values;
 pub use crate::suggestion::nearest;
 pub use address::Address;
 pub use cases::Cases;
+pub use design_section::design_of;
+pub use draft::SampleArrays;
 pub use levers::{LEVERS, MakersLever};
 pub use params::*;
 use paths::LAW;
@@ -81,6 +84,8 @@ pub struct Drawn {
     pub design: Option<Box<Design>>,
     /// The file of a table.
     pub file: Option<TableFile>,
+    /// Whether they are arrays of the caller, which no text has.
+    pub arrays: bool,
     /// What is odd about them: a place of the scene and a line.
     odd: Vec<(std::ops::Range<usize>, String)>,
 }
@@ -109,7 +114,16 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`], reading apart.
     pub fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
-        scene_reader::parse(path, text)
+        scene_reader::parse(path, text, None)
+    }
+
+    /// Likewise with arrays in place of `[samples]`, which the text then must not have: as many values of each quantity, in SI
+    /// units. [`Scene::source`] gets a line that tells of them.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`]; arrays of different lengths, or impossible values.
+    pub fn parse_with_samples(path: &Path, text: &str, samples: SampleArrays) -> Result<Self, SceneError> {
+        scene_reader::parse(path, text, Some(samples))
     }
 
     /// Number of instances; 1 without a sweep.

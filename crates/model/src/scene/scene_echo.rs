@@ -124,14 +124,16 @@ impl Scene {
             .partition(|axis| axis.path == SAMPLES);
         let mut swept = swept.into_iter().peekable();
         // Rows of a list that stands in a file are not repeated.
-        let filed = self.sweep.layout == Layout::List && self.drawn.file.is_some();
+        let filed = self.sweep.layout == Layout::List && (self.drawn.file.is_some() || self.drawn.arrays);
         if swept.peek().is_some() && !filed {
             writeln!(text, "\n[{}]", if self.sweep.layout == Layout::Grid { "sweep" } else { "samples" })?;
         }
         for axis in swept.filter(|_| !filed) {
             writeln!(text, "{}", written_axis(axis, self.sweep.layout))?;
         }
-        if self.drawn.design.is_some() || self.drawn.file.is_some() {
+        if self.drawn.arrays {
+            text.push_str("\n# samples: arrays of the caller\n");
+        } else if self.drawn.design.is_some() || self.drawn.file.is_some() {
             text.push_str(&written_samples(&self.drawn));
         }
         for axis in samples.into_iter().filter(|_| self.drawn == Drawn::default()) {

@@ -135,6 +135,11 @@ impl SceneError {
         self.0.faults.first().map_or("", |fault| &fault.title)
     }
 
+    /// What to do about the first mistake.
+    pub fn help(&self) -> Option<&str> {
+        self.0.faults.first().and_then(|fault| fault.help.as_deref())
+    }
+
     /// How many mistakes there are, at least one.
     pub fn count(&self) -> usize {
         self.0.faults.len()

@@ -1,7 +1,8 @@
 //! From the file's text to a checked scene: the sections of the instrument, the sample and the drive.
 
 use super::address::Address;
-use super::draft::{Draft, Said, keys_of};
+use super::array_samples;
+use super::draft::{Draft, GivenSamples, Said, SampleArrays, keys_of};
 use super::levers::{self};
 use super::params::*;
 use super::paths::{TIP_SHAPE, VISCOSITY_MODEL};
@@ -11,6 +12,7 @@ use super::{
     Scene, Steady, SweptAxes, curve_section, design_section, output, rules, setpoint_rules, sweep_section,
 };
 use crate::observe::Observable;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::DeTable;
@@ -56,15 +58,20 @@ pub(super) const SETPOINTS_OF: [(&str, SetPointOf); 3] =
     [("tip", SetPointOf::Tip), ("deflection", SetPointOf::Deflection), ("phase", SetPointOf::Phase)];
 
 /// Reads the text of a scene; `path` is named in messages and kept.
-pub(super) fn parse(path: &Path, source: &str) -> Result<Scene, SceneError> {
+pub(super) fn parse(path: &Path, source: &str, samples: Option<SampleArrays>) -> Result<Scene, SceneError> {
+    let (told, given) = match samples.map(|samples| array_samples::told(source, samples)) {
+        Some((told, given)) => (Cow::Owned(told), Some(given)),
+        None => (Cow::Borrowed(source), None),
+    };
+    let source = &*told;
     // Editors on Windows like to begin a file with a byte order mark; places are counted after it.
     let text = source.strip_prefix('\u{FEFF}').unwrap_or(source);
-    let mut scene = parse_text(path, text).map_err(|faults| faults.in_file(path, text))?;
+    let mut scene = parse_text(path, text, given).map_err(|faults| faults.in_file(path, text))?;
     scene.source = source.to_string();
     Ok(scene)
 }
 
-fn parse_text(path: &Path, source: &str) -> Result<Scene, Faults> {
+fn parse_text(path: &Path, source: &str, given: Option<GivenSamples>) -> Result<Scene, Faults> {
     if source.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
         return Err(Fault::whole("the scene file is empty")
             .expected(
@@ -74,7 +81,7 @@ fn parse_text(path: &Path, source: &str) -> Result<Scene, Faults> {
             .into());
     }
     let document = DeTable::parse(source).map_err(|error| not_toml(source, &error))?;
-    read_document(path, source, document.get_ref())
+    read_document((path, source), document.get_ref(), given)
 }
 
 fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
@@ -120,9 +127,13 @@ fn not_toml(source: &str, error: &toml::de::Error) -> Box<Fault> {
         .maybe_help(help)
 }
 
-fn read_document(path: &Path, source: &str, document: &DeTable) -> Result<Scene, Faults> {
+fn read_document(
+    (path, source): (&Path, &str),
+    document: &DeTable,
+    given: Option<GivenSamples>,
+) -> Result<Scene, Faults> {
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    let mut draft = Draft { folder, ..Draft::default() };
+    let mut draft = Draft { folder, given, ..Draft::default() };
     for key in document.keys().filter(|key| !SECTIONS.contains(&key.get_ref().as_ref())) {
         draft.faults.push(*values::unknown_key(key, "", &SECTIONS));
     }

@@ -30,7 +30,7 @@ pub(super) fn read(key: &Key, table: &DeTable, file: &Value, draft: &mut Draft) 
     draft.drawn.file = Some(named);
     let axes = axes(table.columns, key.span(), draft)?;
     let sweep = SweptAxes { axes, layout: Layout::List, ..SweptAxes::default() };
-    in_all(sweep.len(), key)?;
+    in_all(sweep.len(), &key.span())?;
     axis_zip::check(&sweep, key.span(), draft)?;
     Ok(sweep)
 }
