@@ -271,9 +271,20 @@ impl Sweep {
     /// # Errors
     /// Those of [`Sweep::run`].
     pub fn run_with(&self, observer: &dyn Observer) -> Result<SweepOutcome, Error> {
-        let memory = MemoryJournal::default();
-        let of_all = |run: &mut PlannedSweep| run.run_all(&memory);
-        self.watched(observer, || self.execute(observer, &memory, &of_all)?.gathered())
+        self.run_in(&MemoryJournal::default(), observer)?.gathered()
+    }
+
+    /// Runs like [`Sweep::run_with`], but everything beyond a few bytes for each instance stays packed in the journal.
+    ///
+    /// # Errors
+    /// Those of [`Sweep::run`].
+    pub fn run_in<'k>(
+        &self,
+        memory: &'k MemoryJournal,
+        observer: &dyn Observer,
+    ) -> Result<JournaledOutcome<'k>, Error> {
+        let of_all = |run: &mut PlannedSweep| run.run_all(memory);
+        self.watched(observer, || self.execute(observer, memory, &of_all))
     }
 
     /// Makes the choices for a run of the scene: bases, first steps, precision, chunk size.
