@@ -51,8 +51,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// The program's files call the library by its name, as those of every other program do.
+#[cfg(feature = "cli")]
+extern crate self as afmsweep;
+
 #[cfg(feature = "report")]
 pub mod bench;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 #[cfg(feature = "report")]
 pub mod study;
 

@@ -1,6 +1,4 @@
-//! The `afmsweep` program; everything it does is in the library and in `cli`.
-
-mod cli;
+//! The `afmsweep` program; everything it does is in the library, and in its module `cli`.
 
 /// A searched sweep makes and frees very many states of some kilobytes, which the C library's allocator is slow at.
 #[global_allocator]
@@ -9,7 +7,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> std::process::ExitCode {
     keep_memory();
     silence_device_select();
-    cli::main()
+    afmsweep::cli::main(std::env::args_os()).into()
 }
 
 /// Memory that is free stays with the program, for what comes next. Given back to the system after a while, as is usual, it

@@ -75,30 +75,38 @@ impl EngineArgs {
 
 /// Why an engine was taken that was not named.
 pub(super) fn say_choice(choice: &EngineChoice, voice: Verbosity) {
+    match told(choice) {
+        (_, true) if !voice.verbose => {}
+        (line, _) => voice.say(line),
+    }
+}
+
+/// Why an engine was taken that was not named, and whether that is a detail.
+pub fn told(choice: &EngineChoice) -> (String, bool) {
     match choice {
-        EngineChoice::Short if voice.verbose => {
-            voice.say("on the CPU: so short a run is done before a GPU is ready");
+        EngineChoice::Short => ("on the CPU: so short a run is done before a GPU is ready".into(), true),
+        EngineChoice::Searched => {
+            ("on the CPU: of a search there is too little to step for a GPU to be ahead".into(), true)
         }
-        EngineChoice::Searched if voice.verbose => {
-            voice.say("on the CPU: of a search there is too little to step for a GPU to be ahead");
-        }
-        EngineChoice::NoGpu => voice.say("no hardware GPU found: running on the CPU"),
+        EngineChoice::NoGpu => ("no hardware GPU found: running on the CPU".into(), false),
         EngineChoice::NoDouble(name) => {
-            voice.say(format_args!("{name} cannot compute in f64: running on the CPU"));
+            (format!("{name} cannot compute in f64: running on the CPU"), false)
         }
         EngineChoice::OneOf(indices) => {
             let all = indices.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
-            voice.say(format_args!(
+            let line = format!(
                 "on one of {} GPUs of its kind: --device all, or --device {all}, runs on all of them",
                 indices.len()
-            ));
+            );
+            (line, false)
         }
         EngineChoice::Without(others) => {
-            voice.say(format_args!("on all GPUs of one kind, without those of another: {}", others.join("; ")));
+            (format!("on all GPUs of one kind, without those of another: {}", others.join("; ")), false)
         }
-        EngineChoice::Software => voice.say(
-            "the only GPU adapter is a software driver, which computes on the processor: --backend cpu is faster",
+        EngineChoice::Software => (
+            "the only GPU adapter is a software driver, which computes on the processor: --backend cpu is faster".into(),
+            false,
         ),
-        _ => {}
+        other => (format!("{other:?}"), true),
     }
 }

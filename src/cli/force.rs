@@ -1,9 +1,11 @@
 //! `afmsweep force`: static curves of one instance's contact, over the indentation or under a lever over the base.
 
 use super::{SceneArgs, cells, load, print, print_json};
-use afmsweep::contact::{Contact, Jump, Ramp, RampCurve, StaticCurve};
+use afmsweep::contact::{Contact, Jump, Ramp, RampCurve, StaticCurve, StaticCurves};
 use afmsweep::instrument::Instrument;
+use afmsweep::scene::{Params, Scene};
 use afmsweep::units::{self, Dimension};
+use serde_json::Value;
 
 /// To which the lever's finite elements are fine enough.
 const TOLERANCE: f64 = 1e-10;
@@ -60,23 +62,43 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
         contact.work,
         contact.tabor()
     );
-    let (mut answer, table) = if args.lever {
-        let instrument = Instrument::reduce(&params.instrument, params.drive.on, TOLERANCE)?;
-        let ramp = contact.ramp(1.0 / instrument.bending());
-        head += &jumps(&ramp);
-        (serde_json::to_value(&ramp)?, Table::of_ramp(&ramp))
-    } else {
-        let curves = match args.indentation.as_slice() {
-            [] => contact.curves(),
-            some => contact.curves_at(some),
-        };
-        (serde_json::to_value(&curves)?, Table::of_curves(&curves.curves))
-    };
     if args.scene.json {
-        answer["instance"] = args.instance.into();
-        return print_json(&answer);
+        return print_json(&answer(&scene, args.instance, &args.indentation, args.lever)?);
     }
+    let table = if args.lever {
+        let ramp = ramp(&params)?;
+        head += &jumps(&ramp);
+        Table::of_ramp(&ramp)
+    } else {
+        Table::of_curves(&curves(&contact, &args.indentation).curves)
+    };
     print(&if args.csv { table.csv(&contact.law.to_string())? } else { head + &table.text() })
+}
+
+/// The curves of an instance's contact, of single indentations if there are some; `lever`: over the base.
+///
+/// # Errors
+/// The instrument cannot be reduced.
+pub fn answer(scene: &Scene, instance: usize, indentations: &[f64], lever: bool) -> anyhow::Result<Value> {
+    let params = scene.instance(instance);
+    let mut answer = match lever {
+        true => serde_json::to_value(ramp(&params)?)?,
+        false => serde_json::to_value(curves(&Contact::new(&params), indentations))?,
+    };
+    answer["instance"] = instance.into();
+    Ok(answer)
+}
+
+fn ramp(params: &Params) -> anyhow::Result<Ramp> {
+    let instrument = Instrument::reduce(&params.instrument, params.drive.on, TOLERANCE)?;
+    Ok(Contact::new(params).ramp(1.0 / instrument.bending()))
+}
+
+fn curves(contact: &Contact, indentations: &[f64]) -> StaticCurves {
+    match indentations {
+        [] => contact.curves(),
+        some => contact.curves_at(some),
+    }
 }
 
 /// The jumps of a ramp of the base, and what it loses.

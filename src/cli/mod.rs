@@ -1,7 +1,7 @@
 //! The command line: one file per command. Results go to standard output, messages to standard error.
 
 mod audit_message;
-mod backend;
+pub mod backend;
 mod bench;
 mod cells;
 mod check;
@@ -9,26 +9,26 @@ mod cite;
 mod devices;
 mod explain;
 mod export;
-mod force;
+pub mod force;
 mod glossary;
-mod infer;
+pub mod infer;
 mod init;
 mod merge;
-mod modes;
+pub mod modes;
 mod peek;
-mod plan;
+pub mod plan;
 mod plan_notice;
 mod prepare;
 mod progress_bar;
 mod report;
-mod run;
+pub mod run;
 mod sample;
 mod schema;
 mod shader;
 mod shell;
 mod signals;
 mod slurm;
-mod stats;
+pub mod stats;
 mod stop_message;
 mod study;
 mod table;
@@ -41,7 +41,7 @@ use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::sync::OnceLock;
 use stop_message::Stopped;
 
 /// Reads a scene (TOML: lever, tip, sample, drive, what varies), steps thousands of instances of it side by side, and
@@ -123,6 +123,11 @@ struct SceneArgs {
     json: bool,
 }
 
+/// Exit codes; a command that was stopped, and `--strict`, have further ones.
+const DONE: u8 = 0;
+const FAILED: u8 = 1;
+const MISUSED: u8 = 2;
+
 /// How much to say on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Verbosity {
@@ -147,9 +152,14 @@ fn say(line: impl std::fmt::Display) {
     let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
-/// Parses the arguments, runs the command and turns its outcome into an exit code.
-pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+/// The arguments, the name of the program first.
+static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Parses the arguments, the name of the program first, runs the command and gives its exit code. Once in a process: signals are
+/// its own then.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = ARGUMENTS.get_or_init(|| arguments.into_iter().collect());
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(asked) => return not_parsed(&asked),
     };
@@ -180,7 +190,7 @@ pub fn main() -> ExitCode {
         Command::Study(args) => study::main(&args, voice),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => DONE,
         Err(error) => {
             let scene = match error.downcast_ref::<Error>() {
                 Some(Error::Scene(scene)) => Some(scene),
@@ -191,25 +201,25 @@ pub fn main() -> ExitCode {
                 None => say(format_args!("error: {}", in_full(&error))),
             }
             match error.downcast_ref::<Stopped>() {
-                Some(stopped) => ExitCode::from(stopped.code),
-                None if error.is::<audit_message::Missed>() => ExitCode::from(audit_message::MISSED),
-                None => ExitCode::FAILURE,
+                Some(stopped) => stopped.code,
+                None if error.is::<audit_message::Missed>() => audit_message::MISSED,
+                None => FAILED,
             }
         }
     }
 }
 
 /// Arguments that are wrong, code 2; or the help or version that was asked for, which is an answer like any other.
-fn not_parsed(asked: &clap::Error) -> ExitCode {
+fn not_parsed(asked: &clap::Error) -> u8 {
     use std::io::Write;
     let printed = asked.print().and_then(|()| std::io::stdout().flush());
     match printed {
-        _ if asked.use_stderr() => ExitCode::from(2),
+        _ if asked.use_stderr() => MISUSED,
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             say(format_args!("error: cannot write to standard output: {error}"));
-            ExitCode::FAILURE
+            FAILED
         }
-        _ => ExitCode::SUCCESS,
+        _ => DONE,
     }
 }
 

@@ -3,8 +3,9 @@
 use super::{SceneArgs, load, print, print_json};
 use afmsweep::instrument::{DEFAULT_TOLERANCE, Fluid, Instrument, InstrumentError, mode_summary, modes_in};
 use afmsweep::plan::PlanError;
+use afmsweep::scene::{Scene, SceneError};
 use afmsweep::units::{Dimension, parse};
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[derive(clap::Args)]
 #[command(
@@ -54,17 +55,32 @@ pub fn main(args: &ModesArgs) -> anyhow::Result<()> {
     }
     let instrument =
         Instrument::reduce(&params.instrument, params.drive.on, DEFAULT_TOLERANCE).map_err(refused)?;
-    if args.scene.json {
-        // The list ends where frequencies can no longer be vouched for; shares count all modes.
-        let rest = |shares: Vec<f64>| shares[instrument.resolved..].iter().sum::<f64>();
-        let mut answer = mode_summary::modes_json(&instrument);
-        answer["rest"] = json!({
-            "modes": instrument.modes.len() - instrument.resolved,
-            "tip_share": rest(instrument.tip_shares()),
-            "drive_share": rest(instrument.drive_shares()),
-        });
-        print_json(&answer)
-    } else {
-        print(&mode_summary::modes_table(&instrument))
+    match args.scene.json {
+        true => print_json(&as_json(&instrument)),
+        false => print(&mode_summary::modes_table(&instrument)),
     }
+}
+
+/// The modes of a scene's first instance.
+///
+/// # Errors
+/// The instrument cannot be reduced.
+pub fn answer(scene: &Scene) -> Result<Value, SceneError> {
+    let params = scene.instance(0);
+    let reduced = Instrument::reduce(&params.instrument, params.drive.on, DEFAULT_TOLERANCE);
+    reduced.map(|instrument| as_json(&instrument)).map_err(|source| {
+        PlanError::Instrument { instance: 0, values: String::new(), source }.in_scene(scene)
+    })
+}
+
+fn as_json(instrument: &Instrument) -> Value {
+    // The list ends where frequencies can no longer be vouched for; shares count all modes.
+    let rest = |shares: Vec<f64>| shares[instrument.resolved..].iter().sum::<f64>();
+    let mut answer = mode_summary::modes_json(instrument);
+    answer["rest"] = json!({
+        "modes": instrument.modes.len() - instrument.resolved,
+        "tip_share": rest(instrument.tip_shares()),
+        "drive_share": rest(instrument.drive_shares()),
+    });
+    answer
 }

@@ -3,9 +3,10 @@
 use super::backend::{EngineArgs, say_choice};
 use super::table::TableArgs;
 use super::{SceneArgs, Verbosity, instances, plan_notice, print, print_json};
-use afmsweep::Observer;
 use afmsweep::engine::estimate;
 use afmsweep::sweep::{EngineChoice, Forecast};
+use afmsweep::{Observer, Sweep};
+use serde_json::Value;
 
 #[derive(clap::Args)]
 #[command(after_help = "Examples: afmsweep plan lever.toml\n          afmsweep plan lever.toml --json")]
@@ -21,21 +22,15 @@ pub struct PlanArgs {
 pub fn main(args: &PlanArgs, voice: Verbosity) -> anyhow::Result<()> {
     let sweep = args.engine.sweep(args.table.load(&args.scene.scene)?)?;
     plan_notice::announce(sweep.scene(), voice);
-    let (plan, engine) =
-        sweep.plan(&PlanObserver(Verbosity { quiet: voice.quiet || args.scene.json, ..voice }))?;
+    if args.scene.json {
+        return print_json(&answer(&sweep, true)?);
+    }
+    let (plan, engine) = sweep.plan(&PlanObserver(voice))?;
     let scene = sweep.scene();
     let summary = plan.summary(Some(estimate(&plan, engine.as_ref())?));
-    let forecast = sweep.forecast()?;
     let mut warnings = scene.warnings();
     warnings.extend(plan.doubts());
-    if args.scene.json {
-        let mut answer = summary.json().clone();
-        answer["from_preset"] = scene.from_preset().into_iter().map(|(path, _)| path).collect();
-        answer["warnings"] = warnings.into();
-        answer["expected_time_s"] = forecast.expected.into();
-        return print_json(&answer);
-    }
-    let mut text = told(&forecast);
+    let mut text = told(&sweep.forecast()?);
     text += &summary.to_string();
     for line in scene.preset_line().into_iter().chain(warnings.iter().map(|line| format!("warning: {line}")))
     {
@@ -43,6 +38,24 @@ pub fn main(args: &PlanArgs, voice: Verbosity) -> anyhow::Result<()> {
         text.push('\n');
     }
     print(&text)
+}
+
+/// What a run would do; with `forecast` some instances are run, for the time of all.
+///
+/// # Errors
+/// Those of a plan.
+pub fn answer(sweep: &Sweep, forecast: bool) -> anyhow::Result<Value> {
+    let (plan, engine) = sweep.plan(&PlanObserver(Verbosity { quiet: true, verbose: false }))?;
+    let scene = sweep.scene();
+    let mut answer = plan.summary(Some(estimate(&plan, engine.as_ref())?)).json().clone();
+    let mut warnings = scene.warnings();
+    warnings.extend(plan.doubts());
+    answer["from_preset"] = scene.from_preset().into_iter().map(|(path, _)| path).collect();
+    answer["warnings"] = warnings.into();
+    if forecast {
+        answer["expected_time_s"] = sweep.forecast()?.expected.into();
+    }
+    Ok(answer)
 }
 
 /// The time that a run takes, by those of its instances that were run.

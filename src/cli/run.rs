@@ -12,7 +12,7 @@ use super::table::TableArgs;
 use super::{STANDARD_INPUT, Verbosity, counted, plan_notice, print_json, values};
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::Progress;
-use afmsweep::store::{self, ExistingFile, Journal, RunFile};
+use afmsweep::store::{self, ExistingFile, Journal, Results, RunFile};
 use afmsweep::sweep::{RunJournal, Share};
 use afmsweep::{Audit, Error, Scene, Status, Sweep};
 use anyhow::Context;
@@ -92,7 +92,7 @@ fn parse_share(text: &str) -> Result<Share, String> {
 
 /// How this program was called, as a shell would take it again.
 pub(super) fn command_line() -> String {
-    let quoted = |word: std::ffi::OsString| {
+    let quoted = |word: &std::ffi::OsString| {
         let word = word.to_string_lossy().into_owned();
         let plain = |c: char| c.is_alphanumeric() || "-_./:=,+@%".contains(c);
         if !word.is_empty() && word.chars().all(plain) {
@@ -101,7 +101,7 @@ pub(super) fn command_line() -> String {
             format!("'{}'", word.replace('\'', r"'\''"))
         }
     };
-    let words = std::env::args_os().skip(1).map(quoted);
+    let words = super::ARGUMENTS.get().into_iter().flatten().skip(1).map(quoted);
     std::iter::once("afmsweep".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
@@ -130,14 +130,14 @@ impl RunArgs {
             _ => ExistingFile::Kept,
         }
     }
+}
 
-    /// Whether there is nothing left to go on with: the results stand there.
-    fn is_done(&self, output: &Path, scene: &Scene) -> bool {
-        self.resume.is_some()
-            && !store::partial_path(output).exists()
-            && store::scene_of(output).is_ok_and(|text| text == scene.source)
-            && store::read(output).is_ok_and(|all| !all.status.contains(&(Status::NotRun as u8)))
-    }
+/// The whole results of a scene, where they stand at `output` and nothing is left to go on with.
+pub fn finished(output: &Path, scene: &Scene) -> Option<Results> {
+    let is_whole = |all: &Results| !all.status.contains(&(Status::NotRun as u8));
+    let stands = !store::partial_path(output).exists()
+        && store::scene_of(output).is_ok_and(|text| text == scene.source);
+    stands.then(|| store::read(output).ok().filter(is_whole)).flatten()
 }
 
 /// What a run says and does until its sweep begins.
@@ -220,7 +220,7 @@ pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {
     signals::listen(&progress, voice);
     let scene = args.table.load(&args.scene)?;
     let output = args.output();
-    if args.is_done(&output, &scene) {
+    if args.resume.is_some() && finished(&output, &scene).is_some() {
         voice.say(format_args!("{} is whole: nothing to go on with", output.display()));
         let kept = serde_json::json!({ "version": run_json::VERSION, "file": output.to_string_lossy(), "kept": true });
         return if args.json { print_json(&kept) } else { Ok(()) };

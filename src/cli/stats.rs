@@ -68,19 +68,9 @@ type Told<'a> = Vec<(&'a StudyOutput, Result<Summary, StatsError>)>;
 
 pub fn main(args: &StatsArgs, voice: Verbosity) -> anyhow::Result<()> {
     let study = Study::of(&store::read(&args.file)?)?;
-    let outputs: Vec<&StudyOutput> = match args.observables.as_slice() {
-        [] => study.outputs.iter().collect(),
-        names => names.iter().map(|name| study.output(name)).collect::<Result<_, _>>()?,
-    };
-    let options = args.rows.options();
-    let points: Vec<Told> = (0..study.points())
-        .map(|point| {
-            let one = |output: &&'_ StudyOutput| stats::summary(&study, output, point, &options);
-            outputs.iter().map(|output| (*output, one(output))).collect()
-        })
-        .collect();
+    let points = told(&study, &args.observables, &args.rows.options())?;
     match args.json {
-        true => print_json(&as_json(args, &study, &points))?,
+        true => print_json(&as_json(&args.file.to_string_lossy(), &study, &points))?,
         false => print(&as_text(&study, &points))?,
     }
     if let Some(folder) = &args.output {
@@ -102,11 +92,37 @@ pub fn main(args: &StatsArgs, voice: Verbosity) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn as_json(args: &StatsArgs, study: &Study, points: &[Told]) -> Value {
+/// What is told of these observables, or of all, at each point.
+fn told<'a>(
+    study: &'a Study,
+    names: &[String],
+    options: &SummaryOptions,
+) -> Result<Vec<Told<'a>>, StatsError> {
+    let outputs: Vec<&StudyOutput> = match names {
+        [] => study.outputs.iter().collect(),
+        names => names.iter().map(|name| study.output(name)).collect::<Result<_, _>>()?,
+    };
+    let one = |output: &'a StudyOutput, point| (output, stats::summary(study, output, point, options));
+    let point = |point| outputs.iter().map(|output| one(output, point)).collect();
+    Ok((0..study.points()).map(point).collect())
+}
+
+/// The statistics of these observables.
+///
+/// # Errors
+/// There is none of a name, or one cannot be told.
+pub fn answer(study: &Study, names: &[String], options: &SummaryOptions) -> Result<Value, StatsError> {
+    let points = told(study, names, options)?;
+    let answer = as_json("", study, &points);
+    let failed = points.into_iter().flatten().find_map(|(_, told)| told.err());
+    failed.map_or(Ok(answer), Err)
+}
+
+fn as_json(file: &str, study: &Study, points: &[Told]) -> Value {
     let design = &study.design;
     let mut answer = json!({
         "version": 1,
-        "file": args.file.to_string_lossy(),
+        "file": file,
         "kind": design.kind.word(),
         "samples": design.samples,
         "replicates": design.replicates,

@@ -15,8 +15,9 @@ use afmsweep::report;
 use afmsweep::stats::{Observed, Study, posterior};
 use afmsweep::store;
 use anyhow::{Context, bail};
+use clap::Parser;
 use inference_messages::{InferenceAnswer, ObservedValues};
-use serde_json::json as object;
+use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -46,12 +47,37 @@ pub struct InferArgs {
     json: bool,
 }
 
+/// The arguments alone.
+#[derive(clap::Parser)]
+#[command(no_binary_name = true)]
+struct InferWords {
+    #[command(flatten)]
+    args: InferArgs,
+}
+
+/// What a study tells, one object for each point, and what is doubtful about it; by the words of the command line behind the
+/// file.
+///
+/// # Errors
+/// Words that mean nothing; what was observed does not fit the study.
+pub fn answer(study: &Study, words: &[String]) -> anyhow::Result<(Vec<Value>, Vec<String>)> {
+    let all = std::iter::once("the samples").chain(words.iter().map(String::as_str));
+    let args = InferWords::try_parse_from(all)?.args;
+    let answers = answers(study, &args, Verbosity { quiet: true, verbose: false })?;
+    let doubts = answers.iter().filter_map(InferenceAnswer::misfit).collect();
+    Ok((answers.iter().map(|answer| answer.json(study)).collect(), doubts))
+}
+
+fn answers(study: &Study, args: &InferArgs, voice: Verbosity) -> anyhow::Result<Vec<InferenceAnswer>> {
+    match file(&args.observed)? {
+        Some(file) => curve_comparison::answers(study, file, args, voice),
+        None => of_values(study, args),
+    }
+}
+
 pub fn main(args: &InferArgs, voice: Verbosity) -> anyhow::Result<()> {
     let study = Study::of(&store::read(&args.file)?)?;
-    let answers = match file(&args.observed)? {
-        Some(file) => curve_comparison::answers(&study, file, args, voice)?,
-        None => of_values(&study, args)?,
-    };
+    let answers = answers(&study, args, voice)?;
     for answer in &answers {
         warn(answer, voice);
     }
