@@ -4,6 +4,8 @@
 # make site    the documents as pages, in target/site
 # make lint    formatting, clippy, documentation
 # make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program, and without a warning (a minute or two)
+# make python-package-check   the Python package's tests (some seconds more than those of Rust take to build)
+# make wheel   the Python package as a wheel for Linux, tried in an empty environment, in target/wheels (ten minutes)
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
@@ -26,7 +28,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check site python python-check scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers clean
+.PHONY: help demo test test-all deps build lint library-check site python python-check python-package-check wheel scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -74,6 +76,13 @@ $(PYTHON): tests/python/requirements.txt
 
 python-check: deps $(PYTHON)
 	tools/python_check.sh $(FEATURES)
+
+python-package-check: deps $(PYTHON)
+	tools/python_package_check.sh $(FEATURES)
+
+wheel:
+	@STATIC=1 tools/deps.sh
+	tools/wheel.sh
 
 $(SCIPY): tests/python/reference/requirements.txt
 	tools/venv.sh target/scipy tests/python/reference/requirements.txt

@@ -90,7 +90,7 @@ fn stem(file: &str) -> &str {
 }
 
 fn all() -> Vec<(String, String)> {
-    let all = ["src", "crates"].into_iter().flat_map(sources);
+    let all = ["src", "crates", "python"].into_iter().flat_map(sources);
     all.filter(|(file, _)| file.starts_with("src/") || file.contains("/src/")).collect()
 }
 
