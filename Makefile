@@ -59,7 +59,7 @@ test-all: deps library-check scipy-check signal-check kill-check fuzz-files
 ## check all libraries once more. What warns in the library without its features, `library-check` says.
 lint: deps
 	cargo fmt --check
-	cargo clippy --all-targets $(FEATURES) -- -D warnings
+	cargo clippy --workspace --all-targets $(FEATURES) -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --lib --examples $(FEATURES)
 
 site: $(PYTHON)

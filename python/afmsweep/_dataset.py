@@ -14,8 +14,12 @@ Groups = list[tuple[str, dict[str, Any], list[tuple[Any, ...]]]]
 def _attributes(told: dict[str, Any]) -> dict[str, Any]:
     import numpy as np
 
-    kinds = {bytes: lambda codes: np.frombuffer(codes, "u1").copy(), float: np.float64}
-    return {name: kinds.get(type(value), lambda same: same)(value) for name, value in told.items()}
+    def one(value: Any) -> Any:
+        if isinstance(value, bytes):
+            return np.frombuffer(value, "u1").copy()
+        return np.float64(value) if isinstance(value, float) else value
+
+    return {name: one(value) for name, value in told.items()}
 
 
 def _group(attributes: dict[str, Any], arrays: list[tuple[Any, ...]]) -> xr.Dataset:
@@ -38,8 +42,9 @@ def _group(attributes: dict[str, Any], arrays: list[tuple[Any, ...]]) -> xr.Data
         variables[name] = xr.Variable(dims, data.reshape(shape), labels, encoding, fastpath=True)
         if is_dimension:
             coordinates.add(name)
-    data = {name: one for name, one in variables.items() if name not in coordinates}
-    return xr.Dataset(data, {name: variables[name] for name in variables if name in coordinates}, _attributes(attributes))
+    own = {name: one for name, one in variables.items() if name not in coordinates}
+    beside_them = {name: one for name, one in variables.items() if name in coordinates}
+    return xr.Dataset(own, beside_them, _attributes(attributes))
 
 
 def root(groups: Groups) -> xr.Dataset:

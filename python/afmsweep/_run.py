@@ -111,7 +111,7 @@ def _groups(
         except BaseException as stop:
             partial = getattr(stop, "partial", None)
             with contextlib.suppress(AttributeError):
-                stop.partial = make(partial) if isinstance(partial, list) else None
+                setattr(stop, "partial", make(partial) if isinstance(partial, list) else None)  # noqa: B010
             raise
     for doubt in doubts:
         warnings.warn(doubt, SceneWarning, stacklevel=3)

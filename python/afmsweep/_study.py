@@ -112,8 +112,8 @@ def infer(
         for option, value in (("direction", direction), ("offset", offset), ("scale", scale)):
             words += [] if value is None else [f"--{option}", value]
         words += ["--left-out", repr(100 * left_out), *(word for status in keep for word in ("--keep", status))]
-        known = [str(name) for name, one in data.data_vars.items() if "error_scale" in one.attrs]
-        points, doubts = json.loads(_afmsweep.infer(_dataset.study(data, known), words))
+        names = [str(name) for name, one in data.data_vars.items() if "error_scale" in one.attrs]
+        points, doubts = json.loads(_afmsweep.infer(_dataset.study(data, names), words))
     for doubt in doubts:
         warnings.warn(doubt, SceneWarning, stacklevel=2)
     return points[0] if len(points) == 1 else points

@@ -25,7 +25,7 @@ _BUSY, _AGAIN = "another run is writing", 5.0
 
 def _command(*words: str | os.PathLike[str]) -> None:
     """Runs the command in a process of its own; a worker that is stopped takes it along."""
-    call = [sys.executable, "-m", "afmsweep", *map(os.fspath, words)]
+    call = [sys.executable, "-m", "afmsweep", *(os.fspath(word) for word in words)]
     # The process of a worker that died may still be at its share.
     while (done := subprocess.run(call, capture_output=True, text=True)).returncode and _BUSY in done.stderr:
         time.sleep(_AGAIN)
@@ -55,7 +55,7 @@ def prepare(scene: SceneLike, folder: str | os.PathLike[str], *, portion: int | 
 def run_shard(number: int, shards: int, folder: str | os.PathLike[str], *, threads: int = 1) -> Path:
     """Runs share ``number`` (from 1) of a run that `prepare` has made a folder for, or goes on with it; gives its file."""
     file = _file(folder, f"{number}-of-{shards}.h5")
-    share = ["--shard", f"{number}/{shards}", "--choices", _file(folder, "choices.toml"), "-o", file]
+    share: list[str | Path] = ["--shard", f"{number}/{shards}", "--choices", _file(folder, "choices.toml"), "-o", file]
     _command("run", _file(folder, "scene.toml"), "-q", "--resume", "--threads", str(threads), *share)
     return file
 

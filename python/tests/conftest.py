@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import pytest
@@ -30,13 +29,6 @@ LEVER = {
 @pytest.fixture
 def scene():
     return afm.Scene(LEVER)
-
-
-@pytest.fixture(autouse=True)
-def quiet():
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", afm.SceneWarning)
-        yield
 
 
 @pytest.fixture(scope="session")
