@@ -15,7 +15,7 @@ done < <(git ls-files '*.md')
 while read -r file; do
     mkdir -p "$source/$(dirname "$file")"
     cp "$file" "$source/$file"
-done < <(git ls-files '*.svg' '*.csv' '*.json' 'LICENSE*' 'scenes/*' 'tests/hard/*' 'tests/clusters/*' 'examples/*' 'benches/*' 'src/*' 'crates/*' 'CITATION.cff')
+done < <(git ls-files '*.svg' '*.csv' '*.json' '*.ipynb' 'LICENSE*' 'scenes/*' 'tests/hard/*' 'tests/clusters/*' 'examples/*' 'benches/*' 'src/*' 'crates/*' 'CITATION.cff' | grep -v '\.md$')
 cp tools/site.css "$source/"
 # Without its warnings it would not fail on them.
 log=target/site.log

@@ -67,7 +67,7 @@ def test_the_readme_in_python(tmp_path, command):
     ("name", "library", "code"),
     [
         ("saltelli", "SALib", "assert saltelli.main(256) < 0.1"),
-        ("posterior", "emcee", "mean, sd = posterior.main(200)\nassert abs(mean[0] - 2.7e9) < 3 * sd[0]"),
+        ("posterior", "emcee", "mean, sd = posterior.main()\nassert abs(mean[0] - 2.7e9) < 3 * sd[0]"),
         ("fit_curve", "scipy", "found, spread = fit_curve.main()\nassert abs(found[0] - 2.2) < 3 * spread[0]"),
         ("shares", "distributed", "import sys\nif __name__ == '__main__':\n    one = dict(n_workers=2, threads_per_worker=1, dashboard_address=None)\n    data = shares.main('here', **one)\n    import afmsweep\n    whole = afmsweep.run(shares.SWEEP, audit=0)\n    assert whole.amplitude.equals(data.amplitude)"),
     ],
@@ -77,6 +77,12 @@ def test_examples(name, library, code, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(f"import sys\nsys.path.insert(0, {str(EXAMPLES)!r})\nimport {name}\n{code}\n", encoding="utf-8")
     ran([script], tmp_path)
+
+
+@pytest.mark.parametrize("name", ["approach_curves", "phase_contrast", "modulus"])
+def test_notebooks_print_what_they_say(name, tmp_path):
+    pytest.importorskip("matplotlib")
+    ran([ROOT / "tools" / "run_notebooks.py", ROOT / "docs" / "notebooks" / f"{name}.ipynb"], tmp_path)
 
 
 def test_the_job_array(tmp_path):

@@ -76,3 +76,51 @@ pub(super) fn beside(given: &GivenSamples, section: &str, other: Range<usize>) -
         .expected("arrays, or a section of the scene")
         .help("remove one of the two")
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::{Layout, SampleArrays, Scene};
+    use std::path::Path;
+
+    const TEXT: &str = "\u{FEFF}[contact]\nlaw = \"hertz\"";
+
+    fn radii(values: &[f64]) -> SampleArrays {
+        vec![("instrument.tip.radius".into(), values.to_vec()), ("approach.gap".into(), vec![1e-8, 2e-8])]
+    }
+
+    fn read(text: &str, arrays: SampleArrays) -> Result<Scene, String> {
+        let read = Scene::parse_with_samples(Path::new("arrays.toml"), text, arrays);
+        read.map_err(|error| format!("{:?} {}", error.line_column(), error.title()))
+    }
+
+    /// Arrays are what the same numbers as text are, alone and beside a grid.
+    #[test]
+    fn arrays_are_lists_of_samples() {
+        let list = "\n[samples]\n\"instrument.tip.radius\" = [\"8 nm\", \"9 nm\"]\n\"approach.gap\" = [\"10 nm\", \"20 nm\"]";
+        for beside in ["", "\n[sweep]\n\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"2 GPa\"] }"] {
+            let text = format!("{TEXT}{beside}");
+            let given = read(&text, radii(&[8e-9, 9e-9])).expect("it is a scene");
+            let listed = Scene::parse(Path::new("list.toml"), &(text + list)).expect("it is a scene");
+            assert_eq!(given.sweep, listed.sweep);
+            assert_eq!(given.sweep.layout == Layout::List, beside.is_empty());
+            let resolved = given.resolved_toml();
+            assert!(resolved.contains("arrays of the caller") && !resolved.contains("9 nm"), "{resolved}");
+        }
+    }
+
+    /// The place of a mistake is the line that tells of the arrays, also after a byte order mark.
+    #[test]
+    fn mistakes_are_told_at_the_line_of_the_arrays() {
+        for (text, arrays, why) in [
+            (TEXT, radii(&[8e-9, -1.0]), "row 1 of `instrument.tip.radius` has an impossible value"),
+            (TEXT, radii(&[8e-9]), "the arrays of the samples differ in length"),
+            (TEXT, vec![("tip.radius".into(), vec![1.0])], "`tip.radius` is not a quantity of a scene"),
+            (TEXT, vec![], "samples have no or too many rows"),
+        ] {
+            assert_eq!(read(text, arrays).err(), Some(format!("Some((4, 1)) {why}")));
+        }
+        let both = format!("{TEXT}\n[samples]\n\"approach.gap\" = [\"1 nm\"]");
+        let told = read(&both, radii(&[8e-9, 9e-9])).expect_err("two ways");
+        assert_eq!(told, "Some((6, 1)) the samples are given in two ways");
+    }
+}
