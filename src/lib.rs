@@ -57,8 +57,10 @@ extern crate self as afmsweep;
 
 #[cfg(feature = "report")]
 pub mod bench;
+// Its comments are texts for terminals.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
+#[allow(rustdoc::all)]
 pub mod cli;
 #[cfg(feature = "report")]
 pub mod study;

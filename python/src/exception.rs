@@ -57,11 +57,14 @@ pub fn of_engine(error: &EngineError) -> PyErr {
 pub fn of_store(error: &StoreError) -> PyErr {
     let text = plain(&error.to_string());
     match error {
+        StoreError::Unresumed { partial, kept } => PyFileExistsError::new_err(format!(
+            "{} holds {kept} portions of a run of this scene: resume=True goes on with them; or remove it",
+            partial.display()
+        )),
         StoreError::Missing { .. } | StoreError::Unfinished { .. } => PyFileNotFoundError::new_err(text),
-        StoreError::OtherScene { .. }
-        | StoreError::Occupied { .. }
-        | StoreError::PartialTaken { .. }
-        | StoreError::Unresumed { .. } => PyFileExistsError::new_err(text),
+        StoreError::OtherScene { .. } | StoreError::Occupied { .. } | StoreError::PartialTaken { .. } => {
+            PyFileExistsError::new_err(text)
+        }
         StoreError::Foreign { .. }
         | StoreError::Damaged { .. }
         | StoreError::Changed { .. }
@@ -93,8 +96,11 @@ pub fn plain(text: &str) -> String {
 }
 
 fn line(text: &str) -> String {
-    let is_of_shell = |clause: &&str| !clause.contains("`afmsweep ") && !clause.contains(" -o");
-    let clauses: Vec<&str> = text.split("; ").filter(is_of_shell).collect();
+    // What is wrong comes first, what to do after it.
+    let is_of_shell =
+        |clause: &str| ["`afmsweep ", "--overwrite", "-o "].iter().any(|word| clause.contains(word));
+    let clauses = text.split("; ").enumerate().filter(|(n, clause)| *n == 0 || !is_of_shell(clause));
+    let clauses: Vec<&str> = clauses.map(|(_, clause)| clause).collect();
     let mut words = Vec::new();
     for word in clauses.join("; ").split(' ') {
         let open = word.len() - word.trim_start_matches('(').len();
@@ -102,6 +108,7 @@ fn line(text: &str) -> String {
             Some(option) if option.starts_with(|first: char| first.is_ascii_lowercase()) => {
                 format!("{}{}", &word[..open], option.replace('-', "_"))
             }
+            _ if word == "-o" => "output".to_owned(),
             _ => word.to_owned(),
         });
     }
