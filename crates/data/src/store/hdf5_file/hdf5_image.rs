@@ -11,7 +11,8 @@ pub(super) fn in_memory() -> hdf5::Result<File> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let name = format!("afmsweep-{}", NUMBER.fetch_add(1, Ordering::Relaxed));
     File::with_options()
-        .with_fapl(|p| p.core_filebacked(false))
+        // HDF5 2 would write a newer form of the head, and older libraries could not read the file.
+        .with_fapl(|p| p.core_filebacked(false).libver_earliest())
         .with_fcpl(|p| p.link_creation_order(LinkOrder::Indexed).attr_creation_order(AttrOrder::Indexed))
         .create(&name)
 }
