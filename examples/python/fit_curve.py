@@ -9,11 +9,10 @@ curve is made up, with noise.
 import sys
 from pathlib import Path
 
+import afmsweep as afm
 import numpy as np
 from lever import SCENE
 from scipy.optimize import least_squares
-
-import afmsweep as afm
 
 AMPLITUDE, PHASE = 0.1e-9, 0.5   # noise: m, degree
 

@@ -11,11 +11,10 @@ import os
 import sys
 from pathlib import Path
 
+import afmsweep as afm
 import numpy as np
 import xarray as xr
 from lever import SCENE
-
-import afmsweep as afm
 
 
 def run(table, folder):

@@ -1,11 +1,10 @@
 """Modulus and tip radius from a measured amplitude and phase, by emcee on an interpolated grid. Needs emcee, scipy."""
 
+import afmsweep as afm
 import emcee
 import numpy as np
 from lever import SCENE
 from scipy.interpolate import RegularGridInterpolator
-
-import afmsweep as afm
 
 SEEN = {"amplitude": (16.14e-9, 0.02e-9), "phase": (53.8, 0.5)}   # m, degree
 LOW, HIGH = np.array([1e9, 5e-9]), np.array([5e9, 15e-9])         # Pa, m

@@ -3,12 +3,11 @@
 import sys
 import time
 
+import afmsweep as afm
 import numpy as np
 from lever import SCENE
 from SALib.analyze import sobol as analysis
 from SALib.sample import sobol as sampling
-
-import afmsweep as afm
 
 STUDY = afm.Design("saltelli", samples=2048, replicates=16, parameters={
     "instrument.cantilever.stiffness": afm.normal("42 N/m", "10 %"),

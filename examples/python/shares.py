@@ -3,10 +3,9 @@
 import sys
 import tempfile
 
+from afmsweep.dask import merge, prepare, run_shard
 from dask.distributed import Client
 from lever import SCENE
-
-from afmsweep.dask import merge, prepare, run_shard
 
 SWEEP = SCENE.set({"sweep": {
     "approach.gap": {"from": "10 nm", "to": "19 nm", "points": 40},

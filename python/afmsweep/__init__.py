@@ -18,7 +18,7 @@ Messages go to the logger ``afmsweep``, doubts to ``warnings`` as `SceneWarning`
 """
 
 from ._afmsweep import SceneError
-from ._design import Design, loguniform, lognormal, normal, triangular, uniform
+from ._design import Design, lognormal, loguniform, normal, triangular, uniform
 from ._run import SceneWarning, open, run, run_tree
 from ._scene import Scene
 from ._study import infer, report, sobol, stats

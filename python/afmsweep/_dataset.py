@@ -76,7 +76,13 @@ def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
     values = np.arange(one.size, dtype="f8") if words else np.ascontiguousarray(one.values, "f8")
     columns = [column for column in _text(one, "quantities").split() if column in data]
     told = {key: _text(one, key) for key in ("units", "long_name", "scene_path")}
-    return {"name": name, **told, "words": words, "values": values, "columns": [_axis(data, column) for column in columns]}
+    return {
+        "name": name,
+        **told,
+        "words": words,
+        "values": values,
+        "columns": [_axis(data, column) for column in columns],
+    }
 
 
 def study(data: xr.Dataset, names: Sequence[str]) -> dict[str, Any]:
@@ -95,7 +101,9 @@ def study(data: xr.Dataset, names: Sequence[str]) -> dict[str, Any]:
         one = data[name].transpose(*dims, ...)
         told = {key: _text(one, key) for key in ("units", "long_name", "error_scale")}
         harmonics = one.sizes.get("harmonic") if "harmonic" in one.dims else None
-        variables.append({"name": name, **told, "harmonics": harmonics, "values": np.ascontiguousarray(one.values, "f8").ravel()})
+        variables.append(
+            {"name": name, **told, "harmonics": harmonics, "values": np.ascontiguousarray(one.values, "f8").ravel()}
+        )
     codes = {
         name: np.ascontiguousarray(data[name].transpose(*dims).values, "u1").ravel()
         for name in ("status", "jump", "branch")

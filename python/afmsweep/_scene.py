@@ -115,7 +115,14 @@ class Scene:
 
         ``forecast`` runs some instances, for ``expected_time_s`` (s).
         """
-        options = {"backend": backend, "precision": None, "threads": threads, "audit": None, "output": None, "resume": False}
+        options = {
+            "backend": backend,
+            "precision": None,
+            "threads": threads,
+            "audit": None,
+            "output": None,
+            "resume": False,
+        }
         return json.loads(_afmsweep.plan(self.text, self.name, [], options, forecast))
 
 

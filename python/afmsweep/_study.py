@@ -59,7 +59,9 @@ def sobol(data: xr.Dataset, name: str, *, left_out: float = 0.05, keep: Iterable
     import xarray as xr
 
     answer = _answer(data, name, left_out, keep)
-    points = [answer["observables"][name]] if "observables" in answer else [p["observables"][name] for p in answer["points"]]
+    points = (
+        [answer["observables"][name]] if "observables" in answer else [p["observables"][name] for p in answer["points"]]
+    )
     places = [] if "observables" in answer else [str(dim) for dim in data.status.dims if dim != "sample"]
     shape = [data.sizes[dim] for dim in places]
     found = {}

@@ -97,8 +97,8 @@ fn labels(all: &[(&str, AttributeValue)]) -> Vec<(String, Label)> {
     all.iter().map(one).collect()
 }
 
-/// `[(name, attributes, [(name, is a dimension, dims, shape, attributes, kind, buffer or words)])]`; numbers are handed over one array
-/// after the other.
+/// `[(name, attributes, [(name, is a dimension, dims, shape, attributes, kind, buffer or words)])]`; numbers are handed
+/// over one array after the other.
 pub fn to_python(py: Python<'_>, groups: Vec<LabelledGroup>) -> PyResult<Bound<'_, PyList>> {
     let all = PyList::empty(py);
     for group in groups {

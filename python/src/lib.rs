@@ -11,8 +11,8 @@ mod study_call;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 
-/// Does the work on threads that end with it. Threads that stayed behind would be missing in a process that is forked later, and its
-/// work would wait for them for ever.
+/// Does the work on threads that end with it. Threads that stayed behind would be missing in a process that is forked
+/// later, and its work would wait for them for ever.
 fn on_own_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let threads = threads.or_else(|| std::thread::available_parallelism().map(usize::from).ok());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(1)).build();

@@ -85,8 +85,9 @@ pub fn scene(text: &str, name: &str, samples: SampleArrays) -> PyResult<Scene> {
     read.map_err(|error| exception::of_scene(&error))
 }
 
-/// Runs a scene. `report` is called with `("progress", (phase, share))` and with messages: `("warning", text)`, `("info", text)`,
-/// `("debug", text)`. What it raises stops the run and is raised here; what is done by then is its attribute `partial`.
+/// Runs a scene. `report` is called with `("progress", (phase, share))` and with messages: `("warning", text)`,
+/// `("info", text)`, `("debug", text)`. What it raises stops the run and is raised here; what is done by then is its
+/// attribute `partial`.
 #[pyfunction]
 pub fn run<'py>(
     py: Python<'py>,

@@ -103,7 +103,8 @@ pub fn stats(
     answer.map(|answer| answer.to_string()).map_err(|error| refused(&error.to_string()))
 }
 
-/// What observed values or a measured curve tell, as JSON: a list of points and one of doubts. `words`: as the command takes them.
+/// What observed values or a measured curve tell, as JSON: a list of points and one of doubts. `words`: as the command
+/// takes them.
 #[pyfunction]
 pub fn infer(py: Python<'_>, data: StudyData, words: Vec<String>) -> PyResult<String> {
     let study = data.study(py)?;

@@ -21,7 +21,9 @@ def environment(**more):
 
 
 def ran(words, folder, **more):
-    done = subprocess.run([sys.executable, *map(str, words)], cwd=folder, env=environment(**more), capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, *map(str, words)], cwd=folder, env=environment(**more), capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -69,7 +71,11 @@ def test_the_readme_in_python(tmp_path, command):
         ("saltelli", "SALib", "assert saltelli.main(256) < 0.1"),
         ("posterior", "emcee", "mean, sd = posterior.main()\nassert abs(mean[0] - 2.7e9) < 3 * sd[0]"),
         ("fit_curve", "scipy", "found, spread = fit_curve.main()\nassert abs(found[0] - 2.2) < 3 * spread[0]"),
-        ("shares", "distributed", "import sys\nif __name__ == '__main__':\n    one = dict(n_workers=2, threads_per_worker=1, dashboard_address=None)\n    data = shares.main('here', **one)\n    import afmsweep\n    whole = afmsweep.run(shares.SWEEP, audit=0)\n    assert whole.amplitude.equals(data.amplitude)"),
+        (
+            "shares",
+            "distributed",
+            "import sys\nif __name__ == '__main__':\n    one = dict(n_workers=2, threads_per_worker=1, dashboard_address=None)\n    data = shares.main('here', **one)\n    import afmsweep\n    whole = afmsweep.run(shares.SWEEP, audit=0)\n    assert whole.amplitude.equals(data.amplitude)",
+        ),
     ],
 )
 def test_examples(name, library, code, tmp_path):

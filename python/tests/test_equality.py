@@ -3,34 +3,48 @@
 The truth is another path: the command in a process of its own, its HDF5 file, and two other readers of that.
 """
 
+import afmsweep as afm
 import numpy as np
 import pytest
 import xarray as xr
 from conftest import LEVER
-
-import afmsweep as afm
 
 # They tell of the call, or sum up others that do.
 OF_THE_CALL = {"history", "command_line", "wall_time_seconds", "instance_steps_per_second", "checksums"}
 # Named in a list, its rows are in a file for the one and in arrays for the other.
 OF_THE_ROWS = {"scene", "scene_resolved"}
 
-GRID = {"sweep": {"sample.youngs_modulus": {"values": ["1 GPa", "2 GPa"]}, "approach.gap": {"from": 12e-9, "to": 18e-9, "points": 4}}}
+GRID = {
+    "sweep": {
+        "sample.youngs_modulus": {"values": ["1 GPa", "2 GPa"]},
+        "approach.gap": {"from": 12e-9, "to": 18e-9, "points": 4},
+    }
+}
 SCENES = {
     "one": {},
     "grid": {**GRID, "output.observables": ["amplitude", "phase", "harmonic_amplitude", "dissipation", "virial"]},
     "labels": {
-        "sweep": {"material": {"label": ["PS", "PMMA"], "sample.youngs_modulus": [2e9, 2.7e9]}, "contact.law": {"values": ["hertz", "dmt"]}}
+        "sweep": {
+            "material": {"label": ["PS", "PMMA"], "sample.youngs_modulus": [2e9, 2.7e9]},
+            "contact.law": {"values": ["hertz", "dmt"]},
+        }
     },
     "list": {"samples": {"sample.youngs_modulus": [1e9, 2e9, 3e9], "instrument.tip.radius": ["5 nm", "8 nm", "9 nm"]}},
     "design": {
-        "uncertain": {"sample.youngs_modulus": afm.uniform("1 GPa", "3 GPa"), "instrument.tip.radius": afm.normal("9 nm", "10 %")},
+        "uncertain": {
+            "sample.youngs_modulus": afm.uniform("1 GPa", "3 GPa"),
+            "instrument.tip.radius": afm.normal("9 nm", "10 %"),
+        },
         "design": {"kind": "saltelli", "samples": 4},
     },
     "curve": {"curve": {"quantity": "approach.gap", "from": "22 nm", "to": "14 nm", "points": 9, "direction": "both"}},
     "set-point": {"approach": {"setpoint": 0.8}, "sweep": {"sample.youngs_modulus": {"values": [1e9, 3e9]}}},
     "branches": {"run.branches": "both", **GRID},
-    "waveforms": {**GRID, "output.waveforms": {"instances": [0, 3], "samples_per_period": 16, "periods": 1}, "output.spectra": {"instances": [1]}},
+    "waveforms": {
+        **GRID,
+        "output.waveforms": {"instances": [0, 3], "samples_per_period": 16, "periods": 1},
+        "output.spectra": {"instances": [1]},
+    },
 }
 
 
@@ -45,7 +59,9 @@ def apart(ours, theirs, passed_over=OF_THE_CALL):
     for name in set(ours.variables) & set(theirs.variables):
         a, b = ours.variables[name], theirs.variables[name]
         alike = a.dtype == b.dtype and a.dims == b.dims and a.shape == b.shape
-        same = alike and (a.values.tobytes() == b.values.tobytes() if a.dtype.kind != "O" else list(a.values) == list(b.values))
+        same = alike and (
+            a.values.tobytes() == b.values.tobytes() if a.dtype.kind != "O" else list(a.values) == list(b.values)
+        )
         if not same or a.encoding.get("coordinates") != b.encoding.get("coordinates"):
             found.append(f"{name}: {a.dtype} {b.dtype} {a.dims} {b.dims}")
         found += [f"{name}.{one}" for one in labels_apart(a.attrs, b.attrs)]
@@ -94,7 +110,10 @@ def test_runs_into_files_are_the_commands(tmp_path, scene):
 @pytest.mark.parametrize("beside", [{}, GRID])
 def test_arrays_are_lists_of_samples(beside, scene):
     rng = np.random.default_rng(1)
-    arrays = {"sample.surface_energy": rng.uniform(0.01, 0.05, 20), "instrument.tip.radius": rng.uniform(5e-9, 9e-9, 20)}
+    arrays = {
+        "sample.surface_energy": rng.uniform(0.01, 0.05, 20),
+        "instrument.tip.radius": rng.uniform(5e-9, 9e-9, 20),
+    }
     scene = scene.set(beside)
     given = afm.run(scene, samples=arrays, audit=0, precision="f64")
     listed = afm.run(scene.set({"samples": arrays}), audit=0, precision="f64")

@@ -8,11 +8,10 @@ import threading
 import time
 import warnings
 
+import afmsweep as afm
 import numpy as np
 import pytest
 from conftest import LEVER, LONG
-
-import afmsweep as afm
 
 
 def test_ctrl_c_is_heard_at_once_and_keeps_what_is_done():
@@ -68,7 +67,14 @@ def test_python_runs_on_meanwhile():
     ticker = threading.Thread(target=tick)
     ticker.start()
     start = time.monotonic()
-    afm.run(LONG.set({"sweep.sample.youngs_modulus": None, "sweep": {"approach.gap": {"from": 1e-8, "to": 1.9e-8, "points": 2000}}}))
+    afm.run(
+        LONG.set(
+            {
+                "sweep.sample.youngs_modulus": None,
+                "sweep": {"approach.gap": {"from": 1e-8, "to": 1.9e-8, "points": 2000}},
+            }
+        )
+    )
     spent = time.monotonic() - start
     over.set()
     ticker.join()
@@ -116,7 +122,10 @@ def test_threads_do_not_change_the_bits(scene):
 def test_many_rows_in_and_out(scene):
     count = 100_000
     rng = np.random.default_rng(2)
-    arrays = {"sample.youngs_modulus": rng.uniform(1e9, 3e9, count), "instrument.tip.radius": rng.uniform(8e-9, 9e-9, count)}
+    arrays = {
+        "sample.youngs_modulus": rng.uniform(1e9, 3e9, count),
+        "instrument.tip.radius": rng.uniform(8e-9, 9e-9, count),
+    }
     data = afm.run(scene, samples=arrays, audit=0)
     assert dict(data.sizes) == {"instance": count}
     assert np.array_equal(data.tip_radius, arrays["instrument.tip.radius"])

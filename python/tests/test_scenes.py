@@ -1,14 +1,12 @@
 """Scenes and designs: what they say, and how they are refused."""
 
 import json
-
 import re
 
+import afmsweep as afm
 import numpy as np
 import pytest
 from conftest import LEVER
-
-import afmsweep as afm
 
 # A command, or an option of one.
 OF_SHELL = re.compile(r"`afmsweep |(^|\s)--[a-z]| -o\b", re.MULTILINE)
@@ -68,7 +66,9 @@ def test_arrays_are_checked(scene):
 
 
 def test_a_scene_changes_by_paths(scene):
-    changed = scene.set({"sample.youngs_modulus": 3e9, "contact.law": "hertz", "approach": {"setpoint": 0.8}, "title": None})
+    changed = scene.set(
+        {"sample.youngs_modulus": 3e9, "contact.law": "hertz", "approach": {"setpoint": 0.8}, "title": None}
+    )
     told = changed.to_dict()
     assert told["sample"]["youngs_modulus"] == "3000000000.0 Pa" and told["contact"] == {"law": "hertz"}
     assert "title" not in told and scene.to_dict()["title"] == "lever"
@@ -89,7 +89,9 @@ def test_what_is_told_is_what_the_command_tells(scene, tmp_path, command):
 
     assert scene.modes() == told("modes", file, "--json")
     assert scene.force() == told("force", file, "--json")
-    assert scene.force(["1 nm", 2e-9]) == told("force", file, "--json", "--indentation", "1 nm", "--indentation", "2 nm")
+    assert scene.force(["1 nm", 2e-9]) == told(
+        "force", file, "--json", "--indentation", "1 nm", "--indentation", "2 nm"
+    )
     assert scene.force(lever=True) == told("force", file, "--json", "--lever")
     ours, theirs = scene.plan(forecast=True), told("plan", file, "--json")
     times = ("estimated_time_s", "expected_time_s")
@@ -122,7 +124,10 @@ def test_designs_are_the_programs(scene, tmp_path, command):
     with pytest.raises(KeyError, match="did you mean 'amplitude'"):
         afm.stats(data, "amplitud")
     with pytest.raises(afm.SceneError, match="correlations contradict"):
-        pairs = [("sample.youngs_modulus", "instrument.tip.radius", 0.9), ("sample.youngs_modulus", "approach.gap", -0.9)]
+        pairs = [
+            ("sample.youngs_modulus", "instrument.tip.radius", 0.9),
+            ("sample.youngs_modulus", "approach.gap", -0.9),
+        ]
         pairs.append(("instrument.tip.radius", "approach.gap", 0.9))
         three = {path: afm.uniform(1e-8, 2e-8) for path in ("instrument.tip.radius", "approach.gap")}
         three["sample.youngs_modulus"] = afm.uniform(1e9, 2e9)
@@ -159,6 +164,10 @@ def test_a_measured_curve_tells_the_modulus(scene):
     curve = {"curve": {"quantity": "approach.gap", "from": "20 nm", "to": "12 nm", "points": 9}}
     data = afm.run(scene.set(curve).with_design(study), audit=0)
     one = data.isel(sample=37)
-    columns = {"gap [m]": data.approach_gap.values, "amplitude [m]": one.amplitude.values, "amplitude_sd [m]": np.full(9, 2e-10)}
+    columns = {
+        "gap [m]": data.approach_gap.values,
+        "amplitude [m]": one.amplitude.values,
+        "amplitude_sd [m]": np.full(9, 2e-10),
+    }
     told = afm.infer(data, columns)["parameters"]["sample_youngs_modulus"]
     assert told["mean"] == pytest.approx(float(one.sample_youngs_modulus), abs=3 * told["sd"])

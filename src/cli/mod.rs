@@ -155,8 +155,8 @@ fn say(line: impl std::fmt::Display) {
 /// The arguments, the name of the program first.
 static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// Parses the arguments, the name of the program first, runs the command and gives its exit code. Once in a process: signals are
-/// its own then.
+/// Parses the arguments, the name of the program first, runs the command and gives its exit code. Once in a process:
+/// signals are its own then.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = ARGUMENTS.get_or_init(|| arguments.into_iter().collect());
     let cli = match Cli::try_parse_from(arguments) {
