@@ -139,5 +139,3 @@ def test_the_journal_of_an_unfinished_run_opens(tmp_path):
     done = int((data.status != 5).sum())
     assert 0 < done < data.status.size and data.attrs["complete"] == 0.0
     assert int((stopped.value.partial.status != 5).sum()) == done
-    with pytest.raises(FileExistsError, match="resume=True"):
-        afm.run(LONG, output=results)
