@@ -16,7 +16,7 @@ pub struct ShapedHertz<L> {
 }
 
 impl<L: Lane> Elastic<L> for ShapedHertz<L> {
-    const FIELDS: &'static [&'static str] = &SHAPED_DMT.split_at(POWERS).0;
+    const FIELDS: &'static [&'static str] = SHAPED_DMT.split_at(POWERS).0;
     const WITH_TAIL: &'static [&'static str] = &SHAPED_DMT;
 
     #[inline(always)]
