@@ -54,11 +54,14 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
         true => String::new(),
         false => format!(", instance {}{}", args.instance, scene.described(args.instance)),
     };
+    let tip = match contact.shape.has_angle() {
+        true => format!("half-angle {:.4} degree", contact.half_angle),
+        false => format!("R {:.6e} m", contact.radius),
+    };
     let mut head = format!(
-        "law {}, K {:.6e} Pa, R {:.6e} m, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
+        "law {}, K {:.6e} Pa, {tip}, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
         contact.law,
         contact.modulus,
-        contact.radius,
         contact.work,
         contact.tabor()
     );
