@@ -2,7 +2,8 @@
 //! its end and a sample below, thousands of instances side by side.
 //!
 //! The instrument is that of J.-L. Ha, R.-F. Fung and Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4),
-//! 705-709 (2005), cited as "Ha, Fung & Chen 2005"; contact is Hertz, DMT or JKR.
+//! 705-709 (2005), cited as "Ha, Fung & Chen 2005"; contact is Hertz, DMT or JKR, for tips of several shapes and for samples
+//! that are elastic, viscous or relaxing.
 //!
 //! # Flow
 //!
@@ -25,9 +26,8 @@
 //!
 //! # Limits
 //!
-//! The instrument is linear and its damping modal; the sample is elastic, and the contact force depends on
-//! the indentation and, under JKR, on whether the tip was in contact. A contact shorter than about four
-//! steps is reported as out of range.
+//! The instrument is linear and its damping modal. The sample is a half-space that deforms a little. A contact shorter than
+//! about four steps is reported as out of range.
 //!
 //! # A run
 //!
