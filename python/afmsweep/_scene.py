@@ -44,7 +44,7 @@ class Scene:
             self.text, self.name = scene.text, scene.name
         elif isinstance(scene, Mapping):
             self.text, self.name = _toml.dumps(scene), "scene"
-        elif isinstance(scene, str) and ("\n" in scene or "=" in scene):
+        elif isinstance(scene, str) and ("\n" in scene or "=" in scene) and not scene.endswith(".toml"):
             self.text, self.name = scene, "scene"
         else:
             self.text, self.name = Path(scene).read_text(encoding="utf-8"), os.fspath(scene)

@@ -146,16 +146,6 @@ def test_messages_are_warnings_and_logs(scene, caplog):
             afm.run(doubtful, audit=0)
 
 
-def test_one_instance_is_quick(scene):
-    afm.run(scene, audit=0)
-    start = time.perf_counter()
-    for _ in range(5):
-        afm.run(scene, audit=0)
-    each = (time.perf_counter() - start) / 5
-    print(f"{1e3 * each:.1f} ms a call")
-    assert each < 1.0
-
-
 def test_dictionaries_take_numbers_and_texts():
     numbers = {**LEVER, "sample": {"youngs_modulus": np.float64(2e9), "surface_energy": 0.02}}
     a, b = (afm.run(one, audit=0, precision="f64") for one in (LEVER, numbers))

@@ -26,6 +26,12 @@ def test_errors_have_a_place_and_a_way_out(tmp_path):
         afm.run(tmp_path / "none.toml")
 
 
+def test_a_file_may_have_an_equals_sign_in_its_name(tmp_path, scene):
+    file = tmp_path / "gap=5nm.toml"
+    file.write_text(scene.text, encoding="utf-8")
+    assert afm.Scene(str(file)).text == scene.text
+
+
 def test_no_message_speaks_of_the_command_line(tmp_path, scene):
     for wrong in ({"uncertain": {"instrument.tip.radius": afm.uniform(5e-9, 6e-9)}}, {"design": {"samples": 3}}):
         with pytest.raises(afm.SceneError) as refused:

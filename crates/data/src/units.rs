@@ -104,7 +104,7 @@ impl Dimension {
     fn written_unit(self) -> (&'static str, i32, bool) {
         match self {
             Self::Mass => ("g", -3, true),
-            Self::Density | Self::InversePermittivity => (self.si_unit(), 0, false),
+            Self::Density | Self::InversePermittivity | Self::Angle => (self.si_unit(), 0, false),
             other => (other.si_unit(), 0, true),
         }
     }
