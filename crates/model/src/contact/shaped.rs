@@ -104,22 +104,23 @@ mod tests {
     fn exact_sphere() {
         let law = contact(TipShape::Sphere);
         let (modulus, radius) = (0.75 * law.modulus, law.radius);
-        let mut last = (0.0, 0.0);
+        let force_at = |a: f64| modulus * ((a * a + radius * radius) * (a / radius).atanh() - a * radius);
         for step in 1..=75 {
             let a = 0.01 * f64::from(step) * radius;
-            let delta = a * (a / radius).atanh();
-            let force = modulus * ((a * a + radius * radius) * (a / radius).atanh() - a * radius);
+            let (delta, force) = (a * (a / radius).atanh(), force_at(a));
             assert!((law.force(delta, true) / force - 1.0).abs() < 3e-8, "{step}");
             assert!((law.contact_radius(delta, true) / a - 1.0).abs() < 1e-6, "{step}");
             // Simpson's rule in a, in which all is smooth.
-            let work = law.energy(delta, true) - last.0;
-            let middle = a - 0.005 * radius;
-            let force_at = |a: f64| modulus * ((a * a + radius * radius) * (a / radius).atanh() - a * radius);
             let rate = |a: f64| (a / radius).atanh() + a * radius / (radius * radius - a * a);
-            let power = |a: f64| force_at(a) * rate(a);
-            let area = 0.01 * radius / 6.0 * (power(last.1) + 4.0 * power(middle) + power(a));
-            assert!((work - area).abs() < 2e-6 * law.energy(delta, true), "{step}: {work:e} {area:e}");
-            last = (law.energy(delta, true), a);
+            let power = |share: f64| force_at(share * a) * rate(share * a) * a;
+            let pieces = 200;
+            let area: f64 = (0..pieces)
+                .map(|n| {
+                    let at = |part: f64| power((f64::from(n) + part) / f64::from(pieces));
+                    (at(0.0) + 4.0 * at(0.5) + at(1.0)) / (6.0 * f64::from(pieces))
+                })
+                .sum();
+            assert!((law.energy(delta, true) / area - 1.0).abs() < 1e-7, "{step}: {area:e}");
         }
     }
 
