@@ -14,6 +14,7 @@ from . import _afmsweep, _dataset, _toml
 from ._scene import Scene, SceneLike
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
     from numpy.typing import ArrayLike
 
@@ -71,6 +72,21 @@ def _silence_device_select() -> None:
         os.environ["NODEVICE_SELECT"] = "1"
 
 
+def _numbers(path: str, values: ArrayLike) -> np.ndarray:
+    """The samples of a quantity as one row of numbers."""
+    import numpy as np
+
+    told = np.asarray(values)
+    if told.ndim != 1:
+        raise ValueError(
+            f"samples[{path!r}] has the shape {told.shape}: expected one dimension. Flatten it; what does not vary "
+            "belongs in the scene, a grid in its sweep"
+        )
+    if told.dtype.kind in "USO":
+        raise TypeError(f"samples[{path!r}]: expected numbers in SI units, angles in degrees, such as 8e-9 in place of '8 nm'")
+    return np.ascontiguousarray(told, "f8")
+
+
 def _has_tqdm() -> bool:
     import importlib.util
 
@@ -85,13 +101,13 @@ def _groups(
     make: Callable[[_dataset.Groups], Any],
 ) -> Any:
     """Runs a scene, and makes something of what results hold, also of what an interrupted run has done."""
-    import numpy as np
-
+    if options["resume"] and options["output"] is None:
+        raise ValueError("resume=True needs output=, the results file whose journal the run goes on with")
     _silence_device_select()
     told = Scene(scene)
     for path in samples or {}:
         _toml.check(path)
-    rows = [(path, np.ascontiguousarray(values, "f8")) for path, values in (samples or {}).items()]
+    rows = [(path, _numbers(path, values)) for path, values in (samples or {}).items()]
     if options["output"] is not None:
         options["output"] = os.fspath(options["output"])
     doubts: dict[str, None] = {}
@@ -138,7 +154,7 @@ def run(
     Gives what ``xarray.open_dataset`` gives of the results file of the command ``run``: observables in SI units over the
     swept axes, or over ``instance`` for samples.
 
-    ``samples``: arrays of shape ``(n,)`` in SI units by the paths of their quantities, one instance for each place; with a
+    ``samples``: arrays of shape ``(n,)`` in SI units (angles in degrees) by the paths of their quantities, one instance for each place; with a
     sweep in the scene each of its points has every sample.
     ``backend``: auto, cpu, gpu or reference. ``precision``: f32 or f64; None tries both.
     ``threads``: None takes all cores. ``audit``: instances that the reference engine redoes; None goes by time, 0 redoes none.
@@ -146,7 +162,7 @@ def run(
     ``output``: a results file, whose journal ``resume=True`` goes on with.
 
     Raises `SceneError` where the scene cannot be run. An interrupted run raises KeyboardInterrupt; what is done by then is
-    its attribute ``partial``, a Dataset or None.
+    its attribute ``partial``, a Dataset or None; take what has ``status`` 0 of it.
     """
     options = {
         "backend": backend,

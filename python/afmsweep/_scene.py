@@ -7,7 +7,7 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
@@ -95,7 +95,7 @@ class Scene:
 
     def force(
         self,
-        indentation: float | str | list[float | str] | None = None,
+        indentation: float | str | Iterable[float | str] | None = None,
         *,
         lever: bool = False,
         instance: int = 0,
@@ -106,7 +106,8 @@ class Scene:
         with snap-in and pull-off. ``curves``: for each ``branch`` the lists ``indentation_m``, ``force_n``,
         ``contact_radius_m``.
         """
-        some = [] if indentation is None else indentation if isinstance(indentation, list) else [indentation]
+        alone = indentation is None or isinstance(indentation, str) or not hasattr(indentation, "__iter__")
+        some = [] if indentation is None else [indentation] if alone else indentation
         metres = [_metres(one) for one in some]
         return json.loads(_afmsweep.force(self.text, self.name, instance, metres, lever))
 

@@ -22,8 +22,9 @@ def _checked(data: xr.Dataset, name: str) -> str:
     head, _, number = name.rpartition("_")
     found = name if name in data else head if number.isdigit() and head in data else None
     if found is None:
-        meant = _afmsweep.nearest(name, [str(one) for one in data.data_vars])
-        raise KeyError(f"no observable {name!r}" + (f"; did you mean {meant!r}?" if meant else ""))
+        known = [str(one) for one in data.data_vars if "error_scale" in data[one].attrs]
+        meant = _afmsweep.nearest(name, known)
+        raise KeyError(f"no observable {name!r}; " + (f"did you mean {meant!r}?" if meant else f"there are {', '.join(known)}"))
     return found
 
 

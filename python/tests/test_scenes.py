@@ -55,6 +55,19 @@ def test_the_nearest_quantity_is_named(scene, call):
         call(scene)
 
 
+def test_arrays_are_one_row_of_numbers(scene):
+    with pytest.raises(ValueError, match="expected one dimension"):
+        afm.run(scene, samples={"sample.youngs_modulus": np.ones((4, 2))})
+    with pytest.raises(ValueError, match="belongs in the scene"):
+        afm.run(scene, samples={"sample.youngs_modulus": 1e9})
+    with pytest.raises(TypeError, match="SI units"):
+        afm.run(scene, samples={"sample.youngs_modulus": ["1 GPa", "2 GPa"]})
+    with pytest.raises(ValueError, match="needs output="):
+        afm.run(scene, resume=True)
+    curve = scene.force(np.linspace(0.0, 1e-9, 3))["curves"][0]
+    assert len(curve["force_n"]) == 3 and curve == scene.force([0.0, 5e-10, 1e-9])["curves"][0]
+
+
 def test_arrays_are_checked(scene):
     for arrays, why in (
         ({"instrument.tip.radius": [1e-9, -1e-9]}, "row 1 .* impossible"),
