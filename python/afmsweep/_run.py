@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from . import _afmsweep, _dataset, _toml
-from ._scene import Scene, SceneLike
+from ._scene import Scene, SceneLike, run_options
 
 if TYPE_CHECKING:
     import numpy as np
@@ -164,14 +164,7 @@ def run(
     Raises `SceneError` where the scene cannot be run. An interrupted run raises KeyboardInterrupt; what is done by then is
     its attribute ``partial``, a Dataset or None; take what has ``status`` 0 of it.
     """
-    options = {
-        "backend": backend,
-        "precision": precision,
-        "threads": threads,
-        "audit": audit,
-        "output": output,
-        "resume": resume,
-    }
+    options = run_options(backend, precision, threads, audit, output, resume)
     return _groups(scene, samples, options, progress, _dataset.root)
 
 
@@ -188,14 +181,7 @@ def run_tree(
     resume: bool = False,
 ) -> xr.DataTree:
     """Runs a scene like `run`, and gives all groups: also waveforms, spectra, force curves, audit and second states."""
-    options = {
-        "backend": backend,
-        "precision": precision,
-        "threads": threads,
-        "audit": audit,
-        "output": output,
-        "resume": resume,
-    }
+    options = run_options(backend, precision, threads, audit, output, resume)
     return _groups(scene, samples, options, progress, _dataset.tree)
 
 

@@ -116,15 +116,27 @@ class Scene:
 
         ``forecast`` runs some instances, for ``expected_time_s`` (s).
         """
-        options = {
-            "backend": backend,
-            "precision": None,
-            "threads": threads,
-            "audit": None,
-            "output": None,
-            "resume": False,
-        }
+        options = run_options(backend, threads=threads)
         return json.loads(_afmsweep.plan(self.text, self.name, [], options, forecast))
+
+
+def run_options(
+    backend: str,
+    precision: str | None = None,
+    threads: int | None = None,
+    audit: int | None = None,
+    output: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+) -> dict[str, Any]:
+    """How a scene is run, see `run`."""
+    return {
+        "backend": backend,
+        "precision": precision,
+        "threads": threads,
+        "audit": audit,
+        "output": output,
+        "resume": resume,
+    }
 
 
 def _metres(length: float | str) -> float:
