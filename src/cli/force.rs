@@ -58,12 +58,13 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
         true => format!("half-angle {:.4} degree", contact.half_angle),
         false => format!("R {:.6e} m", contact.radius),
     };
+    let tabor = match contact.tabor() {
+        tabor if tabor.is_nan() => String::new(),
+        tabor => format!(", Tabor's parameter {tabor:.3}"),
+    };
     let mut head = format!(
-        "law {}, K {:.6e} Pa, {tip}, w {:.6e} J/m^2, Tabor's parameter {:.3}{which}\n",
-        contact.law,
-        contact.modulus,
-        contact.work,
-        contact.tabor()
+        "law {}, K {:.6e} Pa, {tip}, w {:.6e} J/m^2{tabor}{which}\n",
+        contact.law, contact.modulus, contact.work,
     );
     if args.scene.json {
         return print_json(&answer(&scene, args.instance, &args.indentation, args.lever)?);

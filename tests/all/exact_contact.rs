@@ -6,7 +6,7 @@
 use afmsweep::contact::{
     AUTO_BOUNDARY, Contact, Dmt, Hertz, Jkr, Law, StaticLaw, Warning, combined_modulus, tabor_parameter,
 };
-use afmsweep::scene::{Adhesion, LawChoice, Params};
+use afmsweep::scene::{Adhesion, LawChoice, Params, TipShape};
 use std::f64::consts::PI;
 
 /// Eight decades each of K (Pa), R (m) and w (J/m^2), every second decade.
@@ -306,6 +306,19 @@ fn tabor_decides_and_warns() {
     // a/R = 0.3 is where the warning begins: delta = 0.09 R
     assert_eq!(hertz.strain_warning(0.0899 * 30e-9), None);
     assert!(hertz.strain_warning(0.0901 * 30e-9).is_some());
+
+    // the exact sphere leaves linear elasticity, not its shape; a tip without a radius of curvature has no such parameter
+    let shaped = |shape| {
+        let (_, mut params) = case(1e7, 0.05, LawChoice::Hertz);
+        (params.instrument.tip.shape, params.instrument.tip.half_angle) = (shape, Some(35.0));
+        Contact::new(&params)
+    };
+    let said = shaped(TipShape::Sphere).strain_warning(10e-9).unwrap().to_string();
+    assert!(said.contains("the sphere's shape is exact"), "{said}");
+    assert_eq!(shaped(TipShape::Sphere).tabor(), hertz.tabor());
+    for shape in [TipShape::Cone, TipShape::Pyramid, TipShape::Punch] {
+        assert!(shaped(shape).tabor().is_nan(), "{shape:?}");
+    }
 }
 
 #[test]

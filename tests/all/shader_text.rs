@@ -127,7 +127,7 @@ fn same(function: &naga::Function, left: Handle<Expression>, right: Handle<Expre
 }
 
 #[test]
-fn corner_combinations_pass_naga_and_the_lint() {
+fn corner_combinations_pass_naga_and_the_lint_and_bind_what_is_packed() {
     let all = corner_specs();
     assert_eq!(
         all.len(),
@@ -138,7 +138,7 @@ fn corner_combinations_pass_naga_and_the_lint() {
 
 #[test]
 #[ignore = "minutes; `make test-all` runs it"]
-fn every_combination_passes_naga_and_the_lint() {
+fn every_combination_passes_naga_and_the_lint_and_binds_what_is_packed() {
     let all = every_spec();
     assert!(all.len() >= 4 * 7 * (8 * 2 * 10 + 4));
     assert_eq!(all.len(), Law::ALL.len() * 7 * (Wants::every().len() * (8 + SEARCH.len()) + SLOPES.len()));
@@ -158,6 +158,7 @@ fn pass_naga_and_the_lint(all: &[ShaderSpec]) {
                         panic!("{}: {}", title(&text), error.emit_to_string(&text));
                     }
                     assert_eq!(lint(&text, &module), Vec::<String>::new(), "{}", title(&text));
+                    binds_what_is_packed(spec, &module);
                     let code = |line: &str| line.split("// ").next().unwrap_or_default().to_owned();
                     let left = text.lines().map(code).find(|line| line.contains("//%") || line.contains('$'));
                     assert_eq!(left, None, "{}", title(&text));
@@ -226,56 +227,48 @@ fn the_lint_sees_what_it_is_for() {
     assert_eq!(lint(text, &wgsl::parse_str(text).unwrap()), Vec::<String>::new());
 }
 
-#[test]
-fn bindings_are_those_of_the_parsed_shader() {
-    for spec in corner_specs() {
-        if spec.modes > 2 {
-            continue;
-        }
-        let (_, module) = parsed(&spec);
-        let mut found: Vec<(u32, Binding, Option<u8>)> = module
-            .global_variables
-            .iter()
-            .map(|(_, variable)| {
-                let place = variable.binding.expect("only bound variables");
-                assert_eq!(place.group, 0);
-                let kind = match variable.space {
-                    AddressSpace::Uniform => Binding::Uniform,
-                    AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => {
-                        Binding::Write
+/// What a shader binds is what the engine packs.
+fn binds_what_is_packed(spec: &ShaderSpec, module: &Module) {
+    let mut found: Vec<(u32, Binding, Option<u8>)> = module
+        .global_variables
+        .iter()
+        .map(|(_, variable)| {
+            let place = variable.binding.expect("only bound variables");
+            assert_eq!(place.group, 0);
+            let kind = match variable.space {
+                AddressSpace::Uniform => Binding::Uniform,
+                AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Binding::Write,
+                AddressSpace::Storage { .. } => Binding::Read,
+                space => panic!("{space:?}"),
+            };
+            let width = match &module.types[variable.ty].inner {
+                TypeInner::Array { base, .. } => match module.types[*base].inner {
+                    TypeInner::Scalar(Scalar { width, .. }) | TypeInner::Atomic(Scalar { width, .. }) => {
+                        Some(width)
                     }
-                    AddressSpace::Storage { .. } => Binding::Read,
-                    space => panic!("{space:?}"),
-                };
-                let width = match &module.types[variable.ty].inner {
-                    TypeInner::Array { base, .. } => match module.types[*base].inner {
-                        TypeInner::Scalar(Scalar { width, .. }) | TypeInner::Atomic(Scalar { width, .. }) => {
-                            Some(width)
-                        }
-                        ref inner => panic!("{inner:?}"),
-                    },
-                    _ => None,
-                };
-                (place.binding, kind, width)
-            })
-            .collect();
-        found.sort_by_key(|(binding, ..)| *binding);
-        let kinds: Vec<Binding> = found.iter().map(|(_, kind, _)| *kind).collect();
-        assert_eq!(kinds, spec.bindings(), "{spec:?}");
-        // Numbers have the precision's width, but for the job, which drive, the marks and who is under way.
-        let (real, whole) = (Some(spec.bytes() as u8), Some(4));
-        let mut widths = match spec.entry {
-            Entry::Sweep => vec![None, real, real, real, whole, real, whole, whole],
-            Entry::Kicks => vec![None, real, real, real, whole, real, whole, real, whole],
-            Entry::Carry => vec![None, real, whole, real, whole, real, real, whole],
-            Entry::Walk => vec![None, real, whole, real, whole, real, real, real],
-            Entry::Stride => vec![None, real, whole, real, whole, real, real],
-        };
-        widths.extend(spec.decay.then_some(real));
-        assert_eq!(found.iter().map(|(.., width)| *width).collect::<Vec<_>>(), widths, "{spec:?}");
-        let point = &module.entry_points[0];
-        assert_eq!((point.name.as_str(), point.workgroup_size), (spec.entry.name(), [WORKGROUP, 1, 1]));
-    }
+                    ref inner => panic!("{inner:?}"),
+                },
+                _ => None,
+            };
+            (place.binding, kind, width)
+        })
+        .collect();
+    found.sort_by_key(|(binding, ..)| *binding);
+    let kinds: Vec<Binding> = found.iter().map(|(_, kind, _)| *kind).collect();
+    assert_eq!(kinds, spec.bindings(), "{spec:?}");
+    // Numbers have the precision's width, but for the job, which drive, the marks and who is under way.
+    let (real, whole) = (Some(spec.bytes() as u8), Some(4));
+    let mut widths = match spec.entry {
+        Entry::Sweep => vec![None, real, real, real, whole, real, whole, whole],
+        Entry::Kicks => vec![None, real, real, real, whole, real, whole, real, whole],
+        Entry::Carry => vec![None, real, whole, real, whole, real, real, whole],
+        Entry::Walk => vec![None, real, whole, real, whole, real, real, real],
+        Entry::Stride => vec![None, real, whole, real, whole, real, real],
+    };
+    widths.extend(spec.decay.then_some(real));
+    assert_eq!(found.iter().map(|(.., width)| *width).collect::<Vec<_>>(), widths, "{spec:?}");
+    let point = &module.entry_points[0];
+    assert_eq!((point.name.as_str(), point.workgroup_size), (spec.entry.name(), [WORKGROUP, 1, 1]));
 }
 
 #[test]

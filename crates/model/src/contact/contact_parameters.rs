@@ -98,10 +98,18 @@ impl Compact {
         }
     }
 
-    /// Tabor's parameter.
+    /// Whether the tip's radius is that of its curvature.
+    pub(super) fn is_round(&self) -> bool {
+        matches!(self.shape, TipShape::Paraboloid | TipShape::Sphere)
+    }
+
+    /// Tabor's parameter; not a number under a tip without a radius of curvature.
     #[inline]
     pub fn tabor(&self) -> f64 {
-        tabor_parameter(self.modulus, self.radius, self.work, self.decay_length)
+        match self.is_round() {
+            true => tabor_parameter(self.modulus, self.radius, self.work, self.decay_length),
+            false => f64::NAN,
+        }
     }
 
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa),

@@ -48,12 +48,13 @@ pub enum Warning {
          small-strain range ({SMALL_STRAIN}) of the contact laws: {}",
         indentation * 1e9,
         contact_radius / tip_radius,
-        match contact_radius < tip_radius {
-            true => "expect an error in the force of 1 % or more",
-            false => "a tip that sinks in so far is no sphere to them",
+        match (shape, contact_radius < tip_radius) {
+            (TipShape::Sphere, _) => "the sphere's shape is exact, but a real sample is linear no more at such a strain",
+            (_, true) => "expect an error in the force of 1 % or more",
+            (_, false) => "a tip that sinks in so far is no sphere to them",
         }
     )]
-    LargeStrain { indentation: f64, contact_radius: f64, tip_radius: f64 },
+    LargeStrain { indentation: f64, contact_radius: f64, tip_radius: f64, shape: TipShape },
     /// The tip counts as rigid although the sample is stiff.
     #[error(
         "the tip counts as rigid, yet the sample has {:.3e} GPa: give instrument.tip.youngs_modulus",
@@ -105,11 +106,6 @@ impl Contact {
         (pull > NEGLIGIBLE_ADHESION * load).then_some(Warning::AdhesionLeftOut { pull, load })
     }
 
-    /// Whether the tip's radius is that of its curvature.
-    fn is_round(&self) -> bool {
-        matches!(self.shape, TipShape::Paraboloid | TipShape::Sphere)
-    }
-
     /// Whether `indentation` leaves the range of small strain ([`SMALL_STRAIN`]) under a round tip. The strain under a cone or
     /// a pyramid is the same at every depth.
     pub fn strain_warning(&self, indentation: f64) -> Option<Warning> {
@@ -118,6 +114,7 @@ impl Contact {
             indentation,
             contact_radius,
             tip_radius: self.radius,
+            shape: self.shape,
         })
     }
 }
