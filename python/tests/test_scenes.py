@@ -249,9 +249,8 @@ def test_messages_have_few_digits(scene):
 
 def test_words_of_python_stand_in_messages_on_distributions(scene):
     def study(**wide):
-        return scene.with_design(
-            afm.Design("sobol", samples=16, parameters={"instrument.cantilever.stiffness": afm.normal("10 N/m", **wide)})
-        )
+        uncertain = {"instrument.cantilever.stiffness": afm.normal("10 N/m", **wide)}
+        return scene.with_design(afm.Design("sobol", samples=16, parameters=uncertain))
 
     assert any("low= or high=" in one for one in told(study(sd="30 %")))
     with pytest.raises(afm.SceneError, match="larger than its mean, 10 N/m: a share is written"):
