@@ -145,6 +145,7 @@ def run(
     precision: str | None = None,
     threads: int | None = None,
     audit: int | None = None,
+    portion: int | None = None,
     progress: Progress | bool | None = None,
     output: str | os.PathLike[str] | None = None,
     resume: bool = False,
@@ -152,19 +153,21 @@ def run(
     """Runs a scene: a path, TOML text, a dictionary with the same keys, or a `Scene`.
 
     Gives what ``xarray.open_dataset`` gives of the results file of the command ``run``: observables in SI units over the
-    swept axes, or over ``instance`` for samples.
+    swept axes, or over ``instance`` for samples. Of two steady states each instance has the one that its search met;
+    ``branch`` tells which, and `run_tree` has the others in ``other_branch``.
 
     ``samples``: arrays of shape ``(n,)`` in SI units (angles in degrees) by the paths of their quantities, one instance for each place; with a
     sweep in the scene each of its points has every sample.
     ``backend``: auto, cpu, gpu or reference. ``precision``: f32 or f64; None tries both.
     ``threads``: None takes all cores. ``audit``: instances that the reference engine redoes; None goes by time, 0 redoes none.
+    ``portion``: instances that are run and kept together; None takes some ten seconds of work. No result depends on it.
     ``progress``: called with the name of the phase and its share from 0 to 1, or None; True and False show a bar or none.
     ``output``: a results file, whose journal ``resume=True`` goes on with.
 
     Raises `SceneError` where the scene cannot be run. An interrupted run raises KeyboardInterrupt; what is done by then is
     its attribute ``partial``, a Dataset or None; take what has ``status`` 0 of it.
     """
-    options = run_options(backend, precision, threads, audit, output, resume)
+    options = {**run_options(backend, precision, threads, audit, output, resume), "portion": portion}
     return _groups(scene, samples, options, progress, _dataset.root)
 
 
@@ -176,12 +179,13 @@ def run_tree(
     precision: str | None = None,
     threads: int | None = None,
     audit: int | None = None,
+    portion: int | None = None,
     progress: Progress | bool | None = None,
     output: str | os.PathLike[str] | None = None,
     resume: bool = False,
 ) -> xr.DataTree:
     """Runs a scene like `run`, and gives all groups: also waveforms, spectra, force curves, audit and second states."""
-    options = run_options(backend, precision, threads, audit, output, resume)
+    options = {**run_options(backend, precision, threads, audit, output, resume), "portion": portion}
     return _groups(scene, samples, options, progress, _dataset.tree)
 
 

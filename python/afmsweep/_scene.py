@@ -45,7 +45,7 @@ class Scene:
         elif isinstance(scene, Mapping):
             self.text, self.name = _toml.dumps(scene), "scene"
         elif isinstance(scene, str) and ("\n" in scene or "=" in scene) and not scene.endswith(".toml"):
-            self.text, self.name = scene, "scene"
+            self.text, self.name = scene, "text"
         else:
             self.text, self.name = Path(scene).read_text(encoding="utf-8"), os.fspath(scene)
 
@@ -134,6 +134,7 @@ def run_options(
         "precision": precision,
         "threads": threads,
         "audit": audit,
+        "portion": None,
         "output": output,
         "resume": resume,
     }
@@ -146,10 +147,13 @@ def _metres(length: float | str) -> float:
     return _afmsweep.length(length)
 
 
+_OF_QUANTITIES = ("instrument", "sample", "contact", "drive", "approach")
+
+
 def _put(scene: dict[str, Any], path: str, value: Any) -> None:
     """Puts a value where its path leads; paths of quantities are checked."""
     *parents, last = path.split(".")
-    if len(parents) > 0 and parents[0] in ("instrument", "sample", "contact", "drive", "approach"):
+    if path.split(".")[0] not in _sections() or parents and parents[0] in _OF_QUANTITIES:
         _known(path)
     place: Any = scene
     for word in parents:
@@ -166,6 +170,11 @@ def _put(scene: dict[str, Any], path: str, value: Any) -> None:
 
 
 @functools.cache
+def _sections() -> frozenset[str]:
+    return frozenset(key for key in _afmsweep.keys() if "." not in key)
+
+
+@functools.cache
 def _keys() -> frozenset[str]:
     return frozenset(key for key in _afmsweep.keys() if "." in key)
 
@@ -175,4 +184,4 @@ def _known(path: str) -> None:
     plain = re.sub(r"\.\d+(?=\.|$)", "", path)
     if plain not in _keys():
         meant = _afmsweep.nearest(plain, sorted(_keys()))
-        raise KeyError(f"no quantity {path!r}" + (f"; did you mean {meant!r}?" if meant else ""))
+        raise KeyError(f"no key {path!r}" + (f"; did you mean {meant!r}?" if meant else ""))

@@ -30,7 +30,12 @@ def _checked(data: xr.Dataset, name: str) -> str:
 
 def _answer(data: xr.Dataset, name: str, left_out: float, keep: Iterable[str]) -> dict[str, Any]:
     told = _dataset.study(data, [_checked(data, name)])
-    return json.loads(_afmsweep.stats(told, [name], float(left_out), list(keep)))
+    answer = json.loads(_afmsweep.stats(told, [name], float(left_out), list(keep)))
+    points = answer.get("points", [answer])
+    for doubt in dict.fromkeys(point["observables"][name].get("S1_doubt") for point in points):
+        if doubt:
+            warnings.warn(f"{name}: {doubt}", SceneWarning, stacklevel=3)
+    return answer
 
 
 def stats(
@@ -160,7 +165,10 @@ def report(
     if not isinstance(file, (str, os.PathLike)):
         source = file.encoding.get("source")
         if source is None:
-            raise ValueError("the data set is of no results file; give run an output")
+            raise ValueError(
+                "the data set is of no results file, which a page is made of: call run with output='results.h5', "
+                "and report with that file or with what run gives then"
+            )
         file = source
     pairs = {key: list((told or {}).items()) for key, told in (("at", at), ("below", below), ("above", above))}
     view = {"x": x, "y": y, "curves": curves, "branch": branch, **pairs}

@@ -1,5 +1,6 @@
 //! Errors as exceptions of Python, without words of the command line.
 
+use crate::key_paths::keyed;
 use afmsweep::Error;
 use afmsweep::engine::EngineError;
 use afmsweep::scene::SceneError as Refusal;
@@ -28,7 +29,8 @@ pub fn refused(text: &str) -> PyErr {
 }
 
 pub fn of_scene(error: &Refusal) -> PyErr {
-    let raised = SceneError::new_err(plain(&error.render(false)));
+    let text = keyed(&error.render(false), &error.path().to_string_lossy(), error.source());
+    let raised = SceneError::new_err(plain(&text));
     Python::attach(|py| {
         let (line, column) = error.line_column().unzip();
         let value = raised.value(py);

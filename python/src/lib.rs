@@ -2,6 +2,7 @@
 //! data sets and classes of them.
 
 mod exception;
+mod key_paths;
 mod labelled_arrays;
 mod python_observer;
 mod run_call;

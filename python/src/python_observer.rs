@@ -1,26 +1,40 @@
 //! What a run says while it lasts, for Python to fetch: its threads never wait for Python's.
 
 use crate::exception::plain;
+use crate::key_paths::keyed_line;
 use afmsweep::cli::backend;
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::{Engine, ProgressPhase};
 use afmsweep::plan::Plan;
+use afmsweep::scene::Address;
 use afmsweep::sweep::{EngineChoice, JournaledOutcome};
+use afmsweep::units::shown;
 use afmsweep::{Observer, Scene, Status};
 use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Messages by their kind (`warning`, `info`, `debug`), and how far the run is.
 #[derive(Default)]
 pub struct PythonObserver {
     messages: Mutex<Vec<(&'static str, String)>>,
     phase: Mutex<Option<ProgressPhase>>,
+    /// Name and text of the scene, for places in it.
+    scene: OnceLock<(String, String)>,
 }
+
+/// The preset of what a scene leaves out.
+const PRESET: &str = "ha-fung-chen-2005";
+/// What a scene of one's own says: the preset's values are of another sample.
+const OWN: [&str; 2] = ["approach.gap", "sample.youngs_modulus"];
 
 impl PythonObserver {
     fn say(&self, kind: &'static str, text: &str) {
         let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
-        messages.push((kind, plain(text)));
+        let text = match self.scene.get() {
+            Some((name, source)) => keyed_line(text, name, source),
+            None => text.to_owned(),
+        };
+        messages.push((kind, plain(&text)));
     }
 
     /// The messages since the last call.
@@ -36,8 +50,21 @@ impl PythonObserver {
 
     /// What the scene and its samples leave in doubt.
     pub fn begin(&self, scene: &Scene) {
+        let _ = self.scene.set((scene.path.display().to_string(), scene.source.to_string()));
+        self.of_preset(scene).iter().for_each(|line| self.say("warning", line));
         scene.warnings().iter().for_each(|line| self.say("warning", line));
         scene.preset_line().iter().for_each(|line| self.say("info", line));
+    }
+
+    /// A word about values of the preset that a scene hardly means.
+    fn of_preset(&self, scene: &Scene) -> Option<String> {
+        let one = |(path, value): &(String, f64)| {
+            let known = OWN.contains(&path.as_str()).then(|| Address::find(path)).flatten()?;
+            Some(format!("{path} = {}", shown(*value, known.quantity.dimension)))
+        };
+        let values: Vec<String> = scene.from_preset().iter().filter_map(one).collect();
+        let meant = values.is_empty() || scene.source.contains(PRESET);
+        (!meant).then(|| format!("not given, so the preset's of 2005: {}", values.join(", ")))
     }
 
     /// What became of the run.

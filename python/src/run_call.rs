@@ -35,6 +35,7 @@ pub struct RunOptions {
     precision: Option<String>,
     threads: Option<usize>,
     audit: Option<u32>,
+    portion: Option<usize>,
     output: Option<PathBuf>,
     resume: bool,
 }
@@ -66,7 +67,11 @@ impl RunOptions {
             Some(0) => Audit::None,
             Some(count) => Audit::Instances(count),
         };
-        let sweep = Sweep::new(scene).backend(backend).precision(precision).audit(audit);
+        if self.portion == Some(0) {
+            return Err(refused("portion 0: expected 1 instance or more"));
+        }
+        let sweep =
+            Sweep::new(scene).backend(backend).precision(precision).audit(audit).portion(self.portion);
         Ok(sweep.command_line(CALLED.into()))
     }
 }

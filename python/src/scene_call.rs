@@ -1,11 +1,12 @@
 //! What a scene says before it runs, as JSON.
 
 use crate::exception::{of_command, of_scene, refused};
+use crate::key_paths::keyed_line;
 use crate::on_own_threads;
 use crate::run_call::{RunOptions, SampleBuffers, copied, scene};
 use afmsweep::cli;
 use afmsweep::design::{Design, DesignDescription};
-use afmsweep::scene::{QUANTITIES, design_of, nearest as nearest_word, schema};
+use afmsweep::scene::{Meant, QUANTITIES, design_of, meant, nearest as nearest_word, schema};
 use afmsweep::units::{Dimension, parse};
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
@@ -18,10 +19,31 @@ pub fn units() -> HashMap<&'static str, String> {
     QUANTITIES.iter().map(|one| (one.path, one.dimension.si_unit().to_string())).collect()
 }
 
-/// The known word that a mistyped one is nearest to.
+/// Where a name is that several sections have, the likeliest first.
+const HOMES: [&str; 4] = ["sample.", "instrument.cantilever.", "instrument.tip.", "drive."];
+
+/// The known word that a mistyped one is nearest to, that it is the end of, or that it is another name for.
 #[pyfunction]
 pub fn nearest(word: &str, known: Vec<String>) -> Option<String> {
-    nearest_word(word, known.iter().map(String::as_str)).map(str::to_owned)
+    let word = word.trim().replace(' ', "_");
+    let (parent, name) = word.rsplit_once('.').unwrap_or(("", &word));
+    let named = match meant(name) {
+        Some(Meant::Name(name)) => ended(name, parent, &known),
+        _ => None,
+    };
+    let close = || nearest_word(&word, known.iter().map(String::as_str));
+    ended(&word, "", &known).or(named).or_else(close).map(str::to_owned)
+}
+
+/// The known word that ends with these, of several the one below the parent or the likeliest.
+fn ended<'a>(end: &str, parent: &str, known: &'a [String]) -> Option<&'a str> {
+    let below = |one: &str| one.strip_suffix(end).is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
+    let rank = |one: &&str| {
+        let is_below = !parent.is_empty() && one.starts_with(parent);
+        let home = HOMES.iter().position(|home| one.starts_with(home)).unwrap_or(HOMES.len());
+        (!is_below, one.contains(".modes."), home)
+    };
+    known.iter().map(String::as_str).filter(|one| below(one)).min_by_key(rank)
 }
 
 /// The modes of a scene's first instance.
@@ -61,8 +83,15 @@ pub fn plan(
 ) -> PyResult<String> {
     let samples = copied(py, &samples)?;
     json(py, options.threads(), || {
-        let sweep = options.sweep(scene(text, name, samples)?)?;
-        cli::plan::answer(&sweep, forecast).map_err(|error| of_command(&error))
+        let scene = scene(text, name, samples)?;
+        let source = scene.source.clone();
+        let mut answer =
+            cli::plan::answer(&options.sweep(scene)?, forecast).map_err(|error| of_command(&error))?;
+        for warning in answer["warnings"].as_array_mut().into_iter().flatten() {
+            let told = warning.as_str().map(|line| keyed_line(line, name, &source));
+            *warning = told.map_or(Value::Null, Value::String);
+        }
+        Ok(answer)
     })
 }
 

@@ -57,6 +57,26 @@ def test_an_exception_in_the_callback_stops_the_run_and_comes_out():
     assert hasattr(stopped.value, "partial")
 
 
+def test_small_portions_are_kept_when_a_run_is_stopped():
+    scene = LONG.set(
+        {
+            "run.periods": 20000,
+            "sweep.sample.youngs_modulus": None,
+            "sweep": {"approach.gap": {"from": 1e-8, "to": 1.9e-8, "points": 24}},
+        }
+    )
+
+    def stop(name, share):
+        if name.startswith("run") and share and share > 0.4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        afm.run(scene, portion=1, audit=0, progress=stop)
+    assert 6 <= int((stopped.value.partial.status == 0).sum()) < 24
+    with pytest.raises(ValueError, match="1 instance or more"):
+        afm.run(scene, portion=0)
+
+
 def test_python_runs_on_meanwhile():
     ticks, over = [], threading.Event()
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+import warnings
 
 import afmsweep as afm
 import numpy as np
@@ -190,3 +191,93 @@ def test_a_measured_curve_tells_the_modulus(scene):
     }
     told = afm.infer(data, columns)["parameters"]["sample_youngs_modulus"]
     assert told["mean"] == pytest.approx(float(one.sample_youngs_modulus), abs=3 * told["sd"])
+
+
+def told(scene, **options):
+    """The warnings of a run."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        afm.run(scene, audit=0, **options)
+    return [str(one.message) for one in caught if one.category is afm.SceneWarning]
+
+
+@pytest.mark.parametrize(
+    ("nickname", "path"),
+    [
+        ("Q", "instrument.cantilever.quality_factor"),
+        ("k", "instrument.cantilever.stiffness"),
+        ("tip.radius", "instrument.tip.radius"),
+        ("sample.E", "sample.youngs_modulus"),
+        ("gap", "approach.gap"),
+    ],
+)
+def test_usual_names_are_understood(scene, nickname, path):
+    for call in (lambda: scene.set({nickname: 3.0}), lambda: afm.run(scene, samples={nickname: [3.0]})):
+        with pytest.raises(KeyError, match=f"did you mean '{re.escape(path)}'"):
+            call()
+
+
+def test_usual_names_of_observables_are_understood(scene):
+    with pytest.raises(KeyError, match="did you mean 'force_max'"):
+        afm.stats(afm.run(scene, audit=0), "peak force")
+
+
+def test_a_dictionary_has_keys_in_place_of_lines(scene, tmp_path):
+    odd = scene.set({"sample.youngs_modulus": 1e13})
+    (line,) = (one for one in told(odd) if "usual" in one)
+    assert line.startswith("sample.youngs_modulus = 10 TPa")
+    assert line in odd.plan()["warnings"]
+    with pytest.raises(afm.SceneError, match=r"--> sample.poisson_ratio\n"):
+        afm.run(scene.set({"sample.poisson_ratio": 0.7}))
+    with pytest.raises(afm.SceneError, match=r"--> uncertain.instrument.tip.radius\n"):
+        afm.Design("sobol", samples=4, parameters={"instrument.tip.radius": afm.uniform(9e-9, 5e-9)})
+    with pytest.raises(afm.SceneError, match=r"--> samples\n"):
+        afm.run(scene, samples={"instrument.tip.radius": [-1.0]})
+    # A text and a file have lines; a changed one has them no more.
+    file = tmp_path / "odd.toml"
+    file.write_text(odd.text, encoding="utf-8")
+    assert any("odd.toml:" in one for one in told(file)) and any("text:" in one for one in told(odd.text))
+    assert not any("odd.toml:" in one for one in told(afm.Scene(file).set({"approach.gap": 1.4e-8})))
+
+
+def test_messages_have_few_digits(scene):
+    cone = {"instrument.tip": {"shape": "cone", "half_angle": float(np.radians(20)), "youngs_modulus": "inf Pa"}}
+    lines = told(scene.set({**cone, "contact.law": "hertz", "sample": {"youngs_modulus": 2.5e9}}))
+    assert any("half_angle = 0.349066 degree" in one and "not in radians" in one for one in lines), lines
+    assert any("the sample has 2.5 GPa" in one for one in lines), lines
+
+
+def test_words_of_python_stand_in_messages_on_distributions(scene):
+    def study(**wide):
+        uncertain = {"instrument.cantilever.stiffness": afm.normal("10 N/m", **wide)}
+        return scene.with_design(afm.Design("sobol", samples=16, parameters=uncertain))
+
+    assert any("low= or high=" in one for one in told(study(sd="30 %")))
+    with pytest.raises(afm.SceneError, match="larger than its mean, 10 N/m: a share is written"):
+        afm.run(study(sd=12.0))
+    assert any("larger than its mean" in one for one in told(study(sd=12.0, low="1 N/m")))
+
+
+def test_the_presets_gap_is_told(scene):
+    assert any("approach.gap = 300 pm" in one for one in told(scene.set({"approach.gap": None})))
+    assert not any("preset" in one for one in told(scene))
+
+
+def test_a_page_needs_a_results_file(scene):
+    with pytest.raises(ValueError, match="output="):
+        afm.report(afm.run(scene, audit=0))
+
+
+def test_few_rows_are_doubted(scene):
+    def study(samples):
+        one = {"sample.youngs_modulus": afm.uniform("1 GPa", "3 GPa")}
+        return afm.run(scene.with_design(afm.Design("monte-carlo", samples=samples, parameters=one)), audit=0)
+
+    few, many = study(16), study(256)
+    with pytest.warns(afm.SceneWarning, match="256 rows or more") as caught:
+        indices = afm.sobol(few, "amplitude")
+    assert caught[0].filename == __file__
+    assert abs(1 - indices.S1[0]) <= indices.S1_conf[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", afm.SceneWarning)
+        assert float(afm.sobol(many, "amplitude").S1_conf[0]) < 0.2

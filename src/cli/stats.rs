@@ -273,7 +273,9 @@ fn indices(study: &Study, output: &StudyOutput, summary: &Summary) -> String {
                 text += format!("  {name:wide$}  S1 (bins) {}  {lost}", share(one)).trim_end();
                 text.push('\n');
             }
-            text += &summary.overlap_told().map_or_else(String::new, |told| format!("  {told}\n"));
+            for told in summary.few_told().into_iter().chain(summary.overlap_told()) {
+                text += &format!("  {told}\n");
+            }
         }
     }
     text

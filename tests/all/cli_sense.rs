@@ -234,11 +234,7 @@ fn a_drive_too_slow_for_its_lever_is_told() {
     let slow = CALIBRATED.replace("\"resonance\"", "\"1 Hz\"").replace("periods = 60", "periods = 4");
     desk.write("slow.toml", &slow);
     let said = desk.works(&["plan", "slow.toml"]);
-    assert!(
-        said.out.contains("warning: a drive of 1.000e0 Hz is too slow for a lever of 3.000e5 Hz"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("warning: a drive of 1 Hz is too slow for a lever of 300 kHz"), "{}", said.out);
     assert!(parse(CALIBRATED).warnings().is_empty());
     // As slow as peak-force tapping is: none of it.
     let plan = Plan::new(&parse(&CALIBRATED.replace("\"resonance\"", "\"2 kHz\"")), Precision::F64).unwrap();

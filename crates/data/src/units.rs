@@ -175,6 +175,27 @@ pub fn format(value: f64, dimension: Dimension) -> String {
     }
 }
 
+/// Writes an SI value for people: as [`format`] does, with six significant digits at most, and a number without prefix
+/// plainly from 1e-3 to 1e6.
+///
+/// ```
+/// use afmsweep_data::units::{Dimension, shown};
+/// assert_eq!(shown(20f64.to_radians(), Dimension::Angle), "0.349066 degree");
+/// assert_eq!(shown(2.5e9, Dimension::Pressure), "2.5 GPa");
+/// ```
+pub fn shown(value: f64, dimension: Dimension) -> String {
+    let rounded = format!("{value:.5e}").parse::<f64>().unwrap_or(value);
+    let unit = match (dimension, dimension.written_unit()) {
+        (Dimension::Dimensionless, _) => String::new(),
+        (_, (_, _, true)) => return format(rounded, dimension),
+        (_, (unit, ..)) => format!(" {unit}"),
+    };
+    match rounded.abs() {
+        size if size == 0.0 || (1e-3..1e6).contains(&size) || !size.is_finite() => format!("{rounded}{unit}"),
+        _ => format!("{rounded:e}{unit}"),
+    }
+}
+
 /// A decimal number at the start of a text, and what follows it.
 struct Number<'a> {
     /// Sign and digits, at most one point, no exponent.

@@ -4,6 +4,7 @@ use super::basis::ANGLE_MAX;
 use super::classes::Shape;
 use super::{Driven, Plan, STEPS_MAX};
 use crate::scene::Steady;
+use crate::units::{Dimension, shown};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -226,24 +227,25 @@ impl Plan {
         let most = self.run.steps_per_period.map_or(STEPS_MAX, |steps| steps.max(STEPS_MAX));
         let needed = |drive: &&Driven| TAU * drive.kept.fastest() / (drive.free.omega * ANGLE_MAX);
         let above = |drive: &&Driven| drive.frequency() / drive.instrument.lever_frequency;
+        let hertz = |frequency| shown(frequency, Dimension::Frequency);
         let mut lines = Vec::new();
         if let Some(drive) = self.drives.iter().find(|drive| needed(drive) > f64::from(most)) {
             lines.push(format!(
-                "a drive of {:.3e} Hz is too slow for a lever of {:.3e} Hz: its modes need {:.1e} steps in each \
-                 period, and at most {most} are taken; give drive.frequency above {:.3e} Hz",
-                drive.frequency(),
-                drive.instrument.lever_frequency,
+                "a drive of {} is too slow for a lever of {}: its modes need {:.1e} steps in each \
+                 period, and at most {most} are taken; give drive.frequency above {}",
+                hertz(drive.frequency()),
+                hertz(drive.instrument.lever_frequency),
                 needed(&drive),
-                drive.frequency() * needed(&drive) / f64::from(most)
+                hertz(drive.frequency() * needed(&drive) / f64::from(most))
             ));
         }
         if let Some(drive) = self.drives.iter().find(|drive| above(drive) > DOUBTFUL_FREQUENCY_RATIO) {
             lines.push(format!(
-                "a drive of {:.3e} Hz is {:.1e} times above the lever's first mode, {:.3e} Hz, which hardly follows it; \
+                "a drive of {} is {:.1e} times above the lever's first mode, {}, which hardly follows it; \
                  check drive.frequency",
-                drive.frequency(),
+                hertz(drive.frequency()),
                 above(&drive),
-                drive.instrument.lever_frequency
+                hertz(drive.instrument.lever_frequency)
             ));
         }
         lines

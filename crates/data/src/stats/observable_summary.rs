@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 /// Shares of which quantiles are told.
 pub const SHARES: [f64; 7] = [0.025, 0.05, 0.25, 0.5, 0.75, 0.95, 0.975];
 
+/// Fewer rows than this make few bins.
+const FEW: usize = 256;
 /// Why a row is left out that has no status of its own.
 const NO_VALUE: &str = "no_value";
 /// Why a row is left out that is whole itself.
@@ -207,6 +209,17 @@ fn sorted(
 }
 
 impl Summary {
+    /// A word about shares by bins of which there are few.
+    pub fn few_told(&self) -> Option<String> {
+        let is_few = matches!(self.indices, SensitivityIndices::Bins(_)) && self.count < FEW;
+        is_few.then(|| {
+            format!(
+                "first-order indices by bins of {} rows come out low, for few bins leave out much: take {FEW} rows or more",
+                self.count
+            )
+        })
+    }
+
     /// A word about shares that overlap.
     pub fn overlap_told(&self) -> Option<String> {
         self.overlap.map(|sum| format!("correlated: shares overlap and add to {sum:.2}"))

@@ -78,6 +78,7 @@ pub fn summary(summary: &Summary, output: &StudyOutput) -> Value {
             say("S1_conf", half_widths(first));
         }
     }
+    summary.few_told().into_iter().for_each(|doubt| say("S1_doubt", json!(doubt)));
     if let (Some(sum), Some(told)) = (summary.overlap, summary.overlap_told()) {
         say("S1_sum", number(sum));
         say("S1_note", json!(told));

@@ -3,6 +3,7 @@
 use super::tabor::fitting_law;
 use super::{Attraction, Contact, DMT_BELOW, JKR_ABOVE, Law, NEGLIGIBLE_ADHESION};
 use crate::scene::{LawChoice, Params, TipShape};
+use crate::units::{Dimension, shown};
 use std::f64::consts::PI;
 
 /// Largest `a/R` at which all three laws' parabola still stands for a sphere and small strain holds.
@@ -57,8 +58,8 @@ pub enum Warning {
     LargeStrain { indentation: f64, contact_radius: f64, tip_radius: f64, shape: TipShape },
     /// The tip counts as rigid although the sample is stiff.
     #[error(
-        "the tip counts as rigid, yet the sample has {:.3e} GPa: give instrument.tip.youngs_modulus",
-        sample_modulus * 1e-9
+        "the tip counts as rigid, yet the sample has {}: give instrument.tip.youngs_modulus",
+        shown(*sample_modulus, Dimension::Pressure)
     )]
     RigidTip { sample_modulus: f64 },
 }

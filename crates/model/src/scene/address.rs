@@ -58,4 +58,12 @@ impl Address {
             dimension => format!("\"{}\"", units::format(value, dimension)),
         }
     }
+
+    /// The same for people, with few digits.
+    pub fn shown(self, value: f64) -> String {
+        match self.quantity.dimension {
+            Dimension::Dimensionless => units::shown(value, Dimension::Dimensionless),
+            dimension => format!("\"{}\"", units::shown(value, dimension)),
+        }
+    }
 }

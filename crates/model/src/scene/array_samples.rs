@@ -51,13 +51,13 @@ pub(super) fn read(given: GivenSamples, draft: &mut Draft) -> Checked<SweptAxes>
         let domain = address.quantity.domain;
         if let Some(row) = values.iter().position(|value| !domain.holds(*value)) {
             return Err(fault(format!("row {row} of `{path}` has an impossible value"))
-                .label(format!("found {} in SI units", values[row]))
+                .label(format!("found {}", address.shown(values[row])))
                 .expected(domain.described())
                 .help(domain.advice(values[row])));
         }
         let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
         for value in [of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)] {
-            values::in_domain(value, place.clone(), || address.written(value), address, &path)?;
+            values::in_domain(value, place.clone(), || address.shown(value), address, &path)?;
         }
         columns.push((address, values));
     }

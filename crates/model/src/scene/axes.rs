@@ -192,7 +192,7 @@ fn between_ends(value: &Value, table: &DeTable, address: Address) -> Checked<(Ve
             .help("move the ends apart, or leave the axis out and give the one value in its section"));
     }
     if let Some(number) = values.iter().find(|number| !address.quantity.domain.holds(**number)) {
-        values::in_domain(*number, value.span(), || address.written(*number), address, &path)?;
+        values::in_domain(*number, value.span(), || address.shown(*number), address, &path)?;
     }
     Ok((values, log))
 }

@@ -4,7 +4,7 @@ use super::axes::{MOST_INSTANCES, axis};
 use super::draft::Draft;
 use super::sample_table::SampleTable;
 use super::scene_error::{Checked, Fault, Faults, SceneError};
-use super::uncertain_section::{self, Uncertain};
+use super::uncertain_section::{self, CUT, Uncertain};
 use super::values::{self, Key, Value};
 use super::{Axis, SweptAxes, TableFile, axis_zip, table_file};
 use crate::design::DesignKind::{self, LatinHypercube, MonteCarlo, Morris, Saltelli, Sobol, Table};
@@ -285,7 +285,8 @@ impl<'a> Section<'a> {
             all.iter().zip(design.columns()).map(|(one, values)| axis(one.address, values, false)).collect();
         all.iter().zip(&columns).try_for_each(|(one, column)| possible(one, &column.values))?;
         for one in &all {
-            draft.drawn.odd.extend(one.doubt().map(|line| (one.key.clone(), line)));
+            let doubts = one.wide().into_iter().chain(one.doubt());
+            draft.drawn.odd.extend(doubts.map(|line| (one.key.clone(), line)));
         }
         draft.drawn.odd.extend(self.not_a_power(&design));
         sweep.axes.push(axis_zip::samples(columns, design.len()));
@@ -360,15 +361,15 @@ fn possible(one: &Uncertain, values: &[f64]) -> Checked<()> {
         return Err(Fault::at(one.key.clone(), format!("`{path}` is drawn with an impossible value"))
             .label(format!(
                 "row {row} has {}; the probability of such values is {:.1e}",
-                address.written(*value),
+                address.shown(*value),
                 one.impossible()
             ))
             .expected(domain.described())
-            .help("cut the distribution with from or to, or take a lognormal one"));
+            .help(one.wide().unwrap_or_else(|| format!("{CUT}, or take a lognormal one"))));
     }
     let of = |fold: fn(f64, f64) -> f64, start: f64| values.iter().copied().fold(start, fold);
     for value in [of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY)] {
-        values::in_domain(value, one.key.clone(), || address.written(value), address, &one.parameter.path)?;
+        values::in_domain(value, one.key.clone(), || address.shown(value), address, &one.parameter.path)?;
     }
     Ok(())
 }

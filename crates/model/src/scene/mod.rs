@@ -212,10 +212,10 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// What stands at this place, as the scene would write it.
+    /// What stands at this place, for people.
     fn written(&self, at: usize) -> String {
         match Address::find(&self.path) {
-            Some(address) => format!("{} = {}", self.path, address.written(self.values[at])),
+            Some(address) => format!("{} = {}", self.path, address.shown(self.values[at])),
             None => match self.words.get(at) {
                 Some(word) => format!("{} = \"{word}\"", self.name),
                 None => format!("{} = {at}", self.name),

@@ -10,7 +10,7 @@ use super::params::{ActuatorModel, LawChoice};
 use super::quantity::Quantity;
 use super::scene_error::{Checked, Fault, line_column};
 use super::{Scene, Start};
-use crate::units::{Dimension, format as written};
+use crate::units::{Dimension, shown};
 use std::ops::Range;
 
 /// Whether zero, infinite, or within the bounds but for its sign.
@@ -20,10 +20,7 @@ fn within(value: f64, [least, most]: [f64; 2]) -> bool {
 
 /// The bounds as a phrase.
 fn described([least, most]: [f64; 2], dimension: Dimension) -> String {
-    let end = |value: f64| match dimension {
-        Dimension::Dimensionless if !(1e-3..1e5).contains(&value) => format!("{value:e}"),
-        _ => written(value, dimension),
-    };
+    let end = |value: f64| shown(value, dimension);
     match least {
         0.0 => format!("at most {}", end(most)),
         _ => format!("from {} to {}", end(least), end(most)),
@@ -73,11 +70,12 @@ impl Scene {
             None => address.get(&self.base).filter(odd)?,
         };
         Some(format!(
-            "{}: {} = {} is beyond what is usual ({}): check it",
+            "{}: {} = {} is beyond what is usual ({}): check it{}",
             self.place(&said.key),
             said.path,
-            written(value, dimension),
-            described(usual, dimension)
+            shown(value, dimension),
+            described(usual, dimension),
+            if dimension == Dimension::Angle { "; angles are in degrees, not in radians" } else { "" }
         ))
     }
 

@@ -205,7 +205,7 @@ quantities! {
     "instrument.tip.radius", field!(instrument.tip.radius),
         "tip radius", Length, Positive, [1e-10, 1e-3], PARTS;
     "instrument.tip.half_angle", TIP_ANGLE,
-        "half-angle of the tip", Angle, HalfAngle, [1.0, 89.0], [1e-3, 90.0];
+        "half-angle of the tip", Angle, HalfAngle, [3.0, 89.0], [1e-3, 90.0];
     "instrument.tip.youngs_modulus", field!(instrument.tip.youngs_modulus),
         "tip Young's modulus", Pressure, PositiveOrInfinite, [1e3, 2e12], MODULI;
     "instrument.tip.poisson_ratio", field!(instrument.tip.poisson_ratio),

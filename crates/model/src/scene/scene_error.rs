@@ -130,6 +130,11 @@ impl SceneError {
         &self.0.path
     }
 
+    /// The text at fault.
+    pub fn source(&self) -> &str {
+        &self.0.source
+    }
+
     /// What is wrong, without the place; of the first mistake.
     pub fn title(&self) -> &str {
         self.0.faults.first().map_or("", |fault| &fault.title)

@@ -7,7 +7,7 @@ use super::draft::{Draft, Said};
 use super::scene_error::{Checked, Fault};
 use super::values::{self, Key, Value};
 use crate::design::{Distribution, MOST_PARAMETERS, Parameter, normal_below};
-use crate::units::Dimension;
+use crate::units::{self, Dimension};
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
@@ -25,6 +25,8 @@ const FORM: &str = "a table such as { distribution = \"normal\", mean = \"40 N/m
 const LEAST_LEFT: f64 = 1e-9;
 /// Standard deviations of the logarithm.
 pub(super) const SIGMAS: (f64, f64) = (1e-9, 5.0);
+/// What to do about a tail, in a scene and in Python.
+pub(super) const CUT: &str = "cut the distribution with from or to (in Python with low= or high=)";
 /// Probabilities of impossible values below this are not worth a word.
 const WORTH_A_WORD: f64 = 1e-9;
 
@@ -230,7 +232,7 @@ impl Entry<'_> {
         }
         Err(self
             .fault("to", format!("`to` of `{}` is not above `from`", self.path))
-            .expected("from below to")
+            .expected("from below to (in Python low below high)")
             .help("exchange the ends; a quantity that is known belongs in its section"))
     }
 
@@ -289,12 +291,26 @@ impl Uncertain {
         self.parameter.distribution.map_or(0.0, |one| one.below(least) + (1.0 - one.below(most)))
     }
 
+    /// A word about a standard deviation larger than the mean.
+    pub fn wide(&self) -> Option<String> {
+        let Some(Distribution::Normal { mean, sd, .. }) = self.parameter.distribution else { return None };
+        (mean != 0.0 && sd > mean.abs()).then(|| {
+            let shown = |value| units::shown(value, self.address.quantity.dimension);
+            format!(
+                "the standard deviation of {}, {}, is larger than its mean, {}: a share is written \"10 %\"",
+                self.parameter.path,
+                shown(sd),
+                shown(mean)
+            )
+        })
+    }
+
     /// A word about values that it cannot have.
     pub fn doubt(&self) -> Option<String> {
         let probability = self.impossible();
         (probability >= WORTH_A_WORD).then(|| {
             format!(
-                "{} may have impossible values (probability {probability:.1e}; possible is {}): cut its distribution with from or to",
+                "{} may have impossible values (probability {probability:.1e}; possible is {}): {CUT}",
                 self.parameter.path,
                 self.address.quantity.domain.described()
             )
