@@ -33,7 +33,7 @@ if [ -f "$wanted" ]; then
 else
     packages=("$wanted")
 fi
-if ! "$folder/bin/python" -m pip install -q --disable-pip-version-check "${packages[@]}"; then
+if ! "$folder/bin/python" -m pip install -q --no-compile --disable-pip-version-check "${packages[@]}"; then
     rm -rf "$folder"
     echo "error: pip could not install $wanted; see its message above" >&2
     exit 1
