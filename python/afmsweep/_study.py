@@ -145,7 +145,7 @@ def _sheet(columns: Mapping[str, Any], path: Path) -> Path:
 
 
 def report(
-    file: str | os.PathLike[str] | xr.Dataset,
+    file: str | os.PathLike[str] | xr.Dataset | xr.DataTree,
     output: str | os.PathLike[str] | None = None,
     *,
     x: str | None = None,
@@ -158,16 +158,30 @@ def report(
 ) -> Path:
     """Writes a page with pictures (SVG) of a results file, and gives its path; as the command ``report``.
 
-    ``file``: a results file, or a data set that `run` wrote into one (``output=``) or that `open` read. ``output``: the
-    folder. ``x``, ``y``, ``curves``: paths of the axes to the right, upwards, and of curves in one picture. ``at``: an axis
+    ``file``: a results file, what `run_tree` gives, or a data set that `run` wrote into a file (``output=``) or that `open`
+    read. ``output``: the folder; needed where there is no file. ``x``, ``y``, ``curves``: paths of the axes to the right, upwards, and of curves in one picture. ``at``: an axis
     at one value; ``below`` and ``above``: limits of observables; values with units, such as ``"16 nm"``.
     """
+    import xarray as xr
+
+    if isinstance(file, xr.DataTree) and file.encoding.get("source") is None:
+        if output is None:
+            raise ValueError("these results are of no file: give output=, the folder of the page")
+        with tempfile.TemporaryDirectory() as folder:
+            written = Path(folder, "results.h5")
+            # The sums are those of a file that the program writes.
+            whole = file.copy()
+            whole.attrs.pop("checksums", None)
+            whole.to_netcdf(written)
+            return report(
+                written, output, x=x, y=y, curves=curves, at=at, below=below, above=above, branch=branch
+            )
     if not isinstance(file, (str, os.PathLike)):
         source = file.encoding.get("source")
         if source is None:
             raise ValueError(
-                "the data set is of no results file, which a page is made of: call run with output='results.h5', "
-                "and report with that file or with what run gives then"
+                "the data set is of no results file, which a page is made of: take run_tree in place of run, "
+                "or call run with output='results.h5'"
             )
         file = source
     pairs = {key: list((told or {}).items()) for key, told in (("at", at), ("below", below), ("above", above))}

@@ -7,6 +7,7 @@ import warnings
 import afmsweep as afm
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import LEVER
 
 # A command, or an option of one.
@@ -266,6 +267,24 @@ def test_the_presets_gap_is_told(scene):
 def test_a_page_needs_a_results_file(scene):
     with pytest.raises(ValueError, match="output="):
         afm.report(afm.run(scene, audit=0))
+    with pytest.raises(ValueError, match="output="):
+        afm.report(afm.run_tree(scene, audit=0))
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_a_page_of_results_in_memory_is_that_of_the_file(scene, tmp_path, engine):
+    swept = scene.set({"sweep": {"approach.gap": {"from": "10 nm", "to": "18 nm", "points": 5}}})
+    whole = afm.run_tree(swept, audit=2)
+    afm.run(swept, audit=2, output=tmp_path / "results.h5")
+    with xr.set_options(netcdf_engine_order=[engine, "h5netcdf", "netcdf4", "scipy"]):
+        ours = afm.report(whole, tmp_path / "ours")
+    theirs = afm.report(tmp_path / "results.h5", tmp_path / "theirs")
+    assert "checksums" in whole.attrs
+    names = sorted(path.name for path in theirs.parent.iterdir())
+    assert names == sorted(path.name for path in ours.parent.iterdir()) and "amplitude.svg" in names
+    for name in names:
+        if name.endswith((".csv", ".svg")):
+            assert (ours.parent / name).read_bytes() == (theirs.parent / name).read_bytes(), name
 
 
 def test_few_rows_are_doubted(scene):

@@ -175,7 +175,7 @@ pub fn format(value: f64, dimension: Dimension) -> String {
     }
 }
 
-/// Writes an SI value for people: as [`format`] does, with six significant digits at most, and a number without prefix
+/// Writes an SI value for people: as [`format()`] does, with six significant digits at most, and a number without prefix
 /// plainly from 1e-3 to 1e6.
 ///
 /// ```
