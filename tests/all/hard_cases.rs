@@ -12,6 +12,7 @@ use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{DriveLevel, Scene, Steady};
 use rayon::prelude::*;
 use std::path::Path;
+use std::time::Instant;
 
 /// Error per step of the reference, which has more digits than any case asks for: that of an audit for 1e-3. With 1e-11 the
 /// same cases pass, in more than twice the time.
@@ -192,6 +193,7 @@ fn load(name: &str) -> Scene {
 
 /// A line of the table, and what is wrong with the case.
 fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
+    let begun = Instant::now();
     let mut wrong = Vec::new();
     let scene = load(name);
     let double = checks::plan(&scene, None);
@@ -246,7 +248,7 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
             say(format!("not the case meant: {:?}", finished.measured));
         }
     }
-    line += &format!(" {accuracy:5.0e}");
+    line += &format!(" {accuracy:5.0e} {:6.2} s", begun.elapsed().as_secs_f64());
     (line, wrong)
 }
 
