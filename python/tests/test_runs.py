@@ -62,17 +62,18 @@ def test_small_portions_are_kept_when_a_run_is_stopped():
         {
             "run.periods": 20000,
             "sweep.sample.youngs_modulus": None,
-            "sweep": {"approach.gap": {"from": 1e-8, "to": 1.9e-8, "points": 24}},
+            "sweep": {"approach.gap": {"from": 1e-8, "to": 1.9e-8, "points": 96}},
         }
     )
 
+    # Early: a busy machine may sleep through much of the run before it is stopped.
     def stop(name, share):
-        if name.startswith("run") and share and share > 0.4:
+        if name.startswith("run") and share and share > 0.15:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt) as stopped:
         afm.run(scene, portion=1, audit=0, progress=stop)
-    assert 6 <= int((stopped.value.partial.status == 0).sum()) < 24
+    assert 6 <= int((stopped.value.partial.status == 0).sum()) < 96
     with pytest.raises(ValueError, match="1 instance or more"):
         afm.run(scene, portion=0)
 
