@@ -273,7 +273,7 @@ fn indices(study: &Study, output: &StudyOutput, summary: &Summary) -> String {
                 text += format!("  {name:wide$}  S1 (bins) {}  {lost}", share(one)).trim_end();
                 text.push('\n');
             }
-            for told in summary.few_told().into_iter().chain(summary.overlap_told()) {
+            for told in summary.doubts() {
                 text += &format!("  {told}\n");
             }
         }

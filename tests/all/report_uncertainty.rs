@@ -47,6 +47,7 @@ fn statistics_of_many_points_are_bands_and_folded_points() {
     // Eighteen points: every third is told, and only bands stand open.
     assert_eq!(page.matches("<details>").count(), 6, "{page}");
     assert!(page.contains("12 points of the sweep have no pictures of their own."), "{page}");
+    assert!(page.contains("First-order indices by bins of 32 rows come out low"), "{page}");
     let open = page.split("<details>").next().unwrap();
     assert!(open.contains("Amplitude") && open.contains("25 to 75 %") && !open.contains("<table>"), "{open}");
     let band = std::fs::read_to_string(desk.path("pages/amplitude_bands_0.svg")).unwrap();

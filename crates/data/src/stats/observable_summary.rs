@@ -220,6 +220,11 @@ impl Summary {
         })
     }
 
+    /// Words about shares by bins: that there are few, that they overlap.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
+        self.few_told().into_iter().chain(self.overlap_told())
+    }
+
     /// A word about shares that overlap.
     pub fn overlap_told(&self) -> Option<String> {
         self.overlap.map(|sum| format!("correlated: shares overlap and add to {sum:.2}"))

@@ -228,8 +228,8 @@ fn decides(page: &mut Page, study: &Study, (stem, output): (&str, &StudyOutput),
         true => title,
         false => format!("{title}. Not told apart from zero: {}", lost.join("; ")),
     };
-    let overlap = summary.overlap_told().map_or_else(String::new, |told| format!(". {}", capital(&told)));
-    let caption = caption + &overlap;
+    let doubts: String = summary.doubts().map(|told| format!(". {}", capital(&told))).collect();
+    let caption = caption + &doubts;
     page.figure(&format!("{stem}_indices"), &caption, svg);
 }
 
