@@ -99,10 +99,12 @@ fn threads_change_no_bit() {
         let plan = checks::plan_in(scene, None, precision);
         let one: Vec<_> = run(&plan, 1).iter().map(bits).collect();
         let strict: Vec<_> = run_in(&plan, 1, true).iter().map(bits).collect();
-        let more: Vec<_> = run(&plan, 5).iter().map(bits).collect();
-        assert_eq!(one, more, "{name}");
-        let more: Vec<_> = run_in(&plan, 5, true).iter().map(bits).collect();
-        assert_eq!(strict, more, "{name}, strict");
+        for threads in [2, 5] {
+            let more: Vec<_> = run(&plan, threads).iter().map(bits).collect();
+            assert_eq!(one, more, "{name}, {threads} threads");
+            let more: Vec<_> = run_in(&plan, threads, true).iter().map(bits).collect();
+            assert_eq!(strict, more, "{name}, {threads} threads, strict");
+        }
         // A test that everything is the same must not be passed by nothing at all.
         let distinct: std::collections::BTreeSet<_> = one.iter().collect();
         let least = if name.starts_with("none") { 2 } else { 6 };

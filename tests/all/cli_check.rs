@@ -199,7 +199,7 @@ fn an_undamped_rod_is_not_steady_by_its_check_either() {
          [instrument.cantilever]\nquality_factor = 25\n\
          [instrument.tip]\nyoungs_modulus = \"130 GPa\"\nradius = \"40 nm\"\n[sample]\nyoungs_modulus = \"100 GPa\"\n\
          surface_energy = \"0 J/m^2\"\n[contact]\nlaw = \"dmt\"\n[drive]\nfrequency = \"resonance\"\nfree_amplitude = \"20 nm\"\n\
-         [approach]\ngap = \"17 nm\"\n[run]\nperiods = 20\nmeasure = 10\n[output]\nobservables = [\"amplitude\", \"force_max\"]\n",
+         [approach]\ngap = \"17 nm\"\n[run]\nperiods = 80\nmeasure = 10\n[output]\nobservables = [\"amplitude\", \"force_max\"]\n",
     );
     let results = desk.run(&scene, &[]);
     assert_eq!(results.status, [Status::NotSteady as u8]);
