@@ -6,7 +6,7 @@ use afmsweep::cli::backend;
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::{Engine, ProgressPhase};
 use afmsweep::plan::Plan;
-use afmsweep::scene::Address;
+use afmsweep::scene::{Address, PRESET};
 use afmsweep::sweep::{EngineChoice, JournaledOutcome};
 use afmsweep::units::shown;
 use afmsweep::{Observer, Scene, Status};
@@ -22,8 +22,6 @@ pub struct PythonObserver {
     scene: OnceLock<(String, String)>,
 }
 
-/// The preset of what a scene leaves out.
-const PRESET: &str = "ha-fung-chen-2005";
 /// What a scene of one's own says: the preset's values are of another sample.
 const OWN: [&str; 2] = ["approach.gap", "sample.youngs_modulus"];
 

@@ -50,7 +50,7 @@ pub enum Warning {
         indentation * 1e9,
         contact_radius / tip_radius,
         match (shape, contact_radius < tip_radius) {
-            (TipShape::Sphere, _) => "the sphere's shape is exact, but a real sample is linear no more at such a strain",
+            (TipShape::Sphere, _) => "the sphere's shape is exact, but a real sample is no longer linear at such a strain",
             (_, true) => "expect an error in the force of 1 % or more",
             (_, false) => "a tip that sinks in so far is no sphere to them",
         }

@@ -53,17 +53,18 @@ impl Address {
 
     /// The value as the scene file writes it, quotes included where it has a unit.
     pub fn written(self, value: f64) -> String {
-        match self.quantity.dimension {
-            Dimension::Dimensionless => units::format(value, Dimension::Dimensionless),
-            dimension => format!("\"{}\"", units::format(value, dimension)),
-        }
+        self.quoted(units::format(value, self.quantity.dimension))
     }
 
     /// The same for people, with few digits.
     pub fn shown(self, value: f64) -> String {
+        self.quoted(units::shown(value, self.quantity.dimension))
+    }
+
+    fn quoted(self, value: String) -> String {
         match self.quantity.dimension {
-            Dimension::Dimensionless => units::shown(value, Dimension::Dimensionless),
-            dimension => format!("\"{}\"", units::shown(value, dimension)),
+            Dimension::Dimensionless => value,
+            _ => format!("\"{value}\""),
         }
     }
 }

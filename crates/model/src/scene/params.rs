@@ -9,7 +9,7 @@ pub use super::tip_params::*;
 use crate::kernel::{Attraction, Law};
 
 /// The preset of the whole instrument; the others are `levers.rs`'s.
-pub(super) const PRESET: &str = "ha-fung-chen-2005";
+pub const PRESET: &str = "ha-fung-chen-2005";
 
 /// Everything one instance needs; lengths in m, stiffness in N/m, frequencies in Hz.
 #[derive(Clone, Debug, Default, PartialEq)]
