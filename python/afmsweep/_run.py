@@ -156,8 +156,8 @@ def run(
     swept axes, or over ``instance`` for samples. Of two steady states each instance has the one that its search met;
     ``branch`` tells which, and `run_tree` has the others in ``other_branch``.
 
-    ``samples``: arrays of shape ``(n,)`` in SI units (angles in degrees) by the paths of their quantities, one instance for each place; with a
-    sweep in the scene each of its points has every sample.
+    ``samples``: arrays of shape ``(n,)`` in SI units (angles in degrees) by the paths of their quantities, one instance for
+    each place; with a sweep in the scene each of its points has every sample.
     ``backend``: auto, cpu, gpu or reference. ``precision``: f32 or f64; None tries both.
     ``threads``: None takes all cores. ``audit``: instances that the reference engine redoes; None goes by time, 0 redoes none.
     ``portion``: instances that are run and kept together; None takes some ten seconds of work. No result depends on it.

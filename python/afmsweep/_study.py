@@ -158,32 +158,36 @@ def report(
 ) -> Path:
     """Writes a page with pictures (SVG) of a results file, and gives its path; as the command ``report``.
 
-    ``file``: a results file, what `run_tree` gives, or a data set that `run` wrote into a file (``output=``) or that `open`
-    read. ``output``: the folder; needed where there is no file. ``x``, ``y``, ``curves``: paths of the axes to the right, upwards, and of curves in one picture. ``at``: an axis
-    at one value; ``below`` and ``above``: limits of observables; values with units, such as ``"16 nm"``.
+    ``file``: a results file, what `run_tree` gives (xarray then needs h5netcdf or netCDF4), or a data set that `run` wrote
+    into a file (``output=``) or that `open` read. ``output``: the folder; needed where there is no file. ``x``, ``y``,
+    ``curves``: paths of the axes to the right, upwards, and of curves in one picture. ``at``: an axis at one value;
+    ``below`` and ``above``: limits of observables; values with units, such as ``"16 nm"``.
     """
-    import xarray as xr
-
-    if isinstance(file, xr.DataTree) and file.encoding.get("source") is None:
-        if output is None:
-            raise ValueError("these results are of no file: give output=, the folder of the page")
-        with tempfile.TemporaryDirectory() as folder:
-            written = Path(folder, "results.h5")
-            # The sums are those of a file that the program writes.
-            whole = file.copy()
-            whole.attrs.pop("checksums", None)
-            whole.to_netcdf(written)
-            return report(
-                written, output, x=x, y=y, curves=curves, at=at, below=below, above=above, branch=branch
-            )
-    if not isinstance(file, (str, os.PathLike)):
-        source = file.encoding.get("source")
-        if source is None:
-            raise ValueError(
-                "the data set is of no results file, which a page is made of: take run_tree in place of run, "
-                "or call run with output='results.h5'"
-            )
-        file = source
     pairs = {key: list((told or {}).items()) for key, told in (("at", at), ("below", below), ("above", above))}
     view = {"x": x, "y": y, "curves": curves, "branch": branch, **pairs}
-    return Path(_afmsweep.report(os.fspath(file), None if output is None else os.fspath(output), view))
+    with tempfile.TemporaryDirectory() as folder:
+        path = _file_of(file, Path(folder), output is not None)
+        return Path(_afmsweep.report(path, None if output is None else os.fspath(output), view))
+
+
+def _file_of(results: str | os.PathLike[str] | xr.Dataset | xr.DataTree, folder: Path, has_output: bool) -> str:
+    """The results file there is; of results in memory one written into the folder."""
+    import xarray as xr
+
+    if isinstance(results, (str, os.PathLike)):
+        return os.fspath(results)
+    source = results.encoding.get("source")
+    if source is not None:
+        return os.fspath(source)
+    if not isinstance(results, xr.DataTree):
+        raise ValueError(
+            "the data set is of no results file, which a page is made of: take run_tree in place of run, "
+            "or call run with output='results.h5'"
+        )
+    if not has_output:
+        raise ValueError("these results are of no file: give output=, the folder of the page")
+    whole = results.copy()
+    # Sums of a file that the program writes: those of another writer's differ.
+    whole.attrs.pop("checksums", None)
+    whole.to_netcdf(folder / "results.h5")
+    return str(folder / "results.h5")
