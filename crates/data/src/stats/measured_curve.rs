@@ -240,7 +240,11 @@ impl FreeParameter {
     }
 
     fn log(&self, misses: &Misses) -> f64 {
-        self.over_scale(misses).map_or_else(|| -0.5 * misses.at(1.0), |(over, _)| over.log())
+        let log = |factor: f64| -0.5 * misses.at(factor);
+        self.scale.map_or_else(
+            || log(1.0),
+            |prior| Marginal::log_average(OF_SCALE, |share| log(prior.value(share))),
+        )
     }
 
     /// What one sample makes of it. `steps` are those over the prior of the offset.
